@@ -1,0 +1,314 @@
+//! The salsa database: inputs, the path table, and per-file text queries.
+//!
+//! A path becomes an input the first time anything asks about it, missing or not, so that creating
+//! or deleting a file re-runs exactly the queries that asked. All input and output goes through the
+//! [`Loader`]. The tables only grow: the input of a path never changes, so reading them inside a
+//! query is harmless.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use camino::{Utf8Component, Utf8Path, Utf8PathBuf};
+use dotgen_syntax::{
+    lexer::{RawTokens, lex},
+    line_index::LineIndex,
+};
+use rustc_hash::FxHashMap;
+use salsa::{Durability, Setter};
+use smol_str::SmolStr;
+
+use crate::{
+    diagnostic::Severity,
+    host::{FileContent, Loader, PackageFlags},
+    lint::LintConfig,
+};
+
+/// What the database offers to queries.
+#[salsa::db]
+pub(crate) trait Db: salsa::Database {
+    /// The input of a path.
+    fn file(&self, path: &Utf8Path) -> SourceFile;
+    /// The input of a text in memory.
+    fn text(&self, name: &Utf8Path, text: &Arc<str>) -> SourceFile;
+    /// The input of an argument list of `#pragma requires`.
+    fn packages(&self, arguments: &[String]) -> Packages;
+    /// The settings.
+    fn workspace(&self) -> Workspace;
+    /// For what is looked up at the moment of a request and never remembered: directories.
+    fn loader(&self) -> &Arc<dyn Loader>;
+}
+
+/// A path and what is there.
+#[salsa::input(debug)]
+pub struct SourceFile {
+    /// Absolute, without `.` and `..`.
+    pub path: Utf8PathBuf,
+    /// Whether there is a text.
+    pub status: FileStatus,
+    /// The text; empty unless the status says otherwise.
+    pub text: Arc<str>,
+}
+
+/// Whether a path leads to a text.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum FileStatus {
+    /// It does.
+    Text,
+    /// Nothing is there.
+    Missing,
+    /// A directory.
+    Directory,
+    /// A text with replacement characters.
+    NotUtf8,
+    /// It cannot be read: why.
+    Unreadable(String),
+}
+
+/// The answer of the package tool to one argument list.
+#[salsa::input(debug)]
+pub struct Packages {
+    /// The arguments.
+    pub arguments: Vec<String>,
+    /// Flags, or a message for the user.
+    pub flags: Result<PackageFlags, String>,
+}
+
+/// Settings of the workspace.
+#[salsa::input(debug)]
+pub struct Workspace {
+    /// Every file that begins a unit, in order.
+    pub roots: Vec<Utf8PathBuf>,
+    /// The document the user works in.
+    pub active: Option<Utf8PathBuf>,
+    /// `-I`
+    pub include_dirs: Vec<Utf8PathBuf>,
+    /// `-D`
+    pub defines: Vec<(SmolStr, SmolStr)>,
+    /// Severity per code.
+    pub severities: Vec<(String, Option<Severity>)>,
+    /// What the lints need to know.
+    pub lints: LintConfig,
+    /// Files and the roots they are to be shown as included by.
+    pub chosen: Vec<(Utf8PathBuf, Utf8PathBuf)>,
+}
+
+/// The database.
+#[salsa::db]
+#[derive(Clone)]
+pub(crate) struct RootDatabase {
+    storage: salsa::Storage<Self>,
+    tables: Arc<Tables>,
+    workspace: Option<Workspace>,
+}
+
+struct Tables {
+    loader: Arc<dyn Loader>,
+    files: Mutex<FxHashMap<Utf8PathBuf, SourceFile>>,
+    texts: Mutex<FxHashMap<(Utf8PathBuf, Arc<str>), SourceFile>>,
+    packages: Mutex<FxHashMap<Vec<String>, Packages>>,
+}
+
+/// A callback that sees what salsa does; tests read it to prove which queries ran.
+pub(crate) type EventCallback = Box<dyn Fn(salsa::Event) + Send + Sync>;
+
+impl RootDatabase {
+    pub(crate) fn new(loader: Arc<dyn Loader>, events: Option<EventCallback>) -> RootDatabase {
+        let mut db = RootDatabase {
+            storage: salsa::Storage::new(events),
+            tables: Arc::new(Tables {
+                loader,
+                files: Mutex::default(),
+                texts: Mutex::default(),
+                packages: Mutex::default(),
+            }),
+            workspace: None,
+        };
+        let workspace = Workspace::builder(
+            Vec::new(),
+            None,
+            Vec::new(),
+            Vec::new(),
+            Vec::new(),
+            LintConfig::default(),
+            Vec::new(),
+        )
+        .durability(Durability::MEDIUM)
+        .new(&db);
+        db.workspace = Some(workspace);
+        db
+    }
+
+    /// An empty database with the settings of another one, over another loader.
+    pub(crate) fn like(other: &dyn Db, loader: Arc<dyn Loader>) -> RootDatabase {
+        let mut db = RootDatabase::new(loader, None);
+        let (from, to) = (other.workspace(), db.workspace());
+        to.set_roots(&mut db).to(from.roots(other).clone());
+        to.set_include_dirs(&mut db)
+            .to(from.include_dirs(other).clone());
+        to.set_defines(&mut db).to(from.defines(other).clone());
+        to.set_severities(&mut db)
+            .to(from.severities(other).clone());
+        db
+    }
+
+    /// Gives a file a new text, or asks the loader again.
+    pub(crate) fn set_file(&mut self, path: &Utf8Path, text: Option<String>) {
+        let path = normalize(path);
+        let content = match text {
+            Some(text) => FileContent::Text(text),
+            None if !lock(&self.tables.files).contains_key(&path) => return,
+            None => self.tables.loader.read(&path),
+        };
+        let (status, text) = split(content);
+        let known = lock(&self.tables.files).get(&path).copied();
+        let Some(file) = known else {
+            let file = SourceFile::new(self, path.clone(), status, text);
+            lock(&self.tables.files).insert(path, file);
+            return;
+        };
+        // A setter counts as a change even when the value is equal.
+        if *file.status(self) != status {
+            file.set_status(self).to(status);
+        }
+        if *file.text(self) != text {
+            file.set_text(self).to(text);
+        }
+    }
+
+    /// Asks the package tool again about everything it was ever asked.
+    pub(crate) fn reload_packages(&mut self) {
+        let known: Vec<Packages> = lock(&self.tables.packages).values().copied().collect();
+        for packages in known {
+            let arguments = packages.arguments(self).clone();
+            let flags = self.tables.loader.packages(&arguments);
+            if *packages.flags(self) != flags {
+                _ = packages.set_flags(self).to(flags);
+            }
+        }
+    }
+}
+
+#[salsa::db]
+impl salsa::Database for RootDatabase {}
+
+#[salsa::db]
+impl Db for RootDatabase {
+    fn file(&self, path: &Utf8Path) -> SourceFile {
+        let path = normalize(path);
+        let mut files = lock(&self.tables.files);
+        if let Some(&file) = files.get(&path) {
+            return file;
+        }
+        let (status, text) = split(self.tables.loader.read(&path));
+        let file = SourceFile::new(self, path.clone(), status, text);
+        files.insert(path, file);
+        file
+    }
+
+    fn text(&self, name: &Utf8Path, text: &Arc<str>) -> SourceFile {
+        let name = normalize(name);
+        let mut texts = lock(&self.tables.texts);
+        let new = || SourceFile::new(self, name.clone(), FileStatus::Text, text.clone());
+        *texts
+            .entry((name.clone(), text.clone()))
+            .or_insert_with(new)
+    }
+
+    fn packages(&self, arguments: &[String]) -> Packages {
+        let mut known = lock(&self.tables.packages);
+        if let Some(&packages) = known.get(arguments) {
+            return packages;
+        }
+        let flags = self.tables.loader.packages(arguments);
+        let packages = Packages::new(self, arguments.to_vec(), flags);
+        known.insert(arguments.to_vec(), packages);
+        packages
+    }
+
+    fn loader(&self) -> &Arc<dyn Loader> {
+        &self.tables.loader
+    }
+
+    fn workspace(&self) -> Workspace {
+        match self.workspace {
+            Some(it) => it,
+            None => unreachable!("set by the constructor"),
+        }
+    }
+}
+
+impl FileStatus {
+    /// Whether there is a text to compile.
+    pub fn is_text(&self) -> bool {
+        matches!(self, FileStatus::Text | FileStatus::NotUtf8)
+    }
+}
+
+/// Removes `.` and `..` from a path without asking the file system.
+pub(crate) fn normalize(path: &Utf8Path) -> Utf8PathBuf {
+    let mut out = Utf8PathBuf::new();
+    for component in path.components() {
+        match component {
+            Utf8Component::CurDir => {}
+            Utf8Component::ParentDir if out.file_name().is_some() => {
+                out.pop();
+            }
+            Utf8Component::ParentDir if out.has_root() => {}
+            other => out.push(other.as_str()),
+        }
+    }
+    out
+}
+
+/// The tokens of a file.
+#[derive(Debug, Clone)]
+pub(crate) struct Lexed {
+    pub(crate) raw: Arc<RawTokens>,
+}
+
+impl PartialEq for Lexed {
+    /// Never equal: whatever depends on it has to see a new text anyway.
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.raw, &other.raw)
+    }
+}
+
+#[salsa::tracked(lru = 64)]
+pub(crate) fn lexed(db: &dyn Db, file: SourceFile) -> Lexed {
+    Lexed {
+        raw: Arc::new(lex(file.text(db))),
+    }
+}
+
+/// The lines of a file.
+#[salsa::tracked]
+pub(crate) fn line_index(db: &dyn Db, file: SourceFile) -> Arc<LineIndex> {
+    Arc::new(LineIndex::new(file.text(db)))
+}
+
+fn split(content: FileContent) -> (FileStatus, Arc<str>) {
+    match content {
+        FileContent::Text(text) => (FileStatus::Text, text.into()),
+        FileContent::Missing => (FileStatus::Missing, "".into()),
+        FileContent::Directory => (FileStatus::Directory, "".into()),
+        FileContent::NotUtf8(text) => (FileStatus::NotUtf8, text.into()),
+        FileContent::Unreadable(why) => (FileStatus::Unreadable(why), "".into()),
+    }
+}
+
+/// The tables stay consistent whatever panics while they are locked.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn normalizes_paths() {
+        let n = |it: &str| normalize(Utf8Path::new(it)).into_string();
+        assert_eq!(n("/a/./b/../c"), "/a/c");
+        assert_eq!(n("/../a"), "/a");
+        assert_eq!(n("a/../../b"), "../b");
+    }
+}

@@ -1,0 +1,53 @@
+//! Checks on the finished model, component by component.
+//!
+//! Each is a pure function of the [`Spec`] and one [`Component`] of it, so that a caller can cache it
+//! for every component on its own. [`component`] runs them all; a body that was reopened later is
+//! checked as it was when it ended, from [`crate::elab::Closing::snapshot`].
+
+pub mod codes;
+mod concurrency;
+mod machine;
+mod usage;
+
+use rustc_hash::FxHashSet;
+
+use crate::{
+    elab::{ElabDiagnostic, Elaborated},
+    model::{Component, Spec},
+};
+
+/// Everything that must hold when the body of a component or interface ends.
+pub fn component(spec: &Spec, component: &Component) -> Vec<ElabDiagnostic> {
+    let mut found = Vec::new();
+    machine::check(spec, component, &mut found);
+    concurrency::check(spec, component, &mut found);
+    found
+}
+
+/// What is suspicious about a component as a whole, once all of it is read.
+pub(crate) fn lints(component: &Component) -> Vec<ElabDiagnostic> {
+    let mut found = Vec::new();
+    usage::check(component, &mut found);
+    found
+}
+
+/// Every diagnostic of a unit: those of elaboration, then those of each body that ended, without
+/// repetitions.
+pub fn all(elaborated: &Elaborated) -> Vec<ElabDiagnostic> {
+    let spec = &elaborated.spec;
+    let mut found = elaborated.diagnostics.clone();
+    let mut seen = FxHashSet::default();
+    let mut add = |it: ElabDiagnostic| {
+        if seen.insert((it.code, it.at, it.message.clone())) {
+            found.push(it);
+        }
+    };
+    for closing in &elaborated.closings {
+        let last = spec.components.get(closing.component as usize);
+        let it = closing.snapshot.as_deref().or(last);
+        it.into_iter()
+            .flat_map(|it| component(spec, it))
+            .for_each(&mut add);
+    }
+    found
+}

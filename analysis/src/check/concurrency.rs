@@ -1,0 +1,84 @@
+//! Async codels, which run outside the mutual exclusion of their task (language reference,
+//! section 14).
+
+use crate::{
+    elab::ElabDiagnostic,
+    model::{
+        CodelRef, Component, ComponentKind, Owner, Spec,
+        fsm::Machine,
+        mutex::{Excluded, Exclusion, exclusions},
+    },
+};
+
+pub(super) fn check(spec: &Spec, component: &Component, found: &mut Vec<ElabDiagnostic>) {
+    for codel in component.all_codels() {
+        if !component.codel(codel).is_async {
+            continue;
+        }
+        for exclusion in exclusions(spec, component, codel) {
+            report(component, codel, &exclusion, found);
+        }
+    }
+}
+
+fn report(
+    component: &Component,
+    codel: CodelRef,
+    exclusion: &Exclusion,
+    found: &mut Vec<ElabDiagnostic>,
+) {
+    let own = component.codel(codel);
+    let Some(through) = exclusion.through.first() else {
+        return;
+    };
+    let shared = through.shared.describe(component);
+    let (code, other, src, params) = match exclusion.with {
+        Excluded::Codel(other) => {
+            if !runs_meanwhile(component, other) {
+                return;
+            }
+            let codel = component.codel(other);
+            let owner = match other.owner {
+                Owner::Task(it) => format!("task `{}`", component.tasks[it as usize].name),
+                Owner::Service(it) => {
+                    format!("service `{}`", component.services[it as usize].name)
+                }
+            };
+            let text = format!("codel `{}` of {owner}", codel.name);
+            ("async/shared-resource", text, codel.src, &codel.params)
+        }
+        Excluded::Service(other) => {
+            let service = &component.services[other as usize];
+            let text = format!("attribute `{}`", service.name);
+            ("async/shared-attribute", text, service.src, &service.params)
+        }
+    };
+    let message = format!(
+        "async codel `{}` shares {shared} with {other}, which may run at the same time; leave out \
+         `async`, or let them use different data",
+        own.name
+    );
+    let mut diagnostic = ElabDiagnostic::new(code, own.src, message).related(src, other);
+    if let Some(param) = own.params.get(through.own as usize) {
+        diagnostic = diagnostic.related(param.src, "used here");
+    }
+    if let Some(param) = params.get(through.other as usize) {
+        diagnostic = diagnostic.related(param.src, "and here");
+    }
+    found.push(diagnostic);
+}
+
+/// Whether a codel can run while services do: the first and the last codels of a task cannot.
+fn runs_meanwhile(component: &Component, codel: CodelRef) -> bool {
+    let Owner::Task(task) = codel.owner else {
+        return true;
+    };
+    // Machines of tasks are completed by the component that imports the interface.
+    if component.kind == ComponentKind::Interface {
+        return false;
+    }
+    let machine = Machine::new(&component.tasks[task as usize].codels);
+    let reached = machine.reachable("start");
+    let mut states = component.codel(codel).triggers.iter();
+    states.any(|it| it.name != "start" && reached.contains(it.name.as_str()))
+}

@@ -1,0 +1,87 @@
+//! All diagnostic codes, whatever layer reports them.
+//!
+//! Each layer has a table of its own, beside the code that reports: [`dotgen_syntax::codes`],
+//! [`crate::check::codes`] and [`crate::lint::codes`]; that of verification is [`verification`]. The
+//! manual and the configuration see them as one. The layer above, which compares specifications with
+//! their codels, adds its own: those that begin with [`CODEL`].
+
+pub mod verification;
+
+use dotgen_syntax::{codes as syntax, preproc};
+
+use crate::{check, diagnostic::Severity, elab, lint};
+
+/// A diagnostic code as its users know it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Code {
+    /// The code.
+    pub id: &'static str,
+    /// Severity unless configured otherwise.
+    pub severity: Severity,
+    /// Whether it is reported unless configured otherwise.
+    pub on: bool,
+    /// What it means, in one line.
+    pub meaning: &'static str,
+    /// Why it matters, when that is not plain.
+    pub why: Option<&'static str>,
+    /// A text that triggers it, where the table has one.
+    pub example: Option<&'static str>,
+    /// What to do about it.
+    pub fix: Option<&'static str>,
+    /// Whether the reference compiler reports it too.
+    pub reference: bool,
+}
+
+/// What the codes begin with that come from a comparison with sources in C and C++.
+pub const CODEL: &str = "codel/";
+
+/// All codes of this layer and those below.
+pub fn all() -> impl Iterator<Item = Code> {
+    let syntax = syntax::CODES.iter().map(|it| Code {
+        id: it.id,
+        severity: match it.severity {
+            preproc::Severity::Error => Severity::Error,
+            preproc::Severity::Warning => Severity::Warning,
+            preproc::Severity::Hint => Severity::Hint,
+        },
+        on: true,
+        meaning: it.meaning,
+        why: None,
+        example: Some(it.example),
+        fix: None,
+        reference: it.reference,
+    });
+    let checks = check::codes::CODES.iter().map(|it| Code {
+        id: it.id,
+        severity: severity(it.severity),
+        on: true,
+        meaning: it.meaning,
+        why: None,
+        example: None,
+        fix: None,
+        reference: it.reference,
+    });
+    let lints = lint::codes::CODES
+        .iter()
+        .chain(verification::CODES)
+        .map(|it| Code {
+            id: it.id,
+            severity: severity(it.severity),
+            on: it.on,
+            meaning: it.meaning,
+            why: Some(it.why),
+            example: Some(it.example),
+            fix: Some(it.fix),
+            reference: false,
+        });
+    syntax.chain(checks).chain(lints)
+}
+
+fn severity(it: elab::Severity) -> Severity {
+    match it {
+        elab::Severity::Error => Severity::Error,
+        elab::Severity::Warning => Severity::Warning,
+        elab::Severity::Information => Severity::Information,
+        elab::Severity::Hint => Severity::Hint,
+    }
+}

@@ -1,0 +1,67 @@
+//! What verification reports (`dotgen_timing` computes it, the editor shows it). It stands here so that
+//! the manual and the configuration see one table.
+
+use crate::elab::Severity;
+use crate::lint::codes::LintCode;
+
+const fn code(
+    id: &'static str,
+    meaning: &'static str,
+    why: &'static str,
+    example: &'static str,
+    fix: &'static str,
+) -> LintCode {
+    LintCode {
+        id,
+        severity: Severity::Warning,
+        on: true,
+        absence: false,
+        unnecessary: false,
+        meaning,
+        why,
+        example,
+        fix,
+    }
+}
+
+/// All of them.
+pub const CODES: &[LintCode] = &[
+    code(
+        "timing/deadline-miss",
+        "a task that can miss its deadline: there is a run in which its next period begins before the job of the last one \
+         has ended",
+        "It is found by looking at every run of the timed model, with the locks, cores and clients of the scenario \
+         (without one: any client, at any time). The related places are the last steps of such a run; *Show the timeline of \
+         the run* shows all of it.",
+        "component c {\n  task t { period 5 ms;\n    codel<start> f() yield ether wcet 6 ms;\n  };\n};\n",
+        "Make the codels that the task runs or waits for shorter, the period longer, or share less between tasks; more cores \
+         help when the task waits for one. The what-if fields of the verification panel tell what would be enough.",
+    ),
+    code(
+        "timing/response-exceeded",
+        "a response time, or the time between two events, that can be longer than the bound a scenario asks for, or has \
+         none",
+        "The value given is exact: some run reaches it. Which run, the timeline shows.",
+        "scenario s {\n  use \"c.gen\";\n  check response c.t <= 4 ms;\n}\n",
+        "Raise the bound if it was only a guess; otherwise look in the timeline for what the task waits for.",
+    ),
+    code(
+        "timing/check-failed",
+        "a check of a scenario that does not hold",
+        "There is a run that contradicts it (for `reachable`: no run that shows it).",
+        "scenario s {\n  use \"c.gen\";\n  check always not c.t.start;\n}\n",
+        "Look at the run in the timeline; change the specification, or the check if it asks for the wrong thing.",
+    ),
+    LintCode {
+        severity: Severity::Information,
+        ..code(
+            "timing/gave-up",
+            "a check that was neither proved nor refuted within the limits",
+            "A verification ends at a number of states, an amount of memory or a time, all of which are settings. What was \
+             not found may still exist, and a value is then a lower bound.",
+            "scenario s {\n  use \"large.gen\";\n  check schedulable *;\n}\n",
+            "Raise `verification.max-states` or `verification.time-limit`, verify on the command line, which takes its time, \
+             or make the scenario smaller: fewer requests, `loop once`, a coarser `unit`.",
+        )
+    },
+];

@@ -1,0 +1,411 @@
+//! Components and interfaces: their bodies, ids and ports (language reference, sections 5.3, 8, 10).
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::{
+    Closing, DefId, DefKind, ElabDiagnostic, Entity, codel::CodelSource, context::Elaborator,
+    scope::ScopeId, service::ServiceState, types,
+};
+use crate::{
+    item_tree::{Item, Name, PortDecl, PropertyKind, Ptr},
+    model::{
+        Component, ComponentKind, Name as Text, Port, PortDir, ScopeKind, Src, TypeId, TypeKind,
+    },
+};
+
+/// What is known about a component beyond the model.
+#[derive(Debug)]
+pub(super) struct ComponentState<'a> {
+    pub(super) def: DefId,
+    pub(super) scope: ScopeId,
+    /// The scope of paused states.
+    pub(super) pause: ScopeId,
+    /// The scope of the ids, once there are some.
+    pub(super) ids: Option<ScopeId>,
+    /// Properties that do not merge, with the place where they were given.
+    pub(super) given: FxHashMap<&'static str, Src>,
+    /// Parallel to [`Component::tasks`].
+    pub(super) tasks: Vec<TaskState<'a>>,
+    /// Parallel to [`Component::services`].
+    pub(super) services: Vec<ServiceState<'a>>,
+    /// Parallel to [`Component::ports`].
+    pub(super) ports: Vec<DefId>,
+    /// Parallel to [`Component::remotes`].
+    pub(super) remotes: Vec<DefId>,
+    pub(super) task_by_name: FxHashMap<Text, u32>,
+    pub(super) service_by_name: FxHashMap<Text, u32>,
+    pub(super) port_by_name: FxHashMap<Text, u32>,
+    pub(super) remote_by_name: FxHashMap<Text, u32>,
+    /// Names of ports, services and remotes that were refused: their uses are not reported again.
+    pub(super) lost: FxHashSet<Text>,
+    /// An interface could not be imported, so any name may be missing.
+    pub(super) incomplete: bool,
+    /// Interfaces whose contents it has, however they came.
+    pub(super) imported: Vec<u32>,
+    /// Index of its last closing.
+    pub(super) closing: Option<usize>,
+}
+
+/// What is known about a task beyond the model.
+#[derive(Debug)]
+pub(super) struct TaskState<'a> {
+    pub(super) def: DefId,
+    /// Properties that do not merge, with the place where they were given.
+    pub(super) given: FxHashMap<&'static str, Src>,
+    /// Parallel to the codels of the task.
+    pub(super) codels: Vec<CodelSource<'a>>,
+    /// It has codels that were refused, so nothing can be said about what it runs.
+    pub(super) incomplete: bool,
+}
+
+impl<'a> Elaborator<'a> {
+    /// A declaration of a component or interface.
+    pub(super) fn component(
+        &mut self,
+        interface: bool,
+        name: &Name,
+        body: Option<&'a [Item]>,
+        ptr: Ptr,
+    ) {
+        let at = self.src(name.ptr);
+        let kind = if interface {
+            ComponentKind::Interface
+        } else {
+            ComponentKind::Component
+        };
+        let index = match self.component_by_name.get(&name.text).copied() {
+            Some(index) => {
+                if !self.reopen(index, kind, at) {
+                    return;
+                }
+                index
+            }
+            None => self.new_component(kind, name, ptr),
+        };
+        let Some(body) = body else { return };
+        let state = &self.components[index as usize];
+        let (scope, def) = (state.scope, state.def);
+        let outer = self.component.replace(index);
+        self.within(scope, Some(def), |this| {
+            this.for_each(body, |this, item| this.export(index, item));
+            this.close(index);
+        });
+        self.component = outer;
+    }
+
+    fn reopen(&mut self, index: u32, kind: ComponentKind, at: Src) -> bool {
+        let known = &self.spec.components[index as usize];
+        let state = &self.components[index as usize];
+        let def = state.def;
+        if known.kind != kind {
+            let (was, is) = match kind {
+                ComponentKind::Component => ("an interface", "a component"),
+                ComponentKind::Interface => ("a component", "an interface"),
+            };
+            let message = format!("`{}` is {was}; it cannot be reopened as {is}", known.name);
+            let place = self.definitions[def.0 as usize].src;
+            self.report(
+                ElabDiagnostic::new("comp-kind-conflict", at, message)
+                    .related(place, "first declared here"),
+            );
+            return false;
+        }
+        if let Some(closing) = state.closing {
+            let snapshot = &mut self.closings[closing].snapshot;
+            if snapshot.is_none() {
+                *snapshot = Some(Box::new(known.clone()));
+            }
+        }
+        self.refer_as(at, def, super::Access::None, true);
+        true
+    }
+
+    fn new_component(&mut self, kind: ComponentKind, name: &Name, ptr: Ptr) -> u32 {
+        let at = self.src(name.ptr);
+        let node = self.src(ptr);
+        let def_kind = match kind {
+            ComponentKind::Component => DefKind::Component,
+            ComponentKind::Interface => DefKind::Interface,
+        };
+        let scope = self.open_module(name, def_kind, at, node);
+        let def = match self.scopes.get(scope).def {
+            Some(def) => def,
+            None => self.define(def_kind, &name.text, at, node, None),
+        };
+        let index = self.spec.components.len() as u32;
+        self.set_entity(def, Entity::Component(index));
+        self.component_by_name.insert(name.text.clone(), index);
+        let pause_name = Text::new_static("pause");
+        let pause = match self.scopes.get(scope).children.get(&pause_name) {
+            Some(&pause) => pause,
+            None => {
+                if let Some(clash) = self.scopes.clash(scope, &pause_name, true) {
+                    // The component is called `pause`, or its module has such a name.
+                    self.report_clash(scope, &pause_name, at, clash);
+                }
+                self.scopes
+                    .open(scope, &pause_name, ScopeKind::Module, None, false)
+            }
+        };
+        self.spec.components.push(Component {
+            name: name.text.clone(),
+            kind,
+            src: at,
+            doc: None,
+            version: None,
+            lang: None,
+            email: None,
+            requires: self.spec.pragma_requires.clone(),
+            codels_requires: Vec::new(),
+            clock_rate: None,
+            ids: None,
+            provides: Vec::new(),
+            uses: Vec::new(),
+            extends: Vec::new(),
+            throws: Vec::new(),
+            tasks: Vec::new(),
+            ports: Vec::new(),
+            services: Vec::new(),
+            remotes: Vec::new(),
+        });
+        self.components.push(ComponentState {
+            def,
+            scope,
+            pause,
+            ids: None,
+            given: FxHashMap::default(),
+            tasks: Vec::new(),
+            services: Vec::new(),
+            ports: Vec::new(),
+            remotes: Vec::new(),
+            task_by_name: FxHashMap::default(),
+            service_by_name: FxHashMap::default(),
+            port_by_name: FxHashMap::default(),
+            remote_by_name: FxHashMap::default(),
+            lost: FxHashSet::default(),
+            incomplete: false,
+            imported: Vec::new(),
+            closing: None,
+        });
+        if kind == ComponentKind::Component {
+            for state in ["ether", "start", "stop"] {
+                let state = Text::new_static(state);
+                let event = self.named(TypeKind::Event, scope, state.clone(), at);
+                self.declare_at(scope, &state, at, event);
+            }
+            let outer = self.component.replace(index);
+            self.within(scope, Some(def), |this| this.import_by_pragma(index, at));
+            self.component = outer;
+        }
+        index
+    }
+
+    /// One item of a body.
+    fn export(&mut self, index: u32, item: &'a Item) {
+        match item {
+            Item::Property(property) => self.component_property(index, property),
+            Item::Ids {
+                members, keyword, ..
+            } => self.ids(index, members, *keyword),
+            Item::Task {
+                name: Some(name),
+                properties,
+                ptr,
+            } => self.task(index, name, properties, *ptr),
+            Item::Port(decl) => self.port(index, decl),
+            Item::Service(decl) => self.service(index, decl),
+            _ => {
+                self.idl_statement(item);
+            }
+        }
+    }
+
+    /// The end of a body.
+    fn close(&mut self, index: u32) {
+        self.close_services(index);
+        let state = &mut self.components[index as usize];
+        state.closing = Some(self.closings.len());
+        self.closings.push(Closing {
+            component: index,
+            snapshot: None,
+        });
+    }
+
+    // Ids
+
+    fn ids(&mut self, index: u32, items: &'a [Item], keyword: Ptr) {
+        let at = self.src(keyword);
+        let Some(scope) = self.open_ids(index, at) else {
+            // The name `ids` is taken; read the members all the same, for their references.
+            let scope = self.scopes.open(
+                self.scope,
+                &Text::new_static("ids"),
+                ScopeKind::Struct,
+                None,
+                true,
+            );
+            self.within(scope, self.container, |this| {
+                this.members(items, DefKind::IdsMember)
+            });
+            return;
+        };
+        let def = self.scopes.get(scope).def;
+        let members = self.within(scope, def, |this| this.members(items, DefKind::IdsMember));
+        self.add_to_ids(index, members);
+        if let Some(ids) = self.spec.components[index as usize].ids {
+            self.adopt(scope, ids);
+        }
+    }
+
+    /// The scope of the ids, created with the ids themselves when there are none yet.
+    pub(super) fn open_ids(&mut self, index: u32, at: Src) -> Option<ScopeId> {
+        let state = &self.components[index as usize];
+        if let Some(scope) = state.ids {
+            return Some(scope);
+        }
+        let name = Text::new_static("ids");
+        let outer = state.scope;
+        if let Some(clash) = self.scopes.clash(outer, &name, true) {
+            self.report_clash(outer, &name, at, clash);
+            return None;
+        }
+        let kind = TypeKind::Struct {
+            members: Vec::new(),
+        };
+        let container = self.container.replace(state.def);
+        let ids = self.named(kind, outer, name.clone(), at);
+        let def = self.define(DefKind::Ids, &name, at, at, Some(ids));
+        self.container = container;
+        self.scopes.get_mut(outer).names.insert(name.clone(), ids);
+        let scope = self
+            .scopes
+            .open(outer, &name, ScopeKind::Struct, Some(def), false);
+        self.components[index as usize].ids = Some(scope);
+        self.spec.components[index as usize].ids = Some(ids);
+        Some(scope)
+    }
+
+    pub(super) fn add_to_ids(&mut self, index: u32, added: Vec<TypeId>) {
+        let Some(ids) = self.spec.components[index as usize].ids else {
+            return;
+        };
+        if let TypeKind::Struct { members } = &mut self.spec.types[ids.0 as usize].kind {
+            members.extend(added);
+        }
+        self.move_to_end(ids);
+    }
+
+    // Names that were refused
+
+    pub(super) fn lose(&mut self, index: u32, name: &Text) {
+        let lost = &mut self.components[index as usize].lost;
+        lost.insert(name.clone());
+    }
+
+    /// Whether a name that is not found in a component may be missing because of something that was
+    /// reported already.
+    pub(super) fn is_excused(&self, index: u32, name: &Text) -> bool {
+        let state = &self.components[index as usize];
+        state.incomplete || state.lost.contains(name)
+    }
+
+    // Ports
+
+    fn port(&mut self, index: u32, decl: &'a PortDecl) {
+        let keyword = self.src(decl.keyword);
+        let data = self.type_ref(&decl.ty);
+        let (Some(name), Some(out)) = (&decl.name, decl.out) else {
+            return;
+        };
+        let at = self.src(name.ptr);
+        let anonymous = self.spec.ty(data).name.is_none() && !self.is_unknown(data);
+        if anonymous {
+            let message = format!(
+                "the type of port `{}` must have a name; write `typedef {} {}_data;` and use that",
+                name.text,
+                types::display(&self.spec, data),
+                name.text
+            );
+            self.error("port-anonymous", keyword, message);
+        } else if types::has_native(&self.spec, data) {
+            let message = format!(
+                "port `{}` cannot hold the native type in `{}`; native data stays inside a \
+                 component",
+                name.text,
+                types::display(&self.spec, data)
+            );
+            self.error("port-native", keyword, message);
+        }
+        let mut docs = None;
+        self.for_each(&decl.properties, |this, item| {
+            let property = match item {
+                Item::Property(property) => property,
+                Item::Pragma(pragma) => return this.pragma(pragma),
+                _ => return,
+            };
+            match &property.kind {
+                PropertyKind::Doc(text) => this.add_doc(&mut docs, text),
+                _ => {
+                    let at = this.src(property.ptr);
+                    let what = super::property::keyword(&property.kind);
+                    let message =
+                        format!("a port cannot have `{what}`; its only property is `doc`");
+                    this.error("prop-not-in-task", at, message);
+                }
+            }
+        });
+        let dir = if out { PortDir::Out } else { PortDir::In };
+        let port = Port {
+            name: name.text.clone(),
+            src: at,
+            dir,
+            multiple: decl.multiple,
+            data,
+            ty: data,
+            doc: docs,
+            imported_from: None,
+        };
+        let node = self.src(decl.ptr);
+        let def = self.define(DefKind::Port, &name.text, at, node, None);
+        self.add_port(index, port, def, at);
+    }
+
+    /// Adds a port to a component, with its type object.
+    pub(super) fn add_port(&mut self, index: u32, mut port: Port, def: DefId, at: Src) -> bool {
+        let state = &self.components[index as usize];
+        let taken = state.service_by_name.get(&port.name).copied();
+        if let Some(service) = taken {
+            let place = self.spec.components[index as usize].services[service as usize].src;
+            let message = format!("`{}` is already a service of this component", port.name);
+            self.report(
+                ElabDiagnostic::new("redefinition", at, message).related(place, "the service"),
+            );
+            self.lose(index, &port.name);
+            return false;
+        }
+        let scope = state.scope;
+        let number = self.spec.components[index as usize].ports.len() as u32;
+        let kind = TypeKind::Port {
+            component: index,
+            port: number,
+        };
+        if let Some(clash) = self.scopes.clash(scope, &port.name, false) {
+            self.report_clash(scope, &port.name, at, clash);
+            self.lose(index, &port.name);
+            return false;
+        }
+        let ty = self.named(kind, scope, port.name.clone(), port.src);
+        self.type_defs[ty.0 as usize] = Some(def);
+        if port.imported_from.is_none() {
+            self.definitions[def.0 as usize].ty = Some(ty);
+            self.set_entity(def, Entity::Port(index, number));
+        }
+        self.declare_at(scope, &port.name, at, ty);
+        port.ty = ty;
+        let state = &mut self.components[index as usize];
+        state.port_by_name.insert(port.name.clone(), number);
+        state.ports.push(def);
+        self.spec.components[index as usize].ports.push(port);
+        true
+    }
+}

@@ -1,0 +1,404 @@
+//! Constant expressions: values, operators and conversions (language reference, section 7).
+
+use num_rational::Ratio;
+
+use super::{
+    ElabDiagnostic,
+    context::Elaborator,
+    operator::{BinaryProblem, binary, unary, unary_text},
+    types,
+};
+use crate::{
+    item_tree::{Expr, ExprKind},
+    model::{Seconds, TypeId, TypeKind, Value},
+};
+
+/// The value of an expression before it is converted to a declared type.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Const {
+    Bool(bool),
+    /// `signed: false` with a negative value is the complement of an unsigned number, which takes
+    /// the width of the type it is converted to.
+    Int {
+        value: i128,
+        signed: bool,
+    },
+    Float(f64),
+    Char(String),
+    Str(String),
+    Enum(TypeId),
+    /// Already reported.
+    Unknown,
+}
+
+impl Const {
+    fn unsigned(value: i128) -> Self {
+        Self::Int {
+            value,
+            signed: false,
+        }
+    }
+
+    /// What the value is, with an article.
+    pub(super) fn describe(&self) -> &'static str {
+        match self {
+            Self::Bool(_) => "a boolean",
+            Self::Int { value, .. } if *value < 0 => "a negative number",
+            Self::Int { .. } => "an integer",
+            Self::Float(_) => "a floating point number",
+            Self::Char(_) => "a character",
+            Self::Str(_) => "a string",
+            Self::Enum(_) => "an enumerator",
+            Self::Unknown => "unknown",
+        }
+    }
+
+    /// The value of an integer, with complements of unsigned numbers taken at 64 bits.
+    pub(super) fn integer(&self) -> Option<i128> {
+        match self {
+            Self::Int {
+                value,
+                signed: false,
+            } if *value < 0 => Some(value & i128::from(u64::MAX)),
+            Self::Int { value, .. } => Some(*value),
+            _ => None,
+        }
+    }
+
+    /// The value as a number.
+    pub(super) fn number(&self) -> Option<f64> {
+        match self {
+            Self::Float(value) => Some(*value),
+            _ => self.integer().map(|it| it as f64),
+        }
+    }
+
+    /// The value as an integer, if it is a number without fraction.
+    pub(super) fn integral(&self) -> Option<i128> {
+        match self {
+            Self::Float(value) if value.fract() == 0.0 && value.abs() < 1e36 => {
+                Some(*value as i128)
+            }
+            Self::Float(_) => None,
+            _ => self.integer(),
+        }
+    }
+
+    /// The exact value of a number.
+    pub(super) fn exact(&self) -> Option<Seconds> {
+        match self {
+            Self::Float(value) => Some(exact(*value)),
+            _ => self
+                .integer()
+                .map(|it| Ratio::from_integer(it.clamp(-LIMIT, LIMIT))),
+        }
+    }
+}
+
+/// No time or size is larger; it keeps exact arithmetic from overflowing.
+const LIMIT: i128 = 1_000_000_000_000_000_000;
+
+/// The rational number that the shortest decimal text of a float stands for: 0.005 is 1/200.
+pub(super) fn exact(value: f64) -> Seconds {
+    if !value.is_finite() {
+        return Ratio::from_integer(if value.is_sign_negative() {
+            -LIMIT
+        } else {
+            LIMIT
+        });
+    }
+    let text = format!("{value:e}");
+    let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let decimals = mantissa
+        .split_once('.')
+        .map_or(0, |(_, it)| it.len() as i32);
+    let digits: String = mantissa.chars().filter(|it| *it != '.').collect();
+    let Ok(digits) = digits.parse::<i128>() else {
+        return Ratio::from_integer(0);
+    };
+    let power = exponent - decimals;
+    if exponent >= 18 {
+        Ratio::from_integer(if digits < 0 { -LIMIT } else { LIMIT })
+    } else if power >= 0 {
+        Ratio::from_integer(digits * 10i128.pow(power as u32))
+    } else if power >= -30 {
+        Ratio::new(digits, 10i128.pow(-power as u32))
+    } else if power >= -48 {
+        // Beyond 30 decimals the rest does not matter.
+        Ratio::new(digits / 10i128.pow((-power - 30) as u32), 10i128.pow(30))
+    } else {
+        Ratio::from_integer(0)
+    }
+}
+
+/// The content of a string literal: `\"` stands for a quote, other backslashes are kept.
+pub(super) fn string_content(literal: &str) -> String {
+    let text = literal.strip_prefix('"').unwrap_or(literal);
+    let text = text.strip_suffix('"').unwrap_or(text);
+    if !text.contains("\\\"") {
+        return text.to_owned();
+    }
+    let mut out = String::with_capacity(text.len());
+    let mut chars = text.chars().peekable();
+    while let Some(c) = chars.next() {
+        match (c, chars.peek()) {
+            ('\\', Some('"')) => {}
+            ('\\', Some(&next)) => {
+                out.push('\\');
+                out.push(next);
+                chars.next();
+            }
+            _ => out.push(c),
+        }
+    }
+    out
+}
+
+impl<'a> Elaborator<'a> {
+    /// The value of an expression. Every operator and name that is wrong is reported.
+    pub(super) fn eval(&mut self, expr: &'a Expr) -> Const {
+        let at = self.src(expr.ptr);
+        match &expr.kind {
+            ExprKind::Bool(value) => Const::Bool(*value),
+            ExprKind::Int(text) => match parse_integer(text) {
+                Some((value, odd)) => {
+                    if odd {
+                        self.error(
+                            "octal-digit",
+                            at,
+                            format!(
+                                "`{text}` starts with 0, so it is read as octal, and ends at the \
+                                 first 8 or 9: its value is {value}"
+                            ),
+                        );
+                    }
+                    Const::unsigned(value)
+                }
+                None => {
+                    self.error(
+                        "const-range",
+                        at,
+                        format!("`{text}` does not fit in 64 bits"),
+                    );
+                    Const::Unknown
+                }
+            },
+            ExprKind::Float(text) => {
+                let digits = text.trim_end_matches(['f', 'F', 'l', 'L']);
+                digits.parse().map_or(Const::Unknown, Const::Float)
+            }
+            ExprKind::Fixed => {
+                self.error(
+                    "fixed-unsupported",
+                    at,
+                    "fixed point numbers are not supported; leave out the suffix `d`",
+                );
+                Const::Unknown
+            }
+            ExprKind::Char(text) => {
+                let content = text.strip_prefix('\'').unwrap_or(text);
+                let content = content.strip_suffix('\'').unwrap_or(content);
+                if !is_one_character(content) {
+                    let message = format!(
+                        "{text} is no character: there is room for one, or one escape; texts are \
+                         written in double quotes"
+                    );
+                    self.error("const-convert", at, message);
+                    return Const::Unknown;
+                }
+                Const::Char(content.to_owned())
+            }
+            ExprKind::Str(parts) => {
+                Const::Str(parts.iter().map(|(text, _)| string_content(text)).collect())
+            }
+            ExprKind::Path(path) => {
+                let Some(ty) = self.resolve_path(path) else {
+                    self.report_unresolved(path, false);
+                    return Const::Unknown;
+                };
+                match &self.spec.ty(ty).kind {
+                    TypeKind::Const { value, .. } => from_value(value),
+                    TypeKind::Enumerator { .. } => Const::Enum(ty),
+                    TypeKind::Unknown => Const::Unknown,
+                    _ => {
+                        let what = types::describe(&self.spec, ty);
+                        let mut diagnostic = ElabDiagnostic::new(
+                            "const-operand",
+                            at,
+                            format!(
+                                "`{}` is {what}; only constants and enumerators have a value",
+                                types::path_text(path)
+                            ),
+                        );
+                        if let Some(place) = self.type_place(ty) {
+                            diagnostic = diagnostic.related(place, "declared here");
+                        }
+                        self.report(diagnostic);
+                        Const::Unknown
+                    }
+                }
+            }
+            ExprKind::Paren(inner) => self.eval(inner),
+            ExprKind::Unary {
+                op,
+                op_ptr,
+                operand,
+            } => {
+                let value = self.eval(operand);
+                let result = unary(*op, &value);
+                result.unwrap_or_else(|| {
+                    let at = self.src(*op_ptr);
+                    let message = format!(
+                        "`{}` does not apply to {}",
+                        unary_text(*op),
+                        value.describe()
+                    );
+                    self.error("const-unary", at, message);
+                    value
+                })
+            }
+            ExprKind::Binary {
+                op,
+                op_ptr,
+                left,
+                right,
+            } => {
+                let left = self.eval(left);
+                let right = self.eval(right);
+                match binary(*op, &left, &right) {
+                    Ok(value) => value,
+                    Err(problem) => {
+                        let at = self.src(*op_ptr);
+                        let (code, message) = problem.explain(*op, &left, &right);
+                        self.error(code, at, message);
+                        match problem {
+                            BinaryProblem::Kinds => left,
+                            _ => Const::Unknown,
+                        }
+                    }
+                }
+            }
+            ExprKind::Missing => Const::Unknown,
+        }
+    }
+
+    /// A value that must be a non-negative integer; `None` when it is not, which was reported.
+    pub(super) fn positive(&mut self, expr: &'a Expr, what: &str) -> Option<u64> {
+        let value = self.eval(expr);
+        if value == Const::Unknown {
+            return None;
+        }
+        let integer = value.integral().and_then(|it| u64::try_from(it).ok());
+        if integer.is_none() {
+            let at = self.src(expr.ptr);
+            let message = format!(
+                "the {what} must be a non-negative integer, but this is {}",
+                value.describe()
+            );
+            self.error("const-positive", at, message);
+        }
+        integer
+    }
+}
+
+/// The value of an integer literal, and whether it is octal with decimal digits.
+fn parse_integer(text: &str) -> Option<(i128, bool)> {
+    let digits = text.trim_end_matches(['u', 'U', 'l', 'L']);
+    let fits = |it: u64| i128::from(it);
+    if let Some(hex) = digits.strip_prefix("0x").or(digits.strip_prefix("0X")) {
+        return u64::from_str_radix(hex, 16)
+            .ok()
+            .map(|it| (fits(it), false));
+    }
+    match digits.strip_prefix('0') {
+        None | Some("") => digits.parse().ok().map(|it| (fits(it), false)),
+        Some(octal) => {
+            let end = octal.find(['8', '9']);
+            let valid = &octal[..end.unwrap_or(octal.len())];
+            if valid.is_empty() {
+                return Some((0, end.is_some()));
+            }
+            let value = u64::from_str_radix(valid, 8).ok()?;
+            Some((fits(value), end.is_some()))
+        }
+    }
+}
+
+/// Whether the content of a character literal is one character or one escape.
+fn is_one_character(content: &str) -> bool {
+    let mut chars = content.chars();
+    match (chars.next(), chars.next()) {
+        (Some('\\'), Some(kind)) => {
+            let rest = chars.as_str();
+            match kind {
+                'x' => {
+                    (1..=2).contains(&rest.len()) && rest.chars().all(|it| it.is_ascii_hexdigit())
+                }
+                '0'..='7' => rest.len() <= 2 && rest.chars().all(|it| matches!(it, '0'..='7')),
+                _ => rest.is_empty(),
+            }
+        }
+        (Some(_), None) => true,
+        _ => false,
+    }
+}
+
+fn from_value(value: &Value) -> Const {
+    match value {
+        Value::Bool(it) => Const::Bool(*it),
+        Value::Uint(it) => Const::unsigned(i128::from(*it)),
+        Value::Int(it) => Const::Int {
+            value: i128::from(*it),
+            signed: true,
+        },
+        Value::Float(it) => Const::Float(*it),
+        Value::Char(it) => Const::Char(it.clone()),
+        Value::String(it) => Const::Str(it.clone()),
+        Value::Enum(it) => Const::Enum(*it),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn floats_become_the_fractions_that_were_written() {
+        for (value, numer, denom) in [
+            (0.005, 1, 200),
+            (2.5, 5, 2),
+            (0.1, 1, 10),
+            (-0.000_026, -13, 500_000),
+            (3.0, 3, 1),
+            (1e-7, 1, 10_000_000),
+            (1e300, LIMIT, 1),
+            (f64::NEG_INFINITY, -LIMIT, 1),
+            (1e-300, 0, 1),
+        ] {
+            assert_eq!(exact(value), Ratio::new(numer, denom), "{value}");
+        }
+    }
+
+    #[test]
+    fn integer_literals() {
+        for (text, value) in [
+            ("42", Some((42, false))),
+            ("0x2AuL", Some((42, false))),
+            ("052", Some((42, false))),
+            ("0", Some((0, false))),
+            ("09", Some((0, true))),
+            ("0129", Some((10, true))),
+            ("18446744073709551615", Some((u64::MAX.into(), false))),
+            ("18446744073709551616", None),
+        ] {
+            assert_eq!(parse_integer(text), value, "{text}");
+        }
+    }
+
+    #[test]
+    fn only_quotes_are_unescaped_in_strings() {
+        assert_eq!(string_content(r#""a \"b\" \\ \n""#), r#"a "b" \\ \n"#);
+        assert_eq!(string_content(r#""a\\""#), r"a\\");
+    }
+}

@@ -1,0 +1,525 @@
+//! The state of an elaboration, and what every part of it needs: places, diagnostics, declarations
+//! and references.
+
+use std::{cell::Cell, sync::Arc};
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::{
+    Access, Closing, DefId, DefKind, Definition, ElabDiagnostic, Elaborated, Entity, Reference,
+    UnitInput, Visit,
+    codel::KnownCodel,
+    component::ComponentState,
+    pragma::PragmaWcet,
+    scope::{Clash, GLOBAL, ScopeId, Scopes},
+    suggest,
+};
+use crate::{
+    item_tree::{Item, Name, Ptr},
+    model::{Name as Text, Spec, Src, Type, TypeId, TypeKind},
+};
+
+/// Deepest nesting of includes that is followed. The preprocessor allows 100; this only keeps a
+/// malformed input from recursing for ever.
+const MAX_INCLUDE_DEPTH: usize = 128;
+
+/// Most suggestions of near names for one unit.
+const MAX_HINTS: u32 = 100;
+
+/// An elaboration in progress.
+pub(super) struct Elaborator<'a> {
+    visits: &'a [Visit<'a>],
+    /// The visit being read.
+    pub(super) visit: u32,
+    include_depth: usize,
+
+    pub(super) spec: Spec,
+    pub(super) scopes: Scopes,
+    /// The current scope.
+    pub(super) scope: ScopeId,
+    /// The component whose body is being read.
+    pub(super) component: Option<u32>,
+    /// The definition whose inside is being read.
+    pub(super) container: Option<DefId>,
+
+    /// By [`TypeId`]: the definition of a type object.
+    pub(super) type_defs: Vec<Option<DefId>>,
+    /// By [`TypeId`]: place in the order of creation, which differs from the id for the ids only.
+    pub(super) type_order: Vec<u32>,
+    /// Members of ids that were imported, and the members they are copies of.
+    pub(super) origins: FxHashMap<TypeId, TypeId>,
+    next_order: u32,
+    /// Forward declarations, with the file they stand in.
+    pub(super) forwards: Vec<Forward>,
+
+    /// Parallel to [`Spec::components`].
+    pub(super) components: Vec<ComponentState<'a>>,
+    pub(super) component_by_name: FxHashMap<Text, u32>,
+    pub(super) codels: FxHashMap<Text, KnownCodel>,
+
+    /// Interfaces of `#pragma provides` so far.
+    pub(super) pragma_provides: Vec<u32>,
+    pub(super) pragma_wcet: Vec<PragmaWcet>,
+
+    diagnostics: Vec<ElabDiagnostic>,
+    reported: FxHashSet<(&'static str, Src, u64)>,
+    reported_at: FxHashSet<(&'static str, Src)>,
+    /// Suggestions that may still be searched: it takes time, and a text with that many unknown
+    /// names is not misspelt.
+    hints: Cell<u32>,
+    /// Imports of an interface that the component has already, about which something was reported.
+    repeated_imports: FxHashSet<Src>,
+    references: Vec<Reference>,
+    /// Names in lists of services that are recorded already: bodies may end several times.
+    pub(super) listed: FxHashSet<Src>,
+    pub(super) definitions: Vec<Definition>,
+    pub(super) closings: Vec<Closing>,
+    /// Set while contents of an interface are resolved again for an importing component: their
+    /// names were recorded when the interface was read.
+    pub(super) importing: Option<Importing>,
+}
+
+/// An import in progress.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Importing {
+    /// The interface's name in the importing property.
+    pub(super) at: Src,
+    /// The component has this interface already, so that much of it clashes: only the first clash is
+    /// reported.
+    pub(super) again: bool,
+}
+
+/// A forward declaration.
+#[derive(Debug)]
+pub(super) struct Forward {
+    pub(super) ty: TypeId,
+    pub(super) file: u32,
+    /// Something of that name was declared later but could not complete it, which was reported.
+    pub(super) excused: bool,
+}
+
+impl<'a> Elaborator<'a> {
+    pub(super) fn new(unit: &UnitInput<'a>) -> Self {
+        Self {
+            visits: unit.visits,
+            visit: 0,
+            include_depth: 0,
+            spec: Spec::default(),
+            scopes: Scopes::new(),
+            scope: GLOBAL,
+            component: None,
+            container: None,
+            type_defs: Vec::new(),
+            type_order: Vec::new(),
+            origins: FxHashMap::default(),
+            next_order: 0,
+            forwards: Vec::new(),
+            components: Vec::new(),
+            component_by_name: FxHashMap::default(),
+            codels: FxHashMap::default(),
+            pragma_provides: Vec::new(),
+            pragma_wcet: Vec::new(),
+            diagnostics: Vec::new(),
+            reported: FxHashSet::default(),
+            reported_at: FxHashSet::default(),
+            hints: Cell::new(MAX_HINTS),
+            repeated_imports: FxHashSet::default(),
+            references: Vec::new(),
+            listed: FxHashSet::default(),
+            definitions: Vec::new(),
+            closings: Vec::new(),
+            importing: None,
+        }
+    }
+
+    pub(super) fn run(mut self) -> Elaborated {
+        if let Some(root) = self.visits.first() {
+            self.for_each(&root.tree.items, |this, item| this.statement(item));
+        }
+        self.finish();
+        let mut result = Elaborated {
+            spec: Arc::new(self.spec),
+            diagnostics: self.diagnostics,
+            references: self.references,
+            definitions: self.definitions,
+            closings: self.closings,
+        };
+        super::finish::order_types(&mut result, &self.type_order);
+        result
+    }
+
+    /// Hands each item to `visit`, following includes in place.
+    pub(super) fn for_each(
+        &mut self,
+        items: &'a [Item],
+        mut visit: impl FnMut(&mut Self, &'a Item),
+    ) {
+        self.for_each_dyn(items, &mut visit);
+    }
+
+    fn for_each_dyn(&mut self, items: &'a [Item], visit: &mut dyn FnMut(&mut Self, &'a Item)) {
+        for item in items {
+            let Item::Include { ordinal, .. } = item else {
+                visit(self, item);
+                continue;
+            };
+            let here = self.visits.get(self.visit as usize);
+            let target = here.and_then(|it| *it.includes.get(*ordinal as usize)?);
+            let Some(target) = target else { continue };
+            let Some(included) = self.visits.get(target as usize) else {
+                continue;
+            };
+            if self.include_depth >= MAX_INCLUDE_DEPTH {
+                continue;
+            }
+            self.include_depth += 1;
+            let outer = std::mem::replace(&mut self.visit, target);
+            self.for_each_dyn(&included.tree.items, visit);
+            self.visit = outer;
+            self.include_depth -= 1;
+        }
+    }
+
+    /// The file being read.
+    pub(super) fn file(&self) -> u32 {
+        self.visits.get(self.visit as usize).map_or(0, |it| it.file)
+    }
+
+    /// A node of the visit being read.
+    pub(super) fn src(&self, ptr: Ptr) -> Src {
+        Src {
+            visit: self.visit,
+            item: ptr.item,
+            node: ptr.node,
+        }
+    }
+
+    // Diagnostics
+
+    /// Reports a problem, once. While an interface is imported, problems are reported at its name in
+    /// the importing property, unless they are problems of the interface itself, which were
+    /// reported when it was read.
+    pub(super) fn report(&mut self, mut diagnostic: ElabDiagnostic) {
+        if let Some(importing) = self.importing
+            && importing.at != diagnostic.at
+        {
+            if self.reported_at.contains(&(diagnostic.code, diagnostic.at)) {
+                return;
+            }
+            let place = (diagnostic.at, "in the interface".to_owned());
+            diagnostic.related.insert(0, place);
+            diagnostic.at = importing.at;
+        }
+        if let Some(importing) = self.importing
+            && importing.again
+        {
+            if !self.repeated_imports.insert(importing.at) {
+                return;
+            }
+            diagnostic
+                .message
+                .push_str("; the component has this interface already, so it is imported twice");
+        }
+        let key = (diagnostic.code, diagnostic.at, hash(&diagnostic.message));
+        if self.reported.insert(key) {
+            self.reported_at.insert((diagnostic.code, diagnostic.at));
+            self.diagnostics.push(diagnostic);
+        }
+    }
+
+    /// `; did you mean …?`, or nothing.
+    pub(super) fn hint<'n>(
+        &self,
+        name: &str,
+        candidates: impl IntoIterator<Item = &'n str>,
+    ) -> String {
+        match self.hints.get() {
+            0 => String::new(),
+            left => {
+                self.hints.set(left - 1);
+                suggest::hint(name, candidates)
+            }
+        }
+    }
+
+    /// Reports a problem that has one place only.
+    pub(super) fn error(&mut self, code: &'static str, at: Src, message: impl Into<String>) {
+        self.report(ElabDiagnostic::new(code, at, message));
+    }
+
+    // Types
+
+    /// A new anonymous type object.
+    pub(super) fn anonymous(&mut self, kind: TypeKind, src: Src) -> TypeId {
+        self.push_type(Type {
+            kind,
+            name: None,
+            scope: self.scopes.get(self.scope).path.clone(),
+            src,
+            parent: None,
+            masquerade: Vec::new(),
+        })
+    }
+
+    /// A new type object named `name` in `scope`; it is not declared there yet.
+    pub(super) fn named(&mut self, kind: TypeKind, scope: ScopeId, name: Text, src: Src) -> TypeId {
+        let scope = self.scopes.get(scope).path.clone();
+        self.push_type(Type {
+            kind,
+            name: Some(name),
+            scope,
+            src,
+            parent: None,
+            masquerade: Vec::new(),
+        })
+    }
+
+    fn push_type(&mut self, ty: Type) -> TypeId {
+        let id = TypeId(self.spec.types.len() as u32);
+        self.spec.types.push(ty);
+        self.type_defs.push(None);
+        self.type_order.push(self.next_order);
+        self.next_order += 1;
+        id
+    }
+
+    /// Moves a type object to the end of the order of creation.
+    pub(super) fn move_to_end(&mut self, id: TypeId) {
+        self.type_order[id.0 as usize] = self.next_order;
+        self.next_order += 1;
+    }
+
+    /// A type for what could not be resolved.
+    pub(super) fn unknown(&mut self, src: Src) -> TypeId {
+        self.anonymous(TypeKind::Unknown, src)
+    }
+
+    /// Whether an error about this type was reported already.
+    pub(super) fn is_unknown(&self, id: TypeId) -> bool {
+        matches!(
+            self.spec.ty(self.spec.resolve_alias(id)).kind,
+            TypeKind::Unknown
+        )
+    }
+
+    // Declarations
+
+    /// Records a declaration.
+    pub(super) fn define(
+        &mut self,
+        kind: DefKind,
+        name: &Text,
+        src: Src,
+        node: Src,
+        ty: Option<TypeId>,
+    ) -> DefId {
+        let id = DefId(self.definitions.len() as u32);
+        self.definitions.push(Definition {
+            id,
+            kind,
+            name: name.clone(),
+            src,
+            node,
+            container: self.container,
+            ty,
+            entity: None,
+        });
+        if let Some(ty) = ty {
+            let slot = &mut self.type_defs[ty.0 as usize];
+            if slot.is_none() {
+                *slot = Some(id);
+            }
+        }
+        id
+    }
+
+    pub(super) fn set_entity(&mut self, def: DefId, entity: Entity) {
+        self.definitions[def.0 as usize].entity = Some(entity);
+    }
+
+    /// Puts a type object into a scope, or reports why it cannot be there.
+    pub(super) fn declare(&mut self, scope: ScopeId, name: &Name, ty: TypeId) -> bool {
+        let at = self.src(name.ptr);
+        self.declare_at(scope, &name.text, at, ty)
+    }
+
+    /// As [`Self::declare`], for a name that is written elsewhere.
+    pub(super) fn declare_at(&mut self, scope: ScopeId, name: &Text, at: Src, ty: TypeId) -> bool {
+        let clash = self.scopes.clash(scope, name, false);
+        if let Some(clash) = clash {
+            self.report_clash(scope, name, at, clash);
+        }
+        // Where nothing else has the name, it is remembered for its uses.
+        if matches!(clash, None | Some(Clash::Enclosing)) {
+            let names = &mut self.scopes.get_mut(scope).names;
+            names.insert(name.clone(), ty);
+        }
+        clash.is_none()
+    }
+
+    /// Reports why a name cannot be declared.
+    pub(super) fn report_clash(&mut self, scope: ScopeId, name: &Text, at: Src, clash: Clash) {
+        if let Clash::Name(previous) = clash
+            && let Some(forward) = self.forward_of(previous)
+        {
+            forward.excused = true;
+        }
+        let diagnostic = match clash {
+            Clash::Name(previous) => {
+                let what = super::types::describe(&self.spec, previous);
+                let place = self.type_place(previous);
+                let message = if place.is_some() {
+                    format!("`{name}` is already declared in this scope, as {what}")
+                } else {
+                    format!(
+                        "`{name}` is already {what}: every component has the states `ether`, \
+                         `start` and `stop`"
+                    )
+                };
+                let diagnostic = ElabDiagnostic::new("name-clash", at, message);
+                match place {
+                    Some(place) => diagnostic.related(place, "first declared here"),
+                    None => diagnostic,
+                }
+            }
+            Clash::Scope(child) => {
+                let def = self.scopes.get(child).def;
+                let what = match def.map(|it| self.definitions[it.0 as usize].kind) {
+                    Some(DefKind::Component) => "a component",
+                    Some(DefKind::Interface) => "an interface",
+                    Some(DefKind::Module) => "a module",
+                    Some(_) => "a type",
+                    None => "the scope of paused states",
+                };
+                let diagnostic = ElabDiagnostic::new(
+                    "name-clash-module",
+                    at,
+                    format!("`{name}` is already the name of {what} in this scope"),
+                );
+                match def {
+                    Some(def) => {
+                        let place = self.definitions[def.0 as usize].src;
+                        diagnostic.related(place, "first declared here")
+                    }
+                    None => diagnostic,
+                }
+            }
+            Clash::Enclosing => {
+                let def = self.scopes.get(scope).def;
+                let diagnostic = ElabDiagnostic::new(
+                    "name-clash-enclosing",
+                    at,
+                    format!(
+                        "`{name}` cannot be declared here, because it is the name of the scope it \
+                         would be in; choose another name"
+                    ),
+                );
+                match def {
+                    Some(def) => {
+                        let place = self.definitions[def.0 as usize].src;
+                        diagnostic.related(place, format!("this is `{name}`"))
+                    }
+                    None => diagnostic,
+                }
+            }
+        };
+        self.report(diagnostic);
+    }
+
+    /// What is known about a forward declaration.
+    pub(super) fn forward_of(&mut self, ty: TypeId) -> Option<&mut Forward> {
+        // In order of creation.
+        let found = self.forwards.binary_search_by_key(&ty, |it| it.ty);
+        self.forwards.get_mut(found.ok()?)
+    }
+
+    /// Where a type object was declared, if a text did.
+    pub(super) fn type_place(&self, ty: TypeId) -> Option<Src> {
+        let def = self.type_defs[ty.0 as usize]?;
+        Some(self.definitions[def.0 as usize].src)
+    }
+
+    /// Runs `inside` with another current scope and container.
+    pub(super) fn within<R>(
+        &mut self,
+        scope: ScopeId,
+        container: Option<DefId>,
+        inside: impl FnOnce(&mut Self) -> R,
+    ) -> R {
+        let outer_scope = std::mem::replace(&mut self.scope, scope);
+        let outer_container = std::mem::replace(&mut self.container, container);
+        let result = inside(self);
+        self.scope = outer_scope;
+        self.container = outer_container;
+        result
+    }
+
+    /// Runs `inside` as if reading another visit.
+    pub(super) fn in_visit<R>(&mut self, visit: u32, inside: impl FnOnce(&mut Self) -> R) -> R {
+        let outer = std::mem::replace(&mut self.visit, visit);
+        let result = inside(self);
+        self.visit = outer;
+        result
+    }
+
+    // References
+
+    /// Records the use of a name.
+    pub(super) fn refer(&mut self, at: Src, target: DefId) {
+        self.refer_as(at, target, Access::None, false);
+    }
+
+    /// Records the use of a type object's name.
+    pub(super) fn refer_type(&mut self, at: Src, ty: TypeId) {
+        if let Some(def) = self.type_defs[ty.0 as usize] {
+            self.refer(at, def);
+        }
+    }
+
+    pub(super) fn refer_as(&mut self, at: Src, target: DefId, access: Access, declaration: bool) {
+        if self.importing.is_none() {
+            self.references.push(Reference {
+                at,
+                target,
+                access,
+                declaration,
+                component: self.component,
+            });
+        }
+    }
+}
+
+impl ElabDiagnostic {
+    /// A problem with the severity that the table of codes gives it.
+    pub fn new(code: &'static str, at: Src, message: impl Into<String>) -> Self {
+        let severity = crate::check::codes::find(code).map(|it| it.severity);
+        debug_assert!(severity.is_some(), "{code} is not in the table of codes");
+        Self {
+            code,
+            severity: severity.unwrap_or(super::Severity::Error),
+            message: message.into(),
+            at,
+            related: Vec::new(),
+            fix: None,
+        }
+    }
+
+    /// Adds another place that matters.
+    pub fn related(mut self, at: Src, message: impl Into<String>) -> Self {
+        self.related.push((at, message.into()));
+        self
+    }
+
+    /// Adds a change that resolves the problem.
+    pub fn fix(mut self, fix: super::Fix) -> Self {
+        self.fix = Some(fix);
+        self
+    }
+}
+
+fn hash(text: &str) -> u64 {
+    use std::hash::{Hash, Hasher};
+    let mut hasher = rustc_hash::FxHasher::default();
+    text.hash(&mut hasher);
+    hasher.finish()
+}

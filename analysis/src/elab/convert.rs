@@ -1,0 +1,118 @@
+//! Conversion of constant values to declared types (language reference, section 7.1).
+
+use super::{constant::Const, types};
+use crate::model::{Spec, TypeId, TypeKind, Value};
+
+/// Why a value does not convert.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Misfit {
+    /// The type holds no constants.
+    Type,
+    /// A value of another kind.
+    Kind,
+    /// Out of the type's range.
+    Range,
+}
+
+/// The value as the declared type holds it.
+pub(super) fn convert(spec: &Spec, value: &Const, ty: TypeId) -> Result<Value, Misfit> {
+    let last = types::look_through(spec, ty);
+    let kind = &spec.ty(last).kind;
+    let integer = |min: i128, max: i128, signed: bool| {
+        let value = match value {
+            // The complement of an unsigned number takes the width of its type.
+            Const::Int {
+                value,
+                signed: false,
+            } if *value < 0 && !signed => value & max,
+            Const::Int { value, .. } => *value,
+            Const::Float(_) => value.integral().ok_or(Misfit::Kind)?,
+            _ => return Err(Misfit::Kind),
+        };
+        if value < 0 && !signed {
+            return Err(Misfit::Kind);
+        }
+        if value < min || value > max {
+            return Err(Misfit::Range);
+        }
+        Ok(if signed {
+            Value::Int(value as i64)
+        } else {
+            Value::Uint(value as u64)
+        })
+    };
+    match kind {
+        TypeKind::Boolean => match value {
+            Const::Bool(it) => Ok(Value::Bool(*it)),
+            _ => Err(Misfit::Kind),
+        },
+        TypeKind::Octet => integer(0, u8::MAX.into(), false),
+        TypeKind::UnsignedShort => integer(0, u16::MAX.into(), false),
+        TypeKind::UnsignedLong => integer(0, u32::MAX.into(), false),
+        TypeKind::UnsignedLongLong => integer(0, u64::MAX.into(), false),
+        TypeKind::Short => integer(i16::MIN.into(), i16::MAX.into(), true),
+        TypeKind::Long => integer(i32::MIN.into(), i32::MAX.into(), true),
+        TypeKind::LongLong => integer(i64::MIN.into(), i64::MAX.into(), true),
+        TypeKind::Float | TypeKind::Double => value.number().map(Value::Float).ok_or(Misfit::Kind),
+        TypeKind::Char => match value {
+            Const::Char(it) => Ok(Value::Char(it.clone())),
+            Const::Str(it) => Ok(Value::String(it.clone())),
+            _ => Err(Misfit::Kind),
+        },
+        TypeKind::String { .. } => match value {
+            Const::Str(it) => Ok(Value::String(it.clone())),
+            _ => Err(Misfit::Kind),
+        },
+        TypeKind::Enum { .. } => match value {
+            Const::Enum(it) => match spec.ty(*it).kind {
+                TypeKind::Enumerator { enumeration, .. } if enumeration == last => {
+                    Ok(Value::Enum(*it))
+                }
+                _ => Err(Misfit::Kind),
+            },
+            _ => Err(Misfit::Kind),
+        },
+        _ => Err(Misfit::Type),
+    }
+}
+
+/// The code and message for a value that does not convert.
+pub(super) fn explain_misfit(
+    spec: &Spec,
+    misfit: Misfit,
+    value: &Const,
+    ty: TypeId,
+) -> (&'static str, String) {
+    let name = types::display(spec, ty);
+    match misfit {
+        Misfit::Type => (
+            "const-type",
+            format!(
+                "`{name}` cannot hold a constant; only numbers, booleans, characters, strings and enums can"
+            ),
+        ),
+        Misfit::Kind => (
+            "const-convert",
+            match value {
+                Const::Enum(it) => format!(
+                    "`{}` is an enumerator of another type than `{name}`",
+                    spec.ty(*it).name.as_deref().unwrap_or_default()
+                ),
+                Const::Float(it) => {
+                    format!("{it} is no value of type `{name}`")
+                }
+                Const::Int { value, .. } => {
+                    format!("{value} is no value of type `{name}`")
+                }
+                _ => format!("{} is no value of type `{name}`", value.describe()),
+            },
+        ),
+        Misfit::Range => {
+            let number = value.integer().unwrap_or_default();
+            (
+                "const-range",
+                format!("{number} is out of the range of type `{name}`"),
+            )
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! What is settled at the end of the input (language reference, sections 1.4 and 8.1).
+
+use std::sync::Arc;
+
+use num_rational::Ratio;
+
+use super::{Access, ElabDiagnostic, Elaborated, context::Elaborator, property::to_f64};
+use crate::model::{ComponentKind, Quantity, Seconds, Spec, TypeId, TypeKind, visit::TypeIds};
+
+impl Elaborator<'_> {
+    pub(super) fn finish(&mut self) {
+        self.check_forwards();
+        self.apply_wcet_pragmas();
+        for index in 0..self.spec.components.len() {
+            if self.spec.components[index].kind == ComponentKind::Component {
+                self.settle_clock_rate(index);
+                let component = &mut self.spec.components[index];
+                component.lang.get_or_insert_with(|| "c".to_owned());
+                component.version.get_or_insert_with(|| "0".to_owned());
+                self.lint(index);
+            }
+        }
+    }
+
+    /// What is suspicious about a component, as far as its declarations were understood.
+    fn lint(&mut self, index: usize) {
+        if !self.components[index].tasks.iter().any(|it| it.incomplete) {
+            for lint in crate::check::lints(&self.spec.components[index]) {
+                self.report(lint);
+            }
+        }
+    }
+
+    fn check_forwards(&mut self) {
+        for forward in std::mem::take(&mut self.forwards) {
+            let ty = self.spec.ty(forward.ty);
+            let (keyword, undefined) = match ty.kind {
+                TypeKind::ForwardStruct { definition } => ("struct", definition.is_none()),
+                TypeKind::ForwardUnion { definition } => ("union", definition.is_none()),
+                _ => continue,
+            };
+            if undefined && !forward.excused {
+                let name = ty.name.as_deref().unwrap_or_default();
+                let message = format!(
+                    "{keyword} `{name}` is declared but never defined; define it in the same \
+                     scope and file, or remove the declaration"
+                );
+                let at = ty.src;
+                self.error("forward-undefined", at, message);
+            }
+        }
+    }
+
+    fn apply_wcet_pragmas(&mut self) {
+        for pragma in std::mem::take(&mut self.pragma_wcet) {
+            let Some(def) = self.codel_def(&pragma.codel) else {
+                let names = self.codels.keys().map(|it| it.as_str());
+                let hint = self.hint(&pragma.codel, names);
+                let message = format!("there is no codel `{}`{hint}", pragma.codel);
+                self.error("wcet-pragma", pragma.at, message);
+                continue;
+            };
+            self.refer_as(pragma.name, def, Access::None, false);
+            let quantity = self.seconds(pragma.number, pragma.unit, pragma.at);
+            let mut clause = None;
+            for component in &mut self.spec.components {
+                let tasks = component.tasks.iter_mut().map(|it| &mut it.codels);
+                let services = component.services.iter_mut().map(|it| &mut it.codels);
+                for codel in tasks.chain(services).flatten() {
+                    if codel.name != pragma.codel {
+                        continue;
+                    }
+                    match &codel.wcet {
+                        Some(given) => clause = clause.or(Some(given.src)),
+                        None => codel.wcet = Some(quantity.clone()),
+                    }
+                }
+            }
+            if let Some(clause) = clause {
+                let message = format!(
+                    "codel `{}` has a `wcet` in its declaration; keep one of them",
+                    pragma.codel
+                );
+                self.report(
+                    ElabDiagnostic::new("wcet-pragma", pragma.at, message)
+                        .related(clause, "in the declaration"),
+                );
+            }
+        }
+    }
+
+    /// Compares a given clock-rate with the periods, or computes the default one.
+    fn settle_clock_rate(&mut self, index: usize) {
+        let component = &self.spec.components[index];
+        let Some(rate) = &component.clock_rate else {
+            // One that could not be evaluated is still given.
+            if !self.components[index].given.contains_key("clock-rate") {
+                self.default_clock_rate(index);
+            }
+            return;
+        };
+        let mut problems = Vec::new();
+        for task in &component.tasks {
+            let times = [("period", &task.period), ("delay", &task.delay)];
+            for (word, time) in times {
+                let Some(time) = time else { continue };
+                if !is_multiple(time.value, rate.value) {
+                    let message = format!(
+                        "the {word} of task `{}`, {} s, is no multiple of the clock-rate, {} s",
+                        task.name,
+                        to_f64(time.value),
+                        to_f64(rate.value)
+                    );
+                    problems.push(
+                        ElabDiagnostic::new("clock-rate-multiple", time.src, message)
+                            .related(rate.src, "the clock-rate"),
+                    );
+                }
+            }
+        }
+        for problem in problems {
+            self.report(problem);
+        }
+    }
+
+    fn default_clock_rate(&mut self, index: usize) {
+        let component = &self.spec.components[index];
+        if component.tasks.iter().all(|it| it.period.is_none()) {
+            return;
+        }
+        let times = component
+            .tasks
+            .iter()
+            .flat_map(|it| [&it.period, &it.delay])
+            .flatten();
+        let rate = times.fold(1_000_000, |rate, time| gcd(rate, microseconds(time)));
+        let src = component.src;
+        let rate = self.seconds(Ratio::new(rate, 1_000_000), None, src);
+        self.spec.components[index].clock_rate = Some(rate);
+    }
+}
+
+fn microseconds(time: &Quantity) -> i128 {
+    (time.value * Ratio::from_integer(1_000_000))
+        .round()
+        .to_integer()
+}
+
+/// The greatest common divisor; zero does not count.
+fn gcd(mut a: i128, mut b: i128) -> i128 {
+    while b != 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+}
+
+/// Whether a time is a multiple of a clock-rate, to a millionth of a tick.
+fn is_multiple(time: Seconds, rate: Seconds) -> bool {
+    let zero = Ratio::from_integer(0);
+    if rate == zero {
+        return time == zero;
+    }
+    let ticks = time / rate;
+    let off = ticks - ticks.round();
+    let tolerance = Ratio::new(1, 1_000_000);
+    off <= tolerance && -off <= tolerance
+}
+
+/// Puts the types in their order of creation.
+///
+/// Types are numbered as they are made, so only the ids can be out of order: they move to the end
+/// each time members are added.
+pub(super) fn order_types(result: &mut Elaborated, order: &[u32]) {
+    if order.is_sorted() {
+        return;
+    }
+    let mut by_order: Vec<u32> = (0..order.len() as u32).collect();
+    by_order.sort_by_key(|it| order[*it as usize]);
+    let mut new_ids = vec![TypeId(0); order.len()];
+    for (new, old) in (0..).zip(&by_order) {
+        new_ids[*old as usize] = TypeId(new);
+    }
+    let mut renumber = |id: &mut TypeId| {
+        if let Some(new) = new_ids.get(id.0 as usize) {
+            *id = *new;
+        }
+    };
+    let spec = Arc::make_mut(&mut result.spec);
+    spec.for_each_type_id(&mut renumber);
+    reorder(spec, &by_order);
+    for definition in &mut result.definitions {
+        definition.ty.iter_mut().for_each(&mut renumber);
+    }
+    for closing in &mut result.closings {
+        if let Some(snapshot) = &mut closing.snapshot {
+            snapshot.for_each_type_id(&mut renumber);
+        }
+    }
+}
+
+fn reorder(spec: &mut Spec, by_order: &[u32]) {
+    let mut old: Vec<Option<_>> = std::mem::take(&mut spec.types)
+        .into_iter()
+        .map(Some)
+        .collect();
+    spec.types = by_order
+        .iter()
+        .filter_map(|it| old.get_mut(*it as usize)?.take())
+        .collect();
+}

@@ -1,0 +1,588 @@
+//! Importing interfaces with `provides`, `uses`, `extends` and `#pragma provides` (language
+//! reference, section 15).
+//!
+//! An interface is imported as it is at that point. Codels and the parameters of attributes are
+//! resolved again, for the importing component, and only once all else is there (deviations D13 and
+//! D14). Problems are reported at the name in the importing property.
+
+use super::{
+    ElabDiagnostic,
+    context::{Elaborator, Importing},
+    property::{join_doc, union},
+    scope::Clash,
+};
+use crate::{
+    item_tree::Name,
+    model::{
+        ComponentKind, Name as Text, Owner, Param, ParamDir, Port, PortDir, Remote, Service,
+        ServiceKind, Src, TypeId, TypeKind,
+    },
+};
+
+impl<'a> Elaborator<'a> {
+    /// A `provides`, `uses` or `extends` property.
+    pub(super) fn imports(&mut self, index: u32, names: &'a [Name], word: &'static str) {
+        let mut seen: Vec<(&Text, Src)> = Vec::with_capacity(names.len());
+        for name in names {
+            let at = self.src(name.ptr);
+            if let Some((_, first)) = seen.iter().find(|(it, _)| *it == &name.text) {
+                let message = format!("`{}` is already in this list; remove it", name.text);
+                let diagnostic = ElabDiagnostic::new("iface-repeated", at, message)
+                    .related(*first, "first here");
+                self.report(diagnostic);
+                continue;
+            }
+            seen.push((&name.text, at));
+            let Some(interface) =
+                self.interface(&name.text, at, "iface-unknown", "iface-is-component")
+            else {
+                self.components[index as usize].incomplete = true;
+                continue;
+            };
+            self.import(index, interface, word, at);
+        }
+    }
+
+    /// The interface of that name; reports what else it is.
+    pub(super) fn interface(
+        &mut self,
+        name: &Text,
+        at: Src,
+        unknown: &'static str,
+        is_component: &'static str,
+    ) -> Option<u32> {
+        let Some(&found) = self.component_by_name.get(name) else {
+            let interfaces = self
+                .spec
+                .components
+                .iter()
+                .filter(|it| it.kind == ComponentKind::Interface)
+                .map(|it| it.name.as_str());
+            let hint = self.hint(name, interfaces);
+            let message =
+                format!("unknown interface `{name}`; it must be declared before it is used{hint}");
+            self.error(unknown, at, message);
+            return None;
+        };
+        let def = self.components[found as usize].def;
+        self.refer(at, def);
+        if self.spec.components[found as usize].kind == ComponentKind::Component {
+            let message = format!(
+                "`{name}` is a component; only interfaces can be imported, so move what is shared \
+                 into an interface that both provide"
+            );
+            let place = self.spec.components[found as usize].src;
+            self.report(
+                ElabDiagnostic::new(is_component, at, message).related(place, "the component"),
+            );
+            return None;
+        }
+        Some(found)
+    }
+
+    /// The interfaces that `#pragma provides` adds to every new component.
+    pub(super) fn import_by_pragma(&mut self, index: u32, at: Src) {
+        for interface in self.pragma_provides.clone() {
+            self.import(index, interface, "provides", at);
+        }
+    }
+
+    fn import(&mut self, index: u32, interface: u32, word: &'static str, at: Src) {
+        let component = &mut self.spec.components[index as usize];
+        let list = match word {
+            "uses" => &mut component.uses,
+            "extends" => &mut component.extends,
+            _ => &mut component.provides,
+        };
+        union(list, [interface]);
+        if interface == index {
+            return;
+        }
+        let again = self.components[index as usize]
+            .imported
+            .contains(&interface);
+        let theirs = self.components[interface as usize].imported.clone();
+        let imported = &mut self.components[index as usize].imported;
+        union(imported, theirs);
+        union(imported, [interface]);
+        let outer = self.importing.replace(Importing { at, again });
+        let uses = word == "uses";
+        self.import_properties(index, interface, at);
+        self.import_ids(index, interface, at);
+        self.import_tasks(index, interface, at);
+        self.import_ports(index, interface, uses, at);
+        let services = if uses {
+            self.import_as_remotes(index, interface, at);
+            Vec::new()
+        } else {
+            self.import_services(index, interface, at)
+        };
+        self.import_remotes(index, interface, at);
+        for task in 0..self.components[interface as usize].tasks.len() {
+            let name = &self.spec.components[interface as usize].tasks[task].name;
+            let own = self.components[index as usize].task_by_name.get(name);
+            let Some(own) = own.copied() else { continue };
+            for codel in self.components[interface as usize].tasks[task]
+                .codels
+                .clone()
+            {
+                self.add_codel(index, Owner::Task(own), codel);
+            }
+        }
+        for (theirs, own) in services {
+            let codels = &self.components[interface as usize].services[theirs as usize].codels;
+            for codel in codels.clone() {
+                self.add_codel(index, Owner::Service(own), codel);
+            }
+        }
+        self.importing = outer;
+    }
+
+    fn import_properties(&mut self, index: u32, interface: u32, at: Src) {
+        let from = &self.spec.components[interface as usize];
+        let (doc, requires, codels_requires, throws) = (
+            from.doc.clone(),
+            from.requires.clone(),
+            from.codels_requires.clone(),
+            from.throws.clone(),
+        );
+        let (version, lang, email, clock_rate) = (
+            from.version.clone(),
+            from.lang.clone(),
+            from.email.clone(),
+            from.clock_rate.clone(),
+        );
+        let to = &mut self.spec.components[index as usize];
+        if let Some(doc) = doc {
+            join_doc(&mut to.doc, &doc);
+        }
+        union(&mut to.requires, requires);
+        union(&mut to.codels_requires, codels_requires);
+        union(&mut to.throws, throws);
+        let word = "codels-requires";
+        let state = &self.components[interface as usize];
+        if let Some(&theirs) = state.given.get(word) {
+            let state = &mut self.components[index as usize];
+            if let Some(&own) = state.given.get(word) {
+                self.report(
+                    ElabDiagnostic::new(
+                        "codels-requires-again",
+                        at,
+                        "the `codels-requires` of the interface is added to another one; \
+                         generators before version 2.99.41 refuse that",
+                    )
+                    .related(theirs, "in the interface")
+                    .related(own, "the other one"),
+                );
+            } else {
+                state.given.insert(word, at);
+            }
+        }
+        let mut once =
+            |word: &'static str, given: bool| given && self.import_once(index, interface, word, at);
+        let version = version.filter(|_| once("version", true));
+        let lang = lang.filter(|_| once("lang", true));
+        let email = email.filter(|_| once("email", true));
+        let clock_rate = clock_rate.filter(|_| once("clock-rate", true));
+        let to = &mut self.spec.components[index as usize];
+        to.version = version.or(to.version.take());
+        to.lang = lang.or(to.lang.take());
+        to.email = email.or(to.email.take());
+        to.clock_rate = clock_rate.or(to.clock_rate.take());
+    }
+
+    /// Notes that a property that does not merge is imported; reports it when it was given already.
+    fn import_once(&mut self, index: u32, interface: u32, word: &'static str, at: Src) -> bool {
+        let theirs = self.components[interface as usize].given.get(word).copied();
+        let given = &mut self.components[index as usize].given;
+        let Some(&own) = given.get(word) else {
+            given.insert(word, at);
+            return true;
+        };
+        let name = &self.spec.components[interface as usize].name;
+        let message = format!(
+            "interface `{name}` brings a `{word}`, but the component has one already; keep one of \
+             them"
+        );
+        let mut diagnostic = ElabDiagnostic::new("prop-duplicate", at, message);
+        if let Some(theirs) = theirs {
+            diagnostic = diagnostic.related(theirs, "in the interface");
+        }
+        self.report(diagnostic.related(own, "the other one"));
+        false
+    }
+
+    fn import_ids(&mut self, index: u32, interface: u32, at: Src) {
+        let Some(theirs) = self.spec.components[interface as usize].ids else {
+            return;
+        };
+        let TypeKind::Struct { members } = &self.spec.ty(theirs).kind else {
+            return;
+        };
+        let members = members.clone();
+        let first = self.spec.components[index as usize].ids.is_none();
+        let Some(scope) = self.open_ids(index, at) else {
+            return;
+        };
+        if let Some(own) = self.spec.components[index as usize].ids.filter(|_| first) {
+            // Templates are told where the members come from.
+            self.spec.types[own.0 as usize].src = self.spec.ty(theirs).src;
+        }
+        let mut added: Vec<TypeId> = Vec::new();
+        for member in members {
+            let Some(name) = self.spec.ty(member).name.clone() else {
+                continue;
+            };
+            let origin = self.origin(member);
+            match self.scopes.clash(scope, &name, false) {
+                // One interface imported by two ways.
+                Some(Clash::Name(known)) if self.origin(known) == origin => {}
+                Some(clash @ (Clash::Name(_) | Clash::Scope(_))) => {
+                    self.report_clash(scope, &name, at, clash);
+                }
+                _ => {
+                    let kind = self.spec.ty(member).kind.clone();
+                    let src = self.spec.ty(member).src;
+                    let copy = self.named(kind, scope, name.clone(), src);
+                    self.type_defs[copy.0 as usize] = self.type_defs[member.0 as usize];
+                    self.origins.insert(copy, origin);
+                    self.scopes.get_mut(scope).names.insert(name, copy);
+                    added.push(copy);
+                }
+            }
+        }
+        if !added.is_empty() {
+            self.add_to_ids(index, added);
+        }
+    }
+
+    /// The member of an interface's ids that a member was copied from; itself if it was not.
+    fn origin(&self, member: TypeId) -> TypeId {
+        self.origins.get(&member).copied().unwrap_or(member)
+    }
+
+    fn import_tasks(&mut self, index: u32, interface: u32, at: Src) {
+        for number in 0..self.components[interface as usize].tasks.len() {
+            let task = self.spec.components[interface as usize].tasks[number].clone();
+            let def = self.components[interface as usize].tasks[number].def;
+            let known = self.components[index as usize].task_by_name.get(&task.name);
+            let own = match known.copied() {
+                Some(own) => own,
+                None => self.new_task(index, &task.name, task.src, def, Some(interface)),
+            };
+            let mut conflicts: Vec<&'static str> = Vec::new();
+            let to = &mut self.spec.components[index as usize].tasks[own as usize];
+            let given = &mut self.components[index as usize].tasks[own as usize].given;
+            let mut once = |word: &'static str, brought: bool| {
+                if brought && given.contains_key(word) {
+                    conflicts.push(word);
+                    return false;
+                }
+                if brought {
+                    given.insert(word, at);
+                }
+                brought
+            };
+            if once("period", task.period.is_some()) {
+                to.period = task.period;
+            }
+            if once("delay", task.delay.is_some()) {
+                to.delay = task.delay;
+            }
+            if once("priority", task.priority.is_some()) {
+                to.priority = task.priority;
+            }
+            if once("scheduling", task.real_time) {
+                to.real_time = true;
+            }
+            if once("stack", task.stack.is_some()) {
+                to.stack = task.stack;
+            }
+            if let Some(doc) = &task.doc {
+                join_doc(&mut to.doc, doc);
+            }
+            union(&mut to.throws, task.throws);
+            let place = to.src;
+            for word in conflicts {
+                let message = format!(
+                    "task `{}` of the interface has a `{word}`, and so has the task of that name \
+                     here; keep one of them",
+                    task.name
+                );
+                let theirs = self.components[interface as usize].tasks[number]
+                    .given
+                    .get(word);
+                let mut diagnostic = ElabDiagnostic::new("prop-duplicate", at, message);
+                if let Some(theirs) = theirs {
+                    diagnostic = diagnostic.related(*theirs, "in the interface");
+                }
+                self.report(diagnostic.related(place, "the other task"));
+            }
+            self.check_delay(index, own);
+        }
+    }
+
+    fn import_ports(&mut self, index: u32, interface: u32, uses: bool, at: Src) {
+        for number in 0..self.components[interface as usize].ports.len() {
+            let port = self.spec.components[interface as usize].ports[number].clone();
+            let def = self.components[interface as usize].ports[number];
+            let dir = match (uses, port.dir) {
+                (true, PortDir::In) => PortDir::Out,
+                (true, PortDir::Out) => PortDir::In,
+                (false, dir) => dir,
+            };
+            let port = Port {
+                dir,
+                imported_from: Some(interface),
+                ..port
+            };
+            self.add_port(index, port, def, at);
+        }
+    }
+
+    /// Adds the services of an interface, without their codels. Gives the pairs of their and our
+    /// index whose codels are to be added.
+    fn import_services(&mut self, index: u32, interface: u32, at: Src) -> Vec<(u32, u32)> {
+        let mut pairs = Vec::new();
+        for number in 0..self.components[interface as usize].services.len() {
+            let service = self.spec.components[interface as usize].services[number].clone();
+            if self.taken_by_other(index, &service.name, at) {
+                continue;
+            }
+            let params = self.imported_params(index, interface, number, &service);
+            let known = self.components[index as usize]
+                .service_by_name
+                .get(&service.name)
+                .copied();
+            let own = match known {
+                Some(own) => {
+                    if !self.check_kind(index, own, service.kind, at) {
+                        continue;
+                    }
+                    let plain: Vec<&Param> = params
+                        .iter()
+                        .map(|(it, _)| it)
+                        .filter(|it| it.dir != ParamDir::Local)
+                        .collect();
+                    self.compare_params(index, own, &plain, at, Some(at));
+                    self.merge_locals(index, own, &params, at);
+                    own
+                }
+                None => {
+                    let def = self.components[interface as usize].services[number].def;
+                    let own = self.insert_service(
+                        index,
+                        &service.name,
+                        service.kind,
+                        service.src,
+                        def,
+                        Some(interface),
+                    );
+                    for (param, def) in params {
+                        self.push_param(index, own, param, def);
+                    }
+                    let paths = self.components[interface as usize].services[number]
+                        .paths
+                        .clone();
+                    self.components[index as usize].services[own as usize].paths = paths;
+                    own
+                }
+            };
+            self.import_service_properties(index, interface, number, own, &service, at);
+            pairs.push((number as u32, own));
+        }
+        pairs
+    }
+
+    /// The parameters of a service of an interface, as the importing component sees them.
+    fn imported_params(
+        &mut self,
+        index: u32,
+        interface: u32,
+        number: usize,
+        service: &Service,
+    ) -> Vec<(Param, crate::elab::DefId)> {
+        let state = &self.components[interface as usize].services[number];
+        let defs = state.params.clone();
+        let mut params: Vec<Param> = service.params.clone();
+        if service.kind == ServiceKind::Attribute {
+            // Their paths start from the ids of the interface.
+            let inits: Vec<_> = params.iter().map(|it| it.init.clone()).collect();
+            let names: Vec<_> = params.iter().map(|it| it.name.clone()).collect();
+            params.clear();
+            for source in state.paths.clone() {
+                let param = self.in_visit(source.visit, |this| {
+                    this.within(source.scope, this.container, |this| {
+                        this.attribute_param(index, source.decl)
+                    })
+                });
+                let Some(mut param) = param else { continue };
+                if let Some(known) = names.iter().position(|it| *it == param.name) {
+                    param.init = inits[known].clone();
+                }
+                params.push(param);
+            }
+        }
+        params.into_iter().zip(defs).collect()
+    }
+
+    fn merge_locals(
+        &mut self,
+        index: u32,
+        service: u32,
+        params: &[(Param, crate::elab::DefId)],
+        at: Src,
+    ) {
+        for (local, def) in params.iter().filter(|(it, _)| it.dir == ParamDir::Local) {
+            let known = &self.spec.components[index as usize].services[service as usize];
+            let old = known.params.iter().find(|it| it.name == local.name);
+            let Some(old) = old else {
+                self.push_param(index, service, local.clone(), *def);
+                continue;
+            };
+            let same = old.dir == local.dir && super::types::equal(&self.spec, old.ty, local.ty);
+            if !same {
+                let message = format!(
+                    "local variable `{}` of `{}` is something else in the interface",
+                    local.name, known.name
+                );
+                let place = old.src;
+                self.report(
+                    ElabDiagnostic::new("service-param-conflict", at, message)
+                        .related(local.src, "in the interface")
+                        .related(place, "here"),
+                );
+            }
+        }
+    }
+
+    fn import_service_properties(
+        &mut self,
+        index: u32,
+        interface: u32,
+        number: usize,
+        own: u32,
+        service: &Service,
+        at: Src,
+    ) {
+        let theirs = self.components[interface as usize].services[number].clone();
+        let task = service.task.and_then(|it| {
+            let name = &self.spec.components[interface as usize].tasks[it as usize].name;
+            self.components[index as usize]
+                .task_by_name
+                .get(name)
+                .copied()
+        });
+        let to = &mut self.spec.components[index as usize].services[own as usize];
+        let state = &mut self.components[index as usize].services[own as usize];
+        if let Some(doc) = &service.doc {
+            join_doc(&mut to.doc, doc);
+        }
+        union(&mut to.throws, service.throws.iter().copied());
+        union(&mut state.lists[0].names, theirs.lists[0].names.clone());
+        let mut conflicts: Vec<(&'static str, Src, Src)> = Vec::new();
+        for word in ["task", "before", "after"] {
+            let Some(&place) = theirs.given.get(word) else {
+                continue;
+            };
+            if let Some(&ours) = state.given.get(word) {
+                conflicts.push((word, place, ours));
+                continue;
+            }
+            state.given.insert(word, at);
+            match word {
+                "task" => to.task = task,
+                "before" => state.lists[1] = theirs.lists[1].clone(),
+                _ => state.lists[2] = theirs.lists[2].clone(),
+            }
+        }
+        for (word, place, ours) in conflicts {
+            let message = format!(
+                "`{}` has a `{word}` both here and in the interface; keep one of them",
+                service.name
+            );
+            self.report(
+                ElabDiagnostic::new("prop-duplicate", at, message)
+                    .related(place, "in the interface")
+                    .related(ours, "the other one"),
+            );
+        }
+    }
+
+    fn import_as_remotes(&mut self, index: u32, interface: u32, at: Src) {
+        for number in 0..self.components[interface as usize].services.len() {
+            let from = &self.spec.components[interface as usize];
+            let service = &from.services[number];
+            let mut throws = from.throws.clone();
+            if let Some(task) = service.task {
+                union(
+                    &mut throws,
+                    from.tasks[task as usize].throws.iter().copied(),
+                );
+            }
+            union(&mut throws, service.throws.iter().copied());
+            let remote = Remote {
+                name: service.name.clone(),
+                src: service.src,
+                kind: service.kind,
+                params: service
+                    .params
+                    .iter()
+                    .filter(|it| it.dir != ParamDir::Local)
+                    .cloned()
+                    .collect(),
+                ty: TypeId(0),
+                interface,
+                service: number as u32,
+                throws,
+            };
+            let def = self.components[interface as usize].services[number].def;
+            self.add_remote(index, remote, def, at);
+        }
+    }
+
+    fn import_remotes(&mut self, index: u32, interface: u32, at: Src) {
+        for number in 0..self.components[interface as usize].remotes.len() {
+            let remote = self.spec.components[interface as usize].remotes[number].clone();
+            let def = self.components[interface as usize].remotes[number];
+            self.add_remote(index, remote, def, at);
+        }
+    }
+
+    fn add_remote(&mut self, index: u32, mut remote: Remote, def: crate::elab::DefId, at: Src) {
+        let state = &self.components[index as usize];
+        if let Some(&service) = state.service_by_name.get(&remote.name) {
+            let message = format!(
+                "remote service `{}` has the name of a service of this component",
+                remote.name
+            );
+            let place = self.spec.components[index as usize].services[service as usize].src;
+            self.report(
+                ElabDiagnostic::new("redefinition", at, message)
+                    .related(place, "the service")
+                    .related(remote.src, "the remote service"),
+            );
+            self.lose(index, &remote.name);
+            return;
+        }
+        let scope = state.scope;
+        if let Some(clash) = self.scopes.clash(scope, &remote.name, false) {
+            self.report_clash(scope, &remote.name, at, clash);
+            self.lose(index, &remote.name);
+            return;
+        }
+        let number = self.spec.components[index as usize].remotes.len() as u32;
+        let kind = TypeKind::Remote {
+            component: index,
+            remote: number,
+        };
+        let ty = self.named(kind, scope, remote.name.clone(), remote.src);
+        self.type_defs[ty.0 as usize] = Some(def);
+        self.declare_at(scope, &remote.name, at, ty);
+        remote.ty = ty;
+        let state = &mut self.components[index as usize];
+        state.remote_by_name.insert(remote.name.clone(), number);
+        state.remotes.push(def);
+        self.spec.components[index as usize].remotes.push(remote);
+    }
+}

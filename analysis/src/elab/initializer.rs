@@ -1,0 +1,237 @@
+//! Default values of parameters, matched to the members of their types (language reference,
+//! section 16).
+
+use super::{
+    ElabDiagnostic,
+    constant::Const,
+    context::Elaborator,
+    convert::{convert, explain_misfit},
+    property, types,
+};
+use crate::{
+    item_tree::{self, Designator},
+    model::{InitValue, Initializer, PathElement, Src, TypeId, TypeKind},
+};
+
+impl<'a> Elaborator<'a> {
+    /// The default value of a parameter; `None` if it does not fit the type, which was reported.
+    pub(super) fn initializer(
+        &mut self,
+        init: &'a item_tree::Initializer,
+        ty: TypeId,
+    ) -> Option<Initializer> {
+        let ty = match self.spec.ty(ty).kind {
+            TypeKind::StructMember { ty } | TypeKind::UnionMember { ty, .. } => ty,
+            _ => ty,
+        };
+        let fitted = self.fit(init, ty, None)?;
+        // `{ }` says nothing about the value.
+        let says_nothing = fitted.value == InitValue::Compound(Vec::new()) && fitted.doc.is_none();
+        (!says_nothing).then_some(fitted)
+    }
+
+    fn fit(
+        &mut self,
+        init: &'a item_tree::Initializer,
+        ty: TypeId,
+        member: Option<PathElement>,
+    ) -> Option<Initializer> {
+        let at = self.src(init.ptr);
+        let value = match &init.value {
+            None => InitValue::Void,
+            Some(item_tree::InitValue::Scalar(expr)) => {
+                let value = self.eval(expr);
+                if value == Const::Unknown || self.is_unknown(ty) {
+                    return None;
+                }
+                let last = types::look_through(&self.spec, ty);
+                if matches!(
+                    self.spec.ty(last).kind,
+                    TypeKind::Array { .. }
+                        | TypeKind::Sequence { .. }
+                        | TypeKind::Struct { .. }
+                        | TypeKind::Union { .. }
+                ) {
+                    let message = format!(
+                        "`{}` has several parts; write its default value in braces, `{{ … }}`",
+                        types::display(&self.spec, ty)
+                    );
+                    self.error("init-scalar-compound", at, message);
+                    return None;
+                }
+                match convert(&self.spec, &value, ty) {
+                    Ok(converted) => {
+                        self.check_string_length(&value, ty, at);
+                        InitValue::Scalar(converted)
+                    }
+                    Err(misfit) => {
+                        let (code, message) = explain_misfit(&self.spec, misfit, &value, ty);
+                        self.error(code, at, format!("default value: {message}"));
+                        return None;
+                    }
+                }
+            }
+            Some(item_tree::InitValue::Compound(parts)) => {
+                InitValue::Compound(self.compound(parts, ty, at)?)
+            }
+        };
+        Some(Initializer {
+            member,
+            doc: init.doc.as_ref().and_then(property::text),
+            value,
+            ty,
+            src: at,
+        })
+    }
+
+    fn compound(
+        &mut self,
+        parts: &'a [item_tree::Initializer],
+        ty: TypeId,
+        at: Src,
+    ) -> Option<Vec<Initializer>> {
+        let last = types::look_through(&self.spec, ty);
+        let first = parts.first().map_or(at, |it| self.src(it.ptr));
+        match &self.spec.ty(last).kind {
+            TypeKind::Array { element, length } => {
+                let (element, length) = (*element, Some(*length));
+                self.elements(parts, element, length, first)
+            }
+            TypeKind::Sequence { element, bound } => {
+                let (element, bound) = (*element, *bound);
+                self.elements(parts, element, bound, first)
+            }
+            TypeKind::Struct { members } | TypeKind::Union { members, .. } => {
+                let members = members.clone();
+                self.parts(parts, ty, &members, first)
+            }
+            TypeKind::Unknown => None,
+            _ => {
+                let message = format!(
+                    "`{}` has a single value; write it without braces",
+                    types::display(&self.spec, ty)
+                );
+                self.error("init-compound-scalar", at, message);
+                None
+            }
+        }
+    }
+
+    /// The elements of an array or sequence. All problems are reported at the first initializer of
+    /// the braces, as the reference does.
+    fn elements(
+        &mut self,
+        parts: &'a [item_tree::Initializer],
+        element: TypeId,
+        length: Option<u64>,
+        first: Src,
+    ) -> Option<Vec<Initializer>> {
+        let mut fitted = Vec::with_capacity(parts.len());
+        let mut complete = true;
+        let mut position = 0u64;
+        for part in parts {
+            let here = self.src(part.ptr);
+            match &part.designator {
+                Some(Designator::Index(expr)) => match self.positive(expr, "index") {
+                    Some(index) => position = index,
+                    None => complete = false,
+                },
+                Some(Designator::Member(name)) => {
+                    let message = format!(
+                        "an array or sequence has no member `{}`; select an element with `[n] =`",
+                        name.text
+                    );
+                    self.report_part("init-array-member", message, first, here);
+                    return None;
+                }
+                None => {}
+            }
+            if let Some(length) = length.filter(|it| position >= *it) {
+                let message = format!("there is no element {position}; the length is {length}");
+                self.report_part("init-bounds", message, first, here);
+                return None;
+            }
+            match self.fit(part, element, Some(PathElement::Index(position))) {
+                Some(part) => fitted.push(part),
+                None => complete = false,
+            }
+            position = position.saturating_add(1);
+        }
+        complete.then_some(fitted)
+    }
+
+    /// The members of a struct or union.
+    fn parts(
+        &mut self,
+        parts: &'a [item_tree::Initializer],
+        ty: TypeId,
+        members: &[TypeId],
+        first: Src,
+    ) -> Option<Vec<Initializer>> {
+        let mut fitted = Vec::with_capacity(parts.len());
+        let mut complete = true;
+        let mut position = 0;
+        for part in parts {
+            let here = self.src(part.ptr);
+            match &part.designator {
+                Some(Designator::Member(name)) => {
+                    let named = |it: &TypeId| self.spec.ty(*it).name.as_ref() == Some(&name.text);
+                    let Some(found) = members.iter().position(named) else {
+                        let names = members
+                            .iter()
+                            .filter_map(|it| self.spec.ty(*it).name.as_deref());
+                        let hint = self.hint(&name.text, names);
+                        let message = format!(
+                            "`{}` has no member `{}`{hint}",
+                            types::display(&self.spec, ty),
+                            name.text
+                        );
+                        self.report_part("init-member", message, first, here);
+                        return None;
+                    };
+                    self.refer_type(self.src(name.ptr), members[found]);
+                    position = found;
+                }
+                Some(Designator::Index(_)) => {
+                    let message = format!(
+                        "`{}` has members, not elements; select one with `.name =`",
+                        types::display(&self.spec, ty)
+                    );
+                    self.report_part("init-struct-index", message, first, here);
+                    return None;
+                }
+                None => {}
+            }
+            let Some(&member) = members.get(position) else {
+                let message = format!(
+                    "`{}` has {} member{}, there is none left for this value",
+                    types::display(&self.spec, ty),
+                    members.len(),
+                    if members.len() == 1 { "" } else { "s" }
+                );
+                self.report_part("init-too-many", message, first, here);
+                return None;
+            };
+            let (TypeKind::StructMember { ty } | TypeKind::UnionMember { ty, .. }) =
+                &self.spec.ty(member).kind
+            else {
+                return None;
+            };
+            let (ty, name) = (*ty, self.spec.ty(member).name.clone().unwrap_or_default());
+            match self.fit(part, ty, Some(PathElement::Member(name))) {
+                Some(part) => fitted.push(part),
+                None => complete = false,
+            }
+            position += 1;
+        }
+        complete.then_some(fitted)
+    }
+
+    fn report_part(&mut self, code: &'static str, message: String, first: Src, here: Src) {
+        let mut diagnostic = ElabDiagnostic::new(code, first, message);
+        if here != first {
+            diagnostic = diagnostic.related(here, "this initializer");
+        }
+        self.report(diagnostic);
+    }
+}

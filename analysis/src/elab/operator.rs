@@ -1,0 +1,168 @@
+//! The operators of constant expressions (language reference, section 7).
+
+use super::constant::Const;
+use crate::item_tree::{BinaryOp, UnaryOp};
+
+pub(super) fn unary_text(op: UnaryOp) -> &'static str {
+    match op {
+        UnaryOp::Minus => "-",
+        UnaryOp::Plus => "+",
+        UnaryOp::Not => "~",
+    }
+}
+
+fn binary_text(op: BinaryOp) -> &'static str {
+    match op {
+        BinaryOp::Or => "|",
+        BinaryOp::Xor => "^",
+        BinaryOp::And => "&",
+        BinaryOp::Shl => "<<",
+        BinaryOp::Shr => ">>",
+        BinaryOp::Add => "+",
+        BinaryOp::Sub => "-",
+        BinaryOp::Mul => "*",
+        BinaryOp::Div => "/",
+        BinaryOp::Rem => "%",
+    }
+}
+
+pub(super) fn unary(op: UnaryOp, value: &Const) -> Option<Const> {
+    Some(match (op, value) {
+        (_, Const::Unknown) => Const::Unknown,
+        (UnaryOp::Not, Const::Bool(it)) => Const::Bool(!it),
+        (UnaryOp::Not, Const::Int { value, signed }) => Const::Int {
+            value: !value,
+            signed: *signed,
+        },
+        (UnaryOp::Minus, Const::Float(it)) => Const::Float(-it),
+        (UnaryOp::Minus, Const::Int { .. }) => Const::Int {
+            value: -value.integer()?,
+            signed: true,
+        },
+        (UnaryOp::Plus, Const::Float(_) | Const::Int { .. }) => value.clone(),
+        _ => return None,
+    })
+}
+
+/// Why a binary operation has no value.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum BinaryProblem {
+    Kinds,
+    DivisionByZero,
+    Overflow,
+}
+
+impl BinaryProblem {
+    pub(super) fn explain(
+        self,
+        op: BinaryOp,
+        left: &Const,
+        right: &Const,
+    ) -> (&'static str, String) {
+        let op = binary_text(op);
+        match self {
+            Self::Kinds => (
+                "const-binary",
+                format!(
+                    "`{op}` does not apply to {} and {}",
+                    left.describe(),
+                    right.describe()
+                ),
+            ),
+            Self::DivisionByZero => (
+                "const-div-zero",
+                format!("the right side of `{op}` is zero; integers cannot be divided by it"),
+            ),
+            Self::Overflow => (
+                "const-range",
+                format!("the result of `{op}` is too large for any type"),
+            ),
+        }
+    }
+}
+
+pub(super) fn binary(op: BinaryOp, left: &Const, right: &Const) -> Result<Const, BinaryProblem> {
+    use BinaryOp as Op;
+    let known = |it: &Const| matches!(it, Const::Unknown | Const::Int { .. } | Const::Float(_));
+    if !known(left) || !known(right) {
+        return Err(BinaryProblem::Kinds);
+    }
+    if *left == Const::Unknown || *right == Const::Unknown {
+        return Ok(Const::Unknown);
+    }
+    if matches!(op, Op::Shl | Op::Shr) {
+        return shift(op, left, right);
+    }
+    let (
+        Const::Int {
+            value: raw_a,
+            signed: s,
+        },
+        Const::Int {
+            value: raw_b,
+            signed: t,
+        },
+    ) = (left, right)
+    else {
+        let (Some(a), Some(b)) = (left.number(), right.number()) else {
+            return Err(BinaryProblem::Kinds);
+        };
+        return Ok(Const::Float(match op {
+            Op::Add => a + b,
+            Op::Sub => a - b,
+            Op::Mul => a * b,
+            Op::Div => a / b,
+            _ => return Err(BinaryProblem::Kinds),
+        }));
+    };
+    let signed = *s || *t;
+    // Bitwise operators keep complements symbolic, so that `~0 & mask` works at any width.
+    let bitwise = match op {
+        Op::Or => Some(raw_a | raw_b),
+        Op::Xor => Some(raw_a ^ raw_b),
+        Op::And => Some(raw_a & raw_b),
+        _ => None,
+    };
+    if let Some(value) = bitwise {
+        return Ok(Const::Int { value, signed });
+    }
+    let (Some(a), Some(b)) = (left.integer(), right.integer()) else {
+        return Err(BinaryProblem::Kinds);
+    };
+    if matches!(op, Op::Div | Op::Rem) && b == 0 {
+        return Err(BinaryProblem::DivisionByZero);
+    }
+    let value = match op {
+        Op::Add => a.checked_add(b),
+        Op::Sub => a.checked_sub(b),
+        Op::Mul => a.checked_mul(b),
+        Op::Div => a.checked_div(b),
+        _ => a.checked_rem(b),
+    };
+    let value = value.ok_or(BinaryProblem::Overflow)?;
+    Ok(Const::Int {
+        value,
+        signed: signed || value < 0,
+    })
+}
+
+fn shift(op: BinaryOp, left: &Const, right: &Const) -> Result<Const, BinaryProblem> {
+    let Const::Int { signed, .. } = left else {
+        return Err(BinaryProblem::Kinds);
+    };
+    let amount = right.integral().and_then(|it| u32::try_from(it).ok());
+    let (Some(value), Some(amount)) = (left.integer(), amount) else {
+        return Err(BinaryProblem::Kinds);
+    };
+    let value = match op {
+        BinaryOp::Shr => value >> amount.min(127),
+        _ if value == 0 => 0,
+        // Small enough that shifting loses no bit.
+        _ if amount < 62 && value.unsigned_abs() < 1 << 65 => value << amount,
+        _ => return Err(BinaryProblem::Overflow),
+    };
+    Ok(Const::Int {
+        value,
+        signed: *signed,
+    })
+}

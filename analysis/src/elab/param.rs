@@ -1,0 +1,609 @@
+//! Parameters of codels and attributes: what they name (language reference, sections 11.1 and 12).
+
+use super::{Access, DefId, DefKind, ElabDiagnostic, context::Elaborator, types};
+use crate::{
+    item_tree::{Dir, Name, ParamDecl, ParamSpec, PathStep, Source},
+    model::{
+        CodelKind, Name as Text, Param, ParamDir, ParamSource, PathElement, PortDir, Src, TypeId,
+        TypeKind,
+    },
+};
+
+pub(super) fn direction(dir: Dir) -> ParamDir {
+    match dir {
+        Dir::In => ParamDir::In,
+        Dir::Out => ParamDir::Out,
+        Dir::Inout => ParamDir::Inout,
+    }
+}
+
+pub(super) fn dir_text(dir: ParamDir) -> &'static str {
+    match dir {
+        ParamDir::In => "in",
+        ParamDir::Out => "out",
+        ParamDir::Inout => "inout",
+        ParamDir::Local => "local",
+    }
+}
+
+/// What a codel does with the data of a parameter.
+fn codel_access(dir: Dir) -> Access {
+    match dir {
+        Dir::In => Access::Read,
+        Dir::Out => Access::Write,
+        Dir::Inout => Access::ReadWrite,
+    }
+}
+
+/// What an attribute does with the ids: `in` is what a client sends (language reference, 11.1).
+fn attribute_access(dir: Dir) -> Access {
+    match dir {
+        Dir::In => Access::Write,
+        Dir::Out => Access::Read,
+        Dir::Inout => Access::ReadWrite,
+    }
+}
+
+/// What the first name of a path means.
+#[derive(Debug, Clone, Copy)]
+enum Target {
+    /// A member of the ids.
+    Ids(TypeId),
+    /// A parameter or local variable of the service, by index.
+    Local(u32),
+    Port(u32),
+    Remote(u32),
+}
+
+impl Target {
+    fn describe(self) -> &'static str {
+        match self {
+            Self::Ids(_) => "a member of the ids",
+            Self::Local(_) => "a parameter of the service",
+            Self::Port(_) => "a port",
+            Self::Remote(_) => "a remote service",
+        }
+    }
+
+    fn keyword(self) -> &'static str {
+        match self {
+            Self::Ids(_) => "ids",
+            Self::Local(_) => "local",
+            Self::Port(_) => "port",
+            Self::Remote(_) => "remote",
+        }
+    }
+}
+
+/// The parts of a parameter given as a path.
+struct Written<'a> {
+    decl: &'a ParamDecl,
+    first: &'a Name,
+    rest: &'a [PathStep],
+    rename: Option<&'a Name>,
+    access: Access,
+    at: Src,
+}
+
+impl<'a> Elaborator<'a> {
+    /// A parameter of a codel; `None` if it does not resolve, which was reported.
+    pub(super) fn codel_param(
+        &mut self,
+        index: u32,
+        service: Option<u32>,
+        decl: &'a ParamDecl,
+        kind: CodelKind,
+    ) -> Option<Param> {
+        let ParamSpec::Path {
+            source,
+            path,
+            rename,
+        } = &decl.spec
+        else {
+            return None;
+        };
+        let at = self.src(decl.ptr);
+        let rename = rename.as_ref();
+        let Some((PathStep::Member(first), rest)) = path.split_first() else {
+            let rename = rename?;
+            if let Some((source, _)) = source
+                && *source != Source::Ids
+            {
+                let what = match source {
+                    Source::Local => "a parameter or local variable",
+                    Source::Port => "a port",
+                    _ => "a remote service",
+                };
+                let message = format!(
+                    "`::{}` alone stands for the whole ids; to use {what}, write its name without \
+                     `::`",
+                    rename.text
+                );
+                self.error("param-unnamed", at, message);
+                return None;
+            }
+            return self.whole_ids(index, decl, rename, codel_access(decl.dir));
+        };
+        let written = Written {
+            decl,
+            first,
+            rest,
+            rename,
+            access: codel_access(decl.dir),
+            at,
+        };
+        let target = match source {
+            Some((source, _)) => self.explicit_target(index, service, *source, &written)?,
+            None => self.implicit_target(index, service, &written)?,
+        };
+        match target {
+            Target::Ids(member) => self.ids_param(index, member, &written),
+            Target::Local(local) => self.local_param(index, service?, local, &written, kind),
+            Target::Port(port) => self.port_param(index, port, &written),
+            Target::Remote(remote) => self.remote_param(index, remote, &written),
+        }
+    }
+
+    /// A parameter of an attribute: a path into the ids.
+    pub(super) fn attribute_param(&mut self, index: u32, decl: &'a ParamDecl) -> Option<Param> {
+        let ParamSpec::Path { path, rename, .. } = &decl.spec else {
+            return None;
+        };
+        let at = self.src(decl.ptr);
+        let rename = rename.as_ref();
+        let Some((PathStep::Member(first), rest)) = path.split_first() else {
+            return self.whole_ids(index, decl, rename?, attribute_access(decl.dir));
+        };
+        let written = Written {
+            decl,
+            first,
+            rest,
+            rename,
+            access: attribute_access(decl.dir),
+            at,
+        };
+        let Target::Ids(member) = self.explicit_target(index, None, Source::Ids, &written)? else {
+            return None;
+        };
+        self.ids_param(index, member, &written)
+    }
+
+    // What a name means
+
+    fn ids_member(&self, index: u32, name: &str) -> Option<TypeId> {
+        let scope = self.components[index as usize].ids?;
+        let member = *self.scopes.get(scope).names.get(name)?;
+        matches!(self.spec.ty(member).kind, TypeKind::StructMember { .. }).then_some(member)
+    }
+
+    fn local_named(&self, index: u32, service: Option<u32>, name: &str) -> Option<u32> {
+        let service = &self.spec.components[index as usize].services[service? as usize];
+        let found = service.params.iter().position(|it| it.name == name)?;
+        Some(found as u32)
+    }
+
+    fn explicit_target(
+        &mut self,
+        index: u32,
+        service: Option<u32>,
+        source: Source,
+        written: &Written<'a>,
+    ) -> Option<Target> {
+        let name = &written.first.text;
+        let state = &self.components[index as usize];
+        let component = &self.spec.components[index as usize];
+        let (found, code, what) = match source {
+            Source::Ids => {
+                if component.ids.is_none() {
+                    self.report_no_ids(index, written.at);
+                    return None;
+                }
+                let found = self.ids_member(index, name).map(Target::Ids);
+                (found, "param-member", "member of the ids")
+            }
+            Source::Local => {
+                let found = self.local_named(index, service, name).map(Target::Local);
+                (
+                    found,
+                    "param-unknown-local",
+                    "parameter or local variable declared before in this service",
+                )
+            }
+            Source::Port => {
+                let found = state.port_by_name.get(name).copied().map(Target::Port);
+                (found, "param-unknown-port", "port of this component")
+            }
+            Source::Remote => {
+                let found = state.remote_by_name.get(name).copied().map(Target::Remote);
+                (
+                    found,
+                    "param-unknown-remote",
+                    "remote service of this component",
+                )
+            }
+        };
+        if found.is_none() && !self.is_excused(index, name) {
+            let candidates = self.sources(index, service, Some(source));
+            let hint = self.hint(name, candidates.iter().map(|it| it.as_str()));
+            let message = format!("there is no {what} called `{name}`{hint}");
+            self.error(code, written.at, message);
+        }
+        found
+    }
+
+    fn implicit_target(
+        &mut self,
+        index: u32,
+        service: Option<u32>,
+        written: &Written<'a>,
+    ) -> Option<Target> {
+        let name = &written.first.text;
+        let state = &self.components[index as usize];
+        let mut found = [
+            self.ids_member(index, name).map(Target::Ids),
+            self.local_named(index, service, name).map(Target::Local),
+            state.port_by_name.get(name).copied().map(Target::Port),
+            state.remote_by_name.get(name).copied().map(Target::Remote),
+        ]
+        .into_iter()
+        .flatten();
+        match (found.next(), found.next()) {
+            (Some(only), None) => Some(only),
+            (Some(a), Some(b)) => {
+                let message = format!(
+                    "`{name}` is {} and {}; say which one you mean, for instance `{} {} {name}`",
+                    a.describe(),
+                    b.describe(),
+                    b.keyword(),
+                    dir_text(direction(written.decl.dir)),
+                );
+                let diagnostic = ElabDiagnostic::new("param-ambiguous", written.at, message);
+                let places = [a, b].map(|it| self.target_def(index, service, it));
+                let diagnostic = places
+                    .into_iter()
+                    .zip([a, b])
+                    .filter_map(|(def, it)| Some((def?, it)))
+                    .fold(diagnostic, |diagnostic, (def, it)| {
+                        let place = self.definitions[def.0 as usize].src;
+                        diagnostic.related(place, it.describe())
+                    });
+                self.report(diagnostic);
+                None
+            }
+            (None, _) if self.is_excused(index, name) => None,
+            (None, _) => {
+                let candidates = self.sources(index, service, None);
+                let hint = self.hint(name, candidates.iter().map(|it| it.as_str()));
+                let places = match service {
+                    Some(_) => {
+                        "no member of the ids, no parameter of this service, no port and no remote \
+                         service"
+                    }
+                    None => "no member of the ids, no port and no remote service",
+                };
+                let message = format!("`{name}` is {places} of this component{hint}");
+                self.error("param-unknown", written.at, message);
+                None
+            }
+        }
+    }
+
+    /// Every name that a parameter could use.
+    fn sources(&self, index: u32, service: Option<u32>, only: Option<Source>) -> Vec<Text> {
+        let state = &self.components[index as usize];
+        let wanted = |source| only.is_none_or(|it| it == source);
+        let mut names: Vec<Text> = Vec::new();
+        if let Some(scope) = state.ids.filter(|_| wanted(Source::Ids)) {
+            names.extend(self.scopes.get(scope).names.keys().cloned());
+        }
+        if let Some(service) = service.filter(|_| wanted(Source::Local)) {
+            let service = &self.spec.components[index as usize].services[service as usize];
+            names.extend(service.params.iter().map(|it| it.name.clone()));
+        }
+        if wanted(Source::Port) {
+            names.extend(state.port_by_name.keys().cloned());
+        }
+        if wanted(Source::Remote) {
+            names.extend(state.remote_by_name.keys().cloned());
+        }
+        names
+    }
+
+    fn target_def(&self, index: u32, service: Option<u32>, target: Target) -> Option<DefId> {
+        let state = &self.components[index as usize];
+        match target {
+            Target::Ids(member) => self.type_defs[member.0 as usize],
+            Target::Local(local) => {
+                let service = state.services.get(service? as usize)?;
+                service.params.get(local as usize).copied()
+            }
+            Target::Port(port) => state.ports.get(port as usize).copied(),
+            Target::Remote(remote) => state.remotes.get(remote as usize).copied(),
+        }
+    }
+
+    fn report_no_ids(&mut self, index: u32, at: Src) {
+        if self.components[index as usize].incomplete {
+            return;
+        }
+        let name = &self.spec.components[index as usize].name;
+        let message = format!("`{name}` has no ids so far; declare them before, in `ids {{ … }};`");
+        self.error("param-no-ids", at, message);
+    }
+
+    // One function for each source
+
+    fn whole_ids(
+        &mut self,
+        index: u32,
+        decl: &'a ParamDecl,
+        rename: &'a Name,
+        access: Access,
+    ) -> Option<Param> {
+        let at = self.src(decl.ptr);
+        let Some(ids) = self.spec.components[index as usize].ids else {
+            self.report_no_ids(index, at);
+            return None;
+        };
+        if let Some(def) = self.type_defs[ids.0 as usize] {
+            self.refer_as(self.src(rename.ptr), def, access, false);
+        }
+        Some(Param {
+            name: rename.text.clone(),
+            src: at,
+            dir: direction(decl.dir),
+            source: ParamSource::Ids,
+            base: ids,
+            ty: ids,
+            path: Vec::new(),
+            init: None,
+        })
+    }
+
+    fn ids_param(&mut self, index: u32, member: TypeId, written: &Written<'a>) -> Option<Param> {
+        let ids = self.spec.components[index as usize].ids?;
+        self.refer_target(index, None, Target::Ids(member), written);
+        let mut path = vec![PathElement::Member(written.first.text.clone())];
+        let ty = self.walk(self.value_type(member), written, &mut path)?;
+        let last = written.rest.iter().rev().find_map(|it| match it {
+            PathStep::Member(name) => Some(name),
+            PathStep::Index(_) => None,
+        });
+        let name = self.param_name(written, last.unwrap_or(written.first));
+        Some(Param {
+            name,
+            src: written.at,
+            dir: direction(written.decl.dir),
+            source: ParamSource::Ids,
+            base: ids,
+            ty,
+            path,
+            init: None,
+        })
+    }
+
+    fn local_param(
+        &mut self,
+        index: u32,
+        service: u32,
+        local: u32,
+        written: &Written<'a>,
+        kind: CodelKind,
+    ) -> Option<Param> {
+        self.refer_target(index, Some(service), Target::Local(local), written);
+        let known = &self.spec.components[index as usize].services[service as usize];
+        let known = &known.params[local as usize];
+        let (base, dir, place) = (known.ty, known.dir, known.src);
+        let mut path = Vec::new();
+        let ty = self.walk(base, written, &mut path)?;
+        if dir == ParamDir::In && written.decl.dir != Dir::In && kind != CodelKind::Validate {
+            let message = format!(
+                "this codel writes `{}`, an `in` parameter of the service: nobody will see the \
+                 value",
+                written.first.text
+            );
+            let diagnostic = ElabDiagnostic::new("writes-input", written.at, message)
+                .related(place, "the parameter");
+            self.report(diagnostic);
+        }
+        let name = self.param_name(written, written.first);
+        Some(Param {
+            name,
+            src: written.at,
+            dir: direction(written.decl.dir),
+            source: ParamSource::Local(Some(local)),
+            base,
+            ty,
+            path,
+            init: None,
+        })
+    }
+
+    fn port_param(&mut self, index: u32, port: u32, written: &Written<'a>) -> Option<Param> {
+        self.refer_target(index, None, Target::Port(port), written);
+        let known = &self.spec.components[index as usize].ports[port as usize];
+        let (dir, data, place) = (known.dir, known.data, known.src);
+        let name = &written.first.text;
+        if !written.rest.is_empty() {
+            let message = format!(
+                "port `{name}` is used as a whole; a codel selects what it needs from it itself"
+            );
+            self.error("param-port-member", written.at, message);
+            return None;
+        }
+        match (dir, written.decl.dir) {
+            (PortDir::In, Dir::Out) => {
+                let message = format!("`{name}` is an input port, it cannot be written; use `in`");
+                let diagnostic = ElabDiagnostic::new("param-read-only-port", written.at, message)
+                    .related(place, "the port");
+                self.report(diagnostic);
+            }
+            (PortDir::In, Dir::Inout) => {
+                let message = format!("`{name}` is an input port; `in` says so");
+                let diagnostic = ElabDiagnostic::new("inout-input-port", written.at, message)
+                    .related(place, "the port");
+                self.report(diagnostic);
+            }
+            _ => {}
+        }
+        let name = self.param_name(written, written.first);
+        Some(Param {
+            name,
+            src: written.at,
+            dir: direction(written.decl.dir),
+            source: ParamSource::Port(port),
+            base: data,
+            ty: data,
+            path: Vec::new(),
+            init: None,
+        })
+    }
+
+    fn remote_param(&mut self, index: u32, remote: u32, written: &Written<'a>) -> Option<Param> {
+        self.refer_target(index, None, Target::Remote(remote), written);
+        let ty = self.spec.components[index as usize].remotes[remote as usize].ty;
+        let name = &written.first.text;
+        if !written.rest.is_empty() {
+            let message = format!("remote service `{name}` has no members to select");
+            self.error("param-remote-member", written.at, message);
+            return None;
+        }
+        if written.decl.dir != Dir::In {
+            let message = format!("remote service `{name}` can only be called; use `in`");
+            self.error("param-remote-direction", written.at, message);
+        }
+        let name = self.param_name(written, written.first);
+        Some(Param {
+            name,
+            src: written.at,
+            dir: ParamDir::In,
+            source: ParamSource::Remote(remote),
+            base: ty,
+            ty,
+            path: Vec::new(),
+            init: None,
+        })
+    }
+
+    fn refer_target(
+        &mut self,
+        index: u32,
+        service: Option<u32>,
+        target: Target,
+        written: &Written<'a>,
+    ) {
+        if let Some(def) = self.target_def(index, service, target) {
+            let at = self.src(written.first.ptr);
+            self.refer_as(at, def, written.access, false);
+        }
+    }
+
+    /// The name of a parameter, after renaming.
+    fn param_name(&mut self, written: &Written<'a>, default: &Name) -> Text {
+        let Some(rename) = written.rename else {
+            return default.text.clone();
+        };
+        if self.importing.is_none() {
+            let at = self.src(rename.ptr);
+            self.define(DefKind::CodelParameter, &rename.text, at, written.at, None);
+        }
+        rename.text.clone()
+    }
+
+    /// The type of a member, or the type itself.
+    fn value_type(&self, ty: TypeId) -> TypeId {
+        match self.spec.ty(ty).kind {
+            TypeKind::StructMember { ty } | TypeKind::UnionMember { ty, .. } => ty,
+            _ => ty,
+        }
+    }
+
+    /// Follows the rest of a path from a type.
+    fn walk(
+        &mut self,
+        mut ty: TypeId,
+        written: &Written<'a>,
+        path: &mut Vec<PathElement>,
+    ) -> Option<TypeId> {
+        for step in written.rest {
+            let last = types::look_through(&self.spec, ty);
+            let unknown = self.spec.ty(last).kind == TypeKind::Unknown;
+            match step {
+                PathStep::Member(name) => {
+                    if unknown {
+                        return None;
+                    }
+                    let Some(member) = self.select(last, name) else {
+                        self.report_no_member(ty, last, name, written.at);
+                        return None;
+                    };
+                    if let Some(def) = self.type_defs[member.0 as usize] {
+                        let at = self.src(name.ptr);
+                        self.refer_as(at, def, written.access, false);
+                    }
+                    path.push(PathElement::Member(name.text.clone()));
+                    ty = self.value_type(member);
+                }
+                PathStep::Index(expr) => {
+                    let number = self.positive(expr, "index")?;
+                    if unknown {
+                        return None;
+                    }
+                    let Some((element, length)) = types::elements(&self.spec, last) else {
+                        let message = format!(
+                            "`{}` is neither an array nor a sequence, so it has no element {number}",
+                            types::display(&self.spec, ty)
+                        );
+                        self.error("param-scalar", written.at, message);
+                        return None;
+                    };
+                    if let Some(length) = length
+                        && number >= length
+                    {
+                        let message = format!(
+                            "index {number} is beyond the {length} elements of `{}`{}",
+                            types::display(&self.spec, ty),
+                            match length {
+                                0 => String::new(),
+                                _ => format!("; the last one is {}", length - 1),
+                            }
+                        );
+                        self.error("param-bounds", written.at, message);
+                    }
+                    path.push(PathElement::Index(number));
+                    ty = element;
+                }
+            }
+        }
+        Some(ty)
+    }
+
+    fn select(&self, ty: TypeId, name: &Name) -> Option<TypeId> {
+        match &self.spec.ty(ty).kind {
+            TypeKind::Enum { enumerators } => enumerators
+                .iter()
+                .copied()
+                .find(|it| self.spec.ty(*it).name.as_ref() == Some(&name.text)),
+            _ => types::member_named(&self.spec, ty, &name.text),
+        }
+    }
+
+    fn report_no_member(&mut self, ty: TypeId, last: TypeId, name: &Name, at: Src) {
+        let members = types::members(&self.spec, last);
+        let shown = types::display(&self.spec, ty);
+        let message = match members {
+            Some(members) => {
+                let names = members
+                    .iter()
+                    .filter_map(|it| self.spec.ty(*it).name.as_deref());
+                let hint = self.hint(&name.text, names);
+                format!("`{shown}` has no member `{}`{hint}", name.text)
+            }
+            None => format!(
+                "`{shown}` has no members, so `.{}` selects nothing",
+                name.text
+            ),
+        };
+        self.error("param-member", at, message);
+    }
+}

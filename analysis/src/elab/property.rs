@@ -1,0 +1,437 @@
+//! Properties: where they are legal, what they hold, how they merge (language reference, section 9).
+
+use num_rational::Ratio;
+use rustc_hash::FxHashMap;
+
+use super::{
+    ElabDiagnostic, Fix,
+    constant::{Const, string_content},
+    context::Elaborator,
+};
+use crate::{
+    item_tree::{Duration, Expr, ExprKind, Path, Property, PropertyKind, Unit},
+    model::{Quantity, Seconds, Src, TypeId, TypeKind, Value},
+};
+
+/// The first word of a property.
+pub(super) fn keyword(kind: &PropertyKind) -> &'static str {
+    match kind {
+        PropertyKind::Doc(_) => "doc",
+        PropertyKind::Version(_) => "version",
+        PropertyKind::Lang(_) => "lang",
+        PropertyKind::Email(_) => "email",
+        PropertyKind::Requires(_) => "requires",
+        PropertyKind::CodelsRequires(_) => "codels-requires",
+        PropertyKind::ClockRate(_) => "clock-rate",
+        PropertyKind::Provides(_) => "provides",
+        PropertyKind::Uses(_) => "uses",
+        PropertyKind::Extends(_) => "extends",
+        PropertyKind::Throws(_) => "throws",
+        PropertyKind::Period(_) => "period",
+        PropertyKind::Delay(_) => "delay",
+        PropertyKind::Priority(_) => "priority",
+        PropertyKind::Scheduling => "scheduling",
+        PropertyKind::Stack(_) => "stack",
+        PropertyKind::Task(_) => "task",
+        PropertyKind::Interrupts(_) => "interrupts",
+        PropertyKind::Before(_) => "before",
+        PropertyKind::After(_) => "after",
+        PropertyKind::Validate(_) => "validate",
+        PropertyKind::Local { .. } => "local",
+        PropertyKind::Codel(_) => "codel",
+    }
+}
+
+/// Where a property belongs, for messages.
+pub(super) fn home(kind: &PropertyKind) -> &'static str {
+    match kind {
+        PropertyKind::Doc(_) => "anywhere",
+        PropertyKind::Throws(_) => "in a component, task or service",
+        PropertyKind::Version(_)
+        | PropertyKind::Lang(_)
+        | PropertyKind::Email(_)
+        | PropertyKind::Requires(_)
+        | PropertyKind::CodelsRequires(_)
+        | PropertyKind::ClockRate(_)
+        | PropertyKind::Provides(_)
+        | PropertyKind::Uses(_)
+        | PropertyKind::Extends(_) => "directly in a component or interface",
+        PropertyKind::Period(_)
+        | PropertyKind::Delay(_)
+        | PropertyKind::Priority(_)
+        | PropertyKind::Scheduling
+        | PropertyKind::Stack(_) => "in a task",
+        PropertyKind::Task(_) => "in an activity",
+        PropertyKind::Interrupts(_)
+        | PropertyKind::Before(_)
+        | PropertyKind::After(_)
+        | PropertyKind::Validate(_) => "in a service",
+        PropertyKind::Local { .. } => "in a function or activity",
+        PropertyKind::Codel(_) => "in a task or service",
+    }
+}
+
+/// The text of a string expression. The grammar allows nothing else where this is used.
+pub(super) fn text(expr: &Expr) -> Option<String> {
+    match &expr.kind {
+        ExprKind::Str(parts) => Some(parts.iter().map(|(it, _)| string_content(it)).collect()),
+        ExprKind::Paren(inner) => text(inner),
+        _ => None,
+    }
+}
+
+impl<'a> Elaborator<'a> {
+    /// A property directly in the body of a component or interface.
+    pub(super) fn component_property(&mut self, index: u32, property: &'a Property) {
+        let at = self.src(property.ptr);
+        let word = keyword(&property.kind);
+        match &property.kind {
+            PropertyKind::Doc(doc) => {
+                let mut docs = self.spec.components[index as usize].doc.take();
+                self.add_doc(&mut docs, doc);
+                self.spec.components[index as usize].doc = docs;
+            }
+            PropertyKind::Version(value)
+            | PropertyKind::Lang(value)
+            | PropertyKind::Email(value) => {
+                let Some(value) = text(value) else { return };
+                if self.once_in_component(index, word, at) {
+                    let component = &mut self.spec.components[index as usize];
+                    let slot = match word {
+                        "version" => &mut component.version,
+                        "lang" => &mut component.lang,
+                        _ => &mut component.email,
+                    };
+                    *slot = Some(value);
+                }
+            }
+            PropertyKind::Requires(list) => {
+                let added = self.string_list(list, word);
+                union(&mut self.spec.components[index as usize].requires, added);
+            }
+            PropertyKind::CodelsRequires(list) => {
+                let added = self.string_list(list, word);
+                let given = &mut self.components[index as usize].given;
+                if let Some(&first) = given.get(word) {
+                    self.report(
+                        ElabDiagnostic::new(
+                            "codels-requires-again",
+                            at,
+                            "a second `codels-requires`: the lists are joined, but generators \
+                             before version 2.99.41 refuse it; use one list",
+                        )
+                        .related(first, "the first one"),
+                    );
+                } else {
+                    given.insert(word, at);
+                }
+                union(
+                    &mut self.spec.components[index as usize].codels_requires,
+                    added,
+                );
+            }
+            PropertyKind::ClockRate(duration) => {
+                let value = self.time(duration, word, at);
+                if self.once_in_component(index, word, at) {
+                    self.spec.components[index as usize].clock_rate = value;
+                }
+            }
+            PropertyKind::Provides(names)
+            | PropertyKind::Uses(names)
+            | PropertyKind::Extends(names) => self.imports(index, names, word),
+            PropertyKind::Throws(list) => {
+                let added = self.throws(list);
+                union(&mut self.spec.components[index as usize].throws, added);
+            }
+            PropertyKind::Local { ty, .. } => {
+                let at = self.src(ty.ptr);
+                self.local_outside(at, "a component or interface");
+            }
+            kind => {
+                let message = format!("`{word}` cannot stand here; it belongs {}", home(kind));
+                self.error("prop-not-in-component", at, message);
+            }
+        }
+    }
+
+    pub(super) fn local_outside(&mut self, at: Src, place: &str) {
+        let message = format!(
+            "{place} has no local variables; only functions and activities do (for data \
+                     that lasts, use the ids)"
+        );
+        self.error("local-outside-service", at, message);
+    }
+
+    fn once_in_component(&mut self, index: u32, word: &'static str, at: Src) -> bool {
+        let mut given = std::mem::take(&mut self.components[index as usize].given);
+        let first = self.once(&mut given, word, at);
+        self.components[index as usize].given = given;
+        first
+    }
+
+    /// Notes that a property that does not merge is given; reports it when it was given already.
+    pub(super) fn once(
+        &mut self,
+        given: &mut FxHashMap<&'static str, Src>,
+        word: &'static str,
+        at: Src,
+    ) -> bool {
+        match given.get(word) {
+            Some(&first) => {
+                let message = format!("`{word}` is given twice; keep one of them");
+                self.report(
+                    ElabDiagnostic::new("prop-duplicate", at, message)
+                        .related(first, "first given here"),
+                );
+                false
+            }
+            None => {
+                given.insert(word, at);
+                true
+            }
+        }
+    }
+
+    /// Adds a documentation text to those given before.
+    pub(super) fn add_doc(&mut self, docs: &mut Option<String>, doc: &Expr) {
+        if let Some(doc) = text(doc) {
+            join_doc(docs, &doc);
+        }
+    }
+
+    /// The strings of a `requires` or `codels-requires`.
+    fn string_list(&mut self, list: &'a [Expr], word: &str) -> Vec<String> {
+        let mut strings: Vec<String> = Vec::with_capacity(list.len());
+        for expr in list {
+            let Some(string) = text(expr) else { continue };
+            if strings.contains(&string) {
+                let at = self.src(expr.ptr);
+                let message = format!("\"{string}\" is already in this `{word}` list; remove it");
+                self.error("list-duplicate-string", at, message);
+            } else {
+                strings.push(string);
+            }
+        }
+        strings
+    }
+
+    /// The exceptions of a `throws` list.
+    pub(super) fn throws(&mut self, list: &'a [Path]) -> Vec<TypeId> {
+        let mut exceptions = Vec::with_capacity(list.len());
+        for path in list {
+            let at = self.src(path.ptr);
+            let Some(ty) = self.resolve_path(path) else {
+                self.report_unresolved_exception(path, at);
+                continue;
+            };
+            match &self.spec.ty(ty).kind {
+                TypeKind::Exception { .. } => {}
+                TypeKind::Unknown => continue,
+                _ => {
+                    let what = super::types::describe(&self.spec, ty);
+                    let name = super::types::path_text(path);
+                    let message = format!(
+                        "`{name}` is {what}, not an exception; only what is declared with \
+                         `exception` can be thrown"
+                    );
+                    let mut diagnostic = ElabDiagnostic::new("throw-not-exception", at, message);
+                    if let Some(place) = self.type_place(ty) {
+                        diagnostic = diagnostic.related(place, "declared here");
+                    }
+                    self.report(diagnostic);
+                    continue;
+                }
+            }
+            if exceptions.contains(&ty) {
+                let name = super::types::path_text(path);
+                let message = format!("`{name}` is already in this list; remove it");
+                self.error("throw-duplicate", at, message);
+            } else {
+                exceptions.push(ty);
+            }
+        }
+        exceptions
+    }
+
+    fn report_unresolved_exception(&mut self, path: &Path, at: Src) {
+        if path.segments.len() > 1 || path.absolute {
+            self.report_unresolved(path, true);
+            return;
+        }
+        let Some(name) = path.segments.last() else {
+            return;
+        };
+        let candidates = self
+            .scopes
+            .visible(self.scope)
+            .filter(|(_, ty)| matches!(self.spec.ty(*ty).kind, TypeKind::Exception { .. }))
+            .map(|(name, _)| name.as_str());
+        let hint = self.hint(&name.text, candidates);
+        let message = format!(
+            "unknown exception `{}`; it must be declared before it is used{hint}",
+            name.text
+        );
+        self.error("unknown-type", at, message);
+    }
+
+    // Quantities
+
+    /// The value of `period`, `delay` or `clock-rate`, in seconds.
+    pub(super) fn time(
+        &mut self,
+        duration: &'a Duration,
+        word: &str,
+        property: Src,
+    ) -> Option<Quantity> {
+        let glued = glued_microseconds(duration);
+        let value = self.eval(&duration.value);
+        if value == Const::Unknown {
+            return None;
+        }
+        let Some(number) = value.exact() else {
+            let at = match &duration.unit {
+                Some((_, ptr)) => self.src(*ptr),
+                None => self.src(duration.value.ptr),
+            };
+            let message = format!("a `{word}` is a number, but this is {}", value.describe());
+            self.error("const-numeric", at, message);
+            return None;
+        };
+        if number < Ratio::from_integer(0) {
+            let message = format!("a `{word}` cannot be negative");
+            self.error("clock-rate-value", property, message);
+            return None;
+        }
+        let unit = if glued {
+            let at = self.src(duration.value.ptr);
+            let mut diagnostic = ElabDiagnostic::new(
+                "glued-unit",
+                at,
+                "without a blank, the generator reads `u` as part of the number and `s` as the \
+                 unit: this is a number of seconds; insert a blank for microseconds",
+            );
+            if let Some((Unit::Us, ptr)) = duration.unit {
+                diagnostic = diagnostic.fix(Fix::InsertBefore {
+                    at: self.src(ptr),
+                    text: " ".into(),
+                    title: "Insert a blank before the unit".to_owned(),
+                });
+            }
+            self.report(diagnostic);
+            Some(Unit::S)
+        } else {
+            duration.unit.map(|(unit, _)| unit)
+        };
+        Some(self.seconds(number, unit, property))
+    }
+
+    /// A quantity of time, with the constant that stands for it.
+    pub(super) fn seconds(&mut self, number: Seconds, unit: Option<Unit>, src: Src) -> Quantity {
+        let value = match unit {
+            Some(Unit::Ms) => number / Ratio::from_integer(1_000),
+            Some(Unit::Us) => number / Ratio::from_integer(1_000_000),
+            _ => number,
+        };
+        let number = self.anonymous(TypeKind::Double, src);
+        let kind = TypeKind::Const {
+            ty: number,
+            value: Value::Float(to_f64(value)),
+        };
+        let ty = self.anonymous(kind, src);
+        Quantity { value, ty, src }
+    }
+
+    /// The value of `priority`.
+    pub(super) fn priority(&mut self, expr: &'a Expr, src: Src) -> Option<Quantity> {
+        let value = self.positive(expr, "priority")?;
+        if value > 255 {
+            let at = self.src(expr.ptr);
+            let message = format!("priority {value} is above 255, the highest that is documented");
+            self.error("priority-range", at, message);
+        }
+        Some(self.amount(value, src))
+    }
+
+    /// The value of `stack`, in bytes.
+    pub(super) fn stack(&mut self, size: &'a Duration, src: Src) -> Option<Quantity> {
+        let value = self.positive(&size.value, "stack size")?;
+        let factor = match size.unit {
+            Some((Unit::K, _)) => 1 << 10,
+            Some((Unit::M, _)) => 1 << 20,
+            _ => 1,
+        };
+        match value.checked_mul(factor) {
+            Some(bytes) => Some(self.amount(bytes, src)),
+            None => {
+                let at = self.src(size.value.ptr);
+                self.error("const-range", at, "this stack size does not fit in 64 bits");
+                None
+            }
+        }
+    }
+
+    fn amount(&mut self, value: u64, src: Src) -> Quantity {
+        let number = self.anonymous(TypeKind::UnsignedLong, src);
+        let kind = TypeKind::Const {
+            ty: number,
+            value: Value::Uint(value),
+        };
+        let ty = self.anonymous(kind, src);
+        Quantity {
+            value: Ratio::from_integer(i128::from(value)),
+            ty,
+            src,
+        }
+    }
+}
+
+/// Whether a duration is an integer literal with `us` glued to it, which older tools read as an
+/// unsigned literal and the unit `s` (deviation D29).
+pub(super) fn glued_microseconds(duration: &Duration) -> bool {
+    duration.glued
+        && match (last_integer(&duration.value), duration.unit) {
+            (Some(_), Some((Unit::Us, _))) => true,
+            (Some(text), Some((Unit::S, _))) => text.ends_with('u'),
+            _ => false,
+        }
+}
+
+/// The integer literal at the end of an expression.
+fn last_integer(expr: &Expr) -> Option<&str> {
+    match &expr.kind {
+        ExprKind::Int(text) => Some(text),
+        ExprKind::Unary { operand, .. } => last_integer(operand),
+        ExprKind::Binary { right, .. } => last_integer(right),
+        _ => None,
+    }
+}
+
+/// No documentation grows further: interfaces that import each other twice would double it at every
+/// step.
+const MAX_DOC: usize = 1 << 20;
+
+/// Adds to a documentation, on a new line.
+pub(super) fn join_doc(docs: &mut Option<String>, doc: &str) {
+    match docs {
+        Some(docs) if docs.len() > MAX_DOC => {}
+        Some(docs) => {
+            docs.push('\n');
+            docs.push_str(doc);
+        }
+        None => *docs = Some(doc.to_owned()),
+    }
+}
+
+/// Appends what is not there yet.
+pub(super) fn union<T: PartialEq>(list: &mut Vec<T>, added: impl IntoIterator<Item = T>) {
+    for it in added {
+        if !list.contains(&it) {
+            list.push(it);
+        }
+    }
+}
+
+/// The nearest float.
+pub(crate) fn to_f64(value: Seconds) -> f64 {
+    *value.numer() as f64 / *value.denom() as f64
+}

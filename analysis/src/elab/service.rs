@@ -1,0 +1,499 @@
+//! Attributes, functions and activities (language reference, section 11).
+
+use rustc_hash::FxHashMap;
+
+use super::{
+    Access, DefId, DefKind, ElabDiagnostic, Entity,
+    codel::CodelSource,
+    context::Elaborator,
+    property::{self, keyword, union},
+    scope::ScopeId,
+    signature::NewParam,
+};
+use crate::{
+    item_tree::{Item, Name, ParamDecl, Property, PropertyKind, ServiceDecl},
+    model::{
+        CodelKind, ComponentKind, Name as Text, Owner, Service, ServiceKind, ServiceList, Src,
+    },
+};
+
+/// What is known about a service beyond the model.
+#[derive(Debug, Clone)]
+pub(super) struct ServiceState<'a> {
+    pub(super) def: DefId,
+    /// Parallel to the parameters and local variables.
+    pub(super) params: Vec<DefId>,
+    /// The parameters of an attribute as written, to be resolved again by importing components.
+    pub(super) paths: Vec<PathSource<'a>>,
+    /// Parallel to the codels.
+    pub(super) codels: Vec<CodelSource<'a>>,
+    /// Properties that do not merge, with the place where they were given.
+    pub(super) given: FxHashMap<&'static str, Src>,
+    /// `interrupts`, `before`, `after`, as far as named.
+    pub(super) lists: [NameList; 3],
+}
+
+/// A parameter of an attribute, as written.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PathSource<'a> {
+    pub(super) decl: &'a ParamDecl,
+    pub(super) visit: u32,
+    pub(super) scope: ScopeId,
+}
+
+/// The names in `interrupts`, `before` or `after`. They are resolved when the body ends.
+#[derive(Debug, Clone, Default)]
+pub(super) struct NameList {
+    pub(super) names: Vec<(Text, Src)>,
+}
+
+/// Indexes into [`ServiceState::lists`].
+const INTERRUPTS: usize = 0;
+const BEFORE: usize = 1;
+const AFTER: usize = 2;
+
+pub(super) fn kind_text(kind: ServiceKind) -> &'static str {
+    match kind {
+        ServiceKind::Attribute => "an attribute",
+        ServiceKind::Function => "a function",
+        ServiceKind::Activity => "an activity",
+    }
+}
+
+impl<'a> Elaborator<'a> {
+    pub(super) fn service(&mut self, index: u32, decl: &'a ServiceDecl) {
+        let Some(name) = &decl.name else { return };
+        let at = self.src(name.ptr);
+        if name.text == "all" {
+            self.error(
+                "service-reserved",
+                at,
+                "`all` stands for every service in `interrupts`, `before` and `after`; choose \
+                 another name",
+            );
+        }
+        if self.taken_by_other(index, &name.text, at) {
+            return;
+        }
+        let params = self.service_params(index, decl);
+        let known = self.components[index as usize]
+            .service_by_name
+            .get(&name.text)
+            .copied();
+        let service = match known {
+            Some(service) => {
+                let def = self.components[index as usize].services[service as usize].def;
+                self.refer_as(at, def, Access::None, true);
+                if !self.check_kind(index, service, decl.kind, at) {
+                    return;
+                }
+                self.merge_params(index, service, &params, at);
+                self.spec.components[index as usize].services[service as usize].src = at;
+                service
+            }
+            None => {
+                let service = self.new_service(index, decl, name);
+                let outer = self
+                    .container
+                    .replace(self.components[index as usize].services[service as usize].def);
+                for NewParam { param, name_src } in params {
+                    let node = param.src;
+                    self.add_param(index, service, param, name_src, node, DefKind::Parameter);
+                }
+                self.container = outer;
+                service
+            }
+        };
+        if decl.kind == ServiceKind::Attribute && known.is_none() {
+            let (visit, scope) = (self.visit, self.scope);
+            let state = &mut self.components[index as usize].services[service as usize];
+            state.paths = decl
+                .params
+                .iter()
+                .map(|decl| PathSource { decl, visit, scope })
+                .collect();
+        }
+        let container = self.components[index as usize].services[service as usize].def;
+        let outer = self.container.replace(container);
+        self.for_each(&decl.properties, |this, item| match item {
+            Item::Property(property) => {
+                this.service_property(index, service, decl.kind, name, property);
+            }
+            Item::Pragma(pragma) => this.pragma(pragma),
+            _ => {}
+        });
+        self.container = outer;
+    }
+
+    /// Whether a port or remote has the name, which is reported.
+    pub(super) fn taken_by_other(&mut self, index: u32, name: &Text, at: Src) -> bool {
+        let state = &self.components[index as usize];
+        let component = &self.spec.components[index as usize];
+        let taken = if let Some(port) = state.port_by_name.get(name) {
+            Some(("a port", component.ports[*port as usize].src))
+        } else {
+            let remote = state.remote_by_name.get(name);
+            remote.map(|it| ("a remote service", component.remotes[*it as usize].src))
+        };
+        let Some((what, place)) = taken else {
+            return false;
+        };
+        self.lose(index, name);
+        let message = format!("`{name}` is already {what} of this component");
+        self.report(
+            ElabDiagnostic::new("redefinition", at, message).related(place, "declared here"),
+        );
+        true
+    }
+
+    /// Whether the service declared before has this kind; reports it if not.
+    pub(super) fn check_kind(
+        &mut self,
+        index: u32,
+        service: u32,
+        kind: ServiceKind,
+        at: Src,
+    ) -> bool {
+        let known = &self.spec.components[index as usize].services[service as usize];
+        if known.kind == kind {
+            return true;
+        }
+        let message = format!(
+            "`{}` is {}; it cannot be declared again as {}",
+            known.name,
+            kind_text(known.kind),
+            kind_text(kind)
+        );
+        let place = known.src;
+        self.report(
+            ElabDiagnostic::new("service-kind-conflict", at, message)
+                .related(place, "first declared here"),
+        );
+        false
+    }
+
+    fn new_service(&mut self, index: u32, decl: &ServiceDecl, name: &Name) -> u32 {
+        let at = self.src(name.ptr);
+        let kind = match decl.kind {
+            ServiceKind::Attribute => DefKind::Attribute,
+            ServiceKind::Function => DefKind::Function,
+            ServiceKind::Activity => DefKind::Activity,
+        };
+        let node = self.src(decl.ptr);
+        let def = self.define(kind, &name.text, at, node, None);
+        let service = self.insert_service(index, &name.text, decl.kind, at, def, None);
+        self.set_entity(def, Entity::Service(index, service));
+        service
+    }
+
+    pub(super) fn insert_service(
+        &mut self,
+        index: u32,
+        name: &Text,
+        kind: ServiceKind,
+        src: Src,
+        def: DefId,
+        imported_from: Option<u32>,
+    ) -> u32 {
+        let services = &mut self.spec.components[index as usize].services;
+        let service = services.len() as u32;
+        services.push(Service {
+            name: name.clone(),
+            src,
+            kind,
+            doc: None,
+            task: None,
+            params: Vec::new(),
+            codels: Vec::new(),
+            throws: Vec::new(),
+            interrupts: ServiceList::default(),
+            before: ServiceList::default(),
+            after: ServiceList::default(),
+            imported_from,
+        });
+        let state = &mut self.components[index as usize];
+        state.services.push(ServiceState {
+            def,
+            params: Vec::new(),
+            paths: Vec::new(),
+            codels: Vec::new(),
+            given: FxHashMap::default(),
+            lists: Default::default(),
+        });
+        state.service_by_name.insert(name.clone(), service);
+        service
+    }
+
+    // Properties
+
+    fn service_property(
+        &mut self,
+        index: u32,
+        service: u32,
+        kind: ServiceKind,
+        name: &'a Name,
+        property: &'a Property,
+    ) {
+        let at = self.src(property.ptr);
+        let word = keyword(&property.kind);
+        let (c, s) = (index as usize, service as usize);
+        match &property.kind {
+            PropertyKind::Doc(doc) => {
+                let mut docs = self.spec.components[c].services[s].doc.take();
+                self.add_doc(&mut docs, doc);
+                self.spec.components[c].services[s].doc = docs;
+            }
+            PropertyKind::Throws(list) => {
+                let added = self.throws(list);
+                union(&mut self.spec.components[c].services[s].throws, added);
+            }
+            PropertyKind::Interrupts(list) => {
+                let names = self.name_list(list, word);
+                let known = &mut self.components[c].services[s].lists[INTERRUPTS];
+                for (name, src) in names {
+                    if !known.names.iter().any(|(it, _)| *it == name) {
+                        known.names.push((name, src));
+                    }
+                }
+            }
+            PropertyKind::Before(list) | PropertyKind::After(list) => {
+                let names = self.name_list(list, word);
+                if self.once_in_service(index, service, word, at) {
+                    let which = if word == "before" { BEFORE } else { AFTER };
+                    for (it, src) in &names {
+                        if *it == name.text {
+                            let message = format!("`{it}` cannot run {word} itself");
+                            self.error("lists-itself", *src, message);
+                        }
+                    }
+                    self.components[c].services[s].lists[which] = NameList { names };
+                }
+            }
+            PropertyKind::Task(task) => {
+                if kind != ServiceKind::Activity {
+                    let message = format!(
+                        "`{}` is {}, so it has no task; only activities run in one",
+                        name.text,
+                        kind_text(kind)
+                    );
+                    let service = self.src(name.ptr);
+                    self.report(
+                        ElabDiagnostic::new("service-task", service, message)
+                            .related(at, "this property"),
+                    );
+                } else if let Some(task) = task
+                    && self.once_in_service(index, service, word, at)
+                {
+                    self.service_task(index, service, task, at);
+                }
+            }
+            PropertyKind::Local { ty, declarators } => {
+                if kind == ServiceKind::Attribute {
+                    let at = self.src(ty.ptr);
+                    self.local_outside(at, "an attribute");
+                } else {
+                    self.locals(index, service, ty, declarators);
+                }
+            }
+            PropertyKind::Validate(codel) => {
+                self.codel_here(index, Owner::Service(service), codel, CodelKind::Validate);
+            }
+            PropertyKind::Codel(codel) => {
+                let stateful = codel.triggers.is_some();
+                match (kind, stateful) {
+                    (ServiceKind::Activity, false) => {
+                        self.misplaced_codel(
+                            "service-simple-codel",
+                            name,
+                            at,
+                            "an activity is a state machine, its codels have states: write \
+                             `codel<start> …`",
+                        );
+                        return;
+                    }
+                    (ServiceKind::Attribute | ServiceKind::Function, true) => {
+                        let message = format!(
+                            "{} runs no state machine, so its codels have no states; leave out the \
+                             `< >` and the `yields`, or make it an activity",
+                            kind_text(kind)
+                        );
+                        self.misplaced_codel("service-fsm-codel", name, at, &message);
+                        return;
+                    }
+                    (ServiceKind::Attribute, false) => {
+                        self.error(
+                            "attribute-codel",
+                            at,
+                            "generators before version 2.99.41 refuse codels of attributes other \
+                             than `validate`; use a function to be accepted by all",
+                        );
+                    }
+                    _ => {}
+                }
+                let kind = if stateful {
+                    CodelKind::Fsm
+                } else {
+                    CodelKind::Simple
+                };
+                self.codel_here(index, Owner::Service(service), codel, kind);
+            }
+            other => {
+                let home = property::home(other);
+                let message = format!(
+                    "{} cannot have `{word}`; it belongs {home}",
+                    kind_text(kind)
+                );
+                self.error("prop-not-in-service", at, message);
+            }
+        }
+    }
+
+    fn misplaced_codel(&mut self, code: &'static str, service: &Name, codel: Src, message: &str) {
+        let at = self.src(service.ptr);
+        self.report(ElabDiagnostic::new(code, at, message).related(codel, "this codel"));
+    }
+
+    fn once_in_service(&mut self, index: u32, service: u32, word: &'static str, at: Src) -> bool {
+        let state = &mut self.components[index as usize].services[service as usize];
+        let mut given = std::mem::take(&mut state.given);
+        let first = self.once(&mut given, word, at);
+        self.components[index as usize].services[service as usize].given = given;
+        first
+    }
+
+    fn service_task(&mut self, index: u32, service: u32, task: &Name, at: Src) {
+        let state = &self.components[index as usize];
+        let Some(&found) = state.task_by_name.get(&task.text) else {
+            if self.is_excused(index, &task.text) {
+                return;
+            }
+            let hint = self.hint(&task.text, state.task_by_name.keys().map(|it| it.as_str()));
+            let message = format!(
+                "there is no task `{}` so far; tasks are declared before the activities that run \
+                 in them{hint}",
+                task.text
+            );
+            self.error("task-unknown", at, message);
+            return;
+        };
+        let def = state.tasks[found as usize].def;
+        self.refer(self.src(task.ptr), def);
+        self.spec.components[index as usize].services[service as usize].task = Some(found);
+    }
+
+    /// The names in a list of services.
+    fn name_list(&mut self, list: &'a [Name], word: &str) -> Vec<(Text, Src)> {
+        let mut names: Vec<(Text, Src)> = Vec::with_capacity(list.len());
+        for name in list {
+            let at = self.src(name.ptr);
+            if let Some((_, first)) = names.iter().find(|(it, _)| *it == name.text) {
+                let message = format!(
+                    "`{}` is already in this `{word}` list; remove it",
+                    name.text
+                );
+                let diagnostic = ElabDiagnostic::new("identifier-duplicate", at, message)
+                    .related(*first, "first here");
+                self.report(diagnostic);
+            } else {
+                names.push((name.text.clone(), at));
+            }
+        }
+        names
+    }
+
+    // The end of the body
+
+    /// Resolves the lists of services, and checks that activities are complete.
+    pub(super) fn close_services(&mut self, index: u32) {
+        let c = index as usize;
+        for s in 0..self.spec.components[c].services.len() {
+            let lists = self.components[c].services[s].lists.clone();
+            let mut resolved = lists.iter().map(|it| self.resolve_list(index, it));
+            let (interrupts, before, after) = (resolved.next(), resolved.next(), resolved.next());
+            drop(resolved);
+            let service = &mut self.spec.components[c].services[s];
+            service.interrupts = interrupts.unwrap_or_default();
+            service.before = before.unwrap_or_default();
+            service.after = after.unwrap_or_default();
+            if self.spec.components[c].kind == ComponentKind::Component {
+                self.check_activity(index, s);
+            }
+        }
+    }
+
+    fn resolve_list(&mut self, index: u32, list: &NameList) -> ServiceList {
+        let mut resolved = ServiceList::default();
+        for (name, at) in &list.names {
+            if name == "all" {
+                resolved.all = true;
+                continue;
+            }
+            let state = &self.components[index as usize];
+            match state.service_by_name.get(name).copied() {
+                Some(service) => {
+                    let def = state.services[service as usize].def;
+                    if self.listed.insert(*at) {
+                        self.refer(*at, def);
+                    }
+                    resolved.services.push(service);
+                }
+                None if self.is_excused(index, name) => {}
+                None => {
+                    let candidates = state.service_by_name.keys().map(|it| it.as_str());
+                    let hint = self.hint(name, candidates);
+                    let remote = if state.remote_by_name.contains_key(name) {
+                        ", only a remote one"
+                    } else {
+                        ""
+                    };
+                    let message = format!(
+                        "there is no service `{name}` in `{}`{remote}{hint}",
+                        self.spec.components[index as usize].name
+                    );
+                    self.error("service-unknown", *at, message);
+                }
+            }
+        }
+        resolved
+    }
+
+    fn check_activity(&mut self, index: u32, service: usize) {
+        let component = &self.spec.components[index as usize];
+        let activity = &component.services[service];
+        if activity.kind != ServiceKind::Activity {
+            return;
+        }
+        let state = &self.components[index as usize];
+        if state.incomplete {
+            return;
+        }
+        let given = &state.services[service].given;
+        let at = activity.src;
+        let from = if activity.imported_from.is_some() {
+            format!(", imported by `{}`,", component.name)
+        } else {
+            String::new()
+        };
+        let no_task = activity.task.is_none() && !given.contains_key("task");
+        let starts = activity
+            .codels
+            .iter()
+            .any(|it| it.triggers.iter().any(|it| it.name == "start"));
+        let name = activity.name.clone();
+        if no_task {
+            let hint = match component.tasks.first() {
+                Some(task) => format!("; add for instance `task {};`", task.name),
+                None => "; declare one and add `task …;`".to_owned(),
+            };
+            let message = format!("activity `{name}`{from} runs in no task{hint}");
+            self.error("activity-task", at, message);
+        }
+        if !starts {
+            let message = format!(
+                "activity `{name}`{from} has no codel for the state `start`, where it begins; add \
+                 `codel<start> …`"
+            );
+            self.error("activity-start", at, message);
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! "Did you mean": the declared name nearest to a misspelt one.
+
+/// The candidate that a misspelling of `name` most likely stands for, if one is near enough.
+/// Among equally near ones the alphabetically first, so that the answer does not depend on the
+/// order of the candidates.
+pub fn nearest<'n>(name: &str, candidates: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
+    let limit = (name.chars().count() / 3).clamp(1, 3);
+    candidates
+        .into_iter()
+        .filter(|it| *it != name && !it.is_empty())
+        .filter_map(|it| Some((distance(name, it, limit)?, it)))
+        .min()
+        .map(|(_, it)| it)
+}
+
+/// `; did you mean …?`, or nothing.
+pub(crate) fn hint<'n>(name: &str, candidates: impl IntoIterator<Item = &'n str>) -> String {
+    match nearest(name, candidates) {
+        Some(it) => format!("; did you mean `{it}`?"),
+        None => String::new(),
+    }
+}
+
+/// Insertions, deletions, replacements and transpositions between two names (optimal string
+/// alignment), or `None` above the limit. A difference of case alone counts as 1.
+fn distance(a: &str, b: &str, limit: usize) -> Option<usize> {
+    if a.len().abs_diff(b.len()) > limit {
+        return None;
+    }
+    if a.eq_ignore_ascii_case(b) {
+        return Some(1);
+    }
+    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
+    // A name of one or two letters is near to everything.
+    if a.len() < 3 {
+        return None;
+    }
+    let mut before: Vec<usize> = Vec::new();
+    let mut previous: Vec<usize> = (0..=b.len()).collect();
+    for i in 1..=a.len() {
+        let mut row = vec![i; b.len() + 1];
+        for j in 1..=b.len() {
+            let replaced = previous[j - 1] + usize::from(a[i - 1] != b[j - 1]);
+            row[j] = replaced.min(previous[j] + 1).min(row[j - 1] + 1);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                row[j] = row[j].min(before[j - 2] + 1);
+            }
+        }
+        before = std::mem::replace(&mut previous, row);
+    }
+    let total = previous[b.len()];
+    (total <= limit).then_some(total)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn near_names_are_found() {
+        let names = ["trajectory", "path", "velocity", "Position"];
+        assert_eq!(nearest("trajectry", names), Some("trajectory"));
+        assert_eq!(nearest("velcoity", names), Some("velocity"));
+        assert_eq!(nearest("position", names), Some("Position"));
+        assert_eq!(nearest("acceleration", names), None);
+        assert_eq!(nearest("x", ["y", "z"]), None);
+    }
+
+    #[test]
+    fn ties_do_not_depend_on_order() {
+        assert_eq!(nearest("posd", ["posb", "posa"]), Some("posa"));
+        assert_eq!(nearest("posd", ["posa", "posb"]), Some("posa"));
+    }
+}

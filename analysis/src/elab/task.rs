@@ -1,0 +1,203 @@
+//! Tasks (language reference, section 10.3).
+
+use num_rational::Ratio;
+use rustc_hash::FxHashMap;
+
+use super::{
+    Access, DefId, DefKind, ElabDiagnostic, Entity,
+    component::TaskState,
+    context::Elaborator,
+    property::{self, keyword, union},
+};
+use crate::{
+    item_tree::{Item, Name, PropertyKind, Ptr},
+    model::{CodelKind, Name as Text, Owner, Src, Task},
+};
+
+impl<'a> Elaborator<'a> {
+    pub(super) fn task(&mut self, index: u32, name: &'a Name, properties: &'a [Item], ptr: Ptr) {
+        let at = self.src(name.ptr);
+        let known = self.components[index as usize].task_by_name.get(&name.text);
+        let task = match known.copied() {
+            Some(task) => {
+                let def = self.components[index as usize].tasks[task as usize].def;
+                self.refer_as(at, def, Access::None, true);
+                task
+            }
+            None => {
+                let node = self.src(ptr);
+                let def = self.define(DefKind::Task, &name.text, at, node, None);
+                let task = self.new_task(index, &name.text, at, def, None);
+                self.set_entity(def, Entity::Task(index, task));
+                task
+            }
+        };
+        let container = self.components[index as usize].tasks[task as usize].def;
+        let outer = self.container.replace(container);
+        self.for_each(properties, |this, item| {
+            this.task_property(index, task, name, item);
+        });
+        self.container = outer;
+        self.check_delay(index, task);
+    }
+
+    pub(super) fn new_task(
+        &mut self,
+        index: u32,
+        name: &Text,
+        src: Src,
+        def: DefId,
+        imported_from: Option<u32>,
+    ) -> u32 {
+        let tasks = &mut self.spec.components[index as usize].tasks;
+        let task = tasks.len() as u32;
+        tasks.push(Task {
+            name: name.clone(),
+            src,
+            doc: None,
+            period: None,
+            delay: None,
+            priority: None,
+            real_time: false,
+            stack: None,
+            throws: Vec::new(),
+            codels: Vec::new(),
+            imported_from,
+        });
+        let state = &mut self.components[index as usize];
+        state.tasks.push(TaskState {
+            def,
+            given: FxHashMap::default(),
+            codels: Vec::new(),
+            incomplete: false,
+        });
+        state.task_by_name.insert(name.clone(), task);
+        task
+    }
+
+    fn task_property(&mut self, index: u32, task: u32, name: &'a Name, item: &'a Item) {
+        let property = match item {
+            Item::Property(property) => property,
+            Item::Pragma(pragma) => return self.pragma(pragma),
+            _ => return,
+        };
+        let at = self.src(property.ptr);
+        let word = keyword(&property.kind);
+        let (c, t) = (index as usize, task as usize);
+        match &property.kind {
+            PropertyKind::Doc(doc) => {
+                let mut docs = self.spec.components[c].tasks[t].doc.take();
+                self.add_doc(&mut docs, doc);
+                self.spec.components[c].tasks[t].doc = docs;
+            }
+            PropertyKind::Throws(list) => {
+                let added = self.throws(list);
+                union(&mut self.spec.components[c].tasks[t].throws, added);
+            }
+            PropertyKind::Period(duration) | PropertyKind::Delay(duration) => {
+                let value = self.time(duration, word, at);
+                if word == "period"
+                    && value
+                        .as_ref()
+                        .is_some_and(|it| it.value == Ratio::from_integer(0))
+                {
+                    self.error(
+                        "period-zero",
+                        at,
+                        "a period of 0 never lets the task rest; leave it out for a task that runs \
+                         on events",
+                    );
+                }
+                if self.once_in_task(index, task, word, at) {
+                    let task = &mut self.spec.components[c].tasks[t];
+                    match word {
+                        "period" => task.period = value,
+                        _ => task.delay = value,
+                    }
+                }
+            }
+            PropertyKind::Priority(expr) => {
+                let value = self.priority(expr, at);
+                if self.once_in_task(index, task, word, at) {
+                    self.spec.components[c].tasks[t].priority = value;
+                }
+            }
+            PropertyKind::Scheduling => {
+                if self.once_in_task(index, task, word, at) {
+                    self.spec.components[c].tasks[t].real_time = true;
+                }
+            }
+            PropertyKind::Stack(size) => {
+                let value = self.stack(size, at);
+                if self.once_in_task(index, task, word, at) {
+                    self.spec.components[c].tasks[t].stack = value;
+                }
+            }
+            PropertyKind::Codel(decl) if decl.triggers.is_some() => {
+                self.codel_here(index, Owner::Task(task), decl, CodelKind::Fsm);
+            }
+            PropertyKind::Codel(decl) => {
+                self.components[c].tasks[t].incomplete = true;
+                let at = self.src(name.ptr);
+                let codel = decl.name.as_ref().map_or("", |it| &it.text);
+                let message = format!(
+                    "codel `{codel}` of task `{}` has no states; write `codel<start> {codel}(…) \
+                     yields …`",
+                    name.text
+                );
+                let place = self.src(decl.ptr);
+                self.report(
+                    ElabDiagnostic::new("codel-in-task", at, message).related(place, "this codel"),
+                );
+            }
+            PropertyKind::Local { ty, .. } => {
+                let at = self.src(ty.ptr);
+                self.local_outside(at, "a task");
+            }
+            kind => {
+                let home = property::home(kind);
+                let message = format!("a task cannot have `{word}`; it belongs {home}");
+                self.error("prop-not-in-task", at, message);
+            }
+        }
+    }
+
+    pub(super) fn once_in_task(
+        &mut self,
+        index: u32,
+        task: u32,
+        word: &'static str,
+        at: Src,
+    ) -> bool {
+        let state = &mut self.components[index as usize].tasks[task as usize];
+        let mut given = std::mem::take(&mut state.given);
+        let first = self.once(&mut given, word, at);
+        self.components[index as usize].tasks[task as usize].given = given;
+        first
+    }
+
+    /// A delay needs a period, and is shorter.
+    pub(super) fn check_delay(&mut self, index: u32, task: u32) {
+        let given = &self.components[index as usize].tasks[task as usize].given;
+        let period_given = given.contains_key("period");
+        let task = &self.spec.components[index as usize].tasks[task as usize];
+        let Some(delay) = &task.delay else { return };
+        let at = delay.src;
+        match &task.period {
+            None if !period_given => {
+                let message = format!(
+                    "task `{}` has a delay but no period; only periodic tasks can be delayed",
+                    task.name
+                );
+                self.error("delay-without-period", at, message);
+            }
+            Some(period) if delay.value >= period.value => {
+                let message = "the delay must be less than the period".to_owned();
+                let diagnostic = ElabDiagnostic::new("delay-range", at, message)
+                    .related(period.src, "the period");
+                self.report(diagnostic);
+            }
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,519 @@
+//! Types where they are used, and the relations between types (language reference, section 6).
+
+use rustc_hash::FxHashSet;
+
+use super::{ElabDiagnostic, context::Elaborator};
+use crate::{
+    item_tree::{BaseType, Declarator, Expr, Path, TypeRef, TypeRefKind},
+    model::{Spec, Src, TypeId, TypeKind},
+};
+
+/// Where a type is used, as far as forward declarations are concerned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Use {
+    /// Its contents must be known.
+    Value,
+    /// As the element of a sequence or optional.
+    Element,
+}
+
+impl<'a> Elaborator<'a> {
+    /// The type object of a type specifier.
+    pub(super) fn type_ref(&mut self, ty: &'a TypeRef) -> TypeId {
+        self.type_ref_for(ty, Use::Value)
+    }
+
+    fn type_ref_for(&mut self, ty: &'a TypeRef, usage: Use) -> TypeId {
+        let at = self.src(ty.ptr);
+        match &ty.kind {
+            TypeRefKind::Base(base) => self.anonymous(base_kind(*base), at),
+            TypeRefKind::String { bound } => {
+                let bound = bound.as_ref().map(|it| self.size(it, "bound"));
+                self.anonymous(TypeKind::String { bound }, at)
+            }
+            TypeRefKind::Sequence { element, bound } => {
+                let element = self.type_ref_for(element, Use::Element);
+                let bound = bound.as_ref().map(|it| self.size(it, "bound"));
+                self.anonymous(TypeKind::Sequence { element, bound }, at)
+            }
+            TypeRefKind::Optional { element } => {
+                let element = self.type_ref_for(element, Use::Element);
+                self.anonymous(TypeKind::Optional { element }, at)
+            }
+            TypeRefKind::Fixed => {
+                self.error(
+                    "fixed-unsupported",
+                    at,
+                    "fixed point numbers are not supported; use `double`",
+                );
+                self.unknown(at)
+            }
+            TypeRefKind::Named(path) => self.named_type(path, usage),
+            TypeRefKind::Inline(decl) => self.type_decl(decl),
+            TypeRefKind::Missing => self.unknown(at),
+        }
+    }
+
+    fn named_type(&mut self, path: &'a Path, usage: Use) -> TypeId {
+        let at = self.src(path.ptr);
+        let Some(ty) = self.resolve_path(path) else {
+            self.report_unresolved(path, true);
+            return self.unknown(at);
+        };
+        match &self.spec.ty(ty).kind {
+            TypeKind::Const { .. }
+            | TypeKind::Enumerator { .. }
+            | TypeKind::Event
+            | TypeKind::PauseEvent
+            | TypeKind::Port { .. }
+            | TypeKind::Remote { .. }
+            | TypeKind::StructMember { .. }
+            | TypeKind::UnionMember { .. } => {
+                let what = describe(&self.spec, ty);
+                let mut diagnostic = ElabDiagnostic::new(
+                    "unknown-type",
+                    at,
+                    format!("`{}` is {what}, not a type", path_text(path)),
+                );
+                if let Some(place) = self.type_place(ty) {
+                    diagnostic = diagnostic.related(place, "declared here");
+                }
+                self.report(diagnostic);
+                return self.unknown(at);
+            }
+            _ => {}
+        }
+        let last = self.spec.resolve_alias(ty);
+        match &self.spec.ty(last).kind {
+            TypeKind::Exception { members } if members.is_empty() => {
+                self.error(
+                    "void-exception-type",
+                    at,
+                    format!(
+                        "exception `{}` has no members, so it cannot be used as a data type; give \
+                         it members or use another type",
+                        path_text(path)
+                    ),
+                );
+                self.unknown(at)
+            }
+            TypeKind::ForwardStruct { .. } | TypeKind::ForwardUnion { .. }
+                if usage == Use::Value =>
+            {
+                let mut diagnostic = ElabDiagnostic::new(
+                    "forward-by-value",
+                    at,
+                    format!(
+                        "`{}` is only declared so far; until it is defined it can be used in \
+                         `sequence<>` and `optional<>` only",
+                        path_text(path)
+                    ),
+                );
+                if let Some(place) = self.type_place(last) {
+                    diagnostic = diagnostic.related(place, "declared, but not defined, here");
+                }
+                self.report(diagnostic);
+                self.unknown(at)
+            }
+            _ => ty,
+        }
+    }
+
+    /// What a path names, with its references recorded.
+    pub(super) fn resolve_path(&mut self, path: &'a Path) -> Option<TypeId> {
+        let names: Vec<_> = path.segments.iter().map(|it| &it.text).collect();
+        let (ty, through) = self.scopes.lookup(self.scope, path.absolute, &names)?;
+        // Members are found by paths into values only.
+        if matches!(
+            self.spec.ty(ty).kind,
+            TypeKind::StructMember { .. } | TypeKind::UnionMember { .. }
+        ) {
+            return None;
+        }
+        for (segment, scope) in path.segments.iter().zip(through) {
+            if let Some(def) = self.scopes.get(scope).def {
+                self.refer(self.src(segment.ptr), def);
+            }
+        }
+        if let Some(last) = path.segments.last() {
+            self.refer_type(self.src(last.ptr), ty);
+        }
+        Some(ty)
+    }
+
+    /// Reports a path that names nothing. `types`: a type is wanted, not a constant.
+    pub(super) fn report_unresolved(&mut self, path: &Path, types: bool) {
+        let names: Vec<_> = path.segments.iter().map(|it| &it.text).collect();
+        let Some(last) = path.segments.last() else {
+            return;
+        };
+        let wanted = |kind: &TypeKind| match kind {
+            TypeKind::Const { .. } | TypeKind::Enumerator { .. } => !types,
+            TypeKind::Event
+            | TypeKind::PauseEvent
+            | TypeKind::Port { .. }
+            | TypeKind::Remote { .. }
+            | TypeKind::StructMember { .. }
+            | TypeKind::UnionMember { .. } => false,
+            _ => types,
+        };
+        let noun = if types { "type" } else { "constant" };
+        let (scope, followed) = self.scopes.follow(self.scope, path.absolute, &names);
+        let message = if followed + 1 < names.len() {
+            let missing = names[followed];
+            let inner = self.scopes.get(scope);
+            let hint = self.hint(missing, inner.children.keys().map(|it| it.as_str()));
+            format!(
+                "`{}` does not name a {noun}: there is no module, component or type scope \
+                 `{missing}` {}{hint}",
+                path_text(path),
+                if followed == 0 {
+                    "here".to_owned()
+                } else {
+                    format!("in `{}`", names[followed - 1])
+                },
+            )
+        } else if names.len() > 1 || path.absolute {
+            let inner = self.scopes.get(scope);
+            let candidates = inner
+                .names
+                .iter()
+                .filter(|(_, ty)| wanted(&self.spec.ty(**ty).kind))
+                .map(|(name, _)| name.as_str());
+            let hint = self.hint(&last.text, candidates);
+            format!("there is no {noun} `{}`{hint}", path_text(path))
+        } else {
+            let candidates = self
+                .scopes
+                .visible(self.scope)
+                .filter(|(_, ty)| wanted(&self.spec.ty(*ty).kind))
+                .map(|(name, _)| name.as_str());
+            let hint = self.hint(&last.text, candidates);
+            format!(
+                "unknown {noun} `{}`; it must be declared before it is used{hint}",
+                last.text
+            )
+        };
+        let at = self.src(path.ptr);
+        self.error("unknown-type", at, message);
+    }
+
+    /// Wraps a type into the arrays of a declarator, the innermost dimension first.
+    pub(super) fn declared_type(&mut self, base: TypeId, declarator: &'a Declarator) -> TypeId {
+        let at = self.src(declarator.name.ptr);
+        let lengths: Vec<u64> = declarator
+            .dimensions
+            .iter()
+            .map(|it| self.size(it, "array size"))
+            .collect();
+        let mut element = base;
+        for length in lengths.into_iter().rev() {
+            element = self.anonymous(TypeKind::Array { element, length }, at);
+        }
+        element
+    }
+
+    /// The size of an array or a bound, with a warning when it is zero.
+    fn size(&mut self, expr: &'a Expr, what: &str) -> u64 {
+        let at = self.src(expr.ptr);
+        match self.positive(expr, what) {
+            Some(0) => {
+                self.error(
+                    "zero-size",
+                    at,
+                    format!("the {what} is 0: it holds nothing"),
+                );
+                0
+            }
+            Some(size) => size,
+            None => 1,
+        }
+    }
+}
+
+fn base_kind(base: BaseType) -> TypeKind {
+    match base {
+        BaseType::Boolean => TypeKind::Boolean,
+        BaseType::Octet => TypeKind::Octet,
+        BaseType::Char => TypeKind::Char,
+        BaseType::Any => TypeKind::Any,
+        BaseType::Float => TypeKind::Float,
+        BaseType::Double => TypeKind::Double,
+        BaseType::Short => TypeKind::Short,
+        BaseType::UnsignedShort => TypeKind::UnsignedShort,
+        BaseType::Long => TypeKind::Long,
+        BaseType::UnsignedLong => TypeKind::UnsignedLong,
+        BaseType::LongLong => TypeKind::LongLong,
+        BaseType::UnsignedLongLong => TypeKind::UnsignedLongLong,
+    }
+}
+
+/// A path as text.
+pub(super) fn path_text(path: &Path) -> String {
+    let mut text = String::new();
+    for (index, segment) in path.segments.iter().enumerate() {
+        if index > 0 || path.absolute {
+            text.push_str("::");
+        }
+        text.push_str(&segment.text);
+    }
+    text
+}
+
+/// What a type object is, with an article: "a constant".
+pub(super) fn describe(spec: &Spec, ty: TypeId) -> &'static str {
+    match &spec.ty(ty).kind {
+        TypeKind::Enum { .. } => "an enum",
+        TypeKind::Enumerator { .. } => "an enumerator",
+        TypeKind::Struct { .. } => "a struct",
+        TypeKind::StructMember { .. } | TypeKind::UnionMember { .. } => "a member",
+        TypeKind::Union { .. } => "a union",
+        TypeKind::Exception { .. } => "an exception",
+        TypeKind::Native => "a native type",
+        TypeKind::Typedef { .. } => "a typedef",
+        TypeKind::Const { .. } => "a constant",
+        TypeKind::ForwardStruct { .. } => "a struct",
+        TypeKind::ForwardUnion { .. } => "a union",
+        TypeKind::Event | TypeKind::PauseEvent => "a state",
+        TypeKind::Port { .. } => "a port",
+        TypeKind::Remote { .. } => "a remote service",
+        _ => "a type",
+    }
+}
+
+/// The type behind aliases and `optional<>`.
+pub(crate) fn look_through(spec: &Spec, mut ty: TypeId) -> TypeId {
+    for _ in 0..=spec.types.len() {
+        ty = spec.resolve_alias(ty);
+        match spec.ty(ty).kind {
+            TypeKind::Optional { element } => ty = element,
+            _ => return ty,
+        }
+    }
+    ty
+}
+
+/// Members of a struct, union or exception.
+pub(crate) fn members(spec: &Spec, ty: TypeId) -> Option<&[TypeId]> {
+    match &spec.ty(ty).kind {
+        TypeKind::Struct { members }
+        | TypeKind::Union { members, .. }
+        | TypeKind::Exception { members } => Some(members),
+        _ => None,
+    }
+}
+
+/// The member of that name.
+pub(crate) fn member_named(spec: &Spec, ty: TypeId, name: &str) -> Option<TypeId> {
+    let found = members(spec, ty)?;
+    found
+        .iter()
+        .copied()
+        .find(|it| spec.ty(*it).name.as_deref() == Some(name))
+}
+
+/// Whether two types are equal: aliases do not count, structs compare by their members. An unknown
+/// type equals everything, as the error about it was reported.
+pub(crate) fn equal(spec: &Spec, a: TypeId, b: TypeId) -> bool {
+    equal_parts(spec, a, b, &mut FxHashSet::default())
+}
+
+/// Pairs of composite types that are equal unless a difference is found elsewhere. Each is compared
+/// once, however often it occurs.
+type Seen = FxHashSet<(TypeId, TypeId)>;
+
+fn equal_parts(spec: &Spec, a: TypeId, b: TypeId, seen: &mut Seen) -> bool {
+    let (a, b) = (spec.resolve_alias(a), spec.resolve_alias(b));
+    if a == b {
+        return true;
+    }
+    if members(spec, a).is_some() && !seen.insert((a, b)) {
+        return true;
+    }
+    let mut all = |a: &[TypeId], b: &[TypeId]| {
+        a.len() == b.len()
+            && a.iter()
+                .zip(b)
+                .all(|(a, b)| equal_parts(spec, *a, *b, seen))
+    };
+    use TypeKind as K;
+    match (&spec.ty(a).kind, &spec.ty(b).kind) {
+        (K::Unknown, _) | (_, K::Unknown) => true,
+        (K::String { bound: a }, K::String { bound: b }) => a == b,
+        (
+            K::Array {
+                element: a,
+                length: m,
+            },
+            K::Array {
+                element: b,
+                length: n,
+            },
+        ) => m == n && equal_element(spec, *a, *b, seen),
+        (
+            K::Sequence {
+                element: a,
+                bound: m,
+            },
+            K::Sequence {
+                element: b,
+                bound: n,
+            },
+        ) => m == n && equal_element(spec, *a, *b, seen),
+        (K::Optional { element: a }, K::Optional { element: b }) => {
+            equal_element(spec, *a, *b, seen)
+        }
+        (K::Struct { members: a }, K::Struct { members: b })
+        | (K::Exception { members: a }, K::Exception { members: b }) => all(a, b),
+        (
+            K::Union {
+                switch: s,
+                members: a,
+            },
+            K::Union {
+                switch: t,
+                members: b,
+            },
+        ) => all(&[*s], &[*t]) && all(a, b),
+        (K::Native, K::Native)
+        | (K::Enum { .. }, K::Enum { .. })
+        | (K::ForwardStruct { .. }, K::ForwardStruct { .. })
+        | (K::ForwardUnion { .. }, K::ForwardUnion { .. }) => {
+            spec.full_name(a) == spec.full_name(b)
+        }
+        (
+            K::Boolean
+            | K::Octet
+            | K::Char
+            | K::Short
+            | K::UnsignedShort
+            | K::Long
+            | K::UnsignedLong
+            | K::LongLong
+            | K::UnsignedLongLong
+            | K::Float
+            | K::Double
+            | K::Any,
+            _,
+        ) => spec.ty(a).kind == spec.ty(b).kind,
+        _ => false,
+    }
+}
+
+/// Elements may be forward declarations, through which types can be recursive: these compare by
+/// name, before aliases are looked through.
+fn equal_element(spec: &Spec, a: TypeId, b: TypeId, seen: &mut Seen) -> bool {
+    match (forward_target(spec, a), forward_target(spec, b)) {
+        (None, None) => equal_parts(spec, a, b, seen),
+        (a_target, b_target) => {
+            let (a, b) = (a_target.unwrap_or(a), b_target.unwrap_or(b));
+            a == b || spec.full_name(a) == spec.full_name(b)
+        }
+    }
+}
+
+/// What a completed forward declaration stands for.
+fn forward_target(spec: &Spec, ty: TypeId) -> Option<TypeId> {
+    match spec.ty(ty).kind {
+        TypeKind::ForwardStruct { definition } | TypeKind::ForwardUnion { definition } => {
+            Some(definition.unwrap_or(ty))
+        }
+        TypeKind::Typedef { ty } => forward_target(spec, ty),
+        _ => None,
+    }
+}
+
+/// Whether a type is or holds a native type.
+pub(crate) fn has_native(spec: &Spec, ty: TypeId) -> bool {
+    fn search(spec: &Spec, ty: TypeId, seen: &mut FxHashSet<TypeId>) -> bool {
+        let ty = spec.resolve_alias(ty);
+        match &spec.ty(ty).kind {
+            TypeKind::Native => true,
+            TypeKind::Array { element, .. }
+            | TypeKind::Sequence { element, .. }
+            | TypeKind::Optional { element } => search(spec, *element, seen),
+            TypeKind::Struct { members }
+            | TypeKind::Union { members, .. }
+            | TypeKind::Exception { members } => {
+                if !seen.insert(ty) {
+                    return false;
+                }
+                members.iter().any(|it| search(spec, *it, seen))
+            }
+            _ => false,
+        }
+    }
+    search(spec, ty, &mut FxHashSet::default())
+}
+
+/// The name by which messages call a type.
+pub(crate) fn display(spec: &Spec, ty: TypeId) -> String {
+    let data = spec.ty(ty);
+    match &data.kind {
+        TypeKind::StructMember { ty } | TypeKind::UnionMember { ty, .. } => display(spec, *ty),
+        kind => match (&data.name, kind) {
+            (Some(name), _) => name.to_string(),
+            (None, TypeKind::Array { element, length }) => {
+                let mut element = *element;
+                let mut dimensions = format!("[{length}]");
+                while let (
+                    None,
+                    TypeKind::Array {
+                        element: inner,
+                        length,
+                    },
+                ) = (&spec.ty(element).name, &spec.ty(element).kind)
+                {
+                    dimensions.push_str(&format!("[{length}]"));
+                    element = *inner;
+                }
+                display(spec, element) + &dimensions
+            }
+            (None, TypeKind::Sequence { element, bound }) => match bound {
+                Some(bound) => format!("sequence<{}, {bound}>", display(spec, *element)),
+                None => format!("sequence<{}>", display(spec, *element)),
+            },
+            (None, TypeKind::Optional { element }) => {
+                format!("optional<{}>", display(spec, *element))
+            }
+            (None, TypeKind::String { bound: Some(bound) }) => format!("string<{bound}>"),
+            (None, kind) => base_name(kind).to_owned(),
+        },
+    }
+}
+
+/// The IDL name of a type without name of its own.
+pub(crate) fn base_name(kind: &TypeKind) -> &'static str {
+    match kind {
+        TypeKind::Boolean => "boolean",
+        TypeKind::Octet => "octet",
+        TypeKind::Char => "char",
+        TypeKind::Short => "short",
+        TypeKind::UnsignedShort => "unsigned short",
+        TypeKind::Long => "long",
+        TypeKind::UnsignedLong => "unsigned long",
+        TypeKind::LongLong => "long long",
+        TypeKind::UnsignedLongLong => "unsigned long long",
+        TypeKind::Float => "float",
+        TypeKind::Double => "double",
+        TypeKind::Any => "any",
+        TypeKind::String { .. } => "string",
+        TypeKind::Native => "native",
+        TypeKind::Unknown => "unknown",
+        _ => "type",
+    }
+}
+
+/// The number of elements of an array or bounded sequence, and their type.
+pub(crate) fn elements(spec: &Spec, ty: TypeId) -> Option<(TypeId, Option<u64>)> {
+    match spec.ty(ty).kind {
+        TypeKind::Array { element, length } => Some((element, Some(length))),
+        TypeKind::Sequence { element, bound } => Some((element, bound)),
+        _ => None,
+    }
+}
+
+/// The place of a type object.
+pub(super) fn place(spec: &Spec, ty: TypeId) -> Src {
+    spec.ty(ty).src
+}

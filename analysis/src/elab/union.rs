@@ -1,0 +1,206 @@
+//! Unions (language reference, section 6).
+
+use super::{
+    DefKind, ElabDiagnostic,
+    constant::Const,
+    context::Elaborator,
+    convert::{Misfit, convert, explain_misfit},
+    types,
+};
+use crate::{
+    item_tree::{CaseLabel, Item, Name, TypeRef, TypeRefKind},
+    model::{Label, ScopeKind, Src, TypeId, TypeKind, Value},
+};
+
+impl<'a> Elaborator<'a> {
+    pub(super) fn union(
+        &mut self,
+        name: &Name,
+        switch: &'a TypeRef,
+        cases: &'a [Item],
+        node: Src,
+    ) -> TypeId {
+        let inside = self.open_type(name, ScopeKind::Union, DefKind::Union, node);
+        let (switch, members) = self.within(inside.scope, Some(inside.def), |this| {
+            let ty = this.type_ref(switch);
+            let ty = this.check_switch(ty, switch, name);
+            let clashing = match &switch.kind {
+                TypeRefKind::Named(path) => path.segments.last().map(|it| it.text.clone()),
+                _ => None,
+            };
+            let mut members: Vec<TypeId> = Vec::new();
+            let mut used: Vec<(Label, TypeId)> = Vec::new();
+            this.for_each(cases, |this, item| match item {
+                Item::Case {
+                    labels,
+                    ty: member,
+                    declarator,
+                    ptr,
+                } => {
+                    let base = this.type_ref(member);
+                    let Some(declarator) = declarator else {
+                        this.labels(labels, ty, None, &mut used);
+                        return;
+                    };
+                    let member = this.declared_type(base, declarator);
+                    if clashing.as_ref() == Some(&declarator.name.text) {
+                        let at = this.src(declarator.name.ptr);
+                        this.error(
+                            "union-member-switch-clash",
+                            at,
+                            format!(
+                                "member `{}` has the name of the switch type; rename it",
+                                declarator.name.text
+                            ),
+                        );
+                    }
+                    let kind = TypeKind::UnionMember {
+                        ty: member,
+                        labels: Vec::new(),
+                    };
+                    let node = this.src(*ptr);
+                    let id = this.member(kind, DefKind::Member, &declarator.name, node);
+                    let values = this.labels(labels, ty, Some((&declarator.name, id)), &mut used);
+                    if let Some(id) = id {
+                        let data = &mut this.spec.types[id.0 as usize];
+                        if let TypeKind::UnionMember { labels, .. } = &mut data.kind {
+                            *labels = values;
+                        }
+                        members.push(id);
+                    }
+                }
+                Item::Pragma(pragma) => this.pragma(pragma),
+                _ => {}
+            });
+            (ty, members)
+        });
+        self.close_type(name, &inside, TypeKind::Union { switch, members })
+    }
+
+    /// The switch type, or an unknown one if a union cannot switch on it.
+    fn check_switch(&mut self, ty: TypeId, switch: &TypeRef, name: &Name) -> TypeId {
+        let last = self.spec.resolve_alias(ty);
+        let fits = matches!(
+            self.spec.ty(last).kind,
+            TypeKind::Boolean
+                | TypeKind::Char
+                | TypeKind::Short
+                | TypeKind::UnsignedShort
+                | TypeKind::Long
+                | TypeKind::UnsignedLong
+                | TypeKind::LongLong
+                | TypeKind::UnsignedLongLong
+                | TypeKind::Enum { .. }
+                | TypeKind::Unknown
+        );
+        // What the grammar does not allow here was reported as a syntax error.
+        if fits || !matches!(switch.kind, TypeRefKind::Named(_)) {
+            return ty;
+        }
+        let at = self.src(name.ptr);
+        let message = format!(
+            "union `{}` cannot switch on `{}`; only integers other than octet, char, boolean and \
+             enums can select a member",
+            name.text,
+            types::display(&self.spec, ty)
+        );
+        self.error("union-switch-type", at, message);
+        self.unknown(at)
+    }
+
+    /// The labels of one union member.
+    fn labels(
+        &mut self,
+        labels: &'a [CaseLabel],
+        switch: TypeId,
+        member: Option<(&Name, Option<TypeId>)>,
+        used: &mut Vec<(Label, TypeId)>,
+    ) -> Vec<Label> {
+        let mut own: Vec<Label> = Vec::new();
+        let at = member.map(|(name, _)| self.src(name.ptr));
+        let mut clash = None;
+        for label in labels {
+            let value = match &label.value {
+                None => Label::Default,
+                Some(expr) => {
+                    let value = self.eval(expr);
+                    if value == Const::Unknown || self.is_unknown(switch) {
+                        continue;
+                    }
+                    match convert(&self.spec, &value, switch) {
+                        Ok(value) => Label::Case(value),
+                        Err(misfit) => {
+                            self.bad_label(misfit, &value, switch, at, self.src(expr.ptr));
+                            continue;
+                        }
+                    }
+                }
+            };
+            if own.iter().any(|it| same_label(it, &value)) {
+                let at = self.src(label.ptr);
+                self.error(
+                    "union-repeated-label",
+                    at,
+                    "this label already stands in front of the same member; remove it",
+                );
+                continue;
+            }
+            if let Some((_, other)) = used.iter().find(|(it, _)| same_label(it, &value)) {
+                clash = clash.or(Some((*other, self.src(label.ptr))));
+            }
+            own.push(value);
+        }
+        if let (Some((other, label)), Some(at)) = (clash, at) {
+            let place = types::place(&self.spec, other);
+            let message = format!(
+                "a label of this member already selects `{}`; every value can select one member \
+                 only",
+                self.spec.ty(other).name.as_deref().unwrap_or_default()
+            );
+            self.report(
+                ElabDiagnostic::new("union-duplicate-label", at, message)
+                    .related(label, "this label")
+                    .related(place, "the other member"),
+            );
+        }
+        if let Some((_, Some(id))) = member {
+            used.extend(own.iter().map(|it| (it.clone(), id)));
+        }
+        own
+    }
+
+    fn bad_label(
+        &mut self,
+        misfit: Misfit,
+        value: &Const,
+        switch: TypeId,
+        member: Option<Src>,
+        label: Src,
+    ) {
+        let (code, message) = explain_misfit(&self.spec, misfit, value, switch);
+        let diagnostic = ElabDiagnostic::new(
+            code,
+            member.unwrap_or(label),
+            format!("union label: {message}"),
+        );
+        let diagnostic = match member {
+            Some(_) => diagnostic.related(label, "this label"),
+            None => diagnostic,
+        };
+        self.report(diagnostic);
+    }
+}
+
+/// Whether two labels are the same; a character may be written in single or double quotes.
+fn same_label(a: &Label, b: &Label) -> bool {
+    fn text(label: &Label) -> Option<&str> {
+        match label {
+            Label::Case(Value::Char(text) | Value::String(text)) => Some(text),
+            _ => None,
+        }
+    }
+    match (text(a), text(b)) {
+        (Some(a), Some(b)) => a == b,
+        _ => a == b,
+    }
+}

@@ -1,0 +1,550 @@
+//! Quick fixes that need the text: one function for each rule that has one.
+//!
+//! Rules work on the model and know no text. Here a finding, back at its place in a file, gets the
+//! edits that remove its cause, made from the tree around it.
+
+use dotgen_syntax::{
+    SyntaxElement, SyntaxKind, SyntaxNode, SyntaxToken, TextRange, TextSize,
+    ast::{self, AstNode},
+};
+
+/// A fix within one file: its title, and replacements of ranges.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct TextFix {
+    pub(crate) title: String,
+    pub(crate) edits: Vec<(TextRange, String)>,
+}
+
+/// A finding at its place, with the places related to it in the same file.
+pub(crate) struct Finding<'a> {
+    pub(crate) code: &'a str,
+    pub(crate) message: &'a str,
+    pub(crate) range: TextRange,
+    pub(crate) related: &'a [TextRange],
+}
+
+/// The fixes of a finding, the best first.
+pub(crate) fn fixes(root: &SyntaxNode, finding: &Finding<'_>) -> Vec<TextFix> {
+    let here = Place { root, finding };
+    let mut fixes = here.near_name();
+    fixes.extend(match finding.code {
+        "fsm/undefined-state" => here.declare_state(),
+        "throw/undeclared-use" => here.declare_throw(),
+        "fsm/unreachable-state" => here.connect_or_remove_codel(),
+        "fsm/busy-loop" => here.pause_somewhere(),
+        "fsm/no-termination" => {
+            let mut fixes = here.end_somewhere();
+            fixes.extend(here.pause_somewhere());
+            fixes
+        }
+        "fsm/missing-stop" => here.add_stop_codel(),
+        "timing/missing-wcet" => here.add_wcet(),
+        "service/blind-validate" => here.validate_new_value(),
+        "service/concurrent-instances" => here.interrupt_itself(),
+        "unused/exception" | "unused/type" | "unused/local" => here.remove_declaration(),
+        "lint/unused-suppression" => here.remove_comment(),
+        _ => Vec::new(),
+    });
+    fixes
+}
+
+/// How a message suggests a name that comes close to what was written.
+const SUGGESTION: &str = "did you mean `";
+
+/// Whether [`fixes`] has anything for a code and message.
+pub(crate) fn has_fixes(code: &str, message: &str) -> bool {
+    message.contains(SUGGESTION)
+        || matches!(
+            code,
+            "fsm/undefined-state"
+                | "throw/undeclared-use"
+                | "fsm/unreachable-state"
+                | "fsm/busy-loop"
+                | "fsm/no-termination"
+                | "fsm/missing-stop"
+                | "timing/missing-wcet"
+                | "service/blind-validate"
+                | "service/concurrent-instances"
+                | "unused/exception"
+                | "unused/type"
+                | "unused/local"
+                | "lint/unused-suppression"
+        )
+}
+
+struct Place<'a> {
+    root: &'a SyntaxNode,
+    finding: &'a Finding<'a>,
+}
+
+impl Place<'_> {
+    fn token_at(&self, range: TextRange) -> Option<SyntaxToken> {
+        if range.start() > self.root.text_range().end() {
+            return None;
+        }
+        self.root.token_at_offset(range.start()).right_biased()
+    }
+
+    /// The node of a type that a range is in.
+    fn node<N: AstNode>(&self, range: TextRange) -> Option<N> {
+        self.token_at(range)?.parent_ancestors().find_map(N::cast)
+    }
+
+    fn text(&self, range: TextRange) -> String {
+        let range = range.intersect(self.root.text_range()).unwrap_or_default();
+        // The text of the whole tree would be walked from its start.
+        match self.root.covering_element(range) {
+            SyntaxElement::Node(node) => {
+                let text = node.text();
+                text.slice(range - node.text_range().start()).to_string()
+            }
+            SyntaxElement::Token(token) => {
+                let range = range - token.text_range().start();
+                token.text()[range].to_owned()
+            }
+        }
+    }
+
+    /// Puts the suggested name in the place of the one that was written.
+    fn near_name(&self) -> Vec<TextFix> {
+        let message = self.finding.message;
+        let Some(start) = message.find(SUGGESTION) else {
+            return Vec::new();
+        };
+        let Some((name, _)) = message[start + SUGGESTION.len()..].split_once('`') else {
+            return Vec::new();
+        };
+        // An undefined state is reported at the codel that leads to it.
+        let at = match (self.finding.code, self.finding.related) {
+            ("fsm/undefined-state", [state, ..]) => *state,
+            _ => self.finding.range,
+        };
+        // Of a path or parameter, the part that is wrong is the one the message quotes first.
+        let wrong = message.split('`').nth(1).unwrap_or_default();
+        let wrong = if self.finding.code == "fsm/undefined-state" {
+            message.split('`').nth(3).unwrap_or_default()
+        } else {
+            wrong
+        };
+        let wrong = wrong.rsplit("::").next().unwrap_or_default();
+        let text = self.text(at);
+        let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        let found = text.match_indices(wrong).find(|(i, _)| {
+            !wrong.is_empty()
+                && !text[..*i].ends_with(is_word)
+                && !text[i + wrong.len()..].starts_with(is_word)
+        });
+        let Some((offset, _)) = found else {
+            return Vec::new();
+        };
+        let size = |it: usize| TextSize::try_from(it).unwrap_or_default();
+        let range = TextRange::at(at.start() + size(offset), size(wrong.len()));
+        let new_text = name.rsplit("::").next().unwrap_or(name).to_owned();
+        vec![TextFix {
+            title: format!("Change to `{new_text}`"),
+            edits: vec![(range, new_text)],
+        }]
+    }
+
+    /// `Declare a codel for the state`: after the codel that yields it.
+    fn declare_state(&self) -> Vec<TextFix> {
+        let found = || {
+            let codel: ast::CodelProperty = self.node(self.finding.range)?;
+            let state = self.text(*self.finding.related.first()?);
+            let state = state.rsplit("::").next()?.trim().to_owned();
+            let owner = self.owner_name(codel.syntax())?;
+            let indent = indent_of(codel.syntax());
+            let text = format!("\n{indent}codel<{state}> {owner}_{state}() yield ether;");
+            Some(TextFix {
+                title: format!("Declare a codel for the state `{state}`"),
+                edits: vec![(TextRange::empty(end_of(codel.syntax())), text)],
+            })
+        };
+        found().into_iter().collect()
+    }
+
+    /// `Throw it instead`: out of the states, into the `throw` of the task or service.
+    fn declare_throw(&self) -> Vec<TextFix> {
+        let found = || {
+            let state = self.node::<ast::State>(self.finding.range)?;
+            let (_, path) = self.finding.message.split_once("`throw ")?;
+            let path = path.split('`').next()?;
+            let yields = ast::Yields::cast(state.syntax().parent()?)?;
+            let left_out = match yields.states().count() {
+                // Some state must follow.
+                1 => (state.syntax().text_range(), "ether".to_owned()),
+                _ => (with_comma(state.syntax()), String::new()),
+            };
+            let owner = state
+                .syntax()
+                .ancestors()
+                .find(|it| ast::Task::can_cast(it.kind()) || ast::Service::can_cast(it.kind()))?;
+            let written = path.strip_prefix("::").unwrap_or(path);
+            let title = format!("Throw `{written}` instead of yielding it");
+            let mut fix = add_property(&owner, &format!("throw {path};"), title)?;
+            fix.edits.push(left_out);
+            Some(fix)
+        };
+        found().into_iter().collect()
+    }
+
+    /// Name of the task or service around a node.
+    fn owner_name(&self, node: &SyntaxNode) -> Option<String> {
+        node.ancestors().find_map(|it| {
+            let name = match ast::Task::cast(it.clone()) {
+                Some(task) => task.name(),
+                None => ast::Service::cast(it)?.name(),
+            };
+            Some(name?.syntax().text().to_string())
+        })
+    }
+
+    fn connect_or_remove_codel(&self) -> Vec<TextFix> {
+        let mut fixes = Vec::new();
+        let Some(codel) = self.node::<ast::CodelProperty>(self.finding.range) else {
+            return fixes;
+        };
+        let name = self.text(self.finding.range);
+        let state = codel
+            .syntax()
+            .descendants()
+            .find_map(ast::Triggers::cast)
+            .and_then(|it| it.syntax().descendants().find_map(ast::State::cast))
+            .map(|it| it.syntax().text().to_string());
+        // The codel before it is where the transition was forgotten, more often than not.
+        let before = std::iter::successors(codel.syntax().prev_sibling(), SyntaxNode::prev_sibling)
+            .find_map(ast::CodelProperty::cast);
+        if let (Some(state), Some(before)) = (state, before)
+            && let Some(fix) = add_yield(before.syntax(), state.trim())
+        {
+            fixes.push(fix);
+        }
+        fixes.push(TextFix {
+            title: format!("Remove the codel `{name}`"),
+            edits: vec![(whole_lines(codel.syntax()), String::new())],
+        });
+        fixes
+    }
+
+    /// One fix for each transition of a cycle.
+    fn pause_somewhere(&self) -> Vec<TextFix> {
+        let related = self.finding.related.iter();
+        related
+            .map(|&range| TextFix {
+                title: format!("Pause before `{}`", self.text(range)),
+                edits: vec![(TextRange::empty(range.start()), "pause::".to_owned())],
+            })
+            .collect()
+    }
+
+    fn end_somewhere(&self) -> Vec<TextFix> {
+        let codel = self.node::<ast::CodelProperty>(self.finding.range);
+        codel
+            .and_then(|it| add_yield(it.syntax(), "ether"))
+            .into_iter()
+            .collect()
+    }
+
+    fn add_stop_codel(&self) -> Vec<TextFix> {
+        let Some(service) = self.node::<ast::Service>(self.finding.range) else {
+            return Vec::new();
+        };
+        let name = self.text(self.finding.range);
+        let property = format!("codel<stop> {name}_stop() yield ether;");
+        add_property(
+            service.syntax(),
+            &property,
+            format!("Add the codel `{name}_stop`"),
+        )
+        .into_iter()
+        .collect()
+    }
+
+    fn interrupt_itself(&self) -> Vec<TextFix> {
+        let Some(service) = self.node::<ast::Service>(self.finding.range) else {
+            return Vec::new();
+        };
+        let name = self.text(self.finding.range);
+        let property = format!("interrupts {name};");
+        let title = format!("Let `{name}` interrupt itself");
+        add_property(service.syntax(), &property, title)
+            .into_iter()
+            .collect()
+    }
+
+    fn add_wcet(&self) -> Vec<TextFix> {
+        const PLACEHOLDER: &str = " wcet 1 ms";
+        let edit = |range: TextRange| {
+            let codel: ast::Codel = self.node(range)?;
+            Some((
+                TextRange::empty(end_of(codel.syntax())),
+                PLACEHOLDER.to_owned(),
+            ))
+        };
+        let one = edit(self.finding.range);
+        let all: Vec<_> = one
+            .iter()
+            .cloned()
+            .chain(self.finding.related.iter().filter_map(|&it| edit(it)))
+            .collect();
+        let mut fixes: Vec<TextFix> = one
+            .map(|edit| TextFix {
+                title: format!(
+                    "Insert `{}` here, to be replaced by the measured time",
+                    PLACEHOLDER.trim()
+                ),
+                edits: vec![edit],
+            })
+            .into_iter()
+            .collect();
+        if all.len() > 1 {
+            fixes.push(TextFix {
+                title: format!(
+                    "Insert `{}` in all {} codels",
+                    PLACEHOLDER.trim(),
+                    all.len()
+                ),
+                edits: all,
+            });
+        }
+        fixes
+    }
+
+    fn validate_new_value(&self) -> Vec<TextFix> {
+        let edits: Vec<(TextRange, String)> = self
+            .finding
+            .related
+            .iter()
+            .map(|&range| {
+                let text = self.text(range);
+                let rest = text
+                    .strip_prefix("ids")
+                    .filter(|it| it.starts_with(char::is_whitespace));
+                let length = if rest.is_some() { 4 } else { 0 };
+                (
+                    TextRange::at(range.start(), TextSize::from(length)),
+                    "local ".to_owned(),
+                )
+            })
+            .collect();
+        let title = "Validate the new value".to_owned();
+        if edits.is_empty() {
+            Vec::new()
+        } else {
+            vec![TextFix { title, edits }]
+        }
+    }
+
+    /// Removes the declaration of a name: its statement, or its part of a list.
+    fn remove_declaration(&self) -> Vec<TextFix> {
+        let name = self.text(self.finding.range);
+        let Some(token) = self.token_at(self.finding.range) else {
+            return Vec::new();
+        };
+        let part = token.parent_ancestors().find(|it| {
+            matches!(
+                it.kind(),
+                SyntaxKind::EXCEPTION
+                    | SyntaxKind::DECLARATOR
+                    | SyntaxKind::NATIVE_DECL
+                    | SyntaxKind::TYPE_DECL
+            )
+        });
+        let Some(part) = part else { return Vec::new() };
+        let alone = match part.parent() {
+            Some(list) if matches!(part.kind(), SyntaxKind::EXCEPTION | SyntaxKind::DECLARATOR) => {
+                list.children()
+                    .filter(|it| it.kind() == part.kind())
+                    .count()
+                    == 1
+            }
+            _ => true,
+        };
+        let range = if alone {
+            let item = part.ancestors().find(|it| ast::Item::can_cast(it.kind()));
+            item.map(|it| whole_lines(&it))
+        } else {
+            Some(with_comma(&part))
+        };
+        let title = format!("Remove `{name}`");
+        range
+            .into_iter()
+            .map(|range| TextFix {
+                title: title.clone(),
+                edits: vec![(range, String::new())],
+            })
+            .collect()
+    }
+
+    fn remove_comment(&self) -> Vec<TextFix> {
+        let Some(comment) = self.token_at(self.finding.range) else {
+            return Vec::new();
+        };
+        if !matches!(
+            comment.kind(),
+            SyntaxKind::LINE_COMMENT | SyntaxKind::BLOCK_COMMENT
+        ) {
+            return Vec::new();
+        }
+        let mut range = comment.text_range();
+        let mut before = comment.prev_token();
+        while let Some(it) =
+            before.filter(|it| matches!(it.kind(), SyntaxKind::WHITESPACE | SyntaxKind::NEWLINE))
+        {
+            range = range.cover(it.text_range());
+            if it.text().contains(['\n', '\r']) {
+                break;
+            }
+            before = it.prev_token();
+        }
+        vec![TextFix {
+            title: "Remove the comment".into(),
+            edits: vec![(range, String::new())],
+        }]
+    }
+}
+
+/// Adds a state to the yields of a codel.
+fn add_yield(codel: &SyntaxNode, state: &str) -> Option<TextFix> {
+    let yields = codel.descendants().find_map(ast::Yields::cast)?;
+    let name = codel.descendants().find_map(ast::Codel::cast)?.name()?;
+    Some(TextFix {
+        title: format!("Let `{}` yield `{state}`", name.syntax().text()),
+        edits: vec![(
+            TextRange::empty(end_of(yields.syntax())),
+            format!(", {state}"),
+        )],
+    })
+}
+
+/// Adds a property at the end of the body of a declaration, making the body when there is none.
+fn add_property(node: &SyntaxNode, property: &str, title: String) -> Option<TextFix> {
+    let outer = indent_of(node);
+    let edit = match node.children().find_map(ast::Body::cast) {
+        Some(body) => {
+            let last = body.syntax().children().last();
+            match last {
+                // A body on one line stays on it.
+                Some(last) if !starts_line(&last) => {
+                    (TextRange::empty(end_of(&last)), format!(" {property}"))
+                }
+                Some(last) => {
+                    let indent = indent_of(&last);
+                    (
+                        TextRange::empty(end_of(&last)),
+                        format!("\n{indent}{property}"),
+                    )
+                }
+                None => {
+                    let open = body.syntax().first_token()?;
+                    (
+                        TextRange::empty(open.text_range().end()),
+                        format!("\n{outer}  {property}\n{outer}"),
+                    )
+                }
+            }
+        }
+        None => {
+            let end = node
+                .last_token()
+                .filter(|it| it.kind() == SyntaxKind::SEMICOLON)?;
+            (
+                TextRange::empty(end.text_range().start()),
+                format!(" {{\n{outer}  {property}\n{outer}}}"),
+            )
+        }
+    };
+    Some(TextFix {
+        title,
+        edits: vec![edit],
+    })
+}
+
+/// Whether a node begins its line.
+fn starts_line(node: &SyntaxNode) -> bool {
+    let tokens = node
+        .descendants_with_tokens()
+        .filter_map(|it| it.into_token());
+    let first = tokens.into_iter().find(|it| !it.kind().is_trivia());
+    let mut before = first.and_then(|it| it.prev_token());
+    while let Some(it) = before {
+        if it.text().contains(['\n', '\r']) {
+            return true;
+        }
+        if !it.kind().is_trivia() {
+            return false;
+        }
+        before = it.prev_token();
+    }
+    true
+}
+
+/// The blanks before the first real token of a node on its line.
+fn indent_of(node: &SyntaxNode) -> String {
+    let first = node
+        .descendants_with_tokens()
+        .filter_map(|it| it.into_token())
+        .find(|it| !it.kind().is_trivia());
+    let before = first.and_then(|it| it.prev_token());
+    before
+        .filter(|it| it.kind() == SyntaxKind::WHITESPACE)
+        .map(|it| it.text().rsplit('\n').next().unwrap_or_default().to_owned())
+        .unwrap_or_default()
+}
+
+/// Where the last real token of a node ends.
+fn end_of(node: &SyntaxNode) -> TextSize {
+    let tokens = node
+        .descendants_with_tokens()
+        .filter_map(|it| it.into_token());
+    let last = tokens
+        .filter(|it| !it.kind().is_trivia() && !it.text_range().is_empty())
+        .last();
+    last.map_or(node.text_range().end(), |it| it.text_range().end())
+}
+
+/// A declaration with the blanks and the line end before it.
+fn whole_lines(node: &SyntaxNode) -> TextRange {
+    let mut range = TextRange::new(node.text_range().start(), end_of(node));
+    let mut before = node.first_token().and_then(|it| it.prev_token());
+    while let Some(it) =
+        before.filter(|it| matches!(it.kind(), SyntaxKind::WHITESPACE | SyntaxKind::NEWLINE))
+    {
+        range = range.cover(it.text_range());
+        if it.text().contains(['\n', '\r']) {
+            break;
+        }
+        before = it.prev_token();
+    }
+    range
+}
+
+/// A part of a list with the comma that goes with it.
+fn with_comma(part: &SyntaxNode) -> TextRange {
+    let range = TextRange::new(part.text_range().start(), end_of(part));
+    let mut next = part.last_token().and_then(|it| it.next_token());
+    while let Some(it) = next {
+        if it.kind() == SyntaxKind::COMMA {
+            let after = it
+                .next_token()
+                .filter(|it| it.kind() == SyntaxKind::WHITESPACE);
+            let end = after.map_or(it.text_range().end(), |it| it.text_range().end());
+            return TextRange::new(range.start(), end);
+        }
+        if !it.kind().is_trivia() {
+            break;
+        }
+        next = it.next_token();
+    }
+    let mut before = part.first_token().and_then(|it| it.prev_token());
+    while let Some(it) = before {
+        if it.kind() == SyntaxKind::COMMA {
+            return TextRange::new(it.text_range().start(), range.end());
+        }
+        if !it.kind().is_trivia() {
+            break;
+        }
+        before = it.prev_token();
+    }
+    range
+}

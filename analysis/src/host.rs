@@ -1,0 +1,683 @@
+//! The public face of analysis: [`AnalysisHost`] takes changes, [`Analysis`] is a snapshot that
+//! answers questions.
+//!
+//! The host is owned by one writer. `apply` cancels the snapshots that are still working, and waits
+//! until they are dropped: never keep a snapshot where it is not working. All paths are absolute.
+
+use std::{fmt, ops::Range, panic::AssertUnwindSafe, sync::Arc};
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_syntax::line_index::LineIndex;
+use rustc_hash::FxHashSet;
+use salsa::{Database as _, Setter as _};
+use smol_str::SmolStr;
+
+use crate::{
+    base::{Db, RootDatabase, SourceFile, line_index, normalize},
+    diagnostic::{Diagnostic, FileEdit, Severity},
+    ide::{self, *},
+    lint::LintConfig,
+    model::Spec,
+    queries::elaborated,
+    report,
+    source_map::{UnitLocations, bytes},
+    unit::{self, UnitKey},
+};
+
+/// What a path leads to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum FileContent {
+    /// A readable text.
+    Text(String),
+    /// Nothing is there.
+    Missing,
+    /// A directory.
+    Directory,
+    /// A file that is not UTF-8: its text with replacement characters.
+    NotUtf8(String),
+    /// It cannot be read: why.
+    Unreadable(String),
+}
+
+/// What the package tool says about packages.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct PackageFlags {
+    /// From `-I`, in order.
+    pub include_dirs: Vec<Utf8PathBuf>,
+    /// From `-D`, in order: name and value.
+    pub defines: Vec<(SmolStr, SmolStr)>,
+}
+
+/// All input and output of analysis. Called at most once per path or question until a [`Change`]
+/// says otherwise.
+pub trait Loader: Send + Sync {
+    /// Reads a file.
+    fn read(&self, path: &Utf8Path) -> FileContent;
+    /// The flags of packages, all arguments in one query, as `pkg-config --cflags` answers it.
+    /// The error is a message for the user.
+    fn packages(&self, arguments: &[String]) -> Result<PackageFlags, String>;
+    /// What a directory holds, for the completion of paths; empty if it cannot be read.
+    fn list_dir(&self, _path: &Utf8Path) -> Vec<DirEntry> {
+        Vec::new()
+    }
+    /// Names of the packages that can be asked for, for completion.
+    fn package_names(&self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+/// An entry of a directory.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct DirEntry {
+    /// Its name.
+    pub name: String,
+    /// Whether it is a directory.
+    pub is_dir: bool,
+}
+
+/// Settings that change what a specification means or how it is reported.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Config {
+    /// `-I`, in order.
+    pub include_dirs: Vec<Utf8PathBuf>,
+    /// `-D`, in order: name and value (`1` when none was given).
+    pub defines: Vec<(SmolStr, SmolStr)>,
+    /// Severity per code; `None` switches a code off. Errors stay errors: the configuration changes
+    /// warnings, information and hints only.
+    pub severities: Vec<(String, Option<Severity>)>,
+    /// What the lints need to know.
+    pub lints: LintConfig,
+}
+
+/// One batch of changes.
+#[derive(Debug, Clone, Default)]
+pub struct Change {
+    /// Files: new text, or `None` to ask the loader again (closed, created, changed, deleted).
+    pub files: Vec<(Utf8PathBuf, Option<String>)>,
+    /// Every root: the `.gen` files of the workspace and the open files. `None` for no change.
+    pub roots: Option<Vec<Utf8PathBuf>>,
+    /// The document the user works in: headers are shown as its unit sees them.
+    pub active: Option<Utf8PathBuf>,
+    /// Files and the roots they are to be shown as included by, all of them.
+    pub chosen: Option<Vec<(Utf8PathBuf, Utf8PathBuf)>>,
+    /// New settings.
+    pub config: Option<Config>,
+    /// Ask the package tool again.
+    pub reload_packages: bool,
+}
+
+/// Why there is no answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cancelled {
+    /// A change arrived: ask again.
+    PendingWrite,
+    /// Cancelled with its [`CancellationToken`].
+    Local,
+    /// Another thread panicked in a query this one waited for.
+    PropagatedPanic,
+}
+
+/// An answer, unless it was cancelled.
+pub type Cancellable<T> = Result<T, Cancelled>;
+
+/// Cancels one [`Analysis`] from another thread.
+#[derive(Clone)]
+pub struct CancellationToken(salsa::CancellationToken);
+
+/// One input of a batch compilation.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum Input {
+    /// A file.
+    File(Utf8PathBuf),
+    /// A text in memory; quoted includes in it are relative to the directory of `name`.
+    Text {
+        /// Name used in diagnostics.
+        name: Utf8PathBuf,
+        /// The text.
+        text: Arc<str>,
+    },
+}
+
+/// Several inputs compiled as one unit, in order, as the command line of GenoM3 does it.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
+pub struct BatchInput {
+    /// In order.
+    pub inputs: Vec<Input>,
+    /// Searched before those of [`Config`].
+    pub include_dirs: Vec<Utf8PathBuf>,
+    /// Defined after those of [`Config`].
+    pub defines: Vec<(SmolStr, SmolStr)>,
+}
+
+/// Everything known about one translation unit. Independent of the snapshot it came from.
+#[derive(Clone)]
+pub struct UnitResult {
+    /// The resolved model.
+    pub spec: Arc<Spec>,
+    /// Diagnostics of all its files, by file and place.
+    pub diagnostics: Arc<Vec<Diagnostic>>,
+    /// Every file it read, in order of first visit.
+    pub files: Vec<Utf8PathBuf>,
+    /// From ids to places.
+    pub locations: Arc<UnitLocations>,
+}
+
+impl UnitResult {
+    /// Whether GenoM3 would accept it: it has no error.
+    pub fn accepted(&self) -> bool {
+        !self
+            .diagnostics
+            .iter()
+            .any(|it| it.severity == Severity::Error)
+    }
+}
+
+/// Owner of the database.
+pub struct AnalysisHost {
+    db: RootDatabase,
+}
+
+/// A snapshot: cheap to make, to be used on one thread, to be dropped soon.
+#[derive(Clone)]
+pub struct Analysis {
+    db: RootDatabase,
+}
+
+impl AnalysisHost {
+    /// An empty database over a loader.
+    pub fn new(loader: Arc<dyn Loader>) -> AnalysisHost {
+        AnalysisHost {
+            db: RootDatabase::new(loader, None),
+        }
+    }
+
+    /// Like [`AnalysisHost::new`], with a callback that sees what the database does.
+    #[cfg(test)]
+    pub(crate) fn with_events(
+        loader: Arc<dyn Loader>,
+        events: crate::base::EventCallback,
+    ) -> AnalysisHost {
+        AnalysisHost {
+            db: RootDatabase::new(loader, Some(events)),
+        }
+    }
+
+    /// Applies changes. Cancels the snapshots that are working and waits until they are dropped.
+    pub fn apply(&mut self, change: Change) {
+        let db = &mut self.db;
+        if change.reload_packages {
+            db.reload_packages();
+        }
+        for (path, text) in change.files {
+            db.set_file(&path, text);
+        }
+        let workspace = db.workspace();
+        if let Some(roots) = change.roots {
+            let mut known = FxHashSet::default();
+            let roots: Vec<Utf8PathBuf> = roots
+                .iter()
+                .map(|it| normalize(it))
+                .filter(|it| known.insert(it.clone()))
+                .collect();
+            if *workspace.roots(db) != roots {
+                workspace.set_roots(db).to(roots);
+            }
+        }
+        if let Some(config) = change.config {
+            if *workspace.include_dirs(db) != config.include_dirs {
+                workspace.set_include_dirs(db).to(config.include_dirs);
+            }
+            if *workspace.defines(db) != config.defines {
+                workspace.set_defines(db).to(config.defines);
+            }
+            if *workspace.severities(db) != config.severities {
+                workspace.set_severities(db).to(config.severities);
+            }
+            if *workspace.lints(db) != config.lints {
+                workspace.set_lints(db).to(config.lints);
+            }
+        }
+        if let Some(mut chosen) = change.chosen {
+            chosen
+                .iter_mut()
+                .for_each(|it| *it = (normalize(&it.0), normalize(&it.1)));
+            if *workspace.chosen(db) != chosen {
+                workspace.set_chosen(db).to(chosen);
+            }
+        }
+        if let Some(active) = change.active {
+            let active = Some(normalize(&active));
+            // A header does not choose the unit that shows it.
+            let is_root = active
+                .as_ref()
+                .is_some_and(|it| workspace.roots(db).contains(it))
+                && active.as_ref().is_some_and(|it| {
+                    let file = db.file(it);
+                    unit::roots_of(db, file).first() == Some(&file)
+                });
+            if is_root && *workspace.active(db) != active {
+                workspace.set_active(db).to(active);
+            }
+        }
+    }
+
+    /// A snapshot of the present state.
+    pub fn analysis(&self) -> Analysis {
+        Analysis {
+            db: self.db.clone(),
+        }
+    }
+}
+
+impl CancellationToken {
+    /// Makes the snapshot's running and later questions end with [`Cancelled::Local`].
+    pub fn cancel(&self) {
+        self.0.cancel();
+    }
+}
+
+impl From<salsa::Cancelled> for Cancelled {
+    fn from(it: salsa::Cancelled) -> Cancelled {
+        match it {
+            salsa::Cancelled::Local => Cancelled::Local,
+            salsa::Cancelled::PropagatedPanic => Cancelled::PropagatedPanic,
+            _ => Cancelled::PendingWrite,
+        }
+    }
+}
+
+impl fmt::Display for Cancelled {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Cancelled::PendingWrite => "cancelled by a change",
+            Cancelled::Local => "cancelled on request",
+            Cancelled::PropagatedPanic => "another request failed while computing this answer",
+        })
+    }
+}
+
+impl std::error::Error for Cancelled {}
+
+impl Analysis {
+    /// A token that cancels this snapshot.
+    pub fn cancellation_token(&self) -> CancellationToken {
+        CancellationToken(self.db.cancellation_token())
+    }
+
+    fn with<T>(&self, f: impl FnOnce(&dyn Db) -> T) -> Cancellable<T> {
+        // A query that unwinds leaves no memo behind: the database is as before.
+        let f = AssertUnwindSafe(|| f(&self.db));
+        salsa::Cancelled::catch(f).map_err(Cancelled::from)
+    }
+
+    /// Answers from the unit that serves a file.
+    fn in_file<T>(
+        &self,
+        path: &Utf8Path,
+        f: impl FnOnce(&FileView<'_>) -> T,
+    ) -> Cancellable<Option<T>> {
+        // A scenario of the verifier is no specification.
+        if path.extension() == Some("scn") {
+            return Ok(None);
+        }
+        self.with(|db| FileView::new(db, db.file(path)).map(|view| f(&view)))
+    }
+
+    /// Text of a file as analysis sees it; `None` if it cannot be read.
+    pub fn text(&self, path: &Utf8Path) -> Cancellable<Option<Arc<str>>> {
+        self.with(|db| {
+            let file = db.file(path);
+            file.status(db).is_text().then(|| file.text(db).clone())
+        })
+    }
+
+    /// Lines of a file.
+    pub fn line_index(&self, path: &Utf8Path) -> Cancellable<Arc<LineIndex>> {
+        self.with(|db| line_index(db, db.file(path)).clone())
+    }
+
+    /// Diagnostics of one file, over the units that contain it, by place.
+    pub fn diagnostics(&self, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
+        self.with(|db| report::file_diagnostics(db, db.file(path)))
+    }
+
+    /// Findings of a layer above, as the configuration and the comments of the specifications want
+    /// them: with their severities, without what is switched off or allowed.
+    pub fn adjusted(&self, diagnostics: Vec<Diagnostic>) -> Cancellable<Vec<Diagnostic>> {
+        self.with(|db| report::adjust(db, diagnostics))
+    }
+
+    /// The unit that serves a file: the unit of the active document, else of the first other root
+    /// that includes it, else its own.
+    pub fn unit(&self, path: &Utf8Path) -> Cancellable<UnitResult> {
+        self.with(|db| unit_result(db, unit::serving_unit(db, db.file(path))))
+    }
+
+    /// Root of the unit that serves a file (the file itself if nobody includes it).
+    pub fn root_of(&self, path: &Utf8Path) -> Cancellable<Utf8PathBuf> {
+        self.with(|db| unit::roots_of(db, db.file(path))[0].path(db).clone())
+    }
+
+    /// Roots of the units in which a file occurs, the one that serves it first.
+    pub fn roots_containing(&self, path: &Utf8Path) -> Cancellable<Vec<Utf8PathBuf>> {
+        self.with(|db| {
+            let roots = unit::roots_of(db, db.file(path));
+            roots.iter().map(|it| it.path(db).clone()).collect()
+        })
+    }
+
+    /// Files whose diagnostics may differ after a change of a file: those of every unit it is in.
+    pub fn affected_files(&self, path: &Utf8Path) -> Cancellable<Vec<Utf8PathBuf>> {
+        self.with(|db| {
+            let mut out: Vec<Utf8PathBuf> = Vec::new();
+            for &root in unit::roots_of(db, db.file(path)) {
+                for file in unit::files(db, unit::unit_of_root(db, root)) {
+                    out.push(file.path(db).clone());
+                }
+            }
+            out.sort();
+            out.dedup();
+            out
+        })
+    }
+
+    /// The unit that begins with a file, whoever else includes it: what the command line compiles.
+    pub fn root_unit(&self, path: &Utf8Path) -> Cancellable<UnitResult> {
+        self.with(|db| unit_result(db, unit::unit_of_root(db, db.file(path))))
+    }
+
+    /// Several inputs as one unit.
+    pub fn batch(&self, input: &BatchInput) -> Cancellable<UnitResult> {
+        self.with(|db| {
+            let inputs = input.inputs.iter().map(|it| match it {
+                Input::File(path) => db.file(path),
+                Input::Text { name, text } => db.text(name, text),
+            });
+            let inputs: Vec<SourceFile> = inputs.collect();
+            let (dirs, defines) = (input.include_dirs.clone(), input.defines.clone());
+            unit_result(db, UnitKey::new(db, inputs, dirs, defines))
+        })
+    }
+
+    /// The syntax tree of a file, dumped for people.
+    pub fn syntax_tree(&self, path: &Utf8Path) -> Cancellable<Option<String>> {
+        self.in_file(path, ide::syntax_tree::syntax_tree)
+    }
+
+    /// The declarations of a file as lowering sees them, dumped for people.
+    pub fn item_tree(&self, path: &Utf8Path) -> Cancellable<Option<String>> {
+        self.in_file(path, |view| {
+            format!("{:#?}", unit::item_tree(view.db, view.key))
+        })
+    }
+
+    /// The innermost macro call around the cursor.
+    pub fn expand_macro(
+        &self,
+        at: &FilePosition,
+    ) -> Cancellable<Option<RangeInfo<MacroExpansion>>> {
+        self.at(at, ide::expand_macro::expand_macro)
+    }
+
+    /// The outline of a file.
+    pub fn document_symbols(&self, path: &Utf8Path) -> Cancellable<Vec<DocumentSymbol>> {
+        self.list(path, ide::document_symbols::document_symbols)
+    }
+
+    /// Named declarations of the workspace whose name contains the characters of `query` in order,
+    /// whatever their case; best first, at most `limit`.
+    pub fn workspace_symbols(
+        &self,
+        query: &str,
+        limit: usize,
+    ) -> Cancellable<Vec<WorkspaceSymbol>> {
+        self.with(|db| ide::workspace_symbols::workspace_symbols(db, query, limit))
+    }
+
+    /// Regions that can be folded, by start.
+    pub fn folding_ranges(&self, path: &Utf8Path) -> Cancellable<Vec<FoldingRange>> {
+        self.list(path, ide::folding_ranges::folding_ranges)
+    }
+
+    /// For each offset the ranges around it, innermost first; never empty.
+    pub fn selection_ranges(
+        &self,
+        path: &Utf8Path,
+        offsets: &[usize],
+    ) -> Cancellable<Vec<Vec<Range<usize>>>> {
+        self.list(path, |view| {
+            let ranges = |&it| ide::selection_ranges::selection_ranges(view, it);
+            offsets.iter().map(ranges).collect()
+        })
+    }
+
+    /// Links on include directives.
+    pub fn document_links(&self, path: &Utf8Path) -> Cancellable<Vec<DocumentLink>> {
+        self.list(path, ide::document_links::document_links)
+    }
+
+    /// Coloured tokens of a file, or of the part that touches `range`.
+    pub fn semantic_tokens(
+        &self,
+        path: &Utf8Path,
+        range: Option<Range<usize>>,
+    ) -> Cancellable<Vec<SemanticToken>> {
+        self.list(path, |view| {
+            ide::semantic_tokens::semantic_tokens(view, range)
+        })
+    }
+
+    /// Regions left out by conditionals.
+    pub fn inactive_regions(&self, path: &Utf8Path) -> Cancellable<Vec<Range<usize>>> {
+        self.list(path, |view| {
+            view.pre().inactive.iter().map(|&it| bytes(it)).collect()
+        })
+    }
+
+    /// Where what is under the cursor is defined.
+    pub fn goto_definition(
+        &self,
+        at: &FilePosition,
+    ) -> Cancellable<Option<RangeInfo<Vec<NavTarget>>>> {
+        self.at(at, ide::goto::definition)
+    }
+
+    /// Where what is under the cursor is first declared (forward declarations, first openings).
+    pub fn goto_declaration(
+        &self,
+        at: &FilePosition,
+    ) -> Cancellable<Option<RangeInfo<Vec<NavTarget>>>> {
+        self.at(at, ide::goto::declaration)
+    }
+
+    /// Where the type of what is under the cursor is defined.
+    pub fn goto_type_definition(
+        &self,
+        at: &FilePosition,
+    ) -> Cancellable<Option<RangeInfo<Vec<NavTarget>>>> {
+        self.at(at, ide::goto::type_definition)
+    }
+
+    /// Every mention, in every unit, of what is under the cursor; by file and place.
+    pub fn references(
+        &self,
+        at: &FilePosition,
+        include_declaration: bool,
+    ) -> Cancellable<Option<Vec<ReferenceAt>>> {
+        self.at(at, |view, offset| {
+            ide::references::references(view, offset, include_declaration)
+        })
+    }
+
+    /// Every mention in this file of what is under the cursor.
+    pub fn highlights(&self, at: &FilePosition) -> Cancellable<Vec<Highlight>> {
+        self.list(&at.path, |view| {
+            ide::highlights::highlights(view, at.offset)
+        })
+    }
+
+    /// What is under the cursor.
+    pub fn hover(&self, at: &FilePosition) -> Cancellable<Option<RangeInfo<Hover>>> {
+        Ok(match self.at(at, ide::hover::hover)? {
+            Some(found) => Some(found),
+            None => self.at(at, ide::context_hover::hover)?,
+        })
+    }
+
+    /// What may be written at a cursor, best first.
+    pub fn completions(&self, at: &FilePosition) -> Cancellable<Vec<CompletionItem>> {
+        self.list(&at.path, |view| {
+            ide::completion::completions(view, at.offset)
+        })
+    }
+
+    /// Documentation of a proposal: its [`CompletionItem::definition`] and name.
+    pub fn resolve_completion(
+        &self,
+        path: &Utf8Path,
+        definition: u32,
+        name: &str,
+    ) -> Cancellable<Option<CompletionDoc>> {
+        Ok(self
+            .in_file(path, |view| {
+                ide::completion::resolve(view, definition, name)
+            })?
+            .flatten())
+    }
+
+    /// Components that provide what is under the cursor, or the interface that declares it.
+    pub fn goto_implementation(
+        &self,
+        at: &FilePosition,
+    ) -> Cancellable<Option<RangeInfo<Vec<NavTarget>>>> {
+        self.at(at, ide::implementation::implementations)
+    }
+
+    /// What would be renamed at a cursor: its range and present name, or why it cannot be.
+    pub fn prepare_rename(
+        &self,
+        at: &FilePosition,
+    ) -> Cancellable<Result<RangeInfo<String>, RenameError>> {
+        let found = self.in_file(&at.path, |view| ide::rename::prepare(view, at.offset))?;
+        Ok(found.unwrap_or_else(|| Err(RenameError("The file cannot be read".to_owned()))))
+    }
+
+    /// The edits that give what is under the cursor another name everywhere, or why it cannot have
+    /// that name.
+    pub fn rename(
+        &self,
+        at: &FilePosition,
+        new_name: &str,
+    ) -> Cancellable<Result<Vec<FileEdit>, RenameError>> {
+        let found = self.in_file(&at.path, |view| {
+            ide::rename::rename(view, at.offset, new_name)
+        })?;
+        Ok(found.unwrap_or_else(|| Err(RenameError("The file cannot be read".to_owned()))))
+    }
+
+    /// The edits of include directives that follow from moving files or folders, old path first.
+    pub fn files_moved(&self, moves: &[(Utf8PathBuf, Utf8PathBuf)]) -> Cancellable<Vec<FileEdit>> {
+        self.with(|db| ide::rename::files_moved(db, moves))
+    }
+
+    /// The states or services under a cursor.
+    pub fn call_hierarchy(&self, at: &FilePosition) -> Cancellable<Option<Vec<CallItem>>> {
+        self.at(at, ide::call_hierarchy::prepare)
+    }
+
+    /// What leads to a state, or which services interrupt one.
+    pub fn incoming_calls(&self, path: &Utf8Path, key: &CallKey) -> Cancellable<Vec<Call>> {
+        self.list(path, |view| ide::call_hierarchy::incoming(view, key))
+    }
+
+    /// Where a state leads, or which services one interrupts.
+    pub fn outgoing_calls(&self, path: &Utf8Path, key: &CallKey) -> Cancellable<Vec<Call>> {
+        self.list(path, |view| ide::call_hierarchy::outgoing(view, key))
+    }
+
+    /// Hints to show between the words of a range, by place.
+    pub fn inlay_hints(
+        &self,
+        path: &Utf8Path,
+        range: Range<usize>,
+        config: &InlayConfig,
+    ) -> Cancellable<Vec<InlayHint>> {
+        self.list(path, |view| {
+            ide::inlay_hints::inlay_hints(view, &range, config)
+        })
+    }
+
+    /// Where lenses are, by place.
+    pub fn code_lenses(&self, path: &Utf8Path) -> Cancellable<Vec<CodeLens>> {
+        self.list(path, ide::code_lens::code_lenses)
+    }
+
+    /// What a lens of a file says; `None` if what it is about has gone.
+    pub fn resolve_lens(&self, path: &Utf8Path, kind: &LensKind) -> Cancellable<Option<LensText>> {
+        Ok(self
+            .in_file(path, |view| ide::code_lens::resolve(view, kind))?
+            .flatten())
+    }
+
+    /// The signature around a cursor.
+    pub fn signature_help(&self, at: &FilePosition) -> Cancellable<Option<SignatureHelp>> {
+        self.at(at, ide::signature_help::signature_help)
+    }
+
+    /// The edits that bring a file, or the part of it that touches a range, in shape; blanks and
+    /// line ends only.
+    pub fn format(
+        &self,
+        path: &Utf8Path,
+        within: Option<Range<usize>>,
+    ) -> Cancellable<Vec<FileEdit>> {
+        self.list(path, |view| ide::formatting::format(view, within))
+    }
+
+    /// The edits that follow from typing `;`, `}` or a line end just before the cursor.
+    pub fn format_on_type(&self, at: &FilePosition, typed: char) -> Cancellable<Vec<FileEdit>> {
+        self.list(&at.path, |view| {
+            ide::formatting::on_type(view, at.offset, typed)
+        })
+    }
+
+    /// The refactorings that apply to a selection.
+    pub fn assists(&self, path: &Utf8Path, range: Range<usize>) -> Cancellable<Vec<Assist>> {
+        self.list(path, |view| ide::assists::assists(view, &range))
+    }
+
+    /// The includes of a file in order; `None` if they are, or if their order matters.
+    pub fn organize_includes(&self, path: &Utf8Path) -> Cancellable<Option<Assist>> {
+        Ok(self
+            .in_file(path, ide::assists::organize_includes)?
+            .flatten())
+    }
+
+    fn list<T>(
+        &self,
+        path: &Utf8Path,
+        f: impl FnOnce(&FileView<'_>) -> Vec<T>,
+    ) -> Cancellable<Vec<T>> {
+        Ok(self.in_file(path, f)?.unwrap_or_default())
+    }
+
+    fn at<T>(
+        &self,
+        at: &FilePosition,
+        f: impl FnOnce(&FileView<'_>, usize) -> Option<T>,
+    ) -> Cancellable<Option<T>> {
+        Ok(self.in_file(&at.path, |view| f(view, at.offset))?.flatten())
+    }
+}
+
+fn unit_result<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> UnitResult {
+    UnitResult {
+        spec: elaborated(db, unit).spec.clone(),
+        diagnostics: report::unit_report(db, unit).clone(),
+        files: unit::files(db, unit)
+            .iter()
+            .map(|it| it.path(db).clone())
+            .collect(),
+        locations: Arc::new(UnitLocations::new(db, unit)),
+    }
+}

@@ -1,0 +1,370 @@
+//! Editor features over plain types: one module per feature, byte offsets in, byte offsets out.
+//!
+//! Names are never resolved here: features read the resolution table of the unit that serves the
+//! file (references and definitions of the elaborator) and the syntax tree.
+
+pub(crate) mod assists;
+pub(crate) mod call_hierarchy;
+pub(crate) mod code_lens;
+pub(crate) mod completion;
+pub(crate) mod context;
+pub(crate) mod context_hover;
+pub(crate) mod document_links;
+pub(crate) mod document_symbols;
+pub(crate) mod expand_macro;
+pub(crate) mod folding_ranges;
+pub(crate) mod formatting;
+pub(crate) mod goto;
+pub(crate) mod highlights;
+pub(crate) mod hover;
+pub(crate) mod implementation;
+pub(crate) mod inlay_hints;
+pub(crate) mod references;
+pub(crate) mod rename;
+mod render;
+mod resolve;
+pub(crate) mod selection_ranges;
+pub(crate) mod semantic_tokens;
+pub(crate) mod signature_help;
+pub(crate) mod speculate;
+pub(crate) mod syntax_tree;
+mod view;
+pub(crate) mod workspace_symbols;
+
+use std::ops::Range;
+
+use camino::Utf8PathBuf;
+use smol_str::SmolStr;
+
+use crate::{
+    elab::{Access, DefKind},
+    model::ServiceKind,
+};
+pub use assists::{Assist, AssistKind};
+pub use call_hierarchy::{Call, CallItem, CallKey};
+pub use code_lens::{CodeLens, LensKind, LensText};
+pub use completion::{CompletionDoc, CompletionItem, CompletionKind, plain_snippet};
+pub use inlay_hints::{InlayConfig, InlayHint, InlayKind, InlayTypes};
+pub use rename::RenameError;
+pub use signature_help::SignatureHelp;
+pub(crate) use view::FileView;
+
+/// A cursor.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct FilePosition {
+    /// Absolute path.
+    pub path: Utf8PathBuf,
+    /// Byte offset.
+    pub offset: usize,
+}
+
+/// A range of a file.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct FileRange {
+    /// Absolute path.
+    pub path: Utf8PathBuf,
+    /// Byte offsets.
+    pub range: Range<usize>,
+}
+
+/// A value with the range of the text under the cursor it is about.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RangeInfo<T> {
+    /// The name, path or macro under the cursor.
+    pub range: Range<usize>,
+    /// About it.
+    pub info: T,
+}
+
+/// Kinds of named things, in the words of the language.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[allow(missing_docs, reason = "the words of the language")]
+pub enum SymbolKind {
+    File,
+    Macro,
+    Module,
+    Component,
+    Interface,
+    Ids,
+    Struct,
+    Union,
+    Enum,
+    Enumerator,
+    Typedef,
+    Native,
+    Exception,
+    Const,
+    Member,
+    Task,
+    Port,
+    Attribute,
+    Function,
+    Activity,
+    Remote,
+    Parameter,
+    Local,
+    Codel,
+    State,
+}
+
+/// Somewhere to go.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NavTarget {
+    /// Absolute path.
+    pub path: Utf8PathBuf,
+    /// The whole declaration.
+    pub full_range: Range<usize>,
+    /// Its name, or where the cursor should land.
+    pub focus_range: Range<usize>,
+    /// The name.
+    pub name: SmolStr,
+    /// What it is.
+    pub kind: SymbolKind,
+    /// Name of what it is declared in.
+    pub container: Option<SmolStr>,
+}
+
+/// An entry of the outline.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DocumentSymbol {
+    /// The name.
+    pub name: String,
+    /// Type, direction, period…
+    pub detail: Option<String>,
+    /// What it is.
+    pub kind: SymbolKind,
+    /// The whole declaration.
+    pub range: Range<usize>,
+    /// Its name; always inside `range`.
+    pub selection_range: Range<usize>,
+    /// What is declared in it.
+    pub children: Vec<DocumentSymbol>,
+}
+
+/// A named declaration anywhere in the workspace.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WorkspaceSymbol {
+    /// The name.
+    pub name: SmolStr,
+    /// What it is.
+    pub kind: SymbolKind,
+    /// Name of what it is declared in.
+    pub container: Option<SmolStr>,
+    /// Its name token.
+    pub target: FileRange,
+}
+
+/// What a folded region holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[allow(missing_docs, reason = "the names of the LSP")]
+pub enum FoldKind {
+    Comment,
+    Imports,
+    Region,
+}
+
+/// A region that can be folded; it spans several lines.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FoldingRange {
+    /// From the first character folded to the last.
+    pub range: Range<usize>,
+    /// What it holds; `None` for the body of a declaration.
+    pub kind: Option<FoldKind>,
+}
+
+/// Text that leads to a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DocumentLink {
+    /// The path in the directive, without quotes.
+    pub range: Range<usize>,
+    /// The file it leads to.
+    pub target: Utf8PathBuf,
+}
+
+/// Types of semantic tokens.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[repr(u8)]
+#[allow(missing_docs, reason = "the names of the LSP, and ours after them")]
+pub enum TokenType {
+    Comment,
+    Keyword,
+    String,
+    Number,
+    Operator,
+    Macro,
+    Namespace,
+    Type,
+    Struct,
+    Enum,
+    EnumMember,
+    Interface,
+    Class,
+    Property,
+    Parameter,
+    Variable,
+    Function,
+    Method,
+    Event,
+    /// An execution task.
+    Task,
+    /// A port.
+    Port,
+    /// Text left out by a conditional.
+    Inactive,
+    /// A preprocessor directive's own words.
+    Directive,
+}
+
+impl TokenType {
+    /// What a grammar without knowledge of names tells as well. An editor that colours by a grammar
+    /// of its own, in finer distinctions than these types have, can do without.
+    pub fn is_lexical(self) -> bool {
+        matches!(
+            self,
+            TokenType::Comment
+                | TokenType::Keyword
+                | TokenType::String
+                | TokenType::Number
+                | TokenType::Operator
+                | TokenType::Directive
+        )
+    }
+}
+
+/// Modifiers of semantic tokens: a set of bits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub struct TokenModifiers(pub u32);
+
+#[allow(missing_docs, reason = "the names of the LSP")]
+impl TokenModifiers {
+    pub const NONE: TokenModifiers = TokenModifiers(0);
+    pub const DECLARATION: TokenModifiers = TokenModifiers(1);
+    pub const DEFINITION: TokenModifiers = TokenModifiers(1 << 1);
+    pub const READONLY: TokenModifiers = TokenModifiers(1 << 2);
+    pub const MODIFICATION: TokenModifiers = TokenModifiers(1 << 3);
+    pub const ASYNC: TokenModifiers = TokenModifiers(1 << 4);
+    pub const DOCUMENTATION: TokenModifiers = TokenModifiers(1 << 5);
+    pub const DEFAULT_LIBRARY: TokenModifiers = TokenModifiers(1 << 6);
+
+    /// Both sets.
+    #[must_use]
+    pub fn with(self, other: TokenModifiers) -> TokenModifiers {
+        TokenModifiers(self.0 | other.0)
+    }
+
+    /// Whether every bit of `other` is set.
+    pub fn contains(self, other: TokenModifiers) -> bool {
+        self.0 & other.0 == other.0
+    }
+}
+
+/// A coloured token. Tokens do not overlap and come in text order; one may span lines.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SemanticToken {
+    /// Byte offsets.
+    pub range: Range<usize>,
+    /// Its type.
+    pub ty: TokenType,
+    /// Its modifiers.
+    pub modifiers: TokenModifiers,
+}
+
+/// How a reference uses what it names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[allow(missing_docs, reason = "self-explaining")]
+pub enum AccessKind {
+    /// The declaration itself.
+    Declaration,
+    /// A mention without access to data.
+    Mention,
+    Read,
+    Write,
+    ReadWrite,
+}
+
+/// One mention of a name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ReferenceAt {
+    /// Where.
+    pub place: FileRange,
+    /// How.
+    pub access: AccessKind,
+}
+
+/// One mention of the name under the cursor, in the same file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Highlight {
+    /// Where.
+    pub range: Range<usize>,
+    /// How.
+    pub access: AccessKind,
+}
+
+/// What a hover shows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Hover {
+    /// Markdown.
+    pub markdown: String,
+    /// The codels it is about, as names of component and codel: what they look like in another language
+    /// is not known here.
+    pub codels: Vec<(String, String)>,
+}
+
+impl From<DefKind> for SymbolKind {
+    fn from(kind: DefKind) -> SymbolKind {
+        match kind {
+            DefKind::Module => SymbolKind::Module,
+            DefKind::Component => SymbolKind::Component,
+            DefKind::Interface => SymbolKind::Interface,
+            DefKind::Typedef => SymbolKind::Typedef,
+            DefKind::Struct => SymbolKind::Struct,
+            DefKind::Union => SymbolKind::Union,
+            DefKind::Enum => SymbolKind::Enum,
+            DefKind::Enumerator => SymbolKind::Enumerator,
+            DefKind::Member | DefKind::IdsMember => SymbolKind::Member,
+            DefKind::Exception => SymbolKind::Exception,
+            DefKind::Native => SymbolKind::Native,
+            DefKind::Const => SymbolKind::Const,
+            DefKind::Ids => SymbolKind::Ids,
+            DefKind::Task => SymbolKind::Task,
+            DefKind::Port => SymbolKind::Port,
+            DefKind::Attribute => SymbolKind::Attribute,
+            DefKind::Function => SymbolKind::Function,
+            DefKind::Activity => SymbolKind::Activity,
+            DefKind::Parameter | DefKind::CodelParameter => SymbolKind::Parameter,
+            DefKind::Local => SymbolKind::Local,
+            DefKind::Codel => SymbolKind::Codel,
+            DefKind::State => SymbolKind::State,
+        }
+    }
+}
+
+impl From<ServiceKind> for SymbolKind {
+    fn from(kind: ServiceKind) -> SymbolKind {
+        match kind {
+            ServiceKind::Attribute => SymbolKind::Attribute,
+            ServiceKind::Function => SymbolKind::Function,
+            ServiceKind::Activity => SymbolKind::Activity,
+        }
+    }
+}
+
+impl From<Access> for AccessKind {
+    fn from(access: Access) -> AccessKind {
+        match access {
+            Access::None => AccessKind::Mention,
+            Access::Read => AccessKind::Read,
+            Access::Write => AccessKind::Write,
+            Access::ReadWrite => AccessKind::ReadWrite,
+        }
+    }
+}
+
+/// What a macro call stands for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MacroExpansion {
+    /// Name of the macro.
+    pub name: SmolStr,
+    /// The tokens of the expansion, spaced as they were written.
+    pub expansion: String,
+}

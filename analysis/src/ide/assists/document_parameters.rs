@@ -1,0 +1,73 @@
+//! A place for the documentation of each parameter of a service.
+
+use dotgen_syntax::ast::{self, AstNode};
+
+use super::{Assist, AssistKind, Cx};
+
+/// `in long a, in long b = 2` → `in long a = : "a", in long b = 2 : "b"`
+pub(super) fn document_parameters(cx: &Cx<'_, '_>) -> Option<Assist> {
+    let service: ast::Service = cx.ancestor()?;
+    let params = service.param_list()?;
+    // From the word to the end of the parameters: not from somewhere in the body.
+    let head = cx.node_range(service.syntax()).start..cx.node_range(params.syntax()).end;
+    if !(head.start <= cx.range.start && cx.range.end <= head.end) {
+        return None;
+    }
+    let map = cx.view.map();
+    let mut edits = Vec::new();
+    for param in params.params() {
+        let (name, initializer) = match &param {
+            ast::Param::TypedParam(it) => (it.declarator()?.name()?.text(map), it.initializer()),
+            ast::Param::PathParam(it) => (path_name(cx, it)?, it.initializer()),
+        };
+        if !cx.is_plain(param.syntax()) {
+            continue;
+        }
+        let text = match &initializer {
+            Some(it) if it.doc().is_some() => continue,
+            Some(_) => format!(" : \"{name}\""),
+            None => format!(" = : \"{name}\""),
+        };
+        let end = cx.node_range(param.syntax()).end;
+        edits.push(cx.edit(end..end, text));
+    }
+    let name = service.name()?.text(map);
+    (!edits.is_empty()).then(|| Assist {
+        id: "document-parameters",
+        title: format!("Document the parameters of `{name}`"),
+        kind: AssistKind::Rewrite,
+        edits,
+    })
+}
+
+fn path_name(cx: &Cx<'_, '_>, it: &ast::PathParam) -> Option<smol_str::SmolStr> {
+    let map = cx.view.map();
+    if let Some(rename) = it.rename().and_then(|it| it.name()) {
+        return Some(rename.text(map));
+    }
+    let names = it.path()?.steps().filter_map(|it| match it {
+        ast::PathStep::MemberStep(it) => it.name_ref(),
+        ast::PathStep::IndexStep(_) => None,
+    });
+    Some(names.last()?.text(map))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{check, refused};
+
+    #[test]
+    fn those_that_lack_it() {
+        check(
+            "document-parameters",
+            "component c { ids { long x; }; function f$0(in long a, in long b = 2, in long d = : \"dee\"); };\n",
+            "component c { ids { long x; }; function f(in long a = : \"a\", in long b = 2 : \"b\", in long d = : \"dee\"); };\n",
+        );
+        check(
+            "document-parameters",
+            "component c { ids { long x; }; attribute f$0(in x, out x::y); };\n",
+            "component c { ids { long x; }; attribute f(in x = : \"x\", out x::y = : \"y\"); };\n",
+        );
+        refused("document-parameters", "component c { function f$0(); };\n");
+    }
+}

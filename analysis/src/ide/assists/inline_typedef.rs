@@ -1,0 +1,138 @@
+//! A typedef's type to every place that names it.
+
+use dotgen_syntax::{
+    SyntaxNode, TextRange,
+    ast::{self, AstNode},
+};
+
+use super::{Assist, AssistKind, Cx};
+use crate::{
+    diagnostic::FileEdit,
+    elab::DefKind,
+    ide::{
+        FileView,
+        references::references,
+        resolve::{Target, targets_at},
+        speculate::compare,
+    },
+    source_map::{bytes, text_range},
+};
+
+/// `typedef long t; typedef t u;` → `typedef long u;`
+pub(super) fn inline_typedef(cx: &Cx<'_, '_>) -> Option<Assist> {
+    let (_, targets) = targets_at(cx.view, cx.range.start)?;
+    let elaborated = cx.view.elaborated();
+    let it = targets.iter().find_map(|it| match it {
+        Target::Definition(id) => {
+            let it = elaborated.definition(*id);
+            (it.kind == DefKind::Typedef).then_some(it)
+        }
+        _ => None,
+    })?;
+    let (file, name) = cx.view.place(it.src)?;
+    if file != cx.view.file {
+        return None;
+    }
+    let root = cx.view.root();
+    let declaration = parent(&root, name)?
+        .ancestors()
+        .find_map(ast::TypedefDecl::cast)?;
+    let mut declarators = declaration.declarators();
+    let declarator = declarators.next()?;
+    let ty = declaration.type_spec()?;
+    if declarators.next().is_some()
+        || declarator.dimensions().next().is_some()
+        || !cx.is_plain(declaration.syntax())
+        || matches!(
+            ty,
+            ast::TypeSpec::Struct(_) | ast::TypeSpec::Union(_) | ast::TypeSpec::Enum(_)
+        )
+    {
+        return None;
+    }
+    let named = matches!(ty, ast::TypeSpec::NamedType(_));
+    let text = cx.text(ty.syntax()).to_owned();
+    let mut edits = vec![cx.edit(cx.whole_lines(cx.node_range(declaration.syntax())), "")];
+    for reference in references(cx.view, name.start().into(), false)? {
+        let path = reference.place.path;
+        let other;
+        let there = match path == *cx.view.file.path(cx.view.db) {
+            true => cx.view,
+            false => {
+                other = FileView::new(cx.view.db, cx.view.db.file(&path))?;
+                &other
+            }
+        };
+        let node = parent(&there.root(), text_range(&reference.place.range))?;
+        let used = node.ancestors().find_map(ast::NamedType::cast)?;
+        let range = bytes(there.node_range(used.syntax()));
+        let written = there.text().get(range.clone())?;
+        let last = written.rsplit("::").next()?.trim();
+        let port = used
+            .syntax()
+            .parent()
+            .is_some_and(|it| ast::Port::can_cast(it.kind()));
+        // A port needs a named type; what a macro wrote cannot be replaced.
+        if last != it.name || port && !named {
+            return None;
+        }
+        edits.push(FileEdit {
+            path,
+            range,
+            new_text: text.clone(),
+        });
+    }
+    // The name in the type may mean something else elsewhere.
+    let fits = compare(cx.view.db, &edits)
+        .iter()
+        .all(|it| it.new_errors.is_empty());
+    fits.then(|| Assist {
+        id: "inline-typedef",
+        title: format!("Inline typedef `{}`", it.name),
+        kind: AssistKind::Inline,
+        edits,
+    })
+}
+
+fn parent(root: &SyntaxNode, range: TextRange) -> Option<SyntaxNode> {
+    if !root.text_range().contains_range(range) {
+        return None;
+    }
+    root.token_at_offset(range.start()).right_biased()?.parent()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{check, refused};
+
+    #[test]
+    fn every_use() {
+        check(
+            "inline-typedef",
+            "typedef sequence<long, 4> t$0;\nmodule m { struct s { t x; ::t y; }; };\n",
+            "module m { struct s { sequence<long, 4> x; sequence<long, 4> y; }; };\n",
+        );
+        check(
+            "inline-typedef",
+            "struct s { long x; };\ntypedef s t;\ncomponent c { port in t$0 p; };\n",
+            "struct s { long x; };\ncomponent c { port in s p; };\n",
+        );
+    }
+
+    #[test]
+    fn not_where_a_name_is_needed() {
+        refused(
+            "inline-typedef",
+            "typedef long t$0;\ncomponent c { port in t p; };\n",
+        );
+        refused(
+            "inline-typedef",
+            "typedef long t$0[2];\nstruct s { t x; };\n",
+        );
+        // `u` of the module would be meant.
+        refused(
+            "inline-typedef",
+            "typedef string u;\ntypedef u t$0;\nmodule m { struct u { long x; }; const t x = \"a\"; };\n",
+        );
+    }
+}

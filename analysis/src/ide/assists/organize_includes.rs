@@ -1,0 +1,127 @@
+//! Includes in order, each once.
+
+use dotgen_syntax::directive::{DirectiveKind, IncludeForm};
+
+use super::{Assist, AssistKind, Cx};
+use crate::{ide::speculate::compare, source_map::bytes};
+
+/// Sorts each run of include lines: those of the search path first, then by name; repeated ones go.
+/// Everything must be declared before it is used, so where the order matters, it stays.
+pub(super) fn organize_includes(cx: &Cx<'_, '_>, anywhere: bool) -> Option<Assist> {
+    let mut edits = Vec::new();
+    for run in runs(cx) {
+        let (first, last) = (run.first()?, run.last()?);
+        let range = first.start..last.end;
+        if !anywhere && (range.start > cx.range.end || cx.range.start > range.end) {
+            continue;
+        }
+        let mut sorted: Vec<&Include> = run.iter().collect();
+        sorted.sort_by_key(|it| (!it.angled, &it.path));
+        sorted.dedup_by_key(|it| (it.angled, it.path.clone()));
+        let lines = sorted.iter().map(|it| cx.slice(it.start..it.end));
+        let new = lines.collect::<Vec<_>>().join("\n");
+        if new == cx.slice(range.clone()) {
+            continue;
+        }
+        let edit = cx.edit(range, new);
+        let same = compare(cx.view.db, std::slice::from_ref(&edit))
+            .iter()
+            .all(|it| {
+                it.new_errors.is_empty()
+                    && it.before.definitions.len() == it.after.definitions.len()
+            });
+        if same {
+            edits.push(edit);
+        }
+    }
+    (!edits.is_empty()).then(|| Assist {
+        id: "organize-includes",
+        title: "Organize includes".to_owned(),
+        kind: AssistKind::OrganizeIncludes,
+        edits,
+    })
+}
+
+/// An include line, its comment included.
+struct Include {
+    start: usize,
+    end: usize,
+    angled: bool,
+    path: String,
+}
+
+/// Includes on lines that follow each other.
+fn runs(cx: &Cx<'_, '_>) -> Vec<Vec<Include>> {
+    let text = cx.view.text();
+    let mut out: Vec<Vec<Include>> = Vec::new();
+    for it in cx.view.pre().directives.iter().filter(|it| it.active) {
+        let DirectiveKind::Include(operand) = &it.kind else {
+            continue;
+        };
+        let (angled, path) = match &operand.form {
+            IncludeForm::Quoted(path) => (false, path.to_string()),
+            IncludeForm::Angled(path) => (true, path.to_string()),
+            IncludeForm::Macro(_) => continue,
+        };
+        let range = bytes(it.range);
+        let line_end = text[range.end..]
+            .find('\n')
+            .map_or(text.len(), |it| range.end + it);
+        let rest = text[range.end..line_end].trim_end_matches('\r').trim_end();
+        // A comment that goes on in the next line cannot be moved.
+        if rest.contains("/*") && !rest.contains("*/") {
+            continue;
+        }
+        let include = Include {
+            start: range.start,
+            end: range.end + rest.len(),
+            angled,
+            path,
+        };
+        match out.last_mut() {
+            Some(run)
+                if run.last().is_some_and(|it| {
+                    let between = text.get(it.end..include.start).unwrap_or("x");
+                    between.trim().is_empty() && between.matches('\n').count() == 1
+                }) =>
+            {
+                run.push(include);
+            }
+            _ => out.push(vec![include]),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::test_support::Fixture;
+
+    #[track_caller]
+    fn organized(text: &str) -> Option<String> {
+        let fixture = Fixture::new(text);
+        let path = camino::Utf8Path::new("/main.gen");
+        let found = fixture.analysis().organize_includes(path).unwrap()?;
+        Some(crate::ide::speculate::apply(
+            &fixture.text("/main.gen"),
+            &found.edits,
+        ))
+    }
+
+    #[test]
+    fn sorted_and_once() {
+        let files = "//- /b.idl\n#ifndef B\n#define B\ntypedef long b;\n#endif\n//- /a.idl\ntypedef long a;\n";
+        let main = "//- /main.gen\n#include \"b.idl\"  // of b\n#include \"b.idl\"\n#include \"a.idl\"\ncomponent c;\n";
+        assert_eq!(
+            organized(&format!("{main}{files}")).as_deref(),
+            Some("#include \"a.idl\"\n#include \"b.idl\"  // of b\ncomponent c;\n")
+        );
+    }
+
+    #[test]
+    fn not_where_the_order_matters() {
+        let files = "//- /b.idl\ntypedef long b;\n//- /a.idl\ntypedef b a;\n";
+        let main = "//- /main.gen\n#include \"b.idl\"\n#include \"a.idl\"\n";
+        assert_eq!(organized(&format!("{main}{files}")), None);
+    }
+}

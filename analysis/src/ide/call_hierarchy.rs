@@ -1,0 +1,313 @@
+//! Who leads to whom: states of a machine through `yield`, services through `interrupt`.
+//!
+//! An item is identified by names, not by places, so that it outlives edits in between.
+
+use std::ops::Range;
+
+use camino::Utf8PathBuf;
+use serde::{Deserialize, Serialize};
+use smol_str::SmolStr;
+
+use super::{FileView, SymbolKind, resolve::targets_at};
+use crate::{
+    elab::DefKind,
+    model::{Codel, Component, Owner, Src},
+    source_map::bytes,
+};
+
+/// Identifies a state of a machine, or a service.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct CallKey {
+    /// The component or interface.
+    pub component: SmolStr,
+    /// The task or service.
+    pub owner: SmolStr,
+    /// Whether `owner` is a task.
+    pub task: bool,
+    /// The state; `None` for the service itself.
+    pub state: Option<SmolStr>,
+}
+
+/// A state or service with its place.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CallItem {
+    /// Its name.
+    pub name: String,
+    /// Codel and machine.
+    pub detail: String,
+    /// What it is.
+    pub kind: SymbolKind,
+    /// Where.
+    pub path: Utf8PathBuf,
+    /// The name.
+    pub range: Range<usize>,
+    /// To ask further.
+    pub key: CallKey,
+}
+
+/// A neighbour, with the mentions that make it one.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Call {
+    /// The neighbour.
+    pub item: CallItem,
+    /// The names in `yield` or `interrupt` lists, in the file of the caller.
+    pub ranges: Vec<Range<usize>>,
+}
+
+/// The states or services under the cursor.
+pub(crate) fn prepare(view: &FileView<'_>, at: usize) -> Option<Vec<CallItem>> {
+    let (range, targets) = targets_at(view, at)?;
+    let elaborated = view.elaborated();
+    let mut out: Vec<CallItem> = Vec::new();
+    let here = |src: Src| {
+        let place = view.place(src);
+        place.is_some_and(|(file, found)| file == view.file && found.contains_range(range))
+    };
+    for target in &targets {
+        let super::resolve::Target::Definition(id) = target else {
+            continue;
+        };
+        let it = elaborated.definition(*id);
+        for component in &elaborated.spec.components {
+            for owner in component.owners() {
+                for codel in component.codels_of(owner) {
+                    let mentioned = codel.triggers.iter().chain(&codel.yields);
+                    let states: Vec<&SmolStr> = match it.kind {
+                        DefKind::State => {
+                            let named = mentioned.filter(|state| state.name == it.name);
+                            named.filter(|it| here(it.src)).map(|it| &it.name).collect()
+                        }
+                        DefKind::Codel if here(codel.src) => {
+                            codel.triggers.iter().map(|it| &it.name).collect()
+                        }
+                        _ => Vec::new(),
+                    };
+                    for state in states {
+                        out.extend(item(view, component, owner, Some(state)));
+                    }
+                }
+            }
+            if let DefKind::Attribute | DefKind::Function | DefKind::Activity = it.kind {
+                let own = (0..).zip(&component.services);
+                let found = own.filter(|(_, service)| service.name == it.name);
+                let of_it = it.container.is_some_and(|container| {
+                    let container = &elaborated.definition(container).name;
+                    *container == component.name
+                        || component
+                            .provides
+                            .iter()
+                            .chain(&component.extends)
+                            .any(|it| elaborated.spec.components[*it as usize].name == *container)
+                });
+                for (index, _) in found.filter(|_| of_it) {
+                    out.extend(item(view, component, Owner::Service(index), None));
+                }
+            }
+        }
+    }
+    let mut seen = rustc_hash::FxHashSet::default();
+    out.retain(|it| seen.insert(it.key.clone()));
+    (!out.is_empty()).then_some(out)
+}
+
+/// What leads here.
+pub(crate) fn incoming(view: &FileView<'_>, key: &CallKey) -> Vec<Call> {
+    calls(view, key, true)
+}
+
+/// Where this leads.
+pub(crate) fn outgoing(view: &FileView<'_>, key: &CallKey) -> Vec<Call> {
+    calls(view, key, false)
+}
+
+fn calls(view: &FileView<'_>, key: &CallKey, incoming: bool) -> Vec<Call> {
+    let spec = &view.elaborated().spec;
+    let Some(component) = spec.components.iter().find(|it| it.name == key.component) else {
+        return Vec::new();
+    };
+    let Some(owner) = find_owner(component, key) else {
+        return Vec::new();
+    };
+    let mut out: Vec<Call> = Vec::new();
+    let mut add = |item: Option<CallItem>, mention: Option<Src>| {
+        let Some(item) = item else { return };
+        let range = mention.and_then(|it| view.place(it)).map(|it| bytes(it.1));
+        match out.iter_mut().find(|it| it.item.key == item.key) {
+            Some(known) => known.ranges.extend(range),
+            None => out.push(Call {
+                item,
+                ranges: range.into_iter().collect(),
+            }),
+        }
+    };
+    match &key.state {
+        Some(state) => {
+            for codel in component.codels_of(owner) {
+                let bound = |it: &Codel| it.triggers.iter().any(|it| it.name == *state);
+                if incoming {
+                    for to in codel.yields.iter().filter(|it| it.name == *state) {
+                        for from in &codel.triggers {
+                            let item = item(view, component, owner, Some(&from.name));
+                            add(item, Some(to.src));
+                        }
+                    }
+                } else if bound(codel) {
+                    for to in &codel.yields {
+                        add(item(view, component, owner, Some(&to.name)), Some(to.src));
+                    }
+                }
+            }
+        }
+        None => {
+            let Owner::Service(own) = owner else {
+                return out;
+            };
+            for (index, service) in (0..).zip(&component.services) {
+                let (from, to) = if incoming { (index, own) } else { (own, index) };
+                let list = &component.services[from as usize].interrupts;
+                if list.all || list.services.contains(&to) {
+                    let mention =
+                        mention(view, component, from, &component.services[to as usize].name);
+                    add(item(view, component, Owner::Service(index), None), mention);
+                }
+                _ = service;
+            }
+        }
+    }
+    out
+}
+
+/// Where a service names another one in its `interrupts`.
+fn mention(view: &FileView<'_>, component: &Component, from: u32, to: &str) -> Option<Src> {
+    let elaborated = view.elaborated();
+    let from = &component.services[from as usize];
+    let node = elaborated
+        .definitions
+        .iter()
+        .find(|it| it.src == from.src)?
+        .node;
+    let (file, range) = view.place(node)?;
+    let mut inside = elaborated.references.iter().filter(|it| {
+        !it.declaration
+            && elaborated.definition(it.target).name == to
+            && view
+                .place(it.at)
+                .is_some_and(|(in_file, at)| in_file == file && range.contains_range(at))
+    });
+    inside.next().map(|it| it.at)
+}
+
+fn find_owner(component: &Component, key: &CallKey) -> Option<Owner> {
+    component.owners().find(|it| match it {
+        Owner::Task(i) => key.task && component.tasks[*i as usize].name == key.owner,
+        Owner::Service(i) => !key.task && component.services[*i as usize].name == key.owner,
+    })
+}
+
+fn item(
+    view: &FileView<'_>,
+    component: &Component,
+    owner: Owner,
+    state: Option<&SmolStr>,
+) -> Option<CallItem> {
+    let (name, task, src, kind) = match owner {
+        Owner::Task(i) => {
+            let it = &component.tasks[i as usize];
+            (&it.name, true, it.src, SymbolKind::Task)
+        }
+        Owner::Service(i) => {
+            let it = &component.services[i as usize];
+            (&it.name, false, it.src, SymbolKind::from(it.kind))
+        }
+    };
+    let key = CallKey {
+        component: component.name.clone(),
+        owner: name.clone(),
+        task,
+        state: state.cloned(),
+    };
+    let Some(state) = state else {
+        let (file, range) = view.place(src)?;
+        return Some(CallItem {
+            name: name.to_string(),
+            detail: format!("service of {}", component.name),
+            kind,
+            path: file.path(view.db).clone(),
+            range: bytes(range),
+            key,
+        });
+    };
+    let codels = component.codels_of(owner);
+    let trigger = codels.iter().find_map(|codel| {
+        let found = codel.triggers.iter().find(|it| it.name == *state)?;
+        Some((found.src, Some(&codel.name)))
+    });
+    let mention = || {
+        let mut all = codels.iter().flat_map(|it| &it.yields);
+        Some((all.find(|it| it.name == *state)?.src, None))
+    };
+    let (src, codel) = trigger.or_else(mention)?;
+    let (file, range) = view.place(src)?;
+    let machine = format!("{}::{name}", component.name);
+    Some(CallItem {
+        name: state.to_string(),
+        detail: match codel {
+            Some(codel) => format!("codel {codel} · {machine}"),
+            None => machine,
+        },
+        kind: SymbolKind::State,
+        path: file.path(view.db).clone(),
+        range: bytes(range),
+        key,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{ide::Call, test_support::Fixture};
+
+    const TEXT: &str = "component c {
+  task t {
+    codel<start> f() yield go, pause::wait;
+    codel<wait, go> g() yield wait, ether;
+  };
+  function h() { interrupt i; };
+  function i() { interrupt all; };
+};
+";
+
+    fn show(calls: &[Call]) -> Vec<String> {
+        let show = |it: &Call| format!("{} ({})", it.item.name, it.ranges.len());
+        calls.iter().map(show).collect()
+    }
+
+    #[track_caller]
+    fn check(mark: &str, incoming: &[&str], outgoing: &[&str]) {
+        let text = TEXT.replacen(&mark.replace("$0", ""), mark, 1);
+        let fixture = Fixture::new(&text);
+        let analysis = fixture.analysis();
+        let items = analysis.call_hierarchy(&fixture.at()).unwrap().unwrap();
+        let path = &fixture.at().path;
+        let key = &items[0].key;
+        assert_eq!(show(&analysis.incoming_calls(path, key).unwrap()), incoming);
+        assert_eq!(show(&analysis.outgoing_calls(path, key).unwrap()), outgoing);
+    }
+
+    #[test]
+    fn states() {
+        check(
+            "pause::wait$0",
+            &["start (1)", "wait (1)", "go (1)"],
+            &["wait (1)", "ether (1)"],
+        );
+        check("codel<start$0>", &[], &["go (1)", "wait (1)"]);
+        check("f$0()", &[], &["go (1)", "wait (1)"]);
+        check("ether$0", &["wait (1)", "go (1)"], &[]);
+    }
+
+    #[test]
+    fn services() {
+        check("function h$0", &["i (0)"], &["i (1)"]);
+        check("function i$0", &["h (1)", "i (0)"], &["h (0)", "i (0)"]);
+    }
+}

@@ -1,0 +1,203 @@
+//! What may be written at the cursor.
+//!
+//! [`context`](super::context) says where the cursor stands, the elaborated unit says which names
+//! there are. Each submodule proposes one sort of thing; nothing here needs a tree, so that it
+//! works in half-typed text.
+
+pub(super) mod codel;
+mod directive;
+pub(super) mod initializer;
+mod keywords;
+pub(super) mod names;
+mod statement;
+
+use std::ops::Range;
+
+use rustc_hash::FxHashSet;
+
+use super::{
+    FileView, SymbolKind,
+    context::{Context, FrameKind, Place, place},
+    hover,
+};
+use crate::elab::DefId;
+use names::Names;
+
+/// What a proposal is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[allow(missing_docs, reason = "self-explaining")]
+pub enum CompletionKind {
+    Keyword,
+    /// A whole clause.
+    Snippet,
+    Symbol(SymbolKind),
+    BaseType,
+    Unit,
+    Directory,
+    Package,
+}
+
+/// One proposal.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CompletionItem {
+    /// What is shown.
+    pub label: String,
+    /// What it is.
+    pub kind: CompletionKind,
+    /// Type, direction…
+    pub detail: Option<String>,
+    /// What is inserted; with the placeholders of LSP snippets if `snippet`.
+    pub insert: String,
+    /// Whether `insert` has placeholders.
+    pub snippet: bool,
+    /// What is replaced.
+    pub replace: Range<usize>,
+    /// Smaller comes first.
+    pub rank: u8,
+    /// Its definition, for [`CompletionDoc`].
+    pub definition: Option<u32>,
+}
+
+/// What is shown about a proposal once it is selected.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CompletionDoc {
+    /// Markdown.
+    pub markdown: String,
+}
+
+/// A snippet without its placeholders, for clients that have none.
+pub fn plain_snippet(snippet: &str) -> String {
+    let mut out = String::with_capacity(snippet.len());
+    let mut chars = snippet.chars().peekable();
+    let mut open = 0_usize;
+    while let Some(it) = chars.next() {
+        match it {
+            '\\' => out.extend(chars.next()),
+            '$' => {
+                let braced = chars.next_if_eq(&'{').is_some();
+                while chars.next_if(char::is_ascii_digit).is_some() {}
+                if braced && chars.next_if_eq(&'|').is_some() {
+                    // A choice: its first.
+                    let all: String = chars.by_ref().take_while(|it| *it != '|').collect();
+                    out.push_str(all.split(',').next().unwrap_or_default());
+                    chars.next_if_eq(&'}');
+                } else if braced {
+                    chars.next_if_eq(&':');
+                    open += 1;
+                }
+            }
+            '}' if open > 0 => open -= 1,
+            _ => out.push(it),
+        }
+    }
+    out
+}
+
+/// Proposals at a cursor, best first.
+pub(crate) fn completions(view: &FileView<'_>, at: usize) -> Vec<CompletionItem> {
+    let at = at.min(view.text().len());
+    if !view.text().is_char_boundary(at) {
+        return Vec::new();
+    }
+    let context = Context::new(view, at);
+    let mut out = Completions {
+        replace: context.word.clone(),
+        items: Vec::new(),
+    };
+    match place(view, at) {
+        Place::Dead => {}
+        Place::Directive(index) => directive::complete(view, index, at, &mut out),
+        Place::String(range) => {
+            if statement::in_requires(&context) {
+                out.replace = range.start + 1..at.max(range.start + 1);
+                directive::packages(view, &mut out);
+            }
+        }
+        Place::Code => {
+            let names = Names::new(view, &context, at);
+            code(&names, &context, &mut out);
+        }
+    }
+    out.finish()
+}
+
+/// Documentation of a proposal.
+pub(crate) fn resolve(view: &FileView<'_>, definition: u32, name: &str) -> Option<CompletionDoc> {
+    let found = view.elaborated().definitions.get(definition as usize)?;
+    // The text may have changed since it was proposed.
+    if found.name != name {
+        return None;
+    }
+    let markdown = hover::definition(view, DefId(definition))?;
+    Some(CompletionDoc { markdown })
+}
+
+fn code(names: &Names<'_, '_>, context: &Context, out: &mut Completions) {
+    match context.top().kind {
+        FrameKind::Body(kind) => statement::complete(names, context, kind, out),
+        FrameKind::Paren => codel::in_parentheses(names, context, out),
+        FrameKind::Bracket => names.constants(context.current(), None, out),
+        FrameKind::Initializers => initializer::complete(names, context, out),
+    }
+}
+
+/// Proposals under construction.
+pub(super) struct Completions {
+    replace: Range<usize>,
+    items: Vec<CompletionItem>,
+}
+
+impl Completions {
+    /// Adds a proposal that is inserted as it is shown.
+    fn add(
+        &mut self,
+        label: impl Into<String>,
+        kind: CompletionKind,
+        rank: u8,
+    ) -> &mut CompletionItem {
+        let label = label.into();
+        self.items.push(CompletionItem {
+            insert: label.clone(),
+            label,
+            kind,
+            detail: None,
+            snippet: false,
+            replace: self.replace.clone(),
+            rank,
+            definition: None,
+        });
+        let last = self.items.len() - 1;
+        &mut self.items[last]
+    }
+
+    /// Adds a proposal that fills in more than it shows.
+    fn snippet(
+        &mut self,
+        label: impl Into<String>,
+        insert: impl Into<String>,
+        rank: u8,
+    ) -> &mut CompletionItem {
+        let item = self.add(label, CompletionKind::Snippet, rank);
+        item.insert = insert.into();
+        item.snippet = true;
+        item
+    }
+
+    fn keywords(&mut self, words: &[&str], rank: u8) {
+        for it in words {
+            self.add(*it, CompletionKind::Keyword, rank);
+        }
+    }
+
+    fn finish(mut self) -> Vec<CompletionItem> {
+        // A stable sort: what is of the same rank stays as it was declared.
+        self.items.sort_by_key(|it| it.rank);
+        let mut seen = FxHashSet::default();
+        self.items
+            .retain(|it| seen.insert((it.label.clone(), it.insert.clone())));
+        self.items
+    }
+}
+
+#[cfg(test)]
+mod tests;

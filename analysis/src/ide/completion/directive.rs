@@ -1,0 +1,253 @@
+//! Proposals in directives: their words, files, macros, packages, interfaces.
+
+use camino::Utf8PathBuf;
+use dotgen_syntax::directive::DirectiveKind;
+use rustc_hash::FxHashSet;
+
+use super::{CompletionKind, Completions};
+use crate::{
+    base::normalize,
+    elab::DefKind,
+    ide::{FileView, SymbolKind},
+    unit::{Outcome, serving_visit, walk_unit},
+};
+
+const WORDS: &[(&str, &str)] = &[
+    ("include", "include \"$0\""),
+    ("define", "define ${1:NAME} $0"),
+    ("undef", "undef $0"),
+    ("ifdef", "ifdef ${1:NAME}\n$0\n#endif"),
+    ("ifndef", "ifndef ${1:NAME}\n$0\n#endif"),
+    ("if", "if ${1:0}\n$0\n#endif"),
+    ("elif", "elif $0"),
+    ("else", "else"),
+    ("endif", "endif"),
+    ("error", "error $0"),
+    ("warning", "warning $0"),
+    ("pragma requires", "pragma requires \"$0\""),
+    ("pragma provides", "pragma provides $0"),
+    (
+        "pragma masquerade",
+        "pragma masquerade ${1:template} ${2:type} ${3:data}",
+    ),
+    ("pragma wcet", "pragma wcet ${1:codel} ${2:1} ms"),
+];
+
+pub(super) fn complete(view: &FileView<'_>, index: u32, at: usize, out: &mut Completions) {
+    let Some(it) = view.pre().directives.get(index as usize) else {
+        return;
+    };
+    let text = view.text();
+    let start = usize::from(it.range.start());
+    let line = text.get(start..at).unwrap_or_default();
+    let Some(keyword) = it
+        .keyword
+        .as_ref()
+        .filter(|it| usize::from(it.range.end()) < at)
+    else {
+        let hash = line.find('#').map_or(0, |it| it + 1);
+        out.replace = start + hash..out.replace.end.max(at);
+        // Blanks between `#` and the word stay.
+        let blanks = line[hash..].len() - line[hash..].trim_start().len();
+        out.replace.start += blanks;
+        for (word, insert) in WORDS {
+            out.snippet(*word, *insert, 0).kind = CompletionKind::Keyword;
+        }
+        return;
+    };
+    let operand = text
+        .get(usize::from(keyword.range.end())..at)
+        .unwrap_or_default();
+    match &it.kind {
+        DirectiveKind::Include(_) => include(view, operand, at, out),
+        DirectiveKind::If(_) | DirectiveKind::Elif(_) => {
+            macros(view, start, 0, out);
+            out.add("defined", CompletionKind::Keyword, 1);
+        }
+        DirectiveKind::Ifdef(_) | DirectiveKind::Ifndef(_) | DirectiveKind::Undef(_) => {
+            macros(view, start, 0, out);
+        }
+        DirectiveKind::Pragma(_) => pragma(view, operand, out),
+        _ => {}
+    }
+}
+
+fn pragma(view: &FileView<'_>, operand: &str, out: &mut Completions) {
+    let words: Vec<&str> = operand.split_whitespace().collect();
+    let complete = operand.ends_with(char::is_whitespace);
+    let before = if complete {
+        words.len()
+    } else {
+        words.len().saturating_sub(1)
+    };
+    match (words.first().copied().unwrap_or_default(), before) {
+        (_, 0) => {
+            for (word, insert) in WORDS {
+                if let Some(word) = word.strip_prefix("pragma ") {
+                    let insert = insert.strip_prefix("pragma ").unwrap_or(insert);
+                    out.snippet(word, insert, 0).kind = CompletionKind::Keyword;
+                }
+            }
+        }
+        ("requires" | "require", _) => packages(view, out),
+        ("provides" | "provide", _) => named(view, DefKind::Interface, out),
+        ("wcet", 1) => named(view, DefKind::Codel, out),
+        ("wcet", 3) => {
+            for it in ["s", "ms", "us"] {
+                out.add(it, CompletionKind::Unit, 0);
+            }
+        }
+        ("masquerade", 2) => {
+            for kind in [
+                DefKind::Typedef,
+                DefKind::Struct,
+                DefKind::Union,
+                DefKind::Enum,
+                DefKind::Native,
+            ] {
+                named(view, kind, out);
+            }
+        }
+        _ => {}
+    }
+}
+
+fn named(view: &FileView<'_>, kind: DefKind, out: &mut Completions) {
+    for it in &view.elaborated().definitions {
+        if it.kind == kind {
+            let item = out.add(
+                it.name.as_str(),
+                CompletionKind::Symbol(SymbolKind::from(kind)),
+                0,
+            );
+            item.definition = Some(it.id.0);
+        }
+    }
+}
+
+/// Names of packages.
+pub(super) fn packages(view: &FileView<'_>, out: &mut Completions) {
+    for it in view.db.loader().package_names() {
+        out.add(it, CompletionKind::Package, 0);
+    }
+}
+
+/// Macros defined at an offset.
+pub(super) fn macros(view: &FileView<'_>, at: usize, rank: u8, out: &mut Completions) {
+    let Some((visit, _)) = serving_visit(view.db, view.unit, view.file) else {
+        return;
+    };
+    let Some(walked) = walk_unit(view.db, view.unit).visits.get(visit as usize) else {
+        return;
+    };
+    let pre = view.pre();
+    let includes_before = pre
+        .includes
+        .iter()
+        .filter(|it| usize::from(it.range.start()) < at);
+    let passed = includes_before.count();
+    let environments = walked.outcomes.iter().filter_map(|it| match it {
+        Outcome::Include(it) => Some(it.as_ref().ok()),
+        Outcome::Requires(_) => None,
+    });
+    let environments: Vec<_> = environments.collect();
+    let last = environments.iter().take(passed).rev().find_map(|it| *it);
+    let env = last.unwrap_or(&walked.entry);
+    let mut all: Vec<(String, Option<String>)> = env
+        .iter()
+        .filter(|it| !it.name.starts_with("__"))
+        .map(|it| (it.name.to_string(), Some(it.definition_text())))
+        .collect();
+    all.sort();
+    for it in pre
+        .directives
+        .iter()
+        .filter(|it| it.active && usize::from(it.range.end()) <= at)
+    {
+        if let DirectiveKind::Define(define) = &it.kind
+            && let Some(name) = &define.name
+        {
+            all.retain(|it| it.0 != name.text);
+            let text = view
+                .text()
+                .get(std::ops::Range::from(it.range))
+                .unwrap_or_default();
+            all.push((name.text.to_string(), Some(text.trim().to_owned())));
+        }
+    }
+    for (name, detail) in all {
+        out.add(name, CompletionKind::Symbol(SymbolKind::Macro), rank)
+            .detail = detail;
+    }
+}
+
+/// Files that an `#include` may name.
+fn include(view: &FileView<'_>, operand: &str, at: usize, out: &mut Completions) {
+    let trimmed = operand.trim_start();
+    let Some(delimiter) = trimmed.chars().next() else {
+        for (label, insert) in [("\"…\"", "\"$0\""), ("<…>", "<$0>")] {
+            out.snippet(label, insert, 0);
+        }
+        return;
+    };
+    if !matches!(delimiter, '"' | '<') {
+        macros(view, at, 0, out);
+        return;
+    }
+    let written = &trimmed[1..];
+    if written.contains(['"', '>']) {
+        return;
+    }
+    let (folder, name) = written
+        .rsplit_once('/')
+        .map_or(("", written), |(a, b)| (a, b));
+    // Up to the delimiter, so that a path that is there already is replaced.
+    let rest = view.text().get(at..).unwrap_or_default();
+    let end = rest.find(['"', '>', '\n', '\r', '/']).unwrap_or(rest.len());
+    out.replace = at - name.len()..at + end;
+    let mut dirs: Vec<Utf8PathBuf> = Vec::new();
+    if delimiter == '"' {
+        dirs.extend(view.file.path(view.db).parent().map(ToOwned::to_owned));
+    }
+    dirs.extend(view.db.workspace().include_dirs(view.db).iter().cloned());
+    for visit in &walk_unit(view.db, view.unit).visits {
+        // Directories that other includes were found in: those of packages, too.
+        dirs.extend(
+            visit
+                .file
+                .path(view.db)
+                .parent()
+                .map(ToOwned::to_owned)
+                .filter(|_| visit.includer.is_some()),
+        );
+    }
+    let mut seen = FxHashSet::default();
+    for dir in dirs {
+        let dir = normalize(&dir.join(folder));
+        if !seen.insert(dir.clone()) || seen.len() > 32 {
+            continue;
+        }
+        let mut entries = view.db.loader().list_dir(&dir);
+        entries.sort();
+        for entry in entries {
+            if entry.name.starts_with('.') && !name.starts_with('.') {
+                continue;
+            }
+            let own = dir.join(&entry.name) == *view.file.path(view.db);
+            let specification = ["gen", "idl", "h", "hh"]
+                .iter()
+                .any(|it| entry.name.ends_with(&format!(".{it}")));
+            if entry.is_dir {
+                out.add(format!("{}/", entry.name), CompletionKind::Directory, 2);
+            } else if !own && specification {
+                let rank = if entry.name.ends_with(".idl") || entry.name.ends_with(".gen") {
+                    0
+                } else {
+                    1
+                };
+                out.add(entry.name, CompletionKind::Symbol(SymbolKind::File), rank)
+                    .detail = Some(dir.to_string());
+            }
+        }
+    }
+}

@@ -1,0 +1,354 @@
+use crate::test_support::Fixture;
+
+use super::*;
+
+/// `|` separates; the best come first. `…` at the end: there may be more.
+#[track_caller]
+fn check(text: &str, expected: &str) {
+    let fixture = Fixture::new(text);
+    let items = fixture.analysis().completions(&fixture.at()).unwrap();
+    let labels: Vec<&str> = items.iter().map(|it| it.label.as_str()).collect();
+    let wanted: Vec<&str> = expected.split('|').map(str::trim).collect();
+    match wanted.split_last() {
+        Some((&"…", wanted)) => {
+            let found = labels.get(..wanted.len()).unwrap_or(&labels);
+            assert_eq!(found, wanted, "all: {labels:?}");
+        }
+        _ if expected.is_empty() => assert_eq!(labels, [""; 0]),
+        _ => assert_eq!(labels, wanted),
+    }
+}
+
+/// All of these are proposed, and none of those after `!`.
+#[track_caller]
+fn has(text: &str, expected: &str) {
+    let fixture = Fixture::new(text);
+    let items = fixture.analysis().completions(&fixture.at()).unwrap();
+    let labels: Vec<&str> = items.iter().map(|it| it.label.as_str()).collect();
+    for it in expected.split('|').map(str::trim) {
+        match it.strip_prefix('!') {
+            Some(it) => assert!(!labels.contains(&it), "`{it}` in {labels:?}"),
+            None => assert!(labels.contains(&it), "`{it}` not in {labels:?}"),
+        }
+    }
+}
+
+/// The text after the item with this label was taken, without placeholders.
+#[track_caller]
+fn takes(text: &str, label: &str, expected: &str) {
+    let fixture = Fixture::new(text);
+    let at = fixture.at();
+    let items = fixture.analysis().completions(&at).unwrap();
+    let item = items.iter().find(|it| it.label == label);
+    let item = item.unwrap_or_else(|| panic!("no `{label}` in {items:#?}"));
+    let mut text = fixture.text(at.path.as_str());
+    let insert = match item.snippet {
+        true => plain_snippet(&item.insert),
+        false => item.insert.clone(),
+    };
+    text.replace_range(item.replace.clone(), &insert);
+    assert_eq!(text, expected);
+}
+
+const ARM: &str = "
+struct pose { double x, y; };
+enum mode { OFF, ON };
+exception e_bad { long why; };
+interface io { function reset(); };
+component arm {
+  ids { pose goal; pose way[4]; mode m; };
+  port in pose target;
+  port out pose state;
+  uses io;
+  task motion { period 10 ms; codel<start> init(out ::ids) yield loop; };
+  function get(out long n) { };
+  HERE
+};
+";
+
+fn in_arm(here: &str) -> String {
+    ARM.replace("HERE", here)
+}
+
+#[test]
+fn statements_fit_their_body() {
+    check("$0", "component | interface | module | const | …");
+    has(
+        "component c { $0",
+        "port in | task | activity | typedef | ids | provides | !period | !codel",
+    );
+    has(
+        "component c { task t { $0",
+        "period | codel | !task | !port in",
+    );
+    has(
+        "component c { activity a() { $0",
+        "task | codel | local | interrupt | !period",
+    );
+    has("module m { $0", "struct | module | !component | !task");
+    has("component c { port in t p { $0", "doc | !throw");
+    has("union u switch(long) { $0", "case | default");
+    check("enum e { $0", "");
+    check("// a $0", "");
+    check("component c { doc \"$0\"; };", "");
+}
+
+#[test]
+fn what_was_given_already_comes_last() {
+    let fixture = Fixture::new("component c { task t { period 1 s; $0 }; };");
+    let items = fixture.analysis().completions(&fixture.at()).unwrap();
+    let rank = |label: &str| items.iter().position(|it| it.label == label).unwrap();
+    assert!(rank("period") > rank("delay"));
+}
+
+#[test]
+fn clauses_are_filled_in() {
+    takes(
+        "component c {\n  ta$0\n};",
+        "task",
+        "component c {\n  task main {\n\tperiod 10 ms;\n\n\tcodel<start> init(out ::ids)\n\t\tyield ether;\n};\n};",
+    );
+    takes(
+        "module m { str$0 };",
+        "struct",
+        "module m { struct name {\n\t\n}; };",
+    );
+}
+
+#[test]
+fn types_constants_and_qualifiers() {
+    let text = "module m { typedef long a; const long N = 2; typedef $0 };";
+    check(text, "a | …");
+    has(text, "long | unsigned long | sequence<…> | !N");
+    has("module m { typedef long a; };\ntypedef $0", "m::a");
+    check(
+        "module m { typedef long a; const long n = 1; };\ntypedef m::$0",
+        "a",
+    );
+    check(
+        "module m { typedef long a; module n { typedef long b; }; };\ntypedef ::$0",
+        "m",
+    );
+    check(
+        "const long n = 1;\ntypedef sequence<long, $0",
+        "n | TRUE | FALSE",
+    );
+    check("const long n = 1;\ntypedef long a[$0", "n | TRUE | FALSE");
+    // Everything must be declared before it is used.
+    has("typedef $0;\ntypedef long later;", "!later");
+    check("typedef long $0", "long");
+    check("typedef unsigned $0", "short | long | long long");
+    has("enum e { A, B };\nconst e x = $0", "A | B");
+}
+
+#[test]
+fn ports_take_named_types() {
+    has(
+        &in_arm("port in $0"),
+        "pose | mode | e_bad | !long | !sequence<…>",
+    );
+    check(&in_arm("port $0"), "in | out | multiple");
+}
+
+#[test]
+fn members_after_a_dot() {
+    check(&in_arm("attribute a(in goal.$0"), "x | y");
+    check(&in_arm("attribute a(in way[1].$0"), "x | y");
+    check(
+        &in_arm("activity go(in pose p) { task motion; codel<start> f(local in p.$0"),
+        "x | y",
+    );
+}
+
+#[test]
+fn codel_parameters_by_source_and_direction() {
+    let text = in_arm("activity go(in long speed) { task motion; codel<start> f($0");
+    check(
+        &text,
+        "in speed | in goal | in way | in m | port in target | port out state | remote in reset | …",
+    );
+    let text =
+        in_arm("activity go(in long speed) { task motion; codel<start> f(in speed, in goal, $0");
+    check(&text, "in way | in m | port in target | port out state | …");
+    check(&in_arm("task u { codel<start> f(port out $0"), "state");
+    check(
+        &in_arm("task u { codel<start> f(port in $0"),
+        "target | state",
+    );
+    check(&in_arm("task u { codel<start> f(remote in $0"), "reset");
+    check(&in_arm("task u { codel<start> f(out ::$0"), "ids");
+    // Simple codels have neither ports nor remotes.
+    has(
+        &in_arm("function f(in long a) { codel g($0"),
+        "in a | in goal | !port in target | !port",
+    );
+    has(
+        &in_arm("function goal2(in pose goal) { codel g($0"),
+        "local in goal | ids in goal | !in goal",
+    );
+}
+
+#[test]
+fn states_of_the_machine() {
+    check(
+        &in_arm("task u { codel<start> f() yield wait, go; codel<$0"),
+        "wait | go | stop | loop | start",
+    );
+    check(
+        &in_arm("task u { codel<start> f() yield $0"),
+        "start | ether | stop | pause::start | pause::stop | pause:: | loop",
+    );
+    has(
+        &in_arm("task u { codel<start> f() yield start, $0"),
+        "!start | pause::start | ether",
+    );
+    has(
+        &in_arm("task u { codel<start> f() yield pause::$0"),
+        "start | stop | !ether | !pause::start",
+    );
+    check(&in_arm("task u { codel<start> f() $0"), "yield | wcet");
+    check(
+        &in_arm("task u { codel<start> f() wcet 1 $0"),
+        "s | ms | us",
+    );
+    takes(
+        "component c { task t; activity a() { task t; codel $0 }; };",
+        "<start>",
+        "component c { task t; activity a() { task t; codel <start> start()\n\tyield ether; }; };",
+    );
+}
+
+#[test]
+fn services_tasks_exceptions_interfaces() {
+    check(&in_arm("activity go() { interrupt $0"), "get | go | all");
+    check(&in_arm("activity go() { interrupt get, $0"), "go | all");
+    check(&in_arm("activity go() { task $0"), "motion");
+    check(&in_arm("throw $0"), "e_bad");
+    check("module m { exception e; };\ncomponent c { throw $0", "m::e");
+    check(&in_arm("provides $0"), "io");
+    check(
+        "interface a;\ninterface b;\ncomponent c { extends a, $0",
+        "b",
+    );
+    check(&in_arm("task u { scheduling $0"), "real-time");
+    check(&in_arm("task u { period 5 $0"), "s | ms | us");
+    check(&in_arm("task u { stack 5 $0"), "k | M");
+}
+
+#[test]
+fn initializers() {
+    check(&in_arm("function f(in mode m = $0"), "OFF | ON");
+    check(&in_arm("attribute f(in m = $0"), "OFF | ON");
+    check(&in_arm("function f(in pose p = { $0"), ".x = | .y = | …");
+    check(&in_arm("function f(in pose p = { .$0"), "x | y");
+    check(&in_arm("function f(in pose p = { .x = 1, $0"), ".y = | …");
+    takes(
+        "struct s { long a; boolean b; };\ncomponent c { function f(in s x = $0",
+        "{ … }",
+        "struct s { long a; boolean b; };\ncomponent c { function f(in s x = { .a = 0, .b = FALSE }",
+    );
+}
+
+#[test]
+fn directives_and_macros() {
+    has("#$0", "include | define | pragma requires");
+    takes("#inc$0", "include", "#include \"\"");
+    has("#define LIMIT 3\n#ifdef $0", "LIMIT | !__FILE__");
+    has("#define LIMIT 3\ntypedef long t;\n$0", "LIMIT");
+    check("#pragma $0", "requires | provides | masquerade | wcet");
+    check("interface i;\n#pragma provides $0", "i");
+    check(
+        "component c { task t { codel<start> f() yield ether; }; };\n#pragma wcet $0",
+        "f",
+    );
+    check(
+        "//- /main.gen\n#include \"sub/$0\"\n//- /sub/a.idl\n\n//- /sub/deep/b.idl\n\n//- /c.idl\n",
+        "a.idl | deep/",
+    );
+    check(
+        "//- /main.gen\n#include \"$0\n//- /sub/a.idl\n\n//- /c.idl\n",
+        "c.idl | sub/",
+    );
+    has(
+        "//- /main.gen\n#include \"m.idl\"\ntask $0\n#if $0\n//- /m.idl\n#define FROM_THERE 1\n",
+        "!FROM_THERE",
+    );
+    has(
+        "//- /main.gen\n#include \"m.idl\"\n#if $0\n//- /m.idl\n#define FROM_THERE 1\n",
+        "FROM_THERE | defined",
+    );
+    check("#if 0\ntypedef $0\n#endif\n", "");
+}
+
+#[test]
+fn packages_are_listed() {
+    let fixture = Fixture::new("component c { require \"eigen3\", \"op$0\"; };");
+    fixture
+        .loader
+        .packages
+        .lock()
+        .unwrap()
+        .insert("openrobots".into(), Default::default());
+    let items = fixture.analysis().completions(&fixture.at()).unwrap();
+    assert_eq!(items.len(), 1);
+    assert_eq!(items[0].label, "openrobots");
+}
+
+#[test]
+fn fragments_know_the_component_that_includes_them() {
+    check(
+        "//- /main.gen\ncomponent c { ids { long a; }; task t;\n#include \"s.idl\"\n};\n//- /s.idl\ntask u { codel<start> f(in $0",
+        "a | ::ids",
+    );
+}
+
+#[test]
+fn text_before_the_cursor_may_be_broken() {
+    // No `;`, no `}`, no `)`.
+    check(
+        &in_arm("function f(in long a\n  activity go() { interrupt $0"),
+        "get | f | go | all",
+    );
+    check(
+        &in_arm("task u { period 5 ms\n codel<start> f(port in $0"),
+        "target | state",
+    );
+    check(
+        &in_arm("task u { codel<start> f(in x yield ether;\n activity go() { task $0"),
+        "motion | u",
+    );
+}
+
+#[test]
+fn documentation_on_demand() {
+    let fixture = Fixture::new("struct s { long x; };\ntypedef $0;");
+    let analysis = fixture.analysis();
+    let items = analysis.completions(&fixture.at()).unwrap();
+    let item = &items[0];
+    assert_eq!(
+        (item.label.as_str(), item.detail.as_deref()),
+        ("s", Some("struct s (1 member)"))
+    );
+    let path = &fixture.at().path;
+    let definition = item.definition.unwrap();
+    let doc = analysis
+        .resolve_completion(path, definition, "s")
+        .unwrap()
+        .unwrap();
+    assert!(doc.markdown.contains("long x;"), "{}", doc.markdown);
+    // Stale proposals have none.
+    assert_eq!(
+        analysis
+            .resolve_completion(path, definition, "other")
+            .unwrap(),
+        None
+    );
+    assert_eq!(analysis.resolve_completion(path, 99, "s").unwrap(), None);
+}
+
+#[test]
+fn snippets_without_placeholders() {
+    assert_eq!(plain_snippet("a ${1:b} $2 {\n$0}"), "a b  {\n}");
+    assert_eq!(plain_snippet("\"${1|c,c++|}\";"), "\"c\";");
+    assert_eq!(plain_snippet("${1:x} \\$ }"), "x $ }");
+}

@@ -1,0 +1,436 @@
+//! The outline of a file: its declarations as they nest.
+
+use dotgen_syntax::{
+    SyntaxNode,
+    ast::{self, AstNode, HasBody},
+};
+
+use super::{DocumentSymbol, FileView, SymbolKind, render::one_line};
+use crate::source_map::bytes;
+
+pub(crate) fn document_symbols(view: &FileView<'_>) -> Vec<DocumentSymbol> {
+    let mut out = Vec::new();
+    items(view, view.parse().tree().items(), &mut out);
+    out
+}
+
+fn items(
+    view: &FileView<'_>,
+    items: impl Iterator<Item = ast::Item>,
+    out: &mut Vec<DocumentSymbol>,
+) {
+    for item in items {
+        item_symbols(view, &item, out);
+    }
+}
+
+fn item_symbols(view: &FileView<'_>, item: &ast::Item, out: &mut Vec<DocumentSymbol>) {
+    let node = item.syntax();
+    match item {
+        ast::Item::Directive(it) => {
+            if it.kind() == ast::DirectiveKind::Define {
+                let params = it.params().map(|it| it.syntax().text().to_string());
+                out.extend(symbol(view, node, it.name(), SymbolKind::Macro, params));
+            }
+        }
+        ast::Item::Module(it) => out.extend(with_body(view, it, it.name(), SymbolKind::Module)),
+        ast::Item::Component(it) => {
+            let kind = match it.is_interface() {
+                true => SymbolKind::Interface,
+                false => SymbolKind::Component,
+            };
+            out.extend(with_body(view, it, it.name(), kind));
+        }
+        ast::Item::ConstDecl(it) => {
+            let ty = text(view, it.type_spec());
+            out.extend(symbol(view, node, it.name(), SymbolKind::Const, ty));
+        }
+        ast::Item::TypedefDecl(it) => {
+            let nested = type_symbols(view, it.type_spec());
+            let detail = type_detail(view, it.type_spec());
+            out.extend(nested);
+            for it in it.declarators() {
+                out.extend(declarator(view, node, &it, SymbolKind::Typedef, &detail));
+            }
+        }
+        ast::Item::NativeDecl(it) => {
+            out.extend(symbol(view, node, it.name(), SymbolKind::Native, None));
+        }
+        ast::Item::ExceptionDecl(it) => {
+            for it in it.exceptions() {
+                out.extend(with_body(view, &it, it.name(), SymbolKind::Exception));
+            }
+        }
+        ast::Item::TypeDecl(it) => out.extend(type_symbols(view, it.type_spec())),
+        ast::Item::ForwardDecl(it) => {
+            let kind = match it.union_token() {
+                Some(_) => SymbolKind::Union,
+                None => SymbolKind::Struct,
+            };
+            let detail = Some("forward declaration".to_owned());
+            out.extend(symbol(view, node, it.name(), kind, detail));
+        }
+        ast::Item::Ids(it) => {
+            let range = bytes(view.node_range(node));
+            let keyword = it.ids_token().map(|it| bytes(view.token_range(&it)));
+            let selection_range = keyword.unwrap_or(range.clone());
+            let mut children = Vec::new();
+            items(view, it.items(), &mut children);
+            out.push(DocumentSymbol {
+                name: "ids".into(),
+                detail: None,
+                kind: SymbolKind::Ids,
+                range: cover(&range, &selection_range),
+                selection_range,
+                children,
+            });
+        }
+        ast::Item::Task(it) => {
+            let mut found = with_body(view, it, it.name(), SymbolKind::Task);
+            if let Some(found) = &mut found {
+                found.detail = period(view, it.items());
+            }
+            out.extend(found);
+        }
+        ast::Item::Port(it) => {
+            out.extend(type_symbols(view, it.type_spec()));
+            let dir = match (it.in_token(), it.out_token()) {
+                (Some(_), _) => "in ",
+                (_, Some(_)) => "out ",
+                _ => "",
+            };
+            let multiple = if it.multiple_token().is_some() {
+                "multiple "
+            } else {
+                ""
+            };
+            let ty = type_detail(view, it.type_spec()).unwrap_or_default();
+            let detail = Some(format!("{multiple}{dir}{ty}"));
+            out.extend(symbol(view, node, it.name(), SymbolKind::Port, detail));
+        }
+        ast::Item::Service(it) => {
+            let kind = if it.attribute_token().is_some() {
+                SymbolKind::Attribute
+            } else if it.function_token().is_some() {
+                SymbolKind::Function
+            } else {
+                SymbolKind::Activity
+            };
+            let mut found = with_body(view, it, it.name(), kind);
+            if let Some(found) = &mut found {
+                found.detail = it.param_list().map(|it| one_line(view, it.syntax()));
+            }
+            out.extend(found);
+        }
+        ast::Item::Member(it) => {
+            out.extend(type_symbols(view, it.type_spec()));
+            let detail = type_detail(view, it.type_spec());
+            for it in it.declarators() {
+                out.extend(declarator(view, node, &it, SymbolKind::Member, &detail));
+            }
+        }
+        ast::Item::Case(it) => {
+            out.extend(type_symbols(view, it.type_spec()));
+            let detail = type_detail(view, it.type_spec());
+            if let Some(it) = it.declarator() {
+                out.extend(declarator(view, node, &it, SymbolKind::Member, &detail));
+            }
+        }
+        ast::Item::Property(it) => property(view, it, out),
+    }
+}
+
+fn property(view: &FileView<'_>, it: &ast::Property, out: &mut Vec<DocumentSymbol>) {
+    let node = it.syntax();
+    let codel = match it {
+        ast::Property::CodelProperty(it) => it.codel(),
+        ast::Property::ValidateProperty(it) => it.codel(),
+        ast::Property::LocalProperty(it) => {
+            let detail = type_detail(view, it.type_spec());
+            for it in it.declarators() {
+                out.extend(declarator(view, node, &it, SymbolKind::Local, &detail));
+            }
+            None
+        }
+        _ => None,
+    };
+    if let Some(codel) = codel {
+        let states = |it: Option<SyntaxNode>| it.map(|it| one_line(view, &it));
+        let triggers = states(codel.triggers().map(|it| it.syntax().clone()));
+        let yields = states(codel.yields().map(|it| it.syntax().clone()));
+        let detail: Vec<String> = triggers.into_iter().chain(yields).collect();
+        let detail = (!detail.is_empty()).then(|| detail.join(" "));
+        out.extend(symbol(view, node, codel.name(), SymbolKind::Codel, detail));
+    }
+}
+
+/// A struct, union or enum written where a type stands.
+fn type_symbols(view: &FileView<'_>, ty: Option<ast::TypeSpec>) -> Option<DocumentSymbol> {
+    match ty? {
+        ast::TypeSpec::Struct(it) => with_body(view, &it, it.name(), SymbolKind::Struct),
+        ast::TypeSpec::Union(it) => {
+            let mut found = with_body(view, &it, it.name(), SymbolKind::Union)?;
+            found.detail = text(view, it.switch_type());
+            // An enum declared as the switch type is part of the union.
+            found
+                .children
+                .splice(0..0, type_symbols(view, it.switch_type()));
+            Some(found)
+        }
+        ast::TypeSpec::Enum(it) => {
+            let mut found = symbol(view, it.syntax(), it.name(), SymbolKind::Enum, None)?;
+            let enumerators = it
+                .enumerator_list()
+                .into_iter()
+                .flat_map(|it| it.enumerators());
+            found.children = enumerators
+                .filter_map(|it| symbol(view, it.syntax(), it.name(), SymbolKind::Enumerator, None))
+                .collect();
+            Some(found)
+        }
+        _ => None,
+    }
+}
+
+/// The type as written, without the body of one declared in place.
+fn type_detail(view: &FileView<'_>, ty: Option<ast::TypeSpec>) -> Option<String> {
+    let name = match ty.as_ref()? {
+        ast::TypeSpec::Struct(it) => it.name(),
+        ast::TypeSpec::Union(it) => it.name(),
+        ast::TypeSpec::Enum(it) => it.name(),
+        _ => return text(view, ty),
+    };
+    Some(name?.text(view.map()).to_string())
+}
+
+fn declarator(
+    view: &FileView<'_>,
+    owner: &SyntaxNode,
+    it: &ast::Declarator,
+    kind: SymbolKind,
+    detail: &Option<String>,
+) -> Option<DocumentSymbol> {
+    let dimensions: String = it
+        .dimensions()
+        .map(|it| one_line(view, it.syntax()))
+        .collect();
+    let detail = detail.as_ref().map(|it| format!("{it}{dimensions}"));
+    symbol(view, owner, it.name(), kind, detail)
+}
+
+fn with_body(
+    view: &FileView<'_>,
+    it: &impl HasBody,
+    name: Option<ast::Name>,
+    kind: SymbolKind,
+) -> Option<DocumentSymbol> {
+    let mut children = Vec::new();
+    items(view, it.items(), &mut children);
+    let mut found = match symbol(view, it.syntax(), name, kind, None) {
+        Some(found) => found,
+        // While the name is being typed, what is inside keeps its place.
+        None if children.is_empty() => return None,
+        None => unnamed(view, it.syntax(), kind)?,
+    };
+    found.children = children;
+    Some(found)
+}
+
+fn unnamed(view: &FileView<'_>, node: &SyntaxNode, kind: SymbolKind) -> Option<DocumentSymbol> {
+    let keyword = node
+        .children_with_tokens()
+        .find(|it| it.kind().is_keyword())?
+        .into_token()?;
+    let selection_range = bytes(view.token_range(&keyword));
+    Some(DocumentSymbol {
+        name: format!("({} without name)", keyword.text()),
+        detail: None,
+        kind,
+        range: cover(&bytes(view.node_range(node)), &selection_range),
+        selection_range,
+        children: Vec::new(),
+    })
+}
+
+fn symbol(
+    view: &FileView<'_>,
+    node: &SyntaxNode,
+    name: Option<ast::Name>,
+    kind: SymbolKind,
+    detail: Option<String>,
+) -> Option<DocumentSymbol> {
+    let token = name?.ident_token()?;
+    let text = view.map().text(&token);
+    if text.is_empty() {
+        return None;
+    }
+    let selection_range = bytes(view.token_range(&token));
+    Some(DocumentSymbol {
+        name: text.to_string(),
+        detail,
+        kind,
+        range: cover(&bytes(view.node_range(node)), &selection_range),
+        selection_range,
+        children: Vec::new(),
+    })
+}
+
+fn cover(a: &std::ops::Range<usize>, b: &std::ops::Range<usize>) -> std::ops::Range<usize> {
+    a.start.min(b.start)..a.end.max(b.end)
+}
+
+fn text(view: &FileView<'_>, node: Option<impl AstNode>) -> Option<String> {
+    Some(one_line(view, node?.syntax()))
+}
+
+fn period(view: &FileView<'_>, items: impl Iterator<Item = ast::Item>) -> Option<String> {
+    items.into_iter().find_map(|it| match it {
+        ast::Item::Property(ast::Property::DurationProperty(it)) if it.period_token().is_some() => {
+            Some(format!("period {}", text(view, it.quantity())?))
+        }
+        _ => None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write as _;
+
+    use expect_test::{Expect, expect};
+
+    use crate::{ide::DocumentSymbol, test_support::Fixture};
+
+    fn dump(text: &str, symbols: &[DocumentSymbol], depth: usize, out: &mut String) {
+        for it in symbols {
+            assert!(it.range.start <= it.selection_range.start, "{it:?}");
+            assert!(it.selection_range.end <= it.range.end, "{it:?}");
+            let detail = it.detail.as_deref().unwrap_or_default();
+            let selected = &text[it.selection_range.clone()];
+            let indent = "  ".repeat(depth);
+            writeln!(
+                out,
+                "{indent}{:?} {} [{selected}] {detail}",
+                it.kind, it.name
+            )
+            .unwrap();
+            for child in &it.children {
+                assert!(it.range.start <= child.range.start, "{child:?}");
+                assert!(child.range.end <= it.range.end, "{child:?}");
+            }
+            dump(text, &it.children, depth + 1, out);
+        }
+    }
+
+    #[track_caller]
+    fn check(text: &str, expected: Expect) {
+        let fixture = Fixture::new(text);
+        let symbols = fixture
+            .analysis()
+            .document_symbols("/main.gen".into())
+            .unwrap();
+        let mut out = String::new();
+        dump(&fixture.text("/main.gen"), &symbols, 0, &mut out);
+        expected.assert_eq(&out);
+    }
+
+    #[test]
+    fn types() {
+        check(
+            r#"
+#define N 3
+#define F(x, y) x
+module m {
+  const long a = 1;
+  typedef struct s { long x, y[2]; } t, u[3];
+  enum e { A, B };
+  union v switch (e) { case A: long a; default: e b; };
+  struct later;
+  exception x, z { string<4> why; };
+  native n;
+};
+"#,
+            expect![[r#"
+                Macro N [N] 
+                Macro F [F] (x, y)
+                Module m [m] 
+                  Const a [a] long
+                  Struct s [s] 
+                    Member x [x] long
+                    Member y [y] long[2]
+                  Typedef t [t] s
+                  Typedef u [u] s[3]
+                  Enum e [e] 
+                    Enumerator A [A] 
+                    Enumerator B [B] 
+                  Union v [v] e
+                    Member a [a] long
+                    Member b [b] e
+                  Struct later [later] forward declaration
+                  Exception x [x] 
+                  Exception z [z] 
+                    Member why [why] string<4>
+                  Native n [n] 
+            "#]],
+        );
+    }
+
+    #[test]
+    fn components() {
+        check(
+            r#"
+interface i { port multiple in long q; };
+component c {
+  version "1";
+  ids { long v; sequence<double, 4> w; };
+  task t { period 10 ms; codel<start> idle() yield ether; };
+  port out long p { doc "Out."; };
+  attribute set(in v = 1, out w);
+  function f() { codel g(ids in v); };
+  activity go(in long speed) {
+    local long tmp;
+    validate check(local in speed);
+    async codel<start, step> begin(local in speed) yield pause::start, ether;
+  };
+};
+"#,
+            expect![[r#"
+                Interface i [i] 
+                  Port q [q] multiple in long
+                Component c [c] 
+                  Ids ids [ids] 
+                    Member v [v] long
+                    Member w [w] sequence<double, 4>
+                  Task t [t] period 10 ms
+                    Codel idle [idle] <start> yield ether
+                  Port p [p] out long
+                  Attribute set [set] (in v = 1, out w)
+                  Function f [f] ()
+                    Codel g [g] 
+                  Activity go [go] (in long speed)
+                    Local tmp [tmp] long
+                    Codel check [check] 
+                    Codel begin [begin] <start, step> yield pause::start, ether
+            "#]],
+        );
+    }
+
+    #[test]
+    fn names_from_macros_and_unfinished_text() {
+        check(
+            "#define T(n) task n { period 1 ms; }\ncomponent c { T(fast); };\n",
+            expect![[r#"
+            Macro T [T] (n)
+            Component c [c] 
+              Task fast [fast] period 1 ms
+        "#]],
+        );
+        check(
+            "component c { ids { long ; }; port in long",
+            expect![[r#"
+            Component c [c] 
+              Ids ids [ids] 
+        "#]],
+        );
+        check("component { task t; };", expect![]);
+    }
+}

@@ -1,0 +1,37 @@
+//! What a macro call stands for, for people who look inside.
+
+use dotgen_syntax::{SyntaxKind, TextSize};
+
+use super::{FileView, MacroExpansion, RangeInfo, hover::expansion};
+
+/// The innermost call around the cursor.
+pub(crate) fn expand_macro(view: &FileView<'_>, at: usize) -> Option<RangeInfo<MacroExpansion>> {
+    let at = TextSize::try_from(at).ok()?;
+    let root = view.root();
+    if at > root.text_range().end() {
+        return None;
+    }
+    let tokens = root.token_at_offset(at);
+    let around = |token: dotgen_syntax::SyntaxToken| {
+        token
+            .parent_ancestors()
+            .find(|it| it.kind() == SyntaxKind::MACRO_CALL)
+    };
+    // The cursor may stand right after the call.
+    let call = tokens
+        .clone()
+        .right_biased()
+        .and_then(around)
+        .or_else(|| tokens.left_biased().and_then(around))?;
+    let name = call
+        .descendants_with_tokens()
+        .filter_map(|it| it.into_token())
+        .find(|it| !it.kind().is_trivia())?;
+    Some(RangeInfo {
+        range: call.text_range().into(),
+        info: MacroExpansion {
+            name: name.text().into(),
+            expansion: expansion(view, call.text_range())?,
+        },
+    })
+}

@@ -1,0 +1,205 @@
+//! The formatter behind the editor's requests: a whole file, a range, and what was just typed.
+
+use std::ops::Range;
+
+use dotgen_syntax::{SyntaxKind, TextRange, format};
+
+use super::{
+    FileView,
+    context::{Context, FrameKind, Place, place},
+};
+use crate::{
+    diagnostic::FileEdit,
+    source_map::{bytes, offset, text_range},
+};
+
+/// Blanks a level.
+const INDENT: usize = 2;
+
+/// The edits that bring a file, or the part of it that touches a range, in shape.
+pub(crate) fn format(view: &FileView<'_>, within: Option<Range<usize>>) -> Vec<FileEdit> {
+    edits(view, within.map(|it| text_range(&it)))
+}
+
+fn edits(view: &FileView<'_>, within: Option<TextRange>) -> Vec<FileEdit> {
+    let broken: Vec<TextRange> = view.parse().errors.iter().map(|it| it.range).collect();
+    let edits = format::format(&view.root(), &broken, within);
+    let edits = edits.into_iter().map(|it| FileEdit {
+        path: view.file.path(view.db).clone(),
+        range: bytes(it.range),
+        new_text: it.new_text,
+    });
+    edits.collect()
+}
+
+/// The edits that follow from typing `;`, `}` or a line end, just before the cursor.
+pub(crate) fn on_type(view: &FileView<'_>, at: usize, typed: char) -> Vec<FileEdit> {
+    if at > view.text().len() || !view.text().is_char_boundary(at) {
+        return Vec::new();
+    }
+    match typed {
+        '\n' => indentation(view, at).into_iter().collect(),
+        _ => statement(view, at, typed),
+    }
+}
+
+/// Formats the statement or body that was just closed, and nothing after the cursor.
+fn statement(view: &FileView<'_>, at: usize, typed: char) -> Vec<FileEdit> {
+    let root = view.root();
+    let token = root.token_at_offset(offset(at)).left_biased();
+    let closes = |it: &dotgen_syntax::SyntaxToken| {
+        let kind = if typed == '}' {
+            SyntaxKind::R_CURLY
+        } else {
+            SyntaxKind::SEMICOLON
+        };
+        it.kind() == kind && usize::from(it.text_range().end()) == at
+    };
+    let Some(token) = token.filter(closes) else {
+        return Vec::new();
+    };
+    let mut node = token.parent();
+    if let Some(body) = node.clone().filter(|it| it.kind() == SyntaxKind::BODY) {
+        node = body.parent();
+    }
+    let Some(node) = node.filter(|it| it.parent().is_some()) else {
+        return Vec::new();
+    };
+    let range = bytes(view.node_range(&node));
+    // With the indentation of its first line.
+    let line = view.text()[..range.start]
+        .rfind('\n')
+        .map_or(0, |it| it + 1);
+    let blank = view.text()[line..range.start].trim().is_empty();
+    let start = if blank { line } else { range.start };
+    let mut out = edits(view, Some(text_range(&(start..at))));
+    out.retain(|it| line <= it.range.end && it.range.end <= at);
+    out
+}
+
+/// Indents the line the cursor is on as its place asks for.
+fn indentation(view: &FileView<'_>, at: usize) -> Option<FileEdit> {
+    let text = view.text();
+    if place(view, at) != Place::Code {
+        return None;
+    }
+    let line = text[..at].rfind('\n').map_or(0, |it| it + 1);
+    let rest = &text[line..];
+    let blanks = rest.len() - rest.trim_start_matches([' ', '\t']).len();
+    let content = rest[blanks..].chars().next();
+    if matches!(content, Some('#')) {
+        return None;
+    }
+    let context = Context::new(view, line);
+    let bodies = context.frames.iter().skip(1);
+    let bodies =
+        bodies.filter(|it| matches!(it.kind, FrameKind::Body(_) | FrameKind::Initializers));
+    let mut depth = bodies.count();
+    let top = context.top();
+    let column = match top.kind {
+        FrameKind::Paren | FrameKind::Bracket => {
+            let open = context.tokens[top.open].range.end;
+            let start = text[..open].rfind('\n').map_or(0, |it| it + 1);
+            text[start..open].chars().count()
+        }
+        _ => {
+            if content == Some('}') {
+                depth = depth.saturating_sub(1);
+            } else if !context.current().is_empty() {
+                depth += 1;
+            }
+            depth * INDENT
+        }
+    };
+    let new_text = " ".repeat(column);
+    (rest[..blanks] != new_text).then(|| FileEdit {
+        path: view.file.path(view.db).clone(),
+        range: line..line + blanks,
+        new_text,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{ide::speculate::apply, test_support::Fixture};
+
+    #[track_caller]
+    fn typed(text: &str, what: char, expected: &str) {
+        let fixture = Fixture::new(text);
+        let edits = fixture
+            .analysis()
+            .format_on_type(&fixture.at(), what)
+            .unwrap();
+        assert_eq!(apply(&fixture.text("/main.gen"), &edits), expected);
+    }
+
+    #[test]
+    fn files_and_ranges() {
+        let text = "struct  a { long x; };\nstruct  b { long x; };\n";
+        let fixture = Fixture::new(text);
+        let path = camino::Utf8Path::new("/main.gen");
+        let all = fixture.analysis().format(path, None).unwrap();
+        let all = apply(text, &all);
+        assert!(all.starts_with("struct a {"), "{all}");
+        let second = fixture.analysis().format(path, Some(23..40)).unwrap();
+        let second = apply(text, &second);
+        assert!(second.starts_with("struct  a { long x; };\n"), "{second}");
+        assert!(second.contains("struct b"), "{second}");
+    }
+
+    #[test]
+    fn a_region_that_does_not_parse_is_left_alone() {
+        let text = "struct  a { long ; };\nstruct  b { long x; };\n";
+        let fixture = Fixture::new(text);
+        let edits = fixture
+            .analysis()
+            .format(camino::Utf8Path::new("/main.gen"), None)
+            .unwrap();
+        let out = apply(text, &edits);
+        assert!(
+            out.starts_with("struct  a { long ; };\n") && out.contains("struct b"),
+            "{out}"
+        );
+    }
+
+    #[test]
+    fn semicolons_and_braces() {
+        typed(
+            "component c {\n      version   \"1\" ;$0\n  lang   \"c\";\n};\n",
+            ';',
+            "component c {\n  version \"1\";\n  lang   \"c\";\n};\n",
+        );
+        typed(
+            "module m {\n   typedef  long  t ;\n   }$0\n",
+            '}',
+            "module m {\n  typedef long t;\n}\n",
+        );
+        typed("// a;$0\n", ';', "// a;\n");
+    }
+
+    #[test]
+    fn new_lines_are_indented() {
+        typed("component c {\n$0", '\n', "component c {\n  ");
+        typed(
+            "component c {\n  task t {\n$0\n  };\n};\n",
+            '\n',
+            "component c {\n  task t {\n    \n  };\n};\n",
+        );
+        typed(
+            "component c {\n  task t {\n    $0};\n};\n",
+            '\n',
+            "component c {\n  task t {\n  };\n};\n",
+        );
+        typed(
+            "component c {\n  function f(in long a,\n$0",
+            '\n',
+            "component c {\n  function f(in long a,\n             ",
+        );
+        typed(
+            "component c {\n  codel<start> f()\n$0",
+            '\n',
+            "component c {\n  codel<start> f()\n    ",
+        );
+        typed("/* a\n$0 */", '\n', "/* a\n */");
+    }
+}

@@ -1,0 +1,235 @@
+//! What the model knows about a task, service, codel or state beyond its declaration: callers, transitions,
+//! exclusions, loads.
+
+use crate::{
+    elab::{DefKind, Definition, Elaborated},
+    ide::inlay_hints::percent,
+    lint::duration,
+    model::{
+        Codel, CodelKind, CodelRef, Component, Owner, Seconds, ServiceKind, ServiceList, Spec,
+        State,
+        fsm::Machine,
+        mutex::{self, Excluded},
+    },
+};
+
+/// More names than are worth reading in a hover.
+const MANY: usize = 6;
+
+/// A Markdown list, if there is anything to say.
+pub(super) fn facts(elaborated: &Elaborated, it: &Definition) -> Option<String> {
+    let spec = &elaborated.spec;
+    let component = component_of(elaborated, it)?;
+    let lines = match it.kind {
+        DefKind::Task => task(component, &it.name),
+        DefKind::Function | DefKind::Activity | DefKind::Attribute => service(component, &it.name),
+        DefKind::Codel => codel(spec, component, &it.name),
+        DefKind::State => state(component, &it.name),
+        _ => Vec::new(),
+    };
+    let lines: Vec<String> = lines.iter().map(|it| format!("* {it}")).collect();
+    (!lines.is_empty()).then(|| lines.join("\n"))
+}
+
+/// The component or interface that something belongs to. A codel is a function: it belongs to whichever component has
+/// it there.
+pub(super) fn component_of<'e>(
+    elaborated: &'e Elaborated,
+    it: &Definition,
+) -> Option<&'e Component> {
+    let spec = &elaborated.spec;
+    if it.kind == DefKind::Codel {
+        let has = |component: &&Component, exactly: bool| {
+            let mut codels = component.all_codels().map(|at| component.codel(at));
+            codels.any(|codel| codel.name == it.name && (!exactly || codel.src == it.src))
+        };
+        let mut all = spec.components.iter();
+        return all.find(|component| has(component, true)).or_else(|| {
+            spec.components
+                .iter()
+                .find(|component| has(component, false))
+        });
+    }
+    let container = elaborated.definitions.get(it.container?.0 as usize)?;
+    spec.components.iter().find(|c| c.name == container.name)
+}
+
+fn task(component: &Component, name: &str) -> Vec<String> {
+    let mut out = Vec::new();
+    let Some((index, task)) = (0..)
+        .zip(&component.tasks)
+        .find(|(_, it)| it.name.as_str() == name)
+    else {
+        return out;
+    };
+    if let (Some(share), Some(period)) = (component.utilisation(index), &task.period) {
+        out.push(format!(
+            "load {} of {}",
+            percent(share),
+            duration(period.value)
+        ));
+    }
+    let services = component.services.iter();
+    let services = services.filter(|it| it.task == Some(index));
+    let names: Vec<String> = services.map(|it| format!("`{}`", it.name)).collect();
+    if !names.is_empty() {
+        out.push(format!("runs {}", listed(&names)));
+    }
+    out
+}
+
+fn service(component: &Component, name: &str) -> Vec<String> {
+    let index = (0..)
+        .zip(&component.services)
+        .find_map(|(index, it)| (it.name.as_str() == name).then_some(index));
+    let names_it =
+        |list: &ServiceList| list.all || index.is_some_and(|it| list.services.contains(&it));
+    let by = component.services.iter();
+    let by = by.filter(|it| names_it(&it.interrupts));
+    let by: Vec<String> = by.map(|it| format!("`{}`", it.name)).collect();
+    match by.is_empty() {
+        true => Vec::new(),
+        false => vec![format!("interrupted by {}", listed(&by))],
+    }
+}
+
+fn codel(spec: &Spec, component: &Component, name: &str) -> Vec<String> {
+    let mut out = Vec::new();
+    let uses = component.all_codels();
+    for it in uses.filter(|it| component.codel(*it).name.as_str() == name) {
+        let codel = component.codel(it);
+        let owner = owner(component, it.owner);
+        if codel.kind == CodelKind::Fsm {
+            let machine = Machine::new(component.codels_of(it.owner));
+            out.push(format!("{owner}: {}", callers(&machine, codel)));
+        } else {
+            let word = if codel.kind == CodelKind::Validate {
+                "validates the parameters"
+            } else {
+                "run by the control task"
+            };
+            out.push(format!("{owner}: {word}"));
+        }
+        if let (Some(wcet), Some(task)) = (&codel.wcet, component.task_of(it))
+            && let Some(period) = &component.tasks[task as usize].period
+            && period.value > Seconds::from_integer(0)
+        {
+            out.push(format!(
+                "at most {}, {} of the period of {}",
+                duration(wcet.value),
+                percent(wcet.value / period.value),
+                duration(period.value)
+            ));
+        }
+        let excluded = exclusions(spec, component, it);
+        if !excluded.is_empty() {
+            out.push(format!("excludes {}", listed(&excluded)));
+        }
+    }
+    out.dedup();
+    out
+}
+
+/// From which codels a codel is reached.
+fn callers(machine: &Machine<'_>, codel: &Codel) -> String {
+    let mut from: Vec<String> = Vec::new();
+    for (_, other) in &machine.codels {
+        for state in &other.yields {
+            if codel.triggers.iter().any(|it| it.name == state.name) {
+                let paused = if state.paused { ", after a pause" } else { "" };
+                let text = format!("`{}`{paused}", other.name);
+                if !from.contains(&text) {
+                    from.push(text);
+                }
+            }
+        }
+    }
+    for (state, text) in [("start", "the start"), ("stop", "an interruption")] {
+        if codel.triggers.iter().any(|it| it.name == state) {
+            from.insert(0, text.to_owned());
+        }
+    }
+    match from.is_empty() {
+        true => "called from nowhere".to_owned(),
+        false => format!("called from {}", listed(&from)),
+    }
+}
+
+fn exclusions(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<String> {
+    let all = mutex::exclusions(spec, component, codel);
+    all.iter()
+        .map(|it| {
+            let name = match it.with {
+                Excluded::Codel(other) => format!(
+                    "`{}` of {}",
+                    component.codel(other).name,
+                    owner(component, other.owner)
+                ),
+                Excluded::Service(other) => {
+                    format!("attribute `{}`", component.services[other as usize].name)
+                }
+            };
+            match it.through.first() {
+                Some(through) => format!("{name} ({})", through.shared.describe(component)),
+                None => name,
+            }
+        })
+        .collect()
+}
+
+fn state(component: &Component, name: &str) -> Vec<String> {
+    let mut out = Vec::new();
+    for owner_index in component.owners() {
+        let machine = Machine::new(component.codels_of(owner_index));
+        let yielding = machine
+            .codels
+            .iter()
+            .filter(|(_, it)| it.yields.iter().any(|it| it.name == name));
+        let from: Vec<String> = yielding.map(|(_, it)| format!("`{}`", it.name)).collect();
+        let codel = machine.codel(name);
+        if from.is_empty() && codel.is_none() {
+            continue;
+        }
+        let mut line = owner(component, owner_index);
+        if !from.is_empty() {
+            line += &format!(": from {}", listed(&from));
+        }
+        if let Some((_, codel)) = codel {
+            let to: Vec<String> = codel.yields.iter().map(state_text).collect();
+            line += &format!(" → `{}` → {}", codel.name, listed(&to));
+        }
+        out.push(line);
+    }
+    out
+}
+
+fn state_text(state: &State) -> String {
+    match state.paused {
+        true => format!("`pause::{}`", state.name),
+        false => format!("`{}`", state.name),
+    }
+}
+
+fn owner(component: &Component, owner: Owner) -> String {
+    match owner {
+        Owner::Task(it) => format!("task `{}`", component.tasks[it as usize].name),
+        Owner::Service(it) => {
+            let service = &component.services[it as usize];
+            let word = match service.kind {
+                ServiceKind::Attribute => "attribute",
+                ServiceKind::Function => "function",
+                ServiceKind::Activity => "activity",
+            };
+            format!("{word} `{}`", service.name)
+        }
+    }
+}
+
+fn listed(names: &[String]) -> String {
+    match names.get(..MANY) {
+        Some(first) if names.len() > MANY => {
+            format!("{} and {} more", first.join(", "), names.len() - MANY)
+        }
+        _ => names.join(", "),
+    }
+}

@@ -1,0 +1,170 @@
+//! From what an interface declares to the components that provide it, and back.
+
+use super::{
+    FileView, NavTarget, RangeInfo,
+    references::for_each_unit,
+    resolve::{Target, definition_target, find_identities, identity, targets_at},
+    view::place,
+};
+use crate::{
+    elab::{DefKind, Definition, Elaborated},
+    model::ComponentKind,
+    queries::elaborated,
+    source_map::bytes,
+};
+
+/// For an interface, the components that provide or extend it; for its services, tasks, ports…
+/// where components complete them; on such a completion, the declaration of the interface.
+pub(crate) fn implementations(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Vec<NavTarget>>> {
+    let (range, targets) = targets_at(view, at)?;
+    let mut out: Vec<NavTarget> = Vec::new();
+    for target in &targets {
+        let Target::Definition(id) = target else {
+            continue;
+        };
+        let Some(wanted) = identity(view.db, view.unit, *id) else {
+            continue;
+        };
+        let home = [wanted.file];
+        for_each_unit(view, home, |unit| {
+            let elaborated = elaborated(view.db, unit);
+            for id in find_identities(view.db, unit, std::slice::from_ref(&wanted)).iter() {
+                let it = elaborated.definition(*id);
+                for (src, name) in completions(elaborated, it) {
+                    let Some((file, found)) = place(view.db, unit, src) else {
+                        continue;
+                    };
+                    let here = file == view.file && found == range;
+                    let target = NavTarget {
+                        path: file.path(view.db).clone(),
+                        full_range: bytes(found),
+                        focus_range: bytes(found),
+                        name: it.name.clone(),
+                        kind: it.kind.into(),
+                        container: Some(name),
+                    };
+                    if !here && !out.contains(&target) {
+                        out.push(target);
+                    }
+                }
+            }
+        });
+        // On a completion: back to the interface.
+        let declared = definition_target(view.db, view.unit, *id);
+        if let Some(declared) = declared
+            && (declared.path != *view.file.path(view.db) || declared.focus_range != bytes(range))
+            && !out.contains(&declared)
+            && in_interface(view.elaborated(), view.elaborated().definition(*id))
+        {
+            out.insert(0, declared);
+        }
+    }
+    out.sort_by(|a, b| (&a.path, a.focus_range.start).cmp(&(&b.path, b.focus_range.start)));
+    (!out.is_empty()).then(|| RangeInfo {
+        range: bytes(range),
+        info: out,
+    })
+}
+
+fn in_interface(elaborated: &Elaborated, it: &Definition) -> bool {
+    let container = it.container.map(|it| elaborated.definition(it));
+    container.is_some_and(|it| it.kind == DefKind::Interface)
+}
+
+/// Where components take up a declaration of an interface, with their names.
+fn completions(
+    elaborated: &Elaborated,
+    it: &Definition,
+) -> Vec<(crate::model::Src, smol_str::SmolStr)> {
+    let spec = &elaborated.spec;
+    let interface = match it.kind {
+        DefKind::Interface => it.name.clone(),
+        _ if in_interface(elaborated, it) => match it.container {
+            Some(container) => elaborated.definition(container).name.clone(),
+            None => return Vec::new(),
+        },
+        _ => return Vec::new(),
+    };
+    let Some(index) = spec.components.iter().position(|it| it.name == interface) else {
+        return Vec::new();
+    };
+    let index = index as u32;
+    let mut out = Vec::new();
+    for (number, component) in (0..).zip(&spec.components) {
+        let provides = component.provides.contains(&index) || component.extends.contains(&index);
+        if number == index || !provides || component.kind != ComponentKind::Component {
+            continue;
+        }
+        let declared = elaborated.references.iter().filter(|reference| {
+            reference.target == it.id
+                && reference.declaration
+                && reference.component == Some(number)
+        });
+        let before = out.len();
+        if it.kind != DefKind::Interface {
+            out.extend(declared.map(|it| (it.at, component.name.clone())));
+        }
+        // Not completed in the component: what brings it there.
+        if out.len() == before {
+            out.push((component.src, component.name.clone()));
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::test_support::{Fixture, annotations};
+
+    #[track_caller]
+    fn check(text: &str) {
+        let fixture = Fixture::new(text);
+        let found = fixture
+            .analysis()
+            .goto_implementation(&fixture.at())
+            .unwrap();
+        let mut found: Vec<String> = found
+            .map_or_else(Vec::new, |it| it.info)
+            .iter()
+            .map(|it| format!("{}:{:?}", it.path, it.focus_range))
+            .collect();
+        found.sort();
+        let mut wanted = Vec::new();
+        for path in fixture.paths() {
+            for (range, _) in annotations(&fixture.text(path.as_str())) {
+                wanted.push(format!("{path}:{range:?}"));
+            }
+        }
+        wanted.sort();
+        assert_eq!(found, wanted, "{}", fixture.all_diagnostics());
+    }
+
+    #[test]
+    fn services_of_an_interface() {
+        check(
+            "interface i { function go$0(); };\ncomponent c {\n  provides i;\n  function go() { codel f(); };\n//         ^^\n};\ncomponent d { provides i; };\n//        ^\ncomponent e { uses i; };\n",
+        );
+    }
+
+    #[test]
+    fn interfaces() {
+        check(
+            "interface i$0 { };\ncomponent c { provides i; };\n//        ^\ncomponent d { extends i; };\n//        ^\ncomponent e { uses i; };\n",
+        );
+    }
+
+    #[test]
+    fn and_back() {
+        check(
+            "interface i { function go(); };\n//                     ^^\ncomponent c { provides i; function go$0() { codel f(); }; };\n",
+        );
+        check("component c { function go$0(); };\n");
+    }
+
+    #[test]
+    fn in_other_files() {
+        check(
+            "//- /i.idl\ninterface i { function go$0(); };\n//- /main.gen\n#include \"i.idl\"\ncomponent c { provides i; };\n//        ^\n",
+        );
+    }
+}

@@ -1,0 +1,497 @@
+//! What the text leaves unsaid: types that come from elsewhere, implicit ends of machines, sums of
+//! execution times, loads, defaults.
+
+use std::ops::Range;
+
+use dotgen_syntax::ast::{self, HasBody};
+use rustc_hash::FxHashSet;
+
+use super::{FileView, render};
+use crate::{
+    elab::DefKind,
+    lint::duration,
+    model::{
+        CodelKind, Component, ComponentKind, Owner, Param, Seconds, ServiceKind, Src, fsm::Machine,
+        turn::Turn,
+    },
+    source_map::bytes,
+};
+
+/// Which types are shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum InlayTypes {
+    /// None.
+    Off,
+    /// Those of names that another component or interface declares.
+    #[default]
+    Inherited,
+    /// Those of all parameters that name data.
+    All,
+}
+
+/// Which hints are shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct InlayConfig {
+    /// Types of parameters.
+    pub types: InlayTypes,
+    /// `stop → ether` where a machine has no codel for `stop`.
+    pub implicit_ether: bool,
+    /// Longest time from a state to the next pause.
+    pub wcet: bool,
+    /// Share of its period that a task needs.
+    pub utilisation: bool,
+    /// Values that properties have when they are not given.
+    pub defaults: bool,
+}
+
+impl Default for InlayConfig {
+    fn default() -> InlayConfig {
+        InlayConfig {
+            types: InlayTypes::default(),
+            implicit_ether: true,
+            wcet: true,
+            utilisation: true,
+            defaults: true,
+        }
+    }
+}
+
+/// What a hint is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[allow(missing_docs, reason = "see InlayConfig")]
+pub enum InlayKind {
+    Type,
+    ImplicitEther,
+    Wcet,
+    Utilisation,
+    Default,
+}
+
+/// A text shown between those of the author.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct InlayHint {
+    /// Byte offset.
+    pub at: usize,
+    /// The text.
+    pub label: String,
+    /// What it is about.
+    pub kind: InlayKind,
+    /// An explanation, in Markdown.
+    pub tooltip: String,
+}
+
+/// The hints that touch a range, by place.
+pub(crate) fn inlay_hints(
+    view: &FileView<'_>,
+    range: &Range<usize>,
+    config: &InlayConfig,
+) -> Vec<InlayHint> {
+    let mut hints = Hints {
+        view,
+        range,
+        out: Vec::new(),
+    };
+    let elaborated = view.elaborated();
+    for (number, component) in (0..).zip(&elaborated.spec.components) {
+        if config.types != InlayTypes::Off {
+            hints.types(number, component, config.types == InlayTypes::All);
+        }
+        if component.kind == ComponentKind::Component {
+            if config.defaults {
+                hints.defaults(component);
+            }
+            for owner in component.owners() {
+                hints.machine(component, owner, config);
+            }
+            if config.utilisation {
+                hints.utilisation(component);
+            }
+        }
+    }
+    let mut out = hints.out;
+    out.sort_by_key(|it| (it.at, it.kind));
+    let mut seen = FxHashSet::default();
+    out.retain(|it| seen.insert((it.at, it.kind)));
+    out
+}
+
+struct Hints<'a, 'db> {
+    view: &'a FileView<'db>,
+    range: &'a Range<usize>,
+    out: Vec<InlayHint>,
+}
+
+impl Hints<'_, '_> {
+    /// The place of something, if it is in this file and in the range.
+    fn place(&self, src: Src) -> Option<Range<usize>> {
+        let (file, range) = self.view.place(src)?;
+        let range = bytes(range);
+        let touches = range.start <= self.range.end && self.range.start <= range.end;
+        (file == self.view.file && touches).then_some(range)
+    }
+
+    fn push(&mut self, at: usize, kind: InlayKind, label: String, tooltip: String) {
+        if self.range.start <= at && at <= self.range.end {
+            self.out.push(InlayHint {
+                at,
+                label,
+                kind,
+                tooltip,
+            });
+        }
+    }
+
+    fn types(&mut self, number: u32, component: &Component, all: bool) {
+        let services = component.services.iter();
+        let attributes = services.filter(|it| it.kind == ServiceKind::Attribute);
+        let mut params: Vec<&Param> = attributes.flat_map(|it| &it.params).collect();
+        for it in component.all_codels() {
+            params.extend(&component.codel(it).params);
+        }
+        let inherited = if all {
+            Vec::new()
+        } else {
+            self.inherited(number, component)
+        };
+        for param in params {
+            let Some(place) = self.place(param.src) else {
+                continue;
+            };
+            let within = |it: &usize| place.start <= *it && *it < place.end;
+            if all || inherited.iter().any(within) {
+                let spec = &self.view.elaborated().spec;
+                let ty = render::type_text(spec, param.ty);
+                let tooltip = match render::resolved_type_text(spec, param.ty) {
+                    Some(resolved) if resolved != ty => format!("`{resolved}`"),
+                    _ => String::new(),
+                };
+                if ty != "unknown" {
+                    self.push(place.end, InlayKind::Type, format!(": {ty}"), tooltip);
+                }
+            }
+        }
+    }
+
+    /// Where a component mentions data that something else declares.
+    fn inherited(&self, number: u32, component: &Component) -> Vec<usize> {
+        let elaborated = self.view.elaborated();
+        let references = elaborated.references.iter();
+        let foreign = references.filter(|it| {
+            let target = elaborated.definition(it.target);
+            let mut home = target.container;
+            while let Some(container) = home.map(|it| elaborated.definition(it)) {
+                if matches!(container.kind, DefKind::Component | DefKind::Interface) {
+                    break;
+                }
+                home = container.container;
+            }
+            let home = home.map(|it| &elaborated.definition(it).name);
+            it.component == Some(number)
+                && matches!(
+                    target.kind,
+                    DefKind::IdsMember | DefKind::Port | DefKind::Parameter | DefKind::Local
+                )
+                && home.is_some_and(|it| *it != component.name)
+        });
+        foreign
+            .filter_map(|it| Some(self.place(it.at)?.start))
+            .collect()
+    }
+
+    /// What a component has without saying so.
+    fn defaults(&mut self, component: &Component) {
+        let Some(place) = self.place(component.src) else {
+            return;
+        };
+        let given = |word: &str| self.has_property(component, word);
+        let mut all = Vec::new();
+        if let Some(rate) = &component.clock_rate
+            && rate.src == component.src
+        {
+            all.push(format!("clock-rate {}", duration(rate.value)));
+        }
+        for (word, value, default) in [
+            ("lang", &component.lang, "c"),
+            ("version", &component.version, "0"),
+        ] {
+            if value.as_deref() == Some(default) && !given(word) {
+                all.push(format!("{word} \"{default}\""));
+            }
+        }
+        if !all.is_empty() {
+            let tooltip = "Values of properties that are not given.".to_owned();
+            self.push(
+                place.end,
+                InlayKind::Default,
+                format!(" {}", all.join(", ")),
+                tooltip,
+            );
+        }
+    }
+
+    /// Whether a component of this file is written with a property.
+    fn has_property(&self, component: &Component, word: &str) -> bool {
+        let items = self.view.parse().tree().items();
+        let components = items.filter_map(|it| match it {
+            ast::Item::Component(it) => Some(it),
+            _ => None,
+        });
+        let map = self.view.map();
+        let named =
+            components.filter(|it| it.name().is_some_and(|it| it.text(map) == component.name));
+        let mut properties = named
+            .flat_map(|it| it.items().collect::<Vec<_>>())
+            .filter_map(|it| match it {
+                ast::Item::Property(it) => it.keyword_token(),
+                _ => None,
+            });
+        properties.any(|it| map.text(&it) == word)
+    }
+
+    fn machine(&mut self, component: &Component, owner: Owner, config: &InlayConfig) {
+        let machine = Machine::new(component.codels_of(owner));
+        if machine.is_empty() {
+            return;
+        }
+        if config.implicit_ether
+            && machine.codel("stop").is_none()
+            && let Some((_, last)) = machine.codels.last()
+            && let Some(end) = last.yields.last().and_then(|it| self.place(it.src))
+        {
+            self.push(
+                end.end,
+                InlayKind::ImplicitEther,
+                " (stop → ether)".to_owned(),
+                "When interrupted, this machine ends at once: it has no codel for `stop`."
+                    .to_owned(),
+            );
+        }
+        if !config.wcet || !machine.codels.iter().any(|it| it.1.wcet.is_some()) {
+            return;
+        }
+        for state in machine.turn_starts() {
+            let Some((_, codel)) = machine.codel(state) else {
+                continue;
+            };
+            let trigger = codel.triggers.iter().find(|it| it.name == state);
+            let Some(place) = trigger.and_then(|it| self.place(it.src)) else {
+                continue;
+            };
+            let (label, tooltip) = match machine.longest_turn(state) {
+                Some(Turn::Bounded {
+                    sum,
+                    chain,
+                    incomplete,
+                }) => {
+                    let steps = chain.iter().map(|&it| machine.at(it).name.to_string());
+                    let steps: Vec<String> = steps.collect();
+                    let more = if incomplete { "+" } else { "" };
+                    let mut tooltip =
+                        format!("Longest way to the next pause: {}.", steps.join(" → "));
+                    if incomplete {
+                        tooltip += " Some codel on the way has no `wcet` and counts as zero.";
+                    }
+                    (format!(" ≤ {}{more}", duration(sum)), tooltip)
+                }
+                Some(Turn::Unbounded { cycle }) => {
+                    let steps = cycle.iter().map(|&it| machine.at(it).name.to_string());
+                    let steps: Vec<String> = steps.collect();
+                    (
+                        " ≤ ∞".to_owned(),
+                        format!("It can go round without pausing: {}.", steps.join(" → ")),
+                    )
+                }
+                None => continue,
+            };
+            self.push(place.end, InlayKind::Wcet, label, tooltip);
+        }
+    }
+
+    fn utilisation(&mut self, component: &Component) {
+        for (index, task) in (0..).zip(&component.tasks) {
+            let Some(share) = component
+                .utilisation(index)
+                .filter(|it| *it > Seconds::from_integer(0))
+            else {
+                continue;
+            };
+            let Some(place) = self.place(task.src) else {
+                continue;
+            };
+            let mut tooltip = "Longest turn of the permanent activity, by the period.".to_owned();
+            for service in component
+                .services
+                .iter()
+                .filter(|it| it.task == Some(index))
+            {
+                let machine = Machine::new(&service.codels);
+                let turns = machine.turn_starts().into_iter();
+                let longest = turns.filter_map(|it| match machine.longest_turn(it)? {
+                    Turn::Bounded { sum, .. } => Some(sum),
+                    Turn::Unbounded { .. } => None,
+                });
+                if let Some(longest) = longest.max().filter(|it| *it > Seconds::from_integer(0)) {
+                    tooltip += &format!(
+                        "\n- activity `{}` adds at most {} a turn",
+                        service.name,
+                        duration(longest)
+                    );
+                }
+            }
+            self.push(
+                place.end,
+                InlayKind::Utilisation,
+                format!(": {}", percent(share)),
+                tooltip,
+            );
+        }
+    }
+}
+
+/// A share as `45 %`; small ones with a decimal.
+pub(crate) fn percent(share: Seconds) -> String {
+    let percent = *share.numer() as f64 / *share.denom() as f64 * 100.0;
+    match percent < 10.0 {
+        true => format!("{percent:.1} %"),
+        false => format!("{percent:.0} %"),
+    }
+}
+
+/// Whether a codel is part of a machine.
+pub(crate) fn is_machine(component: &Component, owner: Owner) -> bool {
+    let codels = component.codels_of(owner);
+    codels.iter().any(|it| it.kind == CodelKind::Fsm)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_support::Fixture;
+
+    /// The text with the hints in brackets.
+    fn shown(text: &str, config: InlayConfig) -> String {
+        let fixture = Fixture::new(text);
+        let path = camino::Utf8Path::new("/main.gen");
+        let mut out = fixture.text("/main.gen");
+        let hints = fixture
+            .analysis()
+            .inlay_hints(path, 0..out.len(), &config)
+            .unwrap();
+        for it in hints.iter().rev() {
+            out.insert_str(it.at, &format!("[{}]", it.label));
+        }
+        out
+    }
+
+    const NONE: InlayConfig = InlayConfig {
+        types: InlayTypes::Off,
+        implicit_ether: false,
+        wcet: false,
+        utilisation: false,
+        defaults: false,
+    };
+
+    const TEXT: &str = "struct s { double x; };
+interface i { port in s p; };
+component c {
+  provides i;
+  ids { s v; };
+  task t {
+    period 10 ms;
+    codel<start> f(port in p, ids in v.x) wcet 1 ms yield pause::go;
+    codel<go> g(out ::ids) wcet 4 ms yield more, ether;
+    codel<more> h() wcet 500 us yield pause::go;
+  };
+};
+";
+
+    #[test]
+    fn each_kind_can_be_switched() {
+        assert_eq!(shown(TEXT, NONE), TEXT);
+        let types = shown(
+            TEXT,
+            InlayConfig {
+                types: InlayTypes::Inherited,
+                ..NONE
+            },
+        );
+        assert!(types.contains("f(port in p[: s], ids in v.x)"), "{types}");
+        let types = shown(
+            TEXT,
+            InlayConfig {
+                types: InlayTypes::All,
+                ..NONE
+            },
+        );
+        assert!(
+            types.contains("f(port in p[: s], ids in v.x[: double])"),
+            "{types}"
+        );
+        let wcet = shown(TEXT, InlayConfig { wcet: true, ..NONE });
+        assert!(wcet.contains("codel<start[ ≤ 1 ms]>"), "{wcet}");
+        assert!(wcet.contains("codel<go[ ≤ 4500 µs]>"), "{wcet}");
+        let load = shown(
+            TEXT,
+            InlayConfig {
+                utilisation: true,
+                ..NONE
+            },
+        );
+        assert!(load.contains("task t[: 45 %] {"), "{load}");
+        let ether = shown(
+            TEXT,
+            InlayConfig {
+                implicit_ether: true,
+                ..NONE
+            },
+        );
+        assert!(
+            ether.contains("yield pause::go[ (stop → ether)];\n  };"),
+            "{ether}"
+        );
+        let defaults = shown(
+            TEXT,
+            InlayConfig {
+                defaults: true,
+                ..NONE
+            },
+        );
+        assert!(
+            defaults.contains("component c[ clock-rate 10 ms, lang \"c\", version \"0\"] {"),
+            "{defaults}"
+        );
+    }
+
+    #[test]
+    fn only_the_range_asked_for() {
+        let fixture = Fixture::new(TEXT);
+        let path = camino::Utf8Path::new("/main.gen");
+        let all = InlayConfig::default();
+        assert_eq!(
+            fixture.analysis().inlay_hints(path, 0..10, &all).unwrap(),
+            []
+        );
+    }
+
+    #[test]
+    fn a_machine_that_ends_on_stop_has_no_hint() {
+        let text = "component c { task t { codel<start> f() yield ether; codel<stop> g() yield ether; }; };\n";
+        assert_eq!(
+            shown(
+                text,
+                InlayConfig {
+                    implicit_ether: true,
+                    ..NONE
+                }
+            ),
+            text
+        );
+    }
+
+    #[test]
+    fn going_round_for_ever() {
+        let text = "component c { task t { codel<start> f() wcet 1 ms yield start, ether; }; };\n";
+        let found = shown(text, InlayConfig { wcet: true, ..NONE });
+        assert!(found.contains("<start[ ≤ ∞]>"), "{found}");
+    }
+}

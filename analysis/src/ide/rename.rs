@@ -1,0 +1,451 @@
+//! Another name for the thing under the cursor, everywhere.
+//!
+//! What is renamed is every mention that the units know of, and whatever gets its name from one of
+//! them (the parameter `x` of `attribute set(in x)` is called like the member). The result is compiled
+//! before it is offered: a rename that would clash, capture, or change what anything refers to is
+//! refused with the reason.
+
+use std::ops::Range;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_syntax::{SyntaxKind, directive::DirectiveKind, lexer::lex};
+use rustc_hash::FxHashSet;
+
+use super::{
+    FileView, RangeInfo,
+    document_links::path_range,
+    resolve::{Identity, Target, find_identities, identity, nav_target, occurrences, targets_at},
+    speculate::compare,
+};
+use crate::{
+    base::{Db, SourceFile, lexed, normalize},
+    diagnostic::FileEdit,
+    elab::{DefId, DefKind},
+    source_map::bytes,
+    unit::{UnitKey, defines, files, preprocessed, roots_of, unit_of_root, visits},
+};
+
+/// Why something cannot be renamed: a message for the user.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RenameError(pub String);
+
+impl std::fmt::Display for RenameError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for RenameError {}
+
+fn refuse<T>(why: impl Into<String>) -> Result<T, RenameError> {
+    Err(RenameError(why.into()))
+}
+
+/// What would be renamed: its range and its present name.
+pub(crate) fn prepare(view: &FileView<'_>, at: usize) -> Result<RangeInfo<String>, RenameError> {
+    let Some((range, targets)) = targets_at(view, at) else {
+        return refuse("There is no name here that can be changed");
+    };
+    let range = bytes(range);
+    let written = view.text().get(range.clone()).unwrap_or_default();
+    let name = match targets.first() {
+        Some(Target::Definition(id)) => definition_name(view, *id)?,
+        Some(Target::Macro(name, Some(_))) if nav_target(view, &targets[0]).is_some() => {
+            name.to_string()
+        }
+        Some(Target::Macro(name, _)) => {
+            return refuse(format!(
+                "`{name}` is not defined in a file of this specification"
+            ));
+        }
+        Some(Target::File(_)) => {
+            return refuse("To change a path, rename the file: its includes are updated");
+        }
+        None => return refuse("There is no name here that can be changed"),
+    };
+    if written != name {
+        return refuse(format!(
+            "`{name}` is written by the macro call `{written}`: change the macro"
+        ));
+    }
+    Ok(RangeInfo { range, info: name })
+}
+
+fn definition_name(view: &FileView<'_>, id: DefId) -> Result<String, RenameError> {
+    let all = &view.elaborated().definitions;
+    let Some(it) = all.get(id.0 as usize) else {
+        return refuse("There is no name here that can be changed");
+    };
+    if it.kind == DefKind::Ids {
+        return refuse("`ids` is a word of the language");
+    }
+    if it.kind == DefKind::State && matches!(it.name.as_str(), "start" | "stop" | "ether") {
+        return refuse(format!(
+            "The state `{}` has its name from the language",
+            it.name
+        ));
+    }
+    if view.place(it.src).is_none() {
+        return refuse(format!("`{}` is not defined in a file", it.name));
+    }
+    Ok(it.name.to_string())
+}
+
+/// The edits that give what is under the cursor another name.
+pub(crate) fn rename(
+    view: &FileView<'_>,
+    at: usize,
+    new_name: &str,
+) -> Result<Vec<FileEdit>, RenameError> {
+    let old = prepare(view, at)?.info;
+    check_name(new_name)?;
+    if old == new_name {
+        return Ok(Vec::new());
+    }
+    let Some((_, targets)) = targets_at(view, at) else {
+        return refuse("There is no name here that can be changed");
+    };
+    let is_macro = targets.iter().any(|it| matches!(it, Target::Macro(..)));
+    let places = match is_macro {
+        true => macro_places(view, at, &old),
+        false => places_of(view, &targets, &old, new_name)?,
+    };
+    let db = view.db;
+    let mut edits = Vec::with_capacity(places.len());
+    for (file, range) in places {
+        let written = file.text(db).get(range.clone()).unwrap_or_default();
+        if written != old {
+            let name = file.path(db).file_name().unwrap_or_default().to_owned();
+            let line = 1 + file.text(db)[..range.start].matches('\n').count();
+            return refuse(format!(
+                "`{old}` also comes out of the macro call `{written}` ({name}, line {line}): change that by hand first"
+            ));
+        }
+        edits.push(FileEdit {
+            path: file.path(db).clone(),
+            range,
+            new_text: new_name.to_owned(),
+        });
+    }
+    edits.sort_by(|a, b| (&a.path, a.range.start).cmp(&(&b.path, b.range.start)));
+    edits.dedup();
+    check_macros(view, &edits, new_name, is_macro)?;
+    check_meaning(db, &edits, &old, new_name)?;
+    Ok(edits)
+}
+
+fn check_name(name: &str) -> Result<(), RenameError> {
+    let raw = lex(name);
+    let mut characters = name.chars();
+    let first = characters
+        .next()
+        .is_some_and(|it| it.is_ascii_alphabetic() || it == '_');
+    let identifier = first && characters.all(|it| it.is_ascii_alphanumeric() || it == '_');
+    if !identifier {
+        return refuse(format!(
+            "`{name}` is not a name: use letters, digits and `_`, not beginning with a digit"
+        ));
+    }
+    if raw.is_empty() || raw.kind(0) != SyntaxKind::IDENT {
+        return refuse(format!("`{name}` is a reserved word"));
+    }
+    Ok(())
+}
+
+type Places = FxHashSet<(SourceFile, Range<usize>)>;
+
+/// Every mention of some definitions and of what shares its name with them.
+fn places_of(
+    view: &FileView<'_>,
+    targets: &[Target],
+    old: &str,
+    new_name: &str,
+) -> Result<Places, RenameError> {
+    let db = view.db;
+    let mut identities: Vec<Identity> = Vec::new();
+    for it in targets {
+        if let Target::Definition(id) = it {
+            identities.extend(identity(db, view.unit, *id));
+        }
+    }
+    let mut places = Places::default();
+    let mut done = 0;
+    while done < identities.len() {
+        let fresh = identities[done..].to_vec();
+        done = identities.len();
+        let mut seen = FxHashSet::default();
+        let mut units: Vec<UnitKey<'_>> = vec![view.unit];
+        for it in &fresh {
+            for &root in roots_of(db, it.file) {
+                units.push(unit_of_root(db, root));
+            }
+        }
+        for unit in units.into_iter().filter(|it| seen.insert(*it)) {
+            db.unwind_if_revision_cancelled();
+            mentions(db, unit, &fresh, old, &mut places, &mut identities);
+        }
+        if identities.iter().any(|it| {
+            use super::SymbolKind::*;
+            new_name == "all" && matches!(it.kind, Attribute | Function | Activity)
+        }) {
+            return refuse("`all` cannot be the name of a service");
+        }
+    }
+    Ok(places)
+}
+
+/// Adds the mentions of `wanted` in a unit, and what else has its name from one of them.
+fn mentions(
+    db: &dyn Db,
+    unit: UnitKey<'_>,
+    wanted: &[Identity],
+    old: &str,
+    places: &mut Places,
+    identities: &mut Vec<Identity>,
+) {
+    let ids = find_identities(db, unit, wanted);
+    if ids.is_empty() {
+        return;
+    }
+    for file in files(db, unit) {
+        let all = occurrences(db, unit, file);
+        let found: FxHashSet<_> = all
+            .iter()
+            .filter(|it| ids.contains(&it.target))
+            .map(|it| it.range)
+            .collect();
+        for it in all.iter().filter(|it| found.contains(&it.range)) {
+            let Some(other) = identity(db, unit, it.target) else {
+                continue;
+            };
+            if other.name == old {
+                places.insert((file, bytes(it.range)));
+                if !identities.contains(&other) {
+                    identities.push(other);
+                }
+            }
+        }
+    }
+}
+
+/// Every use of a macro, also in conditions and in the bodies of other macros.
+fn macro_places(view: &FileView<'_>, at: usize, old: &str) -> Places {
+    let db = view.db;
+    let mut places = Places::default();
+    let found = super::references::references(view, at, true).unwrap_or_default();
+    let mut concerned: FxHashSet<SourceFile> = FxHashSet::default();
+    for it in found {
+        let file = db.file(&it.place.path);
+        places.insert((file, it.place.range));
+        for &root in roots_of(db, file) {
+            concerned.extend(files(db, unit_of_root(db, root)));
+        }
+    }
+    for file in concerned {
+        let (raw, text) = (&lexed(db, file).raw, file.text(db));
+        for define in defines(db, file).iter() {
+            for i in define.body.clone() {
+                if raw.clean_text(text, i as usize) == old {
+                    places.insert((file, raw.range(i as usize)));
+                }
+            }
+        }
+        // An include guard is mentioned before it is defined.
+        for visit in roots_of(db, file).iter().flat_map(|root| {
+            let visits = &visits(db, unit_of_root(db, *root)).visits;
+            visits.iter().filter(|it| it.key.file(db) == file)
+        }) {
+            for it in &preprocessed(db, visit.key).directives {
+                if let DirectiveKind::Ifdef(operand)
+                | DirectiveKind::Ifndef(operand)
+                | DirectiveKind::Undef(operand) = &it.kind
+                    && let Some(name) = &operand.name
+                    && name.text == old
+                {
+                    places.insert((file, bytes(name.range)));
+                }
+            }
+        }
+    }
+    places
+}
+
+/// A name that is a macro somewhere would be expanded there; a new macro would expand other names.
+fn check_macros(
+    view: &FileView<'_>,
+    edits: &[FileEdit],
+    new_name: &str,
+    is_macro: bool,
+) -> Result<(), RenameError> {
+    let db = view.db;
+    let mut seen = FxHashSet::default();
+    for edit in edits {
+        let edited = db.file(&edit.path);
+        for &root in roots_of(db, edited) {
+            if !seen.insert(root) {
+                continue;
+            }
+            for file in files(db, unit_of_root(db, root)) {
+                let name = file.path(db).file_name().unwrap_or_default();
+                let defined = defines(db, file)
+                    .iter()
+                    .any(|it| it.name.as_ref().is_some_and(|it| it.text == new_name));
+                if defined {
+                    return refuse(format!("`{new_name}` is a macro, defined in {name}"));
+                }
+                let mentioned = crate::unit::mentioned(db, file);
+                if is_macro && mentioned.words.contains(new_name) {
+                    return refuse(format!(
+                        "{name} already says `{new_name}`, which the macro would replace"
+                    ));
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Nothing but names may be different afterwards.
+fn check_meaning(
+    db: &dyn Db,
+    edits: &[FileEdit],
+    old: &str,
+    new_name: &str,
+) -> Result<(), RenameError> {
+    for it in compare(db, edits) {
+        if let Some(error) = it.new_errors.first() {
+            return refuse(format!(
+                "`{old}` cannot be called `{new_name}`: {}",
+                error.message
+            ));
+        }
+        let same = it.before.references == it.after.references
+            && std::iter::zip(&it.before.definitions, &it.after.definitions).all(|(a, b)| {
+                (a.id, a.kind, a.src, a.container, a.ty) == (b.id, b.kind, b.src, b.container, b.ty)
+            })
+            && it.before.definitions.len() == it.after.definitions.len()
+            && shape(&it.before.spec) == shape(&it.after.spec);
+        if !same {
+            return refuse(format!(
+                "`{old}` cannot be called `{new_name}`: another `{new_name}` is near, and some names would then mean something else"
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// How many parts each component has.
+fn shape(spec: &crate::model::Spec) -> Vec<[usize; 5]> {
+    let of = |it: &crate::model::Component| {
+        let codels = it.all_codels().count();
+        let parts = [it.tasks.len(), it.ports.len(), it.services.len()];
+        [parts[0], parts[1], parts[2], it.remotes.len(), codels]
+    };
+    spec.components.iter().map(of).collect()
+}
+
+/// The edits of include directives after files were moved: pairs of old and new path, of files or
+/// folders.
+pub(crate) fn files_moved(db: &dyn Db, moves: &[(Utf8PathBuf, Utf8PathBuf)]) -> Vec<FileEdit> {
+    let moved = |path: &Utf8Path| -> Option<Utf8PathBuf> {
+        moves.iter().find_map(|(from, to)| {
+            let rest = path.strip_prefix(normalize(from)).ok()?;
+            let to = normalize(to);
+            Some(if rest.as_str().is_empty() {
+                to
+            } else {
+                to.join(rest)
+            })
+        })
+    };
+    let mut edits: Vec<FileEdit> = Vec::new();
+    for root in db.workspace().roots(db).clone() {
+        db.unwind_if_revision_cancelled();
+        let all = &visits(db, unit_of_root(db, db.file(&root))).visits;
+        for visit in all {
+            let file = visit.key.file(db);
+            let pre = preprocessed(db, visit.key);
+            for (include, leads_to) in std::iter::zip(&pre.includes, &visit.includes) {
+                let target = leads_to.and_then(|it| all.get(it as usize));
+                let (Some(target), Some(request)) = (target, &include.request) else {
+                    continue;
+                };
+                let (from, target) = (file.path(db), target.key.file(db).path(db));
+                let (new_from, new_target) = (moved(from), moved(target));
+                if new_from.is_none() && new_target.is_none() {
+                    continue;
+                }
+                let range = path_range(file.text(db), include.range);
+                let new_from = new_from.as_deref().unwrap_or(from);
+                let new_target = new_target.as_deref().unwrap_or(target);
+                let spelled = Utf8Path::new(request.path.as_str());
+                let new = respell(
+                    db,
+                    spelled,
+                    request.angled,
+                    from,
+                    target,
+                    new_from,
+                    new_target,
+                );
+                // An operand that is a macro is not a path to change.
+                let path = (range != include.range).then_some(new).flatten();
+                if let Some(path) = path.filter(|it| it.as_str() != request.path) {
+                    edits.push(FileEdit {
+                        path: from.clone(),
+                        range: bytes(range),
+                        new_text: path.into_string(),
+                    });
+                }
+            }
+        }
+    }
+    edits.sort_by(|a, b| (&a.path, a.range.start).cmp(&(&b.path, b.range.start)));
+    edits.dedup();
+    edits
+}
+
+/// How an include is to be spelled; `None` if it has to stay.
+fn respell(
+    db: &dyn Db,
+    spelled: &Utf8Path,
+    angled: bool,
+    from: &Utf8Path,
+    target: &Utf8Path,
+    new_from: &Utf8Path,
+    new_target: &Utf8Path,
+) -> Option<Utf8PathBuf> {
+    if spelled.is_absolute() {
+        return Some(new_target.to_owned());
+    }
+    let own = from.parent()?;
+    if !angled && normalize(&own.join(spelled)) == target {
+        return relative(new_from.parent()?, new_target);
+    }
+    // Found in a directory of the search path, configured or of a package.
+    let tail = normalize(spelled);
+    let base = target.as_str().strip_suffix(tail.as_str());
+    let base = Utf8Path::new(base?.trim_end_matches('/')).to_owned();
+    let dirs = std::iter::once(&base).chain(db.workspace().include_dirs(db));
+    let mut below = dirs.filter_map(|dir| new_target.strip_prefix(dir).ok());
+    match below.next() {
+        Some(path) => Some(path.to_owned()),
+        None if angled => None,
+        None => relative(new_from.parent()?, new_target),
+    }
+}
+
+/// The path of a file as seen from a directory.
+fn relative(from: &Utf8Path, to: &Utf8Path) -> Option<Utf8PathBuf> {
+    let mut up = Utf8PathBuf::new();
+    for ancestor in from.ancestors() {
+        if let Ok(rest) = to.strip_prefix(ancestor) {
+            return Some(up.join(rest));
+        }
+        up.push("..");
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,277 @@
+//! Declarations, types and values as people read them.
+
+use dotgen_syntax::{SyntaxKind, SyntaxNode, SyntaxToken};
+
+use super::FileView;
+use crate::model::{Spec, Type, TypeId, TypeKind, Value};
+
+/// Lines of a declaration that are shown before it is cut.
+const MAX_LINES: usize = 24;
+
+/// The text of a node in a standard layout: comments and directives left out, macros expanded.
+pub(crate) fn normalized(view: &FileView<'_>, node: &SyntaxNode) -> String {
+    let mut layout = Layout::default();
+    for element in node.descendants_with_tokens() {
+        let Some(token) = element.as_token() else {
+            continue;
+        };
+        if token.kind().is_trivia() || is_hidden(token, node) {
+            continue;
+        }
+        layout.token(token.kind(), &view.map().text(token));
+        if layout.lines >= MAX_LINES {
+            layout.out.push('…');
+            break;
+        }
+    }
+    layout.out.trim_end().to_owned()
+}
+
+/// The text of a node on one line, without body.
+pub(crate) fn one_line(view: &FileView<'_>, node: &SyntaxNode) -> String {
+    let mut layout = Layout {
+        flat: true,
+        ..Layout::default()
+    };
+    for element in node.descendants_with_tokens() {
+        let Some(token) = element.as_token() else {
+            continue;
+        };
+        if token.kind().is_trivia() || is_hidden(token, node) {
+            continue;
+        }
+        layout.token(token.kind(), &view.map().text(token));
+    }
+    layout.out.trim_end().to_owned()
+}
+
+/// Directives, text left out, and the spelling of macro calls.
+fn is_hidden(token: &SyntaxToken, within: &SyntaxNode) -> bool {
+    token
+        .parent_ancestors()
+        .take_while(|it| it != within)
+        .any(|it| {
+            matches!(
+                it.kind(),
+                SyntaxKind::DIRECTIVE | SyntaxKind::INACTIVE | SyntaxKind::MACRO_CALL
+            )
+        })
+}
+
+#[derive(Default)]
+struct Layout {
+    out: String,
+    indent: usize,
+    lines: usize,
+    previous: Option<SyntaxKind>,
+    /// Depth of parentheses and brackets.
+    nesting: usize,
+    flat: bool,
+}
+
+impl Layout {
+    fn token(&mut self, kind: SyntaxKind, text: &str) {
+        use SyntaxKind::*;
+        if kind == R_CURLY {
+            self.indent = self.indent.saturating_sub(1);
+        }
+        let fresh = match self.previous {
+            Some(L_CURLY) if kind == R_CURLY => false,
+            Some(L_CURLY) => self.newline(),
+            Some(SEMICOLON) if self.nesting == 0 => self.newline(),
+            Some(_) if kind == R_CURLY && self.nesting == 0 => self.newline(),
+            None => true,
+            _ => false,
+        };
+        if !fresh && self.needs_blank(kind) {
+            self.out.push(' ');
+        }
+        self.out.push_str(text);
+        match kind {
+            L_CURLY => self.indent += 1,
+            L_PAREN | L_BRACK => self.nesting += 1,
+            R_PAREN | R_BRACK => self.nesting = self.nesting.saturating_sub(1),
+            _ => {}
+        }
+        self.previous = Some(kind);
+    }
+
+    fn newline(&mut self) -> bool {
+        if self.flat {
+            return false;
+        }
+        self.out.push('\n');
+        self.lines += 1;
+        for _ in 0..self.indent {
+            self.out.push_str("  ");
+        }
+        true
+    }
+
+    fn needs_blank(&self, kind: SyntaxKind) -> bool {
+        use SyntaxKind::*;
+        let Some(previous) = self.previous else {
+            return false;
+        };
+        let glued_before = matches!(
+            kind,
+            SEMICOLON | COMMA | R_PAREN | R_BRACK | L_BRACK | COLON2 | DOT | R_ANGLE | COLON
+        );
+        let glued_after = matches!(previous, L_PAREN | L_BRACK | COLON2 | DOT | L_ANGLE);
+        if kind == COLON2 {
+            // `in ::whole` and `throw ::e`, but `a::b`.
+            return !(previous == IDENT || previous == PAUSE_KW || glued_after);
+        }
+        if matches!(kind, L_PAREN | L_ANGLE) {
+            return !(previous.is_keyword() || previous == IDENT);
+        }
+        !(glued_before || glued_after)
+    }
+}
+
+/// A value as it is written in a specification.
+pub(crate) fn value(spec: &Spec, value: &Value) -> String {
+    match value {
+        Value::Bool(true) => "TRUE".into(),
+        Value::Bool(false) => "FALSE".into(),
+        Value::Uint(it) => it.to_string(),
+        Value::Int(it) => it.to_string(),
+        Value::Float(it) => format!("{it:?}"),
+        Value::Char(it) => format!("'{it}'"),
+        Value::String(it) => format!("\"{it}\""),
+        Value::Enum(id) => spec
+            .types
+            .get(id.0 as usize)
+            .and_then(|it| it.name.as_ref())
+            .map_or_else(String::new, |it| it.to_string()),
+    }
+}
+
+/// A type with the full names of what it mentions, `pose::state[4]`.
+pub(crate) fn type_text(spec: &Spec, id: TypeId) -> String {
+    let Some(ty) = spec.types.get(id.0 as usize) else {
+        return String::new();
+    };
+    match &ty.kind {
+        TypeKind::StructMember { ty } | TypeKind::UnionMember { ty, .. } => type_text(spec, *ty),
+        _ if ty.name.is_some() => {
+            let full = spec.full_name(id).unwrap_or_default();
+            full.strip_prefix("::").unwrap_or(&full).to_owned()
+        }
+        TypeKind::Array { .. } => {
+            let (mut element, mut dimensions) = (id, String::new());
+            while let Some(Type {
+                kind:
+                    TypeKind::Array {
+                        element: inner,
+                        length,
+                    },
+                name: None,
+                ..
+            }) = spec.types.get(element.0 as usize)
+            {
+                dimensions += &format!("[{length}]");
+                element = *inner;
+            }
+            type_text(spec, element) + &dimensions
+        }
+        TypeKind::Sequence { element, bound } => match bound {
+            Some(bound) => format!("sequence<{}, {bound}>", type_text(spec, *element)),
+            None => format!("sequence<{}>", type_text(spec, *element)),
+        },
+        TypeKind::Optional { element } => format!("optional<{}>", type_text(spec, *element)),
+        TypeKind::String { bound: Some(bound) } => format!("string<{bound}>"),
+        kind => base_name(kind).to_owned(),
+    }
+}
+
+/// The type behind aliases, when that says more than the name.
+pub(crate) fn resolved_type_text(spec: &Spec, id: TypeId) -> Option<String> {
+    let resolved = spec.resolve_alias(id);
+    let ty = spec.types.get(resolved.0 as usize)?;
+    Some(match &ty.kind {
+        TypeKind::Unknown => return None,
+        TypeKind::Struct { members } => {
+            format!(
+                "struct {} ({})",
+                type_text(spec, resolved),
+                count(members.len(), "member")
+            )
+        }
+        TypeKind::Union { members, .. } => {
+            format!(
+                "union {} ({})",
+                type_text(spec, resolved),
+                count(members.len(), "case")
+            )
+        }
+        TypeKind::Enum { enumerators } => {
+            format!(
+                "enum {} ({})",
+                type_text(spec, resolved),
+                count(enumerators.len(), "value")
+            )
+        }
+        TypeKind::Exception { members } => format!(
+            "exception {} ({})",
+            type_text(spec, resolved),
+            count(members.len(), "member")
+        ),
+        TypeKind::Native => format!("native {}", type_text(spec, resolved)),
+        _ => type_text(spec, resolved),
+    })
+}
+
+/// Bytes the values of a type take when packed one after the other; `None` when that depends on the
+/// value or on the implementation.
+pub(crate) fn packed_size(spec: &Spec, id: TypeId) -> Option<u64> {
+    size(spec, id, 0)
+}
+
+fn size(spec: &Spec, id: TypeId, depth: u32) -> Option<u64> {
+    // Types cannot contain themselves; foreign data might.
+    if depth > 64 {
+        return None;
+    }
+    let ty = spec.types.get(spec.resolve_alias(id).0 as usize)?;
+    Some(match &ty.kind {
+        TypeKind::Boolean | TypeKind::Octet | TypeKind::Char => 1,
+        TypeKind::Short | TypeKind::UnsignedShort => 2,
+        TypeKind::Long | TypeKind::UnsignedLong | TypeKind::Float | TypeKind::Enum { .. } => 4,
+        TypeKind::LongLong | TypeKind::UnsignedLongLong | TypeKind::Double => 8,
+        TypeKind::Array { element, length } => {
+            size(spec, *element, depth + 1)?.checked_mul(*length)?
+        }
+        TypeKind::Struct { members } | TypeKind::Exception { members } => {
+            let mut sum = 0_u64;
+            for &member in members {
+                sum = sum.checked_add(size(spec, member, depth + 1)?)?;
+            }
+            sum
+        }
+        _ => return None,
+    })
+}
+
+fn count(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}
+
+fn base_name(kind: &TypeKind) -> &'static str {
+    match kind {
+        TypeKind::Boolean => "boolean",
+        TypeKind::Octet => "octet",
+        TypeKind::Char => "char",
+        TypeKind::Short => "short",
+        TypeKind::UnsignedShort => "unsigned short",
+        TypeKind::Long => "long",
+        TypeKind::UnsignedLong => "unsigned long",
+        TypeKind::LongLong => "long long",
+        TypeKind::UnsignedLongLong => "unsigned long long",
+        TypeKind::Float => "float",
+        TypeKind::Double => "double",
+        TypeKind::Any => "any",
+        TypeKind::String { .. } => "string",
+        _ => "unknown",
+    }
+}

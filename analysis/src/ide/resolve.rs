@@ -1,0 +1,253 @@
+//! What stands where: every name of a file that means something, and what it means.
+
+use std::sync::Arc;
+
+use dotgen_syntax::{TextRange, directive::DirectiveKind, preproc::MacroSite};
+use rustc_hash::FxHashSet;
+use smol_str::SmolStr;
+
+use super::{
+    AccessKind, FileView, NavTarget, SymbolKind,
+    document_links::{include_target, path_range},
+    view::place,
+};
+use crate::{
+    base::{Db, SourceFile},
+    elab::{DefId, Definition},
+    queries::elaborated,
+    source_map::{bytes, offset},
+    unit::{UnitKey, define},
+};
+
+/// What a piece of text names.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(crate) enum Target {
+    /// A declaration of the unit.
+    Definition(DefId),
+    /// A macro: its name, and its definition unless it is predefined.
+    Macro(SmolStr, Option<MacroSite>),
+    /// A file.
+    File(SourceFile),
+}
+
+/// A name of a file, resolved.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Occurrence {
+    pub(crate) range: TextRange,
+    pub(crate) target: DefId,
+    pub(crate) access: AccessKind,
+}
+
+/// The resolved names of a file in a unit, by place, those of all its visits together.
+#[salsa::tracked(returns(deref))]
+pub(crate) fn occurrences<'db>(
+    db: &'db dyn Db,
+    unit: UnitKey<'db>,
+    file: SourceFile,
+) -> Vec<Occurrence> {
+    let elaborated = elaborated(db, unit);
+    let here = |src| {
+        let (in_file, range) = place(db, unit, src)?;
+        (in_file == file).then_some(range)
+    };
+    let mut out = Vec::new();
+    for it in &elaborated.definitions {
+        if let Some(range) = here(it.src) {
+            out.push(Occurrence {
+                range,
+                target: it.id,
+                access: AccessKind::Declaration,
+            });
+        }
+    }
+    for it in &elaborated.references {
+        if let Some(range) = here(it.at) {
+            out.push(Occurrence {
+                range,
+                target: it.target,
+                access: match it.declaration {
+                    true => AccessKind::Declaration,
+                    false => it.access.into(),
+                },
+            });
+        }
+    }
+    out.sort_by_key(|it| (it.range.start(), it.range.end(), it.target, it.access));
+    out.dedup();
+    out
+}
+
+/// What is under the cursor: the smallest name that touches the offset, with everything it means.
+pub(crate) fn targets_at(view: &FileView<'_>, at: usize) -> Option<(TextRange, Vec<Target>)> {
+    let at = offset(at);
+    let touches = |range: TextRange| range.contains_inclusive(at);
+    for (ordinal, include) in view.pre().includes.iter().enumerate() {
+        // A macro in the operand stands for itself.
+        let delimited = path_range(view.text(), include.range);
+        if touches(include.range) && delimited != include.range {
+            let target = include_target(view, ordinal)?;
+            return Some((delimited, vec![Target::File(target)]));
+        }
+    }
+    let in_macros = macro_at(view, at);
+    let all = occurrences(view.db, view.unit, view.file);
+    // A name the cursor is in or before wins over one that ends there.
+    let names = all.iter().filter(|it| touches(it.range));
+    let best = names.min_by_key(|it| (it.range.end() == at, it.range.len()));
+    match (in_macros, best) {
+        (Some((range, target)), Some(best)) if best.range.len() < range.len() => {
+            _ = target;
+            Some((best.range, same_place(all, best.range)))
+        }
+        (Some((range, target)), _) => Some((range, vec![target])),
+        (None, Some(best)) => Some((best.range, same_place(all, best.range))),
+        (None, None) => None,
+    }
+}
+
+/// Like [`targets_at`], without what is declared right there if the name means something else too:
+/// a parameter of an attribute is declared by naming a member of the ids.
+pub(crate) fn meanings_at(view: &FileView<'_>, at: usize) -> Option<(TextRange, Vec<Target>)> {
+    let (range, targets) = targets_at(view, at)?;
+    let is_here = |it: &&Target| match it {
+        Target::Definition(id) => identity(view.db, view.unit, *id)
+            .is_some_and(|it| it.file == view.file && it.range == range),
+        _ => false,
+    };
+    let elsewhere: Vec<Target> = targets.iter().filter(|it| !is_here(it)).cloned().collect();
+    let found = if elsewhere.is_empty() {
+        targets
+    } else {
+        elsewhere
+    };
+    Some((range, found))
+}
+
+fn same_place(all: &[Occurrence], range: TextRange) -> Vec<Target> {
+    let mut seen = FxHashSet::default();
+    all.iter()
+        .filter(|it| it.range == range)
+        .filter(|it| seen.insert(it.target))
+        .map(|it| Target::Definition(it.target))
+        .collect()
+}
+
+/// The macro that is named under the cursor, in its definition, a condition or a call.
+fn macro_at(view: &FileView<'_>, at: dotgen_syntax::TextSize) -> Option<(TextRange, Target)> {
+    let pre = view.pre();
+    let used = pre
+        .macro_uses
+        .iter()
+        .find(|it| it.range.contains_inclusive(at));
+    if let Some(used) = used {
+        let target = Target::Macro(used.name.clone(), used.site.clone());
+        return Some((used.range, target));
+    }
+    pre.directives.iter().find_map(|it| match &it.kind {
+        DirectiveKind::Define(define) => {
+            let name = define.name.as_ref()?;
+            let site = MacroSite {
+                file: Some(view.file.path(view.db).as_str().into()),
+                ordinal: define.ordinal,
+            };
+            name.range
+                .contains_inclusive(at)
+                .then(|| (name.range, Target::Macro(name.text.clone(), Some(site))))
+        }
+        _ => None,
+    })
+}
+
+/// Where a target is defined; nothing for predefined macros.
+pub(crate) fn nav_target(view: &FileView<'_>, target: &Target) -> Option<NavTarget> {
+    match target {
+        Target::Definition(id) => definition_target(view.db, view.unit, *id),
+        Target::Macro(name, site) => {
+            let site = site.as_ref()?;
+            let path = camino::Utf8Path::new(site.file.as_ref()?.as_str());
+            let file = view.db.file(path);
+            let definition = define(view.db, file, site.ordinal)?;
+            let focus = bytes(definition.name?.range);
+            Some(NavTarget {
+                path: file.path(view.db).clone(),
+                full_range: focus.clone(),
+                focus_range: focus,
+                name: name.clone(),
+                kind: SymbolKind::Macro,
+                container: None,
+            })
+        }
+        Target::File(file) => {
+            let path = file.path(view.db);
+            Some(NavTarget {
+                path: path.clone(),
+                full_range: 0..file.text(view.db).len(),
+                focus_range: 0..0,
+                name: path.file_name().unwrap_or_default().into(),
+                kind: SymbolKind::File,
+                container: None,
+            })
+        }
+    }
+}
+
+/// Where a definition of a unit is.
+pub(crate) fn definition_target<'db>(
+    db: &'db dyn Db,
+    unit: UnitKey<'db>,
+    id: DefId,
+) -> Option<NavTarget> {
+    let elaborated = elaborated(db, unit);
+    let it = elaborated.definitions.get(id.0 as usize)?;
+    let (file, focus) = place(db, unit, it.src)?;
+    let full = place(db, unit, it.node).filter(|(in_file, _)| *in_file == file);
+    let full = full.map_or(focus, |(_, full)| full.cover(focus));
+    Some(NavTarget {
+        path: file.path(db).clone(),
+        full_range: bytes(full),
+        focus_range: bytes(focus),
+        name: it.name.clone(),
+        kind: it.kind.into(),
+        container: container_name(&elaborated.definitions, it),
+    })
+}
+
+/// Name of what a definition is declared in.
+pub(crate) fn container_name(all: &[Definition], it: &Definition) -> Option<SmolStr> {
+    Some(all.get(it.container?.0 as usize)?.name.clone())
+}
+
+/// What tells a definition apart in every unit that has it.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(crate) struct Identity {
+    pub(crate) file: SourceFile,
+    pub(crate) range: TextRange,
+    pub(crate) name: SmolStr,
+    pub(crate) kind: SymbolKind,
+}
+
+/// The identity of a definition of a unit.
+pub(crate) fn identity<'db>(db: &'db dyn Db, unit: UnitKey<'db>, id: DefId) -> Option<Identity> {
+    let it = elaborated(db, unit).definitions.get(id.0 as usize)?;
+    let (file, range) = place(db, unit, it.src)?;
+    Some(Identity {
+        file,
+        range,
+        name: it.name.clone(),
+        kind: it.kind.into(),
+    })
+}
+
+/// The definitions of a unit with one of some identities.
+pub(crate) fn find_identities<'db>(
+    db: &'db dyn Db,
+    unit: UnitKey<'db>,
+    wanted: &[Identity],
+) -> Arc<FxHashSet<DefId>> {
+    let all = &elaborated(db, unit).definitions;
+    let found = all
+        .iter()
+        .filter(|it| wanted.iter().any(|wanted| wanted.name == it.name))
+        .filter(|it| identity(db, unit, it.id).is_some_and(|it| wanted.contains(&it)));
+    Arc::new(found.map(|it| it.id).collect())
+}

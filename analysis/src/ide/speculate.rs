@@ -1,0 +1,127 @@
+//! What a specification would mean after some edits: the units concerned are compiled again, in a
+//! database of their own.
+//!
+//! Renaming and refactoring must not change what is not to be changed. The language has too many
+//! ways to clash and to capture for a list of them to be trusted; compiling the result and comparing
+//! finds them all.
+
+use std::sync::Arc;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use rustc_hash::FxHashMap;
+
+use crate::{
+    base::{Db, RootDatabase, SourceFile},
+    diagnostic::{Diagnostic, FileEdit, Severity},
+    elab::Elaborated,
+    host::{FileContent, Loader, PackageFlags},
+    queries::elaborated,
+    report::unit_report,
+    unit::{UnitKey, files, roots_of, unit_of_root},
+};
+
+/// One unit before and after.
+pub(crate) struct Comparison {
+    pub(crate) before: Arc<Elaborated>,
+    pub(crate) after: Arc<Elaborated>,
+    /// Errors that were not there before.
+    pub(crate) new_errors: Vec<Diagnostic>,
+}
+
+/// A text with edits applied; they do not overlap.
+pub(crate) fn apply<'e>(text: &str, edits: impl IntoIterator<Item = &'e FileEdit>) -> String {
+    let mut edits: Vec<&FileEdit> = edits.into_iter().collect();
+    edits.sort_by_key(|it| (it.range.start, it.range.end));
+    let mut out = String::with_capacity(text.len());
+    let mut at = 0;
+    for it in edits {
+        out.push_str(text.get(at..it.range.start).unwrap_or_default());
+        out.push_str(&it.new_text);
+        at = it.range.end.max(at);
+    }
+    out.push_str(text.get(at..).unwrap_or_default());
+    out
+}
+
+/// Compiles the units of the edited files before and after.
+pub(crate) fn compare(db: &dyn Db, edits: &[FileEdit]) -> Vec<Comparison> {
+    let mut by_file: FxHashMap<SourceFile, Vec<&FileEdit>> = FxHashMap::default();
+    for it in edits {
+        by_file.entry(db.file(&it.path)).or_default().push(it);
+    }
+    let mut roots: Vec<SourceFile> = Vec::new();
+    for &file in by_file.keys() {
+        for &root in roots_of(db, file) {
+            if !roots.contains(&root) {
+                roots.push(root);
+            }
+        }
+    }
+    roots.sort_by_key(|it| it.path(db).clone());
+    let mut texts: FxHashMap<Utf8PathBuf, String> = FxHashMap::default();
+    for &root in &roots {
+        for file in files(db, unit_of_root(db, root)) {
+            let edits = by_file.get(&file).into_iter().flatten().copied();
+            texts
+                .entry(file.path(db).clone())
+                .or_insert_with(|| apply(file.text(db), edits));
+        }
+    }
+    let overlay = Overlay {
+        texts,
+        below: db.loader().clone(),
+    };
+    let other = RootDatabase::like(db, Arc::new(overlay));
+    let compare = |root: &SourceFile| {
+        db.unwind_if_revision_cancelled();
+        let unit = unit_of_root(db, *root);
+        let there = unit_of_root(&other, other.file(root.path(db)));
+        Comparison {
+            before: elaborated(db, unit).clone(),
+            after: elaborated(&other, there).clone(),
+            new_errors: new_errors(db, unit, &other, there),
+        }
+    };
+    roots.iter().map(compare).collect()
+}
+
+/// Errors of which there are more afterwards.
+fn new_errors(
+    db: &dyn Db,
+    unit: UnitKey<'_>,
+    other: &dyn Db,
+    there: UnitKey<'_>,
+) -> Vec<Diagnostic> {
+    let mut known: FxHashMap<&str, usize> = FxHashMap::default();
+    for it in unit_report(db, unit).iter() {
+        *known.entry(it.code).or_default() += 1;
+    }
+    let mut out = Vec::new();
+    for it in unit_report(other, there).iter() {
+        match known.get_mut(it.code).filter(|it| **it > 0) {
+            Some(left) => *left -= 1,
+            None if it.severity == Severity::Error => out.push(it.clone()),
+            None => {}
+        }
+    }
+    out
+}
+
+/// The files of some units with their new texts.
+struct Overlay {
+    texts: FxHashMap<Utf8PathBuf, String>,
+    below: Arc<dyn Loader>,
+}
+
+impl Loader for Overlay {
+    fn read(&self, path: &Utf8Path) -> FileContent {
+        match self.texts.get(path) {
+            Some(text) => FileContent::Text(text.clone()),
+            None => self.below.read(path),
+        }
+    }
+
+    fn packages(&self, arguments: &[String]) -> Result<PackageFlags, String> {
+        self.below.packages(arguments)
+    }
+}

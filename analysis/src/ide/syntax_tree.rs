@@ -1,0 +1,7 @@
+//! The syntax tree as text, for people who look inside.
+
+use super::FileView;
+
+pub(crate) fn syntax_tree(view: &FileView<'_>) -> String {
+    dotgen_syntax::dump(view.parse())
+}

@@ -1,0 +1,552 @@
+//! Position-free declarations of one file: what a tree says, without where it says it.
+//!
+//! This is the incremental firewall. Editing a comment or a blank line gives an equal item tree, so
+//! nothing below is computed again. Every node that something may point at carries a [`Ptr`];
+//! [`ItemTree`] and the ranges of its pointers are produced together by `lower`.
+//!
+//! The item tree is a faithful, ordered transcription: it does no resolution and no checking.
+//! What could not be parsed is left out (or is a `Missing` variant), so that one syntax error
+//! causes no second message.
+
+pub mod lower;
+
+use smol_str::SmolStr;
+
+use crate::model::Name as Text;
+
+/// A node of an item tree: ordinal of the top-level item in its file, and ordinal inside the item.
+///
+/// Relative to the item, so that an edit in one component leaves the pointers of the others alone.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
+pub struct Ptr {
+    /// Ordinal of the top-level item.
+    pub item: u32,
+    /// Ordinal inside the item, in text order.
+    pub node: u32,
+}
+
+/// A name with its place.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Name {
+    /// As spelled (after macro expansion).
+    pub text: Text,
+    /// The token.
+    pub ptr: Ptr,
+}
+
+/// The declarations of one file, or of the part of a body it holds when it is included in one.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct ItemTree {
+    /// In text order.
+    pub items: Vec<Item>,
+}
+
+/// Anything that may stand in a specification, module, component, ids, struct or property body.
+/// The parser guarantees nothing about which stands where beyond what the grammar does.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[allow(missing_docs, reason = "named after the grammar rules")]
+pub enum Item {
+    /// `#include`, by ordinal among the include directives of the file that are active.
+    Include {
+        ordinal: u32,
+        ptr: Ptr,
+    },
+    Pragma(Pragma),
+    Module {
+        name: Option<Name>,
+        items: Vec<Item>,
+        ptr: Ptr,
+    },
+    Const(ConstDecl),
+    Typedef {
+        ty: TypeRef,
+        declarators: Vec<Declarator>,
+        ptr: Ptr,
+    },
+    Native {
+        name: Option<Name>,
+        ptr: Ptr,
+    },
+    /// `exception a, b { … };`
+    Exceptions {
+        exceptions: Vec<ExceptionDecl>,
+        ptr: Ptr,
+    },
+    /// A struct, union or enum declared as a statement.
+    Type(Box<TypeDecl>),
+    /// `struct s;`
+    ForwardStruct {
+        name: Option<Name>,
+        ptr: Ptr,
+    },
+    /// `union u;`
+    ForwardUnion {
+        name: Option<Name>,
+        ptr: Ptr,
+    },
+    /// `component c { … };`; `body` is `None` for `component c;`.
+    Component {
+        interface: bool,
+        name: Option<Name>,
+        body: Option<Vec<Item>>,
+        ptr: Ptr,
+    },
+    Property(Property),
+    Ids {
+        members: Vec<Item>,
+        ptr: Ptr,
+        /// The word `ids`, which stands for the name.
+        keyword: Ptr,
+    },
+    Task {
+        name: Option<Name>,
+        properties: Vec<Item>,
+        ptr: Ptr,
+    },
+    Port(PortDecl),
+    Service(ServiceDecl),
+    /// A member of a struct, exception or ids.
+    Member {
+        ty: TypeRef,
+        declarators: Vec<Declarator>,
+        ptr: Ptr,
+    },
+    /// A case of a union.
+    Case {
+        labels: Vec<CaseLabel>,
+        ty: TypeRef,
+        declarator: Option<Declarator>,
+        ptr: Ptr,
+    },
+}
+
+/// A `#pragma` that means something to the specification.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[allow(missing_docs, reason = "the arguments as words, quotes removed")]
+pub enum Pragma {
+    /// `#pragma requires "pkg >= v" …`
+    Requires {
+        arguments: Vec<(SmolStr, Ptr)>,
+        ptr: Ptr,
+    },
+    /// `#pragma provides i j`
+    Provides {
+        arguments: Vec<(SmolStr, Ptr)>,
+        ptr: Ptr,
+    },
+    /// `#pragma masquerade TEMPLATE TYPE DATA`
+    Masquerade {
+        arguments: Vec<(SmolStr, Ptr)>,
+        /// The second argument as a path.
+        ty: Option<Path>,
+        ptr: Ptr,
+    },
+    /// `#pragma wcet CODEL DURATION [UNIT]`: codel name, then the duration as an expression.
+    Wcet {
+        codel: Option<Name>,
+        duration: Option<Duration>,
+        ptr: Ptr,
+    },
+}
+
+/// `const T N = V;`
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[allow(missing_docs, reason = "named after the grammar rule")]
+pub struct ConstDecl {
+    pub ty: TypeRef,
+    pub name: Option<Name>,
+    pub value: Expr,
+    pub ptr: Ptr,
+}
+
+/// `name[2][3]`
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[allow(missing_docs, reason = "named after the grammar rule")]
+pub struct Declarator {
+    pub name: Name,
+    /// Outermost dimension first.
+    pub dimensions: Vec<Expr>,
+}
+
+/// One exception; `members` is empty without body.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[allow(missing_docs, reason = "named after the grammar rule")]
+pub struct ExceptionDecl {
+    pub name: Name,
+    pub members: Vec<Item>,
+}
+
+/// A struct, union or enum with its body.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[allow(missing_docs, reason = "named after the grammar rules")]
+pub struct TypeDecl {
+    pub name: Option<Name>,
+    pub kind: TypeDeclKind,
+    pub ptr: Ptr,
+}
+
+/// See [`TypeDecl`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[allow(missing_docs, reason = "named after the grammar rules")]
+pub enum TypeDeclKind {
+    Struct { members: Vec<Item> },
+    Union { switch: TypeRef, cases: Vec<Item> },
+    Enum { enumerators: Vec<Name> },
+}
+
+/// `case V:` or `default:` (`value` is `None`).
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[allow(missing_docs, reason = "named after the grammar rule")]
+pub struct CaseLabel {
+    pub value: Option<Expr>,
+    pub ptr: Ptr,
+}
+
+/// A type where it is used.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TypeRef {
+    /// What was written.
+    pub kind: TypeRefKind,
+    /// The type specifier.
+    pub ptr: Ptr,
+}
+
+/// See [`TypeRef`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[allow(missing_docs, reason = "the IDL keywords say it")]
+pub enum TypeRefKind {
+    Base(BaseType),
+    String {
+        bound: Option<Expr>,
+    },
+    Sequence {
+        element: Box<TypeRef>,
+        bound: Option<Expr>,
+    },
+    Optional {
+        element: Box<TypeRef>,
+    },
+    Fixed,
+    Named(Path),
+    Inline(Box<TypeDecl>),
+    /// Not parsed; already reported.
+    Missing,
+}
+
+/// Base types.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[allow(missing_docs, reason = "the IDL keywords say it")]
+pub enum BaseType {
+    Boolean,
+    Octet,
+    Char,
+    Any,
+    Float,
+    Double,
+    Short,
+    UnsignedShort,
+    Long,
+    UnsignedLong,
+    LongLong,
+    UnsignedLongLong,
+}
+
+/// `[::]a::b::c`
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Path {
+    /// Starts with `::`.
+    pub absolute: bool,
+    /// At least one.
+    pub segments: Vec<Name>,
+    /// The whole path.
+    pub ptr: Ptr,
+}
+
+/// A constant expression.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Expr {
+    /// What was written.
+    pub kind: ExprKind,
+    /// The whole expression.
+    pub ptr: Ptr,
+}
+
+/// See [`Expr`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[allow(missing_docs, reason = "named after the grammar rules")]
+pub enum ExprKind {
+    Bool(bool),
+    /// Literal text, suffix included.
+    Int(SmolStr),
+    /// Literal text, suffix included.
+    Float(SmolStr),
+    /// `1.5d`
+    Fixed,
+    /// Literal text, quotes included.
+    Char(SmolStr),
+    /// Literal tokens with quotes, in order (adjacent strings concatenate).
+    Str(Vec<(SmolStr, Ptr)>),
+    Path(Path),
+    Paren(Box<Expr>),
+    Unary {
+        op: UnaryOp,
+        op_ptr: Ptr,
+        operand: Box<Expr>,
+    },
+    Binary {
+        op: BinaryOp,
+        op_ptr: Ptr,
+        left: Box<Expr>,
+        right: Box<Expr>,
+    },
+    /// Not parsed; already reported.
+    Missing,
+}
+
+/// Unary operators.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[allow(missing_docs, reason = "- + ~")]
+pub enum UnaryOp {
+    Minus,
+    Plus,
+    Not,
+}
+
+/// Binary operators.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[allow(missing_docs, reason = "| ^ & << >> + - * / %")]
+pub enum BinaryOp {
+    Or,
+    Xor,
+    And,
+    Shl,
+    Shr,
+    Add,
+    Sub,
+    Mul,
+    Div,
+    Rem,
+}
+
+/// Units of time and size.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[allow(missing_docs, reason = "s ms us k M")]
+pub enum Unit {
+    S,
+    Ms,
+    Us,
+    K,
+    M,
+}
+
+/// A number with an optional unit.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Duration {
+    /// The number.
+    pub value: Expr,
+    /// Its unit, with its place.
+    pub unit: Option<(Unit, Ptr)>,
+    /// The unit directly follows a number literal, without a blank (see deviation D29).
+    pub glued: bool,
+    /// The whole.
+    pub ptr: Ptr,
+}
+
+/// One property. Anything may be written anywhere; the elaborator says where it is not legal.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Property {
+    /// Which one.
+    pub kind: PropertyKind,
+    /// From its first token to its `;`.
+    pub ptr: Ptr,
+    /// Its keyword.
+    pub keyword: Ptr,
+}
+
+/// See [`Property`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[allow(missing_docs, reason = "the properties of the language")]
+pub enum PropertyKind {
+    Doc(Expr),
+    Version(Expr),
+    Lang(Expr),
+    Email(Expr),
+    Requires(Vec<Expr>),
+    CodelsRequires(Vec<Expr>),
+    ClockRate(Duration),
+    Provides(Vec<Name>),
+    Uses(Vec<Name>),
+    Extends(Vec<Name>),
+    Throws(Vec<Path>),
+    Period(Duration),
+    Delay(Duration),
+    Priority(Expr),
+    /// `scheduling real-time`
+    Scheduling,
+    Stack(Duration),
+    Task(Option<Name>),
+    Interrupts(Vec<Name>),
+    Before(Vec<Name>),
+    After(Vec<Name>),
+    Validate(CodelDecl),
+    Local {
+        ty: TypeRef,
+        declarators: Vec<Declarator>,
+    },
+    Codel(CodelDecl),
+}
+
+/// A port declaration.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[allow(missing_docs, reason = "named after the grammar rule")]
+pub struct PortDecl {
+    pub multiple: bool,
+    /// `None` when missing (a syntax error, already reported).
+    pub out: Option<bool>,
+    pub ty: TypeRef,
+    pub name: Option<Name>,
+    pub properties: Vec<Item>,
+    pub ptr: Ptr,
+    /// The `port` keyword.
+    pub keyword: Ptr,
+}
+
+/// Kinds of service.
+pub use crate::model::ServiceKind;
+
+/// An attribute, function or activity.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[allow(missing_docs, reason = "named after the grammar rule")]
+pub struct ServiceDecl {
+    pub kind: ServiceKind,
+    pub name: Option<Name>,
+    /// [`ParamSpec::Path`] for attributes, [`ParamSpec::Typed`] for the others.
+    pub params: Vec<ParamDecl>,
+    pub properties: Vec<Item>,
+    pub ptr: Ptr,
+}
+
+/// Directions as written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[allow(missing_docs, reason = "in out inout")]
+pub enum Dir {
+    In,
+    Out,
+    Inout,
+}
+
+/// A parameter of a service or codel.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[allow(missing_docs, reason = "named after the grammar rules")]
+pub struct ParamDecl {
+    pub dir: Dir,
+    pub spec: ParamSpec,
+    /// `= initializer` (services only).
+    pub init: Option<Initializer>,
+    pub ptr: Ptr,
+}
+
+/// What a parameter names.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ParamSpec {
+    /// `in long a[2]`
+    Typed {
+        /// Declared type.
+        ty: TypeRef,
+        /// Name and dimensions; `None` when missing.
+        declarator: Option<Declarator>,
+    },
+    /// `[source] in a.b[0]::renamed`, `in ::whole`
+    Path {
+        /// Explicit source, with its place.
+        source: Option<(Source, Ptr)>,
+        /// Empty for `::name` alone.
+        path: Vec<PathStep>,
+        /// `::name`
+        rename: Option<Name>,
+    },
+}
+
+/// Explicit source of a codel parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[allow(missing_docs, reason = "ids local port remote")]
+pub enum Source {
+    Ids,
+    Local,
+    Port,
+    Remote,
+}
+
+/// One step of a parameter path; the first is always a member.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[allow(missing_docs, reason = "named after the grammar rule")]
+pub enum PathStep {
+    Member(Name),
+    Index(Expr),
+}
+
+/// A codel.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[allow(missing_docs, reason = "named after the grammar rules")]
+pub struct CodelDecl {
+    pub is_async: bool,
+    pub name: Option<Name>,
+    /// `Some` when it has `< >`, even if empty.
+    pub triggers: Option<Vec<StateRef>>,
+    pub params: Vec<ParamDecl>,
+    pub yields: Option<Vec<StateRef>>,
+    /// Every execution time given: `wcet` clauses and bare durations, in order. More than one is an
+    /// error of the elaborator.
+    pub wcet: Vec<WcetClause>,
+    pub ptr: Ptr,
+}
+
+/// A state as written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[allow(missing_docs, reason = "named after the grammar rule")]
+pub struct StateRef {
+    pub paused: bool,
+    pub name: Name,
+    /// With `pause::`.
+    pub ptr: Ptr,
+}
+
+/// `wcet D unit`, or a bare duration after the yield list.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct WcetClause {
+    /// Written without the word `wcet`.
+    pub bare: bool,
+    /// `None` when the value is missing.
+    pub duration: Option<Duration>,
+    /// The clause.
+    pub ptr: Ptr,
+}
+
+/// A default value.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Initializer {
+    /// `.name =` or `[n] =`
+    pub designator: Option<Designator>,
+    /// The value, if any.
+    pub value: Option<InitValue>,
+    /// Documentation strings after `:`, concatenated in order.
+    pub doc: Option<Expr>,
+    /// The initializer.
+    pub ptr: Ptr,
+}
+
+/// See [`Initializer`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[allow(missing_docs, reason = "named after the grammar rules")]
+pub enum Designator {
+    Member(Name),
+    Index(Expr),
+}
+
+/// See [`Initializer`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[allow(missing_docs, reason = "named after the grammar rules")]
+pub enum InitValue {
+    Scalar(Expr),
+    Compound(Vec<Initializer>),
+}

@@ -1,0 +1,633 @@
+//! From the typed syntax tree to the item tree, with the ranges of its pointers.
+//!
+//! A pointer is allocated for every node that a diagnostic or an editor feature may point at, in the
+//! order in which lowering meets them. Ranges hold no leading or trailing trivia. What a macro produced is
+//! at the call, except for tokens of its arguments, which are where they are written.
+
+mod codel;
+mod types;
+
+use std::sync::Arc;
+
+use dotgen_syntax::{
+    ExpansionMap, Fragment, GreenNodeData, NodeOrToken, Parse, SyntaxKind, SyntaxNode, SyntaxToken,
+    TextRange, TextSize,
+    ast::{self, AstChildren, AstNode, HasBody},
+    directive::{Directive, DirectiveKind, PragmaArg},
+    lexer::RawTokens,
+    preproc::{Element, Origin, Preprocessed},
+};
+use smol_str::SmolStr;
+
+use super::{
+    CaseLabel, ExceptionDecl, Item, ItemTree, Name, Path, PortDecl, Pragma, Property, PropertyKind,
+    Ptr, TypeRefKind,
+};
+
+/// The result of lowering a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Lowered {
+    /// What the file declares.
+    pub tree: Arc<ItemTree>,
+    /// Where.
+    pub ranges: Arc<PtrRanges>,
+    /// What each active include is to be parsed as, by ordinal; `None` where no declaration may
+    /// stand (it is in [`Lowered::misplaced`] then).
+    pub fragments: Vec<Option<Fragment>>,
+    /// Active includes in the middle of a declaration.
+    pub misplaced: Vec<TextRange>,
+}
+
+/// The places of the pointers of one item tree.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct PtrRanges {
+    /// Index of the first range of each top-level item.
+    starts: Vec<u32>,
+    ranges: Vec<TextRange>,
+}
+
+impl PtrRanges {
+    /// The place of a pointer; `None` for pointers of another tree.
+    pub fn get(&self, ptr: Ptr) -> Option<TextRange> {
+        let start = *self.starts.get(ptr.item as usize)?;
+        let end = match self.starts.get(ptr.item as usize + 1) {
+            Some(&end) => end,
+            None => self.ranges.len() as u32,
+        };
+        let index = start.checked_add(ptr.node).filter(|&it| it < end)?;
+        self.ranges.get(index as usize).copied()
+    }
+}
+
+/// Lowers a file that was parsed as `fragment`. `raw` are the tokens it was parsed from.
+pub fn lower(parse: &Parse, fragment: Fragment, raw: &RawTokens, pre: &Preprocessed) -> Lowered {
+    let root = parse.tree();
+    let mut lower = Lower {
+        map: &parse.expansion,
+        raw,
+        directives: directives(root.syntax(), pre),
+        pre,
+        next_directive: 0,
+        ranges: PtrRanges::default(),
+        fragments: vec![None; pre.includes.len()],
+        placed: vec![false; pre.includes.len()],
+    };
+    let mut items = Vec::new();
+    lower.items(root.items(), Some(fragment), true, &mut items);
+    let end = lower.directives.len();
+    lower.stray_pragmas(end, true, &mut items);
+    let misplaced = std::iter::zip(&lower.placed, &pre.includes)
+        .filter(|(placed, _)| !**placed)
+        .map(|(_, include)| include.range)
+        .collect();
+    Lowered {
+        tree: Arc::new(ItemTree { items }),
+        ranges: Arc::new(lower.ranges),
+        fragments: lower.fragments,
+        misplaced,
+    }
+}
+
+struct Lower<'a> {
+    map: &'a ExpansionMap,
+    raw: &'a RawTokens,
+    pre: &'a Preprocessed,
+    /// Directive nodes of the tree in text order, with their preprocessor directives.
+    directives: Vec<(SyntaxNode, &'a Directive, u32)>,
+    /// First of them that has not been lowered.
+    next_directive: usize,
+    ranges: PtrRanges,
+    fragments: Vec<Option<Fragment>>,
+    /// Which active includes stand among items.
+    placed: Vec<bool>,
+}
+
+/// The live directives of a tree.
+fn directives<'a>(
+    root: &SyntaxNode,
+    pre: &'a Preprocessed,
+) -> Vec<(SyntaxNode, &'a Directive, u32)> {
+    let elements = pre.elements.iter().filter_map(|it| match it {
+        &Element::Directive { first, end, index } => Some((first < end, index)),
+        _ => None,
+    });
+    let elements: Vec<(bool, u32)> = elements.collect();
+    let directive = |index: u32| Some((pre.directives.get(index as usize)?, index));
+    if elements.iter().all(|(spelled, _)| *spelled) {
+        let at = elements.iter().filter_map(|&(_, index)| {
+            let (directive, index) = directive(index)?;
+            let token = root
+                .token_at_offset(directive.range.start())
+                .right_biased()?;
+            let node = token
+                .parent_ancestors()
+                .find(|it| it.kind() == SyntaxKind::DIRECTIVE)?;
+            Some((node, directive, index))
+        });
+        return at.collect();
+    }
+    // One that comes out of a macro has no place of its own. The tree builder makes one node for each
+    // directive element, in order.
+    root.descendants()
+        .filter(|it| it.kind() == SyntaxKind::DIRECTIVE)
+        .zip(elements)
+        .filter_map(|(node, (_, index))| {
+            let (directive, index) = directive(index)?;
+            Some((node, directive, index))
+        })
+        .collect()
+}
+
+impl Lower<'_> {
+    // Pointers.
+
+    fn ptr(&mut self, range: TextRange) -> Ptr {
+        let item = self.ranges.starts.len().saturating_sub(1);
+        let start = self.ranges.starts.last().copied().unwrap_or(0);
+        let node = self.ranges.ranges.len() as u32 - start;
+        self.ranges.ranges.push(range);
+        Ptr {
+            item: item as u32,
+            node,
+        }
+    }
+
+    fn node(&mut self, node: &SyntaxNode) -> Ptr {
+        let range = self.node_range(node);
+        self.ptr(range)
+    }
+
+    fn token(&mut self, token: &SyntaxToken) -> Ptr {
+        let range = self.token_range(token);
+        self.ptr(range)
+    }
+
+    /// The keyword of a declaration, or the declaration if it has none.
+    fn keyword(&mut self, token: Option<SyntaxToken>, node: &SyntaxNode) -> Ptr {
+        match token {
+            Some(token) => self.token(&token),
+            None => self.node(node),
+        }
+    }
+
+    fn token_range(&self, token: &SyntaxToken) -> TextRange {
+        token_range(token, self.map, self.raw)
+    }
+
+    fn node_range(&self, node: &SyntaxNode) -> TextRange {
+        node_range(node, self.map, self.raw)
+    }
+
+    fn name(&mut self, name: Option<ast::Name>) -> Option<Name> {
+        self.ident(name?.ident_token())
+    }
+
+    fn name_ref(&mut self, name: Option<ast::NameRef>) -> Option<Name> {
+        self.ident(name?.ident_token())
+    }
+
+    fn ident(&mut self, token: Option<SyntaxToken>) -> Option<Name> {
+        let token = token?;
+        Some(Name {
+            text: self.map.text(&token),
+            ptr: self.token(&token),
+        })
+    }
+
+    fn names(&mut self, names: AstChildren<ast::NameRef>) -> Vec<Name> {
+        names.filter_map(|it| self.name_ref(Some(it))).collect()
+    }
+
+    // Items.
+
+    /// Lowers a list of items into `out`. `fragment` is what a file included here holds; `top` says that
+    /// these are the top-level items.
+    fn items(
+        &mut self,
+        items: impl Iterator<Item = ast::Item>,
+        fragment: Option<Fragment>,
+        top: bool,
+        out: &mut Vec<Item>,
+    ) {
+        for item in items {
+            if let ast::Item::Directive(directive) = &item {
+                let found = self.directives[self.next_directive..]
+                    .iter()
+                    .position(|(node, ..)| node == directive.syntax());
+                if let Some(skipped) = found {
+                    let at = self.next_directive + skipped;
+                    self.stray_pragmas(at, top, out);
+                    self.next_directive = at + 1;
+                    self.emit(top, out, |it| it.directive(at, fragment));
+                }
+            } else {
+                self.emit(top, out, |it| it.item(item));
+            }
+        }
+    }
+
+    /// The items of a body, and nothing if there is none.
+    fn body(&mut self, owner: &impl HasBody) -> Vec<Item> {
+        let mut out = Vec::new();
+        if let Some(body) = owner.body() {
+            self.items(body.items(), body.fragment(), false, &mut out);
+        }
+        out
+    }
+
+    /// Pragmas between the last directive lowered and `end`: they stand inside a declaration and
+    /// count as written after it.
+    fn stray_pragmas(&mut self, end: usize, top: bool, out: &mut Vec<Item>) {
+        for at in self.next_directive..end {
+            if matches!(self.directives[at].1.kind, DirectiveKind::Pragma(_)) {
+                self.emit(top, out, |it| it.directive(at, None));
+            }
+        }
+        self.next_directive = end;
+    }
+
+    fn emit(
+        &mut self,
+        top: bool,
+        out: &mut Vec<Item>,
+        lower: impl FnOnce(&mut Self) -> Option<Item>,
+    ) {
+        if top {
+            self.ranges.starts.push(self.ranges.ranges.len() as u32);
+        }
+        match lower(self) {
+            Some(item) => out.push(item),
+            // Top-level items are numbered without gaps.
+            None if top => {
+                if let Some(start) = self.ranges.starts.pop() {
+                    self.ranges.ranges.truncate(start as usize);
+                }
+            }
+            None => {}
+        }
+    }
+
+    fn item(&mut self, item: ast::Item) -> Option<Item> {
+        let node = item.syntax().clone();
+        Some(match item {
+            ast::Item::Directive(_) => return None,
+            ast::Item::Module(it) => Item::Module {
+                ptr: self.node(&node),
+                name: self.name(it.name()),
+                items: self.body(&it),
+            },
+            ast::Item::ConstDecl(it) => Item::Const(super::ConstDecl {
+                ptr: self.node(&node),
+                ty: self.type_ref(it.type_spec(), &node),
+                name: self.name(it.name()),
+                value: self.expr(it.expr(), &node),
+            }),
+            ast::Item::TypedefDecl(it) => Item::Typedef {
+                ptr: self.node(&node),
+                ty: self.type_ref(it.type_spec(), &node),
+                declarators: self.declarators(it.declarators()),
+            },
+            ast::Item::NativeDecl(it) => Item::Native {
+                ptr: self.node(&node),
+                name: self.name(it.name()),
+            },
+            ast::Item::ExceptionDecl(it) => Item::Exceptions {
+                ptr: self.node(&node),
+                exceptions: it
+                    .exceptions()
+                    .filter_map(|it| self.exception(&it))
+                    .collect(),
+            },
+            ast::Item::TypeDecl(it) => {
+                let ty = self.type_ref(it.type_spec(), &node);
+                match ty.kind {
+                    TypeRefKind::Inline(declaration) => Item::Type(declaration),
+                    _ => return None,
+                }
+            }
+            ast::Item::ForwardDecl(it) => {
+                let ptr = self.node(&node);
+                let name = self.name(it.name());
+                match it.union_token() {
+                    Some(_) => Item::ForwardUnion { name, ptr },
+                    None => Item::ForwardStruct { name, ptr },
+                }
+            }
+            ast::Item::Component(it) => Item::Component {
+                ptr: self.node(&node),
+                interface: it.is_interface(),
+                name: self.name(it.name()),
+                body: it.body().is_some().then(|| self.body(&it)),
+            },
+            ast::Item::Ids(it) => Item::Ids {
+                ptr: self.node(&node),
+                keyword: self.keyword(it.ids_token(), &node),
+                members: self.body(&it),
+            },
+            ast::Item::Task(it) => Item::Task {
+                ptr: self.node(&node),
+                name: self.name(it.name()),
+                properties: self.body(&it),
+            },
+            ast::Item::Port(it) => Item::Port(PortDecl {
+                ptr: self.node(&node),
+                keyword: self.keyword(it.port_token(), &node),
+                multiple: it.multiple_token().is_some(),
+                out: match (it.in_token(), it.out_token()) {
+                    (Some(_), _) => Some(false),
+                    (_, Some(_)) => Some(true),
+                    _ => None,
+                },
+                ty: self.type_ref(it.type_spec(), &node),
+                name: self.name(it.name()),
+                properties: self.body(&it),
+            }),
+            ast::Item::Service(it) => Item::Service(self.service(&it)),
+            ast::Item::Member(it) => Item::Member {
+                ptr: self.node(&node),
+                ty: self.type_ref(it.type_spec(), &node),
+                declarators: self.declarators(it.declarators()),
+            },
+            ast::Item::Case(it) => Item::Case {
+                ptr: self.node(&node),
+                labels: it
+                    .case_labels()
+                    .map(|it| CaseLabel {
+                        ptr: self.node(it.syntax()),
+                        value: it
+                            .default_token()
+                            .is_none()
+                            .then(|| self.expr(it.expr(), it.syntax())),
+                    })
+                    .collect(),
+                ty: self.type_ref(it.type_spec(), &node),
+                declarator: it.declarator().and_then(|it| self.declarator(&it)),
+            },
+            ast::Item::Property(it) => Item::Property(self.property(&it)?),
+        })
+    }
+
+    fn exception(&mut self, it: &ast::Exception) -> Option<ExceptionDecl> {
+        Some(ExceptionDecl {
+            name: self.name(it.name())?,
+            members: self.body(it),
+        })
+    }
+
+    fn directive(&mut self, at: usize, fragment: Option<Fragment>) -> Option<Item> {
+        let (node, directive, index) = self.directives[at].clone();
+        match &directive.kind {
+            DirectiveKind::Include(_) => {
+                let ordinal = self.pre.include_ordinal(index)?;
+                if fragment.is_some() {
+                    *self.fragments.get_mut(ordinal as usize)? = fragment;
+                    *self.placed.get_mut(ordinal as usize)? = true;
+                }
+                Some(Item::Include {
+                    ordinal,
+                    ptr: self.ptr(directive.range),
+                })
+            }
+            DirectiveKind::Pragma(pragma) => {
+                let word = pragma.name.as_ref()?.text.clone();
+                let ptr = self.ptr(directive.range);
+                let arguments = |it: &mut Self| -> Vec<(SmolStr, Ptr)> {
+                    pragma
+                        .args
+                        .iter()
+                        .map(|arg| (arg.text.clone(), it.ptr(arg.range)))
+                        .collect()
+                };
+                Some(Item::Pragma(match word.as_str() {
+                    "require" | "requires" => Pragma::Requires {
+                        arguments: arguments(self),
+                        ptr,
+                    },
+                    "provide" | "provides" => Pragma::Provides {
+                        arguments: arguments(self),
+                        ptr,
+                    },
+                    "masquerade" => Pragma::Masquerade {
+                        arguments: arguments(self),
+                        ty: pragma.args.get(1).and_then(|it| self.path_in(&node, it)),
+                        ptr,
+                    },
+                    "wcet" => {
+                        let directive = ast::Directive::cast(node)?;
+                        // The first name is the word after `#pragma`.
+                        let mut names =
+                            directive.syntax().children().filter_map(ast::NameRef::cast);
+                        Pragma::Wcet {
+                            codel: self.name_ref(names.nth(1)),
+                            duration: directive.quantity().map(|it| self.duration(&it)),
+                            ptr,
+                        }
+                    }
+                    _ => return None,
+                }))
+            }
+            _ => None,
+        }
+    }
+
+    /// A pragma argument read as a path. `directive` is the node it is written in.
+    fn path_in(&mut self, directive: &SyntaxNode, argument: &PragmaArg) -> Option<Path> {
+        let ptr = self.ptr(argument.range);
+        let start = argument.range.start();
+        // In a `_Pragma`, or with quotes escaped, the parts have no place of their own.
+        let spelled = directive
+            .text_range()
+            .contains_range(argument.range)
+            .then(|| {
+                let within = argument.range - directive.text_range().start();
+                directive.text().slice(within).to_string()
+            });
+        let inside = spelled.and_then(|it| it.find(argument.text.as_str()));
+        let mut offset = 0;
+        let mut segments = Vec::new();
+        for part in argument.text.split("::") {
+            let name = part.trim();
+            if !name.is_empty() {
+                let at = offset + part.find(name).unwrap_or(0);
+                let range = match inside {
+                    Some(inside) => {
+                        TextRange::at(start + text_size(inside + at), TextSize::of(name))
+                    }
+                    None => argument.range,
+                };
+                segments.push(Name {
+                    text: name.into(),
+                    ptr: self.ptr(range),
+                });
+            }
+            offset += part.len() + 2;
+        }
+        (!segments.is_empty()).then(|| Path {
+            absolute: argument.text.trim_start().starts_with("::"),
+            segments,
+            ptr,
+        })
+    }
+
+    fn property(&mut self, property: &ast::Property) -> Option<Property> {
+        let node = property.syntax();
+        let ptr = self.node(node);
+        let keyword = property.keyword_token();
+        let word = keyword.as_ref().map(SyntaxToken::kind);
+        let keyword = self.keyword(keyword, node);
+        use PropertyKind as P;
+        let kind = match property {
+            ast::Property::StringProperty(it) => {
+                let value = self.literal(it.value(), node);
+                match word? {
+                    SyntaxKind::DOC_KW => P::Doc(value),
+                    SyntaxKind::VERSION_KW => P::Version(value),
+                    SyntaxKind::LANG_KW => P::Lang(value),
+                    SyntaxKind::EMAIL_KW => P::Email(value),
+                    _ => return None,
+                }
+            }
+            ast::Property::RequiresProperty(it) => {
+                let values = it.values().map(|it| self.literal(Some(it), node)).collect();
+                match word? {
+                    SyntaxKind::REQUIRES_KW => P::Requires(values),
+                    _ => P::CodelsRequires(values),
+                }
+            }
+            ast::Property::DurationProperty(it) => {
+                let duration = self.duration_or_missing(it.quantity(), node);
+                match word? {
+                    SyntaxKind::CLOCK_RATE_KW => P::ClockRate(duration),
+                    SyntaxKind::PERIOD_KW => P::Period(duration),
+                    _ => P::Delay(duration),
+                }
+            }
+            ast::Property::InterfacesProperty(it) => {
+                let names = self.names(it.name_refs());
+                match word? {
+                    SyntaxKind::PROVIDES_KW => P::Provides(names),
+                    SyntaxKind::USES_KW => P::Uses(names),
+                    _ => P::Extends(names),
+                }
+            }
+            ast::Property::ThrowsProperty(it) => {
+                P::Throws(it.paths().filter_map(|it| self.path(&it)).collect())
+            }
+            ast::Property::PriorityProperty(it) => P::Priority(self.expr(it.expr(), node)),
+            ast::Property::SchedulingProperty(_) => P::Scheduling,
+            ast::Property::StackProperty(it) => {
+                P::Stack(self.duration_or_missing(it.quantity(), node))
+            }
+            ast::Property::TaskProperty(it) => P::Task(self.name_ref(it.name_ref())),
+            ast::Property::ServicesProperty(it) => {
+                let names = self.names(it.name_refs());
+                match word? {
+                    SyntaxKind::INTERRUPTS_KW => P::Interrupts(names),
+                    SyntaxKind::BEFORE_KW => P::Before(names),
+                    _ => P::After(names),
+                }
+            }
+            ast::Property::ValidateProperty(it) => P::Validate(self.codel(&it.codel()?, false)),
+            ast::Property::LocalProperty(it) => P::Local {
+                ty: self.type_ref(it.type_spec(), node),
+                declarators: self.declarators(it.declarators()),
+            },
+            ast::Property::CodelProperty(it) => P::Codel(self.codel(&it.codel()?, it.is_async())),
+        };
+        Some(Property { kind, ptr, keyword })
+    }
+}
+
+/// Where to point for a token: itself, the argument of the macro call it comes from, or the call.
+pub(crate) fn token_range(token: &SyntaxToken, map: &ExpansionMap, raw: &RawTokens) -> TextRange {
+    match map.origin(token) {
+        Some(&Origin::Argument(i)) if (i as usize) < raw.len() => text_range(raw.range(i as usize)),
+        _ => map.range(token),
+    }
+}
+
+/// Where to point for a node: from its first token to its last, trivia and directives left out.
+pub(crate) fn node_range(node: &SyntaxNode, map: &ExpansionMap, raw: &RawTokens) -> TextRange {
+    if map.is_empty() {
+        let green = node.green();
+        let start = node.text_range().start();
+        let (Some(skip), Some(length)) = (text_start(&green), text_end(&green)) else {
+            return TextRange::empty(start);
+        };
+        return TextRange::new(start + skip, start + length);
+    }
+    let inside = |it: &SyntaxToken| node.text_range().contains_range(it.text_range());
+    let is_text = |it: &SyntaxToken| {
+        let parent = it.parent().map(|it| it.kind());
+        !it.kind().is_trivia() && !parent.is_some_and(is_aside)
+    };
+    let first = std::iter::successors(node.first_token(), SyntaxToken::next_token)
+        .take_while(inside)
+        .find(is_text);
+    let last = std::iter::successors(node.last_token(), SyntaxToken::prev_token)
+        .take_while(inside)
+        .find(is_text);
+    match (first, last) {
+        (Some(first), Some(last)) => {
+            token_range(&first, map, raw).cover(token_range(&last, map, raw))
+        }
+        _ => TextRange::empty(node.text_range().start()),
+    }
+}
+
+/// Nodes that are no part of the declaration they stand in.
+fn is_aside(kind: SyntaxKind) -> bool {
+    matches!(kind, SyntaxKind::DIRECTIVE | SyntaxKind::INACTIVE)
+}
+
+/// Offset of the first token of a node that is neither trivia nor in a directive. Green trees are read
+/// without allocation, which matters here: every node of a file passes by.
+fn text_start(node: &GreenNodeData) -> Option<TextSize> {
+    let mut offset = TextSize::new(0);
+    for child in node.children() {
+        let found = match child {
+            NodeOrToken::Token(it) if SyntaxKind::from_raw(it.kind().0).is_trivia() => None,
+            NodeOrToken::Token(_) => Some(TextSize::new(0)),
+            NodeOrToken::Node(it) if is_aside(SyntaxKind::from_raw(it.kind().0)) => None,
+            NodeOrToken::Node(it) => text_start(it),
+        };
+        if let Some(found) = found {
+            return Some(offset + found);
+        }
+        offset += match child {
+            NodeOrToken::Token(it) => it.text_len(),
+            NodeOrToken::Node(it) => it.text_len(),
+        };
+    }
+    None
+}
+
+/// Offset of the end of the last such token.
+fn text_end(node: &GreenNodeData) -> Option<TextSize> {
+    let mut offset = node.text_len();
+    for child in node.children().rev() {
+        let (found, length) = match child {
+            NodeOrToken::Token(it) if SyntaxKind::from_raw(it.kind().0).is_trivia() => {
+                (None, it.text_len())
+            }
+            NodeOrToken::Token(it) => (Some(it.text_len()), it.text_len()),
+            NodeOrToken::Node(it) if is_aside(SyntaxKind::from_raw(it.kind().0)) => {
+                (None, it.text_len())
+            }
+            NodeOrToken::Node(it) => (text_end(it), it.text_len()),
+        };
+        offset -= length;
+        if let Some(found) = found {
+            return Some(offset + found);
+        }
+    }
+    None
+}
+
+fn text_range(range: std::ops::Range<usize>) -> TextRange {
+    TextRange::new(text_size(range.start), text_size(range.end))
+}
+
+fn text_size(offset: usize) -> TextSize {
+    TextSize::new(offset as u32)
+}

@@ -1,0 +1,260 @@
+//! Types, declarators, expressions and quantities.
+
+use dotgen_syntax::{
+    SyntaxKind, SyntaxNode, SyntaxToken,
+    ast::{self, AstChildren, AstNode, LiteralKind},
+};
+use smol_str::SmolStr;
+
+use super::Lower;
+use crate::item_tree::{
+    BaseType, BinaryOp, Declarator, Duration, Expr, ExprKind, Path, Ptr, TypeDecl, TypeDeclKind,
+    TypeRef, TypeRefKind, UnaryOp, Unit,
+};
+
+impl Lower<'_> {
+    /// A type; `owner` is where to point when it is missing.
+    pub(super) fn type_ref(&mut self, ty: Option<ast::TypeSpec>, owner: &SyntaxNode) -> TypeRef {
+        let Some(ty) = ty else {
+            return TypeRef {
+                kind: TypeRefKind::Missing,
+                ptr: self.node(owner),
+            };
+        };
+        let node = ty.syntax();
+        let ptr = self.node(node);
+        let kind = match &ty {
+            ast::TypeSpec::BaseType(it) => base_type(it).map(TypeRefKind::Base),
+            ast::TypeSpec::StringType(it) => Some(TypeRefKind::String {
+                bound: it.bound().map(|it| self.expr(Some(it), node)),
+            }),
+            ast::TypeSpec::SequenceType(it) => Some(TypeRefKind::Sequence {
+                element: Box::new(self.type_ref(it.element(), node)),
+                bound: it.bound().map(|it| self.expr(Some(it), node)),
+            }),
+            ast::TypeSpec::OptionalType(it) => Some(TypeRefKind::Optional {
+                element: Box::new(self.type_ref(it.element(), node)),
+            }),
+            ast::TypeSpec::FixedType(_) => Some(TypeRefKind::Fixed),
+            ast::TypeSpec::NamedType(it) => it
+                .path()
+                .and_then(|it| self.path(&it))
+                .map(TypeRefKind::Named),
+            ast::TypeSpec::Struct(it) => {
+                let name = self.name(it.name());
+                let members = self.body(it);
+                Some(inline(name, TypeDeclKind::Struct { members }, ptr))
+            }
+            ast::TypeSpec::Union(it) => {
+                let name = self.name(it.name());
+                let switch = self.type_ref(it.switch_type(), node);
+                let cases = self.body(it);
+                Some(inline(name, TypeDeclKind::Union { switch, cases }, ptr))
+            }
+            ast::TypeSpec::Enum(it) => {
+                let name = self.name(it.name());
+                let enumerators = it
+                    .enumerator_list()
+                    .into_iter()
+                    .flat_map(|it| it.enumerators())
+                    .filter_map(|it| self.name(it.name()))
+                    .collect();
+                Some(inline(name, TypeDeclKind::Enum { enumerators }, ptr))
+            }
+        };
+        TypeRef {
+            kind: kind.unwrap_or(TypeRefKind::Missing),
+            ptr,
+        }
+    }
+
+    pub(super) fn declarators(&mut self, all: AstChildren<ast::Declarator>) -> Vec<Declarator> {
+        all.filter_map(|it| self.declarator(&it)).collect()
+    }
+
+    pub(super) fn declarator(&mut self, it: &ast::Declarator) -> Option<Declarator> {
+        Some(Declarator {
+            name: self.name(it.name())?,
+            dimensions: it
+                .dimensions()
+                .map(|it| self.expr(it.expr(), it.syntax()))
+                .collect(),
+        })
+    }
+
+    /// A path; `None` if it names nothing.
+    pub(super) fn path(&mut self, path: &ast::Path) -> Option<Path> {
+        let ptr = self.node(path.syntax());
+        let segments = self.names(path.segments());
+        (!segments.is_empty()).then(|| Path {
+            absolute: path.is_absolute(),
+            segments,
+            ptr,
+        })
+    }
+
+    /// An expression; `owner` is where to point when it is missing.
+    pub(super) fn expr(&mut self, expr: Option<ast::Expr>, owner: &SyntaxNode) -> Expr {
+        let Some(expr) = expr else {
+            return Expr {
+                kind: ExprKind::Missing,
+                ptr: self.node(owner),
+            };
+        };
+        let node = expr.syntax().clone();
+        let ptr = self.node(&node);
+        let kind = match expr {
+            ast::Expr::Literal(it) => self.literal_kind(&it),
+            ast::Expr::PathExpr(it) => it
+                .path()
+                .and_then(|it| self.path(&it))
+                .map_or(ExprKind::Missing, ExprKind::Path),
+            ast::Expr::ParenExpr(it) => ExprKind::Paren(Box::new(self.expr(it.expr(), &node))),
+            ast::Expr::PrefixExpr(it) => match it.op_token().and_then(|it| {
+                let op = unary_op(it.kind())?;
+                Some((op, self.token(&it)))
+            }) {
+                Some((op, op_ptr)) => ExprKind::Unary {
+                    op,
+                    op_ptr,
+                    operand: Box::new(self.expr(it.expr(), &node)),
+                },
+                None => ExprKind::Missing,
+            },
+            ast::Expr::BinaryExpr(it) => {
+                let left = Box::new(self.expr(it.lhs(), &node));
+                match it.op_token().and_then(|it| {
+                    let op = binary_op(it.kind())?;
+                    Some((op, self.token(&it)))
+                }) {
+                    Some((op, op_ptr)) => ExprKind::Binary {
+                        op,
+                        op_ptr,
+                        left,
+                        right: Box::new(self.expr(it.rhs(), &node)),
+                    },
+                    None => left.kind,
+                }
+            }
+        };
+        Expr { kind, ptr }
+    }
+
+    /// A literal where only a literal may stand.
+    pub(super) fn literal(&mut self, it: Option<ast::Literal>, owner: &SyntaxNode) -> Expr {
+        self.expr(it.map(ast::Expr::Literal), owner)
+    }
+
+    fn literal_kind(&mut self, it: &ast::Literal) -> ExprKind {
+        match it.kind() {
+            Some(LiteralKind::Bool(value)) => ExprKind::Bool(value),
+            Some(LiteralKind::Int(token)) => ExprKind::Int(self.map.text(&token)),
+            Some(LiteralKind::Float(token)) => ExprKind::Float(self.map.text(&token)),
+            Some(LiteralKind::Fixed(_)) => ExprKind::Fixed,
+            Some(LiteralKind::Char(token)) => ExprKind::Char(self.map.text(&token)),
+            Some(LiteralKind::Strings(tokens)) => ExprKind::Str(
+                tokens
+                    .iter()
+                    .map(|it| (self.string_text(it), self.token(it)))
+                    .collect(),
+            ),
+            None => ExprKind::Missing,
+        }
+    }
+
+    /// The spelling of a string, with the closing quote it may lack.
+    fn string_text(&self, token: &SyntaxToken) -> SmolStr {
+        let text = self.map.text(token);
+        match token.kind() {
+            SyntaxKind::OPEN_STRING => format!("{}\"", text.trim_end_matches('\n')).into(),
+            _ => text,
+        }
+    }
+
+    /// A number with an optional unit.
+    pub(super) fn duration(&mut self, it: &ast::Quantity) -> Duration {
+        let node = it.syntax();
+        Duration {
+            ptr: self.node(node),
+            value: self.expr(it.expr(), node),
+            unit: it.unit_token().and_then(|token| {
+                let unit = match token.kind() {
+                    SyntaxKind::S_KW => Unit::S,
+                    SyntaxKind::MS_KW => Unit::Ms,
+                    SyntaxKind::US_KW => Unit::Us,
+                    SyntaxKind::K_KW => Unit::K,
+                    SyntaxKind::M_KW => Unit::M,
+                    _ => return None,
+                };
+                Some((unit, self.token(&token)))
+            }),
+            glued: it.is_glued(self.map),
+        }
+    }
+
+    pub(super) fn duration_or_missing(
+        &mut self,
+        it: Option<ast::Quantity>,
+        owner: &SyntaxNode,
+    ) -> Duration {
+        match it {
+            Some(it) => self.duration(&it),
+            None => Duration {
+                ptr: self.node(owner),
+                value: self.expr(None, owner),
+                unit: None,
+                glued: false,
+            },
+        }
+    }
+}
+
+fn inline(name: Option<crate::item_tree::Name>, kind: TypeDeclKind, ptr: Ptr) -> TypeRefKind {
+    TypeRefKind::Inline(Box::new(TypeDecl { name, kind, ptr }))
+}
+
+/// `None` for the reserved words that nothing uses and for what the grammar has reported.
+fn base_type(it: &ast::BaseType) -> Option<BaseType> {
+    use SyntaxKind as K;
+    let words: Vec<SyntaxKind> = it.words().collect();
+    Some(match words.as_slice() {
+        [K::BOOLEAN_KW] => BaseType::Boolean,
+        [K::OCTET_KW] => BaseType::Octet,
+        [K::CHAR_KW] => BaseType::Char,
+        [K::ANY_KW] => BaseType::Any,
+        [K::FLOAT_KW] => BaseType::Float,
+        [K::DOUBLE_KW] => BaseType::Double,
+        [K::SHORT_KW] => BaseType::Short,
+        [K::LONG_KW] => BaseType::Long,
+        [K::LONG_KW, K::LONG_KW] => BaseType::LongLong,
+        [K::UNSIGNED_KW, K::SHORT_KW] => BaseType::UnsignedShort,
+        [K::UNSIGNED_KW, K::LONG_KW] => BaseType::UnsignedLong,
+        [K::UNSIGNED_KW, K::LONG_KW, K::LONG_KW] => BaseType::UnsignedLongLong,
+        _ => return None,
+    })
+}
+
+fn unary_op(kind: SyntaxKind) -> Option<UnaryOp> {
+    Some(match kind {
+        SyntaxKind::MINUS => UnaryOp::Minus,
+        SyntaxKind::PLUS => UnaryOp::Plus,
+        SyntaxKind::TILDE => UnaryOp::Not,
+        _ => return None,
+    })
+}
+
+fn binary_op(kind: SyntaxKind) -> Option<BinaryOp> {
+    Some(match kind {
+        SyntaxKind::PIPE => BinaryOp::Or,
+        SyntaxKind::CARET => BinaryOp::Xor,
+        SyntaxKind::AMP => BinaryOp::And,
+        SyntaxKind::SHL => BinaryOp::Shl,
+        SyntaxKind::SHR => BinaryOp::Shr,
+        SyntaxKind::PLUS => BinaryOp::Add,
+        SyntaxKind::MINUS => BinaryOp::Sub,
+        SyntaxKind::STAR => BinaryOp::Mul,
+        SyntaxKind::SLASH => BinaryOp::Div,
+        SyntaxKind::PERCENT => BinaryOp::Rem,
+        _ => return None,
+    })
+}

@@ -1,0 +1,24 @@
+//! Names, types, component model, checks and editor features of GenoM3 specifications.
+
+mod base;
+pub mod check;
+pub mod codes;
+pub mod diagnostic;
+pub mod elab;
+mod fixes;
+pub mod host;
+pub mod ide;
+pub mod item_tree;
+pub mod lint;
+pub mod model;
+pub mod model_json;
+mod queries;
+mod report;
+pub mod source_map;
+mod suppress;
+#[cfg(test)]
+mod test_support;
+#[cfg(test)]
+mod tests;
+mod unit;
+mod view;

@@ -1,0 +1,289 @@
+//! Rules about who reads and writes ports and ids.
+
+use crate::model::{
+    CodelKind, CodelRef, Owner, ParamDir, ParamSource, PathElement, PortDir, ServiceKind, Src,
+    TypeKind,
+};
+
+use super::locks::only_starts_or_stops;
+use super::{Lint, list};
+
+/// An access to data by a codel or an attribute.
+struct Use {
+    /// Member of the ids (`None`: the whole ids), or index of the port.
+    what: What,
+    reads: bool,
+    writes: bool,
+    at: Src,
+    by: By,
+}
+
+#[derive(Clone, PartialEq, Eq)]
+enum What {
+    Ids(Option<String>),
+    Port(u32),
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum By {
+    Codel(CodelRef),
+    Attribute(u32),
+}
+
+pub(super) fn check(lint: &mut Lint) {
+    // A component that is only declared so far (no codel at all) uses nothing yet.
+    if lint.component.all_codels().next().is_none() {
+        return;
+    }
+    let uses = uses(lint);
+    ports(lint, &uses);
+    ids(lint, &uses);
+}
+
+fn uses(lint: &Lint) -> Vec<Use> {
+    let mut out = Vec::new();
+    let component = lint.component;
+    for it in component.all_codels() {
+        for param in &component.codel(it).params {
+            let what = match param.source {
+                ParamSource::Ids => What::Ids(member(&param.path)),
+                ParamSource::Port(port) => What::Port(port),
+                _ => continue,
+            };
+            // `in` on an output port reads back what was written.
+            let (reads, writes) = directions(param.dir);
+            out.push(Use {
+                what,
+                reads,
+                writes,
+                at: param.src,
+                by: By::Codel(it),
+            });
+        }
+    }
+    for (i, service) in component.services.iter().enumerate() {
+        if service.kind == ServiceKind::Attribute {
+            for param in &service.params {
+                // Seen from the ids: an `in` attribute sets, an `out` attribute gets.
+                let (writes, reads) = directions(param.dir);
+                let what = What::Ids(member(&param.path));
+                out.push(Use {
+                    what,
+                    reads,
+                    writes,
+                    at: param.src,
+                    by: By::Attribute(i as u32),
+                });
+            }
+        }
+    }
+    out
+}
+
+fn directions(dir: ParamDir) -> (bool, bool) {
+    (
+        matches!(dir, ParamDir::In | ParamDir::Inout),
+        matches!(dir, ParamDir::Out | ParamDir::Inout),
+    )
+}
+
+fn member(path: &[PathElement]) -> Option<String> {
+    match path.first() {
+        Some(PathElement::Member(name)) => Some(name.to_string()),
+        _ => None,
+    }
+}
+
+fn ports(lint: &mut Lint, uses: &[Use]) {
+    for (index, port) in lint.component.ports.iter().enumerate() {
+        let of_port: Vec<&Use> = uses
+            .iter()
+            .filter(|u| u.what == What::Port(index as u32))
+            .collect();
+        let name = &port.name;
+        if port.dir == PortDir::In {
+            if !of_port.iter().any(|u| u.reads) {
+                lint.report(
+                    "port/never-read",
+                    port.src,
+                    format!("no codel reads the input port `{name}`"),
+                );
+            }
+            continue;
+        }
+        let writers: Vec<&&Use> = of_port.iter().filter(|u| u.writes).collect();
+        if writers.is_empty() {
+            lint.report(
+                "port/never-written",
+                port.src,
+                format!("no codel writes the output port `{name}`: its readers will never get data; add `out {name}` to a codel"),
+            );
+            continue;
+        }
+        let mut tasks: Vec<u32> = writers
+            .iter()
+            .filter_map(|u| match u.by {
+                By::Codel(it) => lint.component.task_of(it),
+                By::Attribute(_) => None,
+            })
+            .collect();
+        tasks.sort_unstable();
+        tasks.dedup();
+        if tasks.len() > 1 {
+            // The `start` and `stop` codels of tasks run before and after everything else.
+            let steady: Vec<&&&Use> = writers
+                .iter()
+                .filter(|u| !matches!(u.by, By::Codel(it) if only_starts_or_stops(lint, it)))
+                .collect();
+            let mut racing: Vec<u32> = steady
+                .iter()
+                .filter_map(|u| {
+                    if let By::Codel(it) = u.by {
+                        lint.component.task_of(it)
+                    } else {
+                        None
+                    }
+                })
+                .collect();
+            racing.sort_unstable();
+            racing.dedup();
+            if racing.len() < 2 {
+                continue;
+            }
+            let names: Vec<&str> = racing
+                .iter()
+                .map(|&t| lint.component.tasks[t as usize].name.as_str())
+                .collect();
+            let related: Vec<(Src, String)> = steady
+                .iter()
+                .filter_map(|u| match u.by {
+                    By::Codel(it) => Some((u.at, format!("written by {}", lint.codel_text(it)))),
+                    By::Attribute(_) => None,
+                })
+                .collect();
+            let found = lint.report(
+                "port/write-race",
+                port.src,
+                format!(
+                    "port `{name}` is written by codels of different tasks ({}): which value readers see depends on scheduling; \
+                     let one task write it, or give each its own port",
+                    list(&names)
+                ),
+            );
+            found.related = related;
+        }
+    }
+}
+
+fn ids(lint: &mut Lint, uses: &[Use]) {
+    let Some(ids) = lint.component.ids else {
+        return;
+    };
+    let TypeKind::Struct { members } = &lint.spec.ty(ids).kind else {
+        return;
+    };
+    for &id in members {
+        let ty = lint.spec.ty(id);
+        let Some(name) = &ty.name else { continue };
+        let touches = |u: &&Use| match &u.what {
+            What::Ids(None) => true,
+            What::Ids(Some(member)) => member == name.as_str(),
+            What::Port(_) => false,
+        };
+        let of_member: Vec<&Use> = uses.iter().filter(touches).collect();
+        let named = of_member
+            .iter()
+            .any(|u| matches!(u.what, What::Ids(Some(_))));
+        let reads = of_member.iter().any(|u| u.reads);
+        let writes = of_member.iter().any(|u| u.writes);
+        if !reads && !writes {
+            lint.report(
+                "ids/never-read",
+                ty.src,
+                format!("no codel or attribute uses the ids member `{name}`"),
+            );
+        } else if !writes {
+            lint.report(
+                "ids/never-written",
+                ty.src,
+                format!("the ids member `{name}` is read, but nothing ever writes it"),
+            );
+        } else if !reads && named {
+            lint.report(
+                "ids/never-read",
+                ty.src,
+                format!("the ids member `{name}` is written, but nothing ever reads it"),
+            );
+        } else {
+            read_before_write(lint, name, &of_member);
+        }
+    }
+}
+
+/// `ids/read-before-write`: the component starts, and a codel that can run then reads a member that
+/// only later requests would have set.
+fn read_before_write(lint: &mut Lint, name: &str, uses: &[&Use]) {
+    let starts = |by: By| match by {
+        By::Codel(
+            it @ CodelRef {
+                owner: Owner::Task(_),
+                ..
+            },
+        ) => lint.codel(it).triggers.iter().any(|s| s.name == "start"),
+        _ => false,
+    };
+    if uses.iter().any(|u| u.writes && starts(u.by)) {
+        return;
+    }
+    // Permanent activities run by themselves; services run on request, perhaps after the one that
+    // sets the member, so only the former are certain to be able to come first.
+    let reader = uses.iter().find(|u| {
+        u.reads
+            && !u.writes
+            && matches!(
+                u.by,
+                By::Codel(CodelRef {
+                    owner: Owner::Task(_),
+                    ..
+                })
+            )
+    });
+    let permanent_writer = uses.iter().any(|u| {
+        u.writes
+            && matches!(
+                u.by,
+                By::Codel(CodelRef {
+                    owner: Owner::Task(_),
+                    ..
+                })
+            )
+    });
+    if permanent_writer {
+        return;
+    }
+    let Some((reader, By::Codel(it))) = reader.map(|r| (r, r.by)) else {
+        return;
+    };
+    let writers: Vec<(Src, String)> = uses
+        .iter()
+        .filter(|u| u.writes)
+        .map(|u| match u.by {
+            By::Codel(it) => (u.at, format!("written by {}", lint.codel_text(it))),
+            By::Attribute(i) => (
+                u.at,
+                format!("set by {}", lint.owner_text(Owner::Service(i))),
+            ),
+        })
+        .collect();
+    debug_assert!(lint.codel(it).kind == CodelKind::Fsm);
+    let reader_text = lint.codel_text(it);
+    let found = lint.report(
+        "ids/read-before-write",
+        reader.at,
+        format!(
+            "{reader_text} reads `{name}` from the start, but only requests write it: until the first one the value is \
+             undefined; write it in the `start` codel of a task"
+        ),
+    );
+    found.related = writers;
+}

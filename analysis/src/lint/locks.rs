@@ -1,0 +1,130 @@
+//! Rules about codels that keep each other waiting.
+
+use crate::elab::Severity;
+use crate::model::mutex::{self, Excluded, Through};
+use crate::model::{CodelRef, Owner};
+
+use super::{Lint, duration};
+
+pub(super) fn check(lint: &mut Lint) {
+    for it in lint.component.all_codels().collect::<Vec<_>>() {
+        let exclusions = mutex::exclusions(lint.spec, lint.component, it);
+        long_hold(lint, it, &exclusions);
+        self_blocking(lint, it);
+    }
+}
+
+/// `lock/long-hold`: a codel that holds data longer than the period of a task that needs it.
+fn long_hold(lint: &mut Lint, it: CodelRef, exclusions: &[mutex::Exclusion]) {
+    let Some(wcet) = lint.codel(it).wcet.as_ref().map(|q| (q.value, q.src)) else {
+        return;
+    };
+    let mut seen: Vec<u32> = Vec::new();
+    for exclusion in exclusions {
+        let Excluded::Codel(other) = exclusion.with else {
+            continue;
+        };
+        let Some(task) = lint.component.task_of(other) else {
+            continue;
+        };
+        if seen.contains(&task) || only_starts_or_stops(lint, other) {
+            continue;
+        }
+        let component = lint.component;
+        let Some(period) = component.tasks[task as usize].period.as_ref() else {
+            continue;
+        };
+        if wcet.0 <= period.value {
+            continue;
+        }
+        seen.push(task);
+        let (text, other_text) = (lint.codel_text(it), lint.codel_text(other));
+        let name = &component.tasks[task as usize].name;
+        let through = describe(lint, &exclusion.through);
+        let found = lint.report(
+            "lock/long-hold",
+            wcet.1,
+            format!(
+                "{text} can hold {through} for {}, longer than the period of task `{name}` ({}), whose {other_text} waits \
+                 for it: the task will miss ticks; split the codel, or copy the data first",
+                duration(wcet.0),
+                duration(period.value)
+            ),
+        );
+        found
+            .related
+            .push((component.codel(other).src, format!("waits for {through}")));
+        found
+            .related
+            .push((period.src, "period of the task that waits".into()));
+    }
+}
+
+/// `lock/self-blocking`: an asynchronous codel and another codel of its own task use the same data, so
+/// the task waits for its own activity.
+fn self_blocking(lint: &mut Lint, it: CodelRef) {
+    if !lint.codel(it).is_async {
+        return;
+    }
+    let Some(task) = lint.component.task_of(it) else {
+        return;
+    };
+    for other in lint.component.all_codels().collect::<Vec<_>>() {
+        // One instance runs its own codels one after the other.
+        if other.owner == it.owner || lint.component.task_of(other) != Some(task) {
+            continue;
+        }
+        if only_starts_or_stops(lint, other) {
+            continue;
+        }
+        let other_codel = lint.codel(other);
+        let through = mutex::collisions(lint.spec, lint.codel(it), lint.codel(other));
+        if through.is_empty() {
+            continue;
+        }
+        let through = describe(lint, &through);
+        let (text, other_text) = (lint.codel_text(it), lint.codel_text(other));
+        let task_name = lint.component.tasks[task as usize].name.clone();
+        let at = lint.codel(it).src;
+        let found = lint.report(
+            "lock/self-blocking",
+            at,
+            format!(
+                "{text} runs asynchronously with {through}, which {other_text} of the same task `{task_name}` also uses: \
+                 the task goes on meanwhile and must wait for it, or both touch the data at once; copy what the \
+                 asynchronous codel needs into a `local` variable"
+            ),
+        );
+        found.severity = Severity::Information;
+        found
+            .related
+            .push((other_codel.src, format!("also uses {through}")));
+        return;
+    }
+}
+
+/// The data two codels share: `trajectory` of the ids.
+fn describe(lint: &Lint, through: &[Through]) -> String {
+    let mut names: Vec<String> = Vec::new();
+    for it in through {
+        let name = it.shared.describe(lint.component);
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names.join(" and ")
+}
+
+/// A codel of a task that is bound to `start` or `stop` only, to which nothing returns: it is over
+/// before anything else runs, or comes after.
+pub(super) fn only_starts_or_stops(lint: &Lint, it: CodelRef) -> bool {
+    let ends = |name: &str| name == "start" || name == "stop";
+    let mut yields = lint
+        .component
+        .codels_of(it.owner)
+        .iter()
+        .flat_map(|c| &c.yields);
+    matches!(it.owner, Owner::Task(_))
+        && lint.codel(it).triggers.iter().all(|s| ends(&s.name))
+        && yields.all(|s| s.name != "start")
+}

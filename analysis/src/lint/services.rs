@@ -1,0 +1,171 @@
+//! Rules about services.
+
+use crate::model::{CodelKind, ParamDir, ParamSource, ServiceKind, Src};
+
+use super::timing::control_task_time;
+use super::{Lint, duration};
+
+pub(super) fn check(lint: &mut Lint) {
+    for index in 0..lint.component.services.len() as u32 {
+        interrupts_nothing(lint, index);
+        blind_validate(lint, index);
+        long_function(lint, index);
+    }
+    order_cycles(lint);
+}
+
+/// `service/concurrent-instances`: an activity that may run twice at the same time and changes data.
+fn interrupts_nothing(lint: &mut Lint, index: u32) {
+    let service = &lint.component.services[index as usize];
+    let list = &service.interrupts;
+    if service.kind != ServiceKind::Activity || list.all || list.services.contains(&index) {
+        return;
+    }
+    let pauses = service
+        .codels
+        .iter()
+        .flat_map(|c| &c.yields)
+        .any(|s| s.paused);
+    let writes = service.codels.iter().flat_map(|c| &c.params).find(|p| {
+        matches!(p.dir, ParamDir::Out | ParamDir::Inout)
+            && matches!(p.source, ParamSource::Ids | ParamSource::Port(_))
+    });
+    if let Some(param) = writes.filter(|_| pauses) {
+        let (name, at, param_name, param_src) =
+            (&service.name, service.src, &param.name, param.src);
+        let found = lint.report(
+            "service/concurrent-instances",
+            at,
+            format!(
+                "activity `{name}` does not interrupt itself: two requests run two instances in turn, and both write \
+                 `{param_name}`; add `interrupts {name};` if only one should be active"
+            ),
+        );
+        found.related.push((param_src, "written here".into()));
+    }
+}
+
+/// `service/blind-validate`: a validate codel of a setter that does not get the value to set.
+fn blind_validate(lint: &mut Lint, index: u32) {
+    let service = &lint.component.services[index as usize];
+    let sets = service
+        .params
+        .iter()
+        .any(|p| matches!(p.dir, ParamDir::In | ParamDir::Inout));
+    if service.kind != ServiceKind::Attribute || !sets {
+        return;
+    }
+    let component = lint.component;
+    for codel in component.services[index as usize]
+        .codels
+        .iter()
+        .filter(|c| c.kind == CodelKind::Validate)
+    {
+        if codel.params.is_empty()
+            || codel
+                .params
+                .iter()
+                .any(|p| matches!(p.source, ParamSource::Local(_)))
+        {
+            continue;
+        }
+        let value = &service.params[0].name;
+        let found = lint.report(
+            "service/blind-validate",
+            codel.src,
+            format!(
+                "`{}` validates attribute `{}` without seeing the new value: its parameters come from the ids, which still \
+                 hold the old one; write `local in {value}`",
+                codel.name, service.name
+            ),
+        );
+        found.related = codel
+            .params
+            .iter()
+            .map(|p| (p.src, "the old value, from the ids".to_owned()))
+            .collect();
+    }
+}
+
+/// `service/long-function`: what the control task executes delays every other request.
+fn long_function(lint: &mut Lint, index: u32) {
+    let Some(time) =
+        control_task_time(lint, index).filter(|t| *t > lint.config.control_task_budget)
+    else {
+        return;
+    };
+    let service = &lint.component.services[index as usize];
+    let budget = lint.config.control_task_budget;
+    lint.report(
+        "service/long-function",
+        service.src,
+        format!(
+            "`{}` keeps the control task busy for {} (more than {}), and no other request is served meanwhile; make it an activity",
+            service.name,
+            duration(time),
+            duration(budget)
+        ),
+    );
+}
+
+/// `service/order-cycle`: `before` and `after` that no order can satisfy.
+fn order_cycles(lint: &mut Lint) {
+    let services = &lint.component.services;
+    let count = services.len();
+    // Edge: the first must come before the second.
+    let mut next: Vec<Vec<usize>> = vec![Vec::new(); count];
+    for (i, service) in services.iter().enumerate() {
+        for &later in &service.before.services {
+            next[i].push(later as usize);
+        }
+        for &earlier in &service.after.services {
+            next[earlier as usize].push(i);
+        }
+    }
+    let mut reported = vec![false; count];
+    for start in 0..count {
+        let mut path = Vec::new();
+        if reported[start] || !find_cycle(&next, start, start, &mut vec![false; count], &mut path) {
+            continue;
+        }
+        path.iter().for_each(|&i| reported[i] = true);
+        let names: Vec<&str> = path.iter().map(|&i| services[i].name.as_str()).collect();
+        let related: Vec<(Src, String)> = path[1..]
+            .iter()
+            .map(|&i| {
+                (
+                    services[i].src,
+                    format!("`{}` is part of the circle", services[i].name),
+                )
+            })
+            .collect();
+        let round = format!("{} → {}", names.join(" → "), names[0]);
+        let found = lint.report(
+            "service/order-cycle",
+            services[start].src,
+            format!("`before` and `after` go round in a circle: {round}; no order satisfies them"),
+        );
+        found.related = related;
+    }
+}
+
+/// A path from `at` back to `goal`, its vertices in `path`.
+fn find_cycle(
+    next: &[Vec<usize>],
+    at: usize,
+    goal: usize,
+    seen: &mut Vec<bool>,
+    path: &mut Vec<usize>,
+) -> bool {
+    path.push(at);
+    for &to in &next[at] {
+        if to == goal {
+            return true;
+        }
+        if !std::mem::replace(&mut seen[to], true) && find_cycle(next, to, goal, seen, path) {
+            return true;
+        }
+    }
+    path.pop();
+    false
+}

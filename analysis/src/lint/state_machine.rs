@@ -1,0 +1,213 @@
+//! Rules about state machines that are legal but suspicious.
+
+use crate::elab::Severity;
+use crate::model::fsm::Machine;
+use crate::model::{Owner, ParamDir, ParamSource, Service, ServiceKind, State};
+
+use super::{Lint, list};
+
+pub(super) fn check(lint: &mut Lint) {
+    for owner in lint.owners() {
+        let machine = Machine::new(lint.component.codels_of(owner));
+        if !machine.is_empty() {
+            loops(lint, owner, &machine);
+            dead_ends(lint, &machine);
+        }
+        missing_stop(lint, owner);
+    }
+    pause_in_aperiodic_task(lint);
+}
+
+/// `fsm/busy-loop` and `fsm/no-termination`: cycles without `pause::`.
+fn loops(lint: &mut Lint, owner: Owner, machine: &Machine) {
+    let cycles = machine.cycles_without_pause();
+    let ends = machine.reachable("start").contains("ether");
+    let throws = match owner {
+        Owner::Task(i) => !lint.component.tasks[i as usize].throws.is_empty(),
+        Owner::Service(i) => !lint.component.services[i as usize].throws.is_empty(),
+    } || !lint.component.throws.is_empty();
+    let is_activity = matches!(owner, Owner::Service(_));
+    let periodic = lint.period_of(owner).is_some();
+    for cycle in cycles {
+        let first = machine.at(cycle[0]);
+        let names: Vec<&str> = cycle
+            .iter()
+            .filter_map(|&v| Some(machine.at(v).triggers.first()?.name.as_str()))
+            .collect();
+        let Some(closing) = names.first() else {
+            continue;
+        };
+        let round = format!("{} → {closing}", names.join(" → "));
+        let at = first.triggers.first().map_or(first.src, |s| s.src);
+        let who = lint.owner_text(owner);
+        let never_ends = is_activity && !ends && !throws && machine.position("start").is_some();
+        let found = if never_ends {
+            lint.report(
+                "fsm/no-termination",
+                at,
+                format!(
+                    "{who} never ends: no path leads from `start` to `ether`, and it can go round {round} without \
+                     ever pausing; yield `ether` somewhere, or `pause::{closing}` to let others run"
+                ),
+            )
+        } else {
+            let cost = if periodic {
+                "within one period it can go round any number of times, so its execution time has no bound"
+            } else {
+                "the task can be kept busy by it for any time"
+            };
+            lint.report(
+                "fsm/busy-loop",
+                at,
+                format!("state cycle without pause in {who}: {round}; {cost}; yield `pause::{closing}` if each round may wait"),
+            )
+        };
+        if !periodic && !never_ends {
+            found.severity = Severity::Hint;
+        }
+        let next = cycle.iter().cycle().skip(1);
+        for (&v, &to) in cycle.iter().zip(next) {
+            let codel = machine.at(v);
+            if let Some(state) = codel
+                .yields
+                .iter()
+                .find(|s| !s.paused && machine.position(&s.name) == Some(to))
+            {
+                found.related.push((
+                    state.src,
+                    format!("`{}` yields `{}` without pause", codel.name, state.name),
+                ));
+            }
+        }
+    }
+}
+
+/// `fsm/pause-in-aperiodic-task`: once for each task.
+fn pause_in_aperiodic_task(lint: &mut Lint) {
+    for (index, task) in lint.component.tasks.iter().enumerate() {
+        if task.period.is_some() {
+            continue;
+        }
+        let here = |s: &&Service| s.task == Some(index as u32);
+        let services = lint
+            .component
+            .services
+            .iter()
+            .filter(here)
+            .flat_map(|s| &s.codels);
+        let paused: Vec<&State> = task
+            .codels
+            .iter()
+            .chain(services)
+            .flat_map(|c| &c.yields)
+            .filter(|s| s.paused)
+            .collect();
+        let Some(&first) = paused.first() else {
+            continue;
+        };
+        let (at, name) = (first.src, &first.name);
+        let found = lint.report(
+            "fsm/pause-in-aperiodic-task",
+            at,
+            format!(
+                "task `{}` has no period: `pause::{name}` waits for no tick, the task continues with `{name}` as soon as \
+                 the other activities have had their turn; give the task a `period` if it should wait",
+                task.name
+            ),
+        );
+        found.related.push((
+            task.src,
+            "the task is declared here, without `period`".into(),
+        ));
+        let others = paused[1..].iter().map(|s| {
+            (
+                s.src,
+                format!("`pause::{}` waits for no tick either", s.name),
+            )
+        });
+        found.related.extend(others);
+    }
+}
+
+/// `fsm/dead-end`: several successors, none of which exists. (A single undefined successor is
+/// reported as such; saying it twice would not help.)
+fn dead_ends(lint: &mut Lint, machine: &Machine) {
+    for (_, codel) in &machine.codels {
+        let undefined = |name: &str| name != "ether" && machine.position(name).is_none();
+        if codel.yields.len() > 1 && codel.yields.iter().all(|s| undefined(&s.name)) {
+            let names: Vec<&str> = codel.yields.iter().map(|s| s.name.as_str()).collect();
+            let at = codel.triggers.first().map_or(codel.src, |s| s.src);
+            lint.report(
+                "fsm/dead-end",
+                at,
+                format!(
+                    "the machine is stuck after `{}`: none of the states it yields ({}) has a codel",
+                    codel.name,
+                    list(&names)
+                ),
+            );
+        }
+    }
+}
+
+/// `fsm/missing-stop`: an activity that others interrupt and that changes data.
+fn missing_stop(lint: &mut Lint, owner: Owner) {
+    let Owner::Service(index) = owner else { return };
+    let component = lint.component;
+    let service = &component.services[index as usize];
+    if service.kind != ServiceKind::Activity
+        || service
+            .codels
+            .iter()
+            .flat_map(|c| &c.triggers)
+            .any(|s| s.name == "stop")
+    {
+        return;
+    }
+    let Some(interrupter) = component
+        .services
+        .iter()
+        .find(|s| s.interrupts.all || s.interrupts.services.contains(&index))
+    else {
+        return;
+    };
+    // One codel that ends at once leaves nothing half done.
+    let steps = service
+        .codels
+        .iter()
+        .filter(|c| !c.triggers.is_empty())
+        .count();
+    let pauses = service
+        .codels
+        .iter()
+        .flat_map(|c| &c.yields)
+        .any(|s| s.paused);
+    if steps < 2 && !pauses {
+        return;
+    }
+    let written = service.codels.iter().flat_map(|c| &c.params).find(|p| {
+        matches!(p.dir, ParamDir::Out | ParamDir::Inout)
+            && matches!(p.source, ParamSource::Ids | ParamSource::Port(_))
+    });
+    if let Some(param) = written {
+        let what = if matches!(param.source, ParamSource::Ids) {
+            "ids"
+        } else {
+            "port"
+        };
+        let (name, by) = (&service.name, &interrupter.name);
+        let (param_name, param_src, by_src) = (param.name.clone(), param.src, interrupter.src);
+        let found = lint.report(
+            "fsm/missing-stop",
+            service.src,
+            format!(
+                "activity `{name}` can be interrupted (by `{by}`) and writes the {what} `{param_name}`, but has no \
+                 `codel<stop>` to leave it in a consistent state"
+            ),
+        );
+        found.related.push((param_src, "written here".into()));
+        found
+            .related
+            .push((by_src, "interrupted by this service".into()));
+    }
+}

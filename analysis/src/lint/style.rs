@@ -1,0 +1,110 @@
+//! Rules of taste, off by default.
+
+use crate::model::{ComponentKind, Src};
+
+use super::{Lint, list};
+
+pub(super) fn check(lint: &mut Lint) {
+    missing_doc(lint);
+    naming(lint);
+    ordering(lint);
+}
+
+/// `style/missing-doc`
+fn missing_doc(lint: &mut Lint) {
+    let component = lint.component;
+    let mut undocumented: Vec<(Src, String)> = Vec::new();
+    if component.doc.is_none() && component.kind == ComponentKind::Component {
+        undocumented.push((component.src, format!("component `{}`", component.name)));
+    }
+    for service in component
+        .services
+        .iter()
+        .filter(|s| s.doc.is_none() && s.imported_from.is_none())
+    {
+        undocumented.push((service.src, format!("service `{}`", service.name)));
+    }
+    for (at, what) in undocumented {
+        lint.report("style/missing-doc", at, format!("{what} has no `doc`"));
+    }
+}
+
+/// `style/naming`: one convention for all services of a component, the one most of them follow.
+fn naming(lint: &mut Lint) {
+    let style = |name: &str| {
+        if name.contains('_') {
+            Some("snake_case")
+        } else if name.chars().next().is_some_and(char::is_uppercase) {
+            Some("CamelCase")
+        } else if name.chars().any(char::is_uppercase) {
+            Some("camelCase")
+        } else {
+            None
+        }
+    };
+    let services = || {
+        lint.component
+            .services
+            .iter()
+            .filter(|s| s.imported_from.is_none())
+    };
+    let mut count: Vec<(&str, usize)> = Vec::new();
+    for convention in services().filter_map(|s| style(&s.name)) {
+        match count.iter_mut().find(|(c, _)| *c == convention) {
+            Some((_, n)) => *n += 1,
+            None => count.push((convention, 1)),
+        }
+    }
+    let Some(&(main, most)) = count.iter().max_by_key(|(_, n)| *n) else {
+        return;
+    };
+    let odd: Vec<(Src, String)> = services()
+        .filter(|s| style(&s.name).is_some_and(|c| c != main))
+        .map(|s| (s.src, s.name.to_string()))
+        .collect();
+    if most > odd.len() {
+        for (at, name) in odd {
+            lint.report(
+                "style/naming",
+                at,
+                format!(
+                    "service `{name}` is not in {main}, as most services of this component are"
+                ),
+            );
+        }
+    }
+}
+
+/// `style/order`: attributes, then functions, then activities.
+fn ordering(lint: &mut Lint) {
+    let mut highest = 0;
+    let mut late: Vec<(Src, String)> = Vec::new();
+    for service in lint
+        .component
+        .services
+        .iter()
+        .filter(|s| s.imported_from.is_none())
+    {
+        let rank = service.kind as u32;
+        if rank < highest {
+            late.push((service.src, service.name.to_string()));
+        }
+        highest = highest.max(rank);
+    }
+    if let Some((at, _)) = late.first().cloned() {
+        let names: Vec<&str> = late.iter().map(|(_, n)| n.as_str()).collect();
+        let be = if names.len() == 1 { "comes" } else { "come" };
+        let found = lint.report(
+            "style/order",
+            at,
+            format!(
+                "{} {be} late: attributes first, then functions, then activities",
+                list(&names)
+            ),
+        );
+        found.related = late[1..]
+            .iter()
+            .map(|(src, n)| (*src, format!("`{n}` too")))
+            .collect();
+    }
+}

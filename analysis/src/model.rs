@@ -1,0 +1,681 @@
+//! The resolved component model: plain data, no positions, no syntax.
+//!
+//! One [`Spec`] is what a translation unit means after name resolution. Everything downstream
+//! (diagrams, code generation, the verifier, `dotgen model`) reads this and never the tree. Items
+//! point back to the text with a [`Src`], which [`crate::source_map::Locations`] turns into a
+//! file and a range; the model itself therefore stays equal when only positions change.
+//!
+//! Orders matter: types are in order of creation, everything else in order of declaration, as the
+//! template language of GenoM3 exposes them (reference manual, "dotgen" objects).
+
+pub mod fsm;
+pub mod layout;
+pub mod mutex;
+pub mod turn;
+pub(crate) mod visit;
+
+use num_rational::Ratio;
+use serde::{Deserialize, Serialize};
+use smol_str::SmolStr;
+
+/// A name as written in the specification.
+pub type Name = SmolStr;
+
+/// An exact time in seconds.
+pub type Seconds = Ratio<i128>;
+
+/// Where something was written: a node of the item tree of one visited file of the unit.
+///
+/// Ids are ordinals, not ranges, so that blank lines and comments do not change them.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, Default,
+)]
+pub struct Src {
+    /// Index of the visit (one inclusion of one file) in the unit.
+    pub visit: u32,
+    /// Ordinal of the top-level item in that file.
+    pub item: u32,
+    /// Ordinal of the node inside that item.
+    pub node: u32,
+}
+
+/// Index into [`Spec::types`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct TypeId(pub u32);
+
+/// Everything one translation unit declares.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Spec {
+    /// Every type object in order of creation, anonymous ones included. A type that was declared
+    /// twice (a forward declaration and its definition) has two entries.
+    pub types: Vec<Type>,
+    /// Components and interfaces, in order of first declaration.
+    pub components: Vec<Component>,
+    /// Packages of all `#pragma requires`, in order, without repetition.
+    pub pragma_requires: Vec<String>,
+}
+
+/// A type object: named types, anonymous types, and the other things that live in scopes
+/// (constants, members, enumerators, states, ports, remotes).
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Type {
+    /// What it is.
+    pub kind: TypeKind,
+    /// Name inside its scope; `None` for anonymous types.
+    pub name: Option<Name>,
+    /// Enclosing scopes, outermost first; empty at global scope. An anonymous type has those of the
+    /// place where it was written.
+    pub scope: Vec<Scope>,
+    /// Where it was declared (its name when it has one).
+    pub src: Src,
+    /// The struct, union or exception it is nested in.
+    pub parent: Option<TypeId>,
+    /// `#pragma masquerade TEMPLATE TYPE DATA`: pairs of template and data.
+    pub masquerade: Vec<(String, String)>,
+}
+
+/// One enclosing scope of a type.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Scope {
+    /// Kind of scope.
+    pub kind: ScopeKind,
+    /// Its name.
+    pub name: Name,
+}
+
+/// Kinds of scope, in the words of the template language.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ScopeKind {
+    /// A module, component, interface, or the `pause` scope of a component.
+    Module,
+    /// A struct (the ids included).
+    Struct,
+    /// A union.
+    Union,
+    /// An exception.
+    Exception,
+}
+
+/// Kinds of type objects.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[allow(missing_docs, reason = "the IDL keywords say it")]
+pub enum TypeKind {
+    Boolean,
+    Octet,
+    Char,
+    Short,
+    UnsignedShort,
+    Long,
+    UnsignedLong,
+    LongLong,
+    UnsignedLongLong,
+    Float,
+    Double,
+    Any,
+    /// `string` or `string<bound>`.
+    String {
+        bound: Option<u64>,
+    },
+    /// One dimension; `long a[2][3]` is an array of 2 of an array of 3.
+    Array {
+        element: TypeId,
+        length: u64,
+    },
+    Sequence {
+        element: TypeId,
+        bound: Option<u64>,
+    },
+    Optional {
+        element: TypeId,
+    },
+    Enum {
+        enumerators: Vec<TypeId>,
+    },
+    /// One value of an enum; `value` counts from 0.
+    Enumerator {
+        enumeration: TypeId,
+        value: u32,
+    },
+    Struct {
+        members: Vec<TypeId>,
+    },
+    StructMember {
+        ty: TypeId,
+    },
+    Union {
+        switch: TypeId,
+        members: Vec<TypeId>,
+    },
+    UnionMember {
+        ty: TypeId,
+        labels: Vec<Label>,
+    },
+    /// Without members it carries no data and is no data type.
+    Exception {
+        members: Vec<TypeId>,
+    },
+    Native,
+    Typedef {
+        ty: TypeId,
+    },
+    /// A named constant, or an anonymous one (the value of a `period`, `priority`, …).
+    Const {
+        ty: TypeId,
+        value: Value,
+    },
+    /// `struct s;`: `definition` once completed.
+    ForwardStruct {
+        definition: Option<TypeId>,
+    },
+    /// `union u;`
+    ForwardUnion {
+        definition: Option<TypeId>,
+    },
+    /// A state of a state machine.
+    Event,
+    /// The paused form of a state (`pause::s`); lives in scope `pause` of its component.
+    PauseEvent,
+    /// The type object of a port; `component` and `port` index into [`Spec::components`] and
+    /// [`Component::ports`].
+    Port {
+        component: u32,
+        port: u32,
+    },
+    /// The type object of a remote service.
+    Remote {
+        component: u32,
+        remote: u32,
+    },
+    /// Stands for a type that could not be resolved; causes no further diagnostic.
+    Unknown,
+}
+
+/// A label of a union case.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Label {
+    /// `default:`
+    Default,
+    /// `case VALUE:`
+    Case(Value),
+}
+impl Eq for Label {}
+
+/// The value of a constant expression.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", content = "value", rename_all = "lowercase")]
+pub enum Value {
+    /// `TRUE`, `FALSE`
+    Bool(bool),
+    /// Unsigned integer (also the result of arithmetic on unsigned operands).
+    Uint(u64),
+    /// Signed integer.
+    Int(i64),
+    /// Floating point number.
+    Float(f64),
+    /// One character, its raw text without quotes.
+    Char(String),
+    /// Raw text between the quotes, escapes uninterpreted except `\"`.
+    String(String),
+    /// An enumerator.
+    Enum(TypeId),
+}
+impl Eq for Value {}
+
+/// `component` or `interface`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[allow(missing_docs, reason = "GenoM3's own words")]
+pub enum ComponentKind {
+    Component,
+    Interface,
+}
+
+/// A number given in a property, with its anonymous constant type.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Quantity {
+    /// Exact value: seconds for times, a plain number for `priority` and `stack` (bytes).
+    #[serde(with = "crate::model::ratio_serde")]
+    pub value: Seconds,
+    /// The anonymous constant that templates see.
+    pub ty: TypeId,
+    /// The property.
+    pub src: Src,
+}
+
+/// A component or an interface.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Component {
+    /// Its name.
+    pub name: Name,
+    /// Component or interface.
+    pub kind: ComponentKind,
+    /// The name in its first declaration.
+    pub src: Src,
+    /// `doc` texts, joined with newlines.
+    pub doc: Option<String>,
+    /// `version`; components default to `"0"`.
+    pub version: Option<String>,
+    /// `lang`; components default to `"c"`.
+    pub lang: Option<String>,
+    /// `email`
+    pub email: Option<String>,
+    /// `requires`, in order, without repetition.
+    pub requires: Vec<String>,
+    /// `codels-requires`, likewise.
+    pub codels_requires: Vec<String>,
+    /// Given, imported, or (components with a periodic task) computed.
+    pub clock_rate: Option<Quantity>,
+    /// The ids structure.
+    pub ids: Option<TypeId>,
+    /// Interfaces named by `provides` (also by pragma), `uses`, `extends`: indexes into
+    /// [`Spec::components`].
+    pub provides: Vec<u32>,
+    /// See [`Component::provides`].
+    pub uses: Vec<u32>,
+    /// See [`Component::provides`].
+    pub extends: Vec<u32>,
+    /// Exceptions thrown by all services (the component's own `throws`).
+    pub throws: Vec<TypeId>,
+    /// Execution tasks.
+    pub tasks: Vec<Task>,
+    /// Ports.
+    pub ports: Vec<Port>,
+    /// Attributes, functions and activities.
+    pub services: Vec<Service>,
+    /// Remote services (imported with `uses`).
+    pub remotes: Vec<Remote>,
+}
+
+/// An execution task.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[allow(missing_docs, reason = "the properties of the language")]
+pub struct Task {
+    pub name: Name,
+    pub src: Src,
+    pub doc: Option<String>,
+    /// Seconds; `None` for an aperiodic task.
+    pub period: Option<Quantity>,
+    /// Seconds.
+    pub delay: Option<Quantity>,
+    pub priority: Option<Quantity>,
+    /// `scheduling real-time`
+    pub real_time: bool,
+    /// Bytes.
+    pub stack: Option<Quantity>,
+    /// Own `throws` only.
+    pub throws: Vec<TypeId>,
+    /// The state machine of the permanent activity.
+    pub codels: Vec<Codel>,
+    /// The interface it was imported from, if any.
+    pub imported_from: Option<u32>,
+}
+
+/// Direction of a port.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[allow(missing_docs, reason = "self-explaining")]
+pub enum PortDir {
+    In,
+    Out,
+}
+
+/// A port.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Port {
+    /// Its name.
+    pub name: Name,
+    /// Its declaration (the name).
+    pub src: Src,
+    /// Direction as seen from this component (already reversed for `uses`).
+    pub dir: PortDir,
+    /// `port multiple`
+    pub multiple: bool,
+    /// Type of the data.
+    pub data: TypeId,
+    /// The port's own type object.
+    pub ty: TypeId,
+    /// `doc`
+    pub doc: Option<String>,
+    /// The interface it was imported from, if any.
+    pub imported_from: Option<u32>,
+}
+
+/// Kinds of service.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[allow(missing_docs, reason = "GenoM3's own words")]
+pub enum ServiceKind {
+    Attribute,
+    Function,
+    Activity,
+}
+
+/// A list of services, as `interrupts`, `before` and `after` give it.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct ServiceList {
+    /// `all` was named: every service of the component.
+    pub all: bool,
+    /// The services named: indexes into [`Component::services`].
+    pub services: Vec<u32>,
+}
+
+/// An attribute, function or activity.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Service {
+    /// Its name.
+    pub name: Name,
+    /// Its last declaration (the name).
+    pub src: Src,
+    /// Its kind.
+    pub kind: ServiceKind,
+    /// `doc`
+    pub doc: Option<String>,
+    /// Task it runs in (activities): index into [`Component::tasks`].
+    pub task: Option<u32>,
+    /// Parameters and local variables, in order. For attributes these are paths into the ids.
+    pub params: Vec<Param>,
+    /// All codels, in order of properties, of any [`CodelKind`].
+    pub codels: Vec<Codel>,
+    /// Own `throws` only.
+    pub throws: Vec<TypeId>,
+    /// `interrupts`
+    pub interrupts: ServiceList,
+    /// `before`
+    pub before: ServiceList,
+    /// `after`
+    pub after: ServiceList,
+    /// The interface it was imported from, if any.
+    pub imported_from: Option<u32>,
+}
+
+/// A service of an interface that the component uses.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Remote {
+    /// Its name.
+    pub name: Name,
+    /// The service in the interface.
+    pub src: Src,
+    /// Kind of the service.
+    pub kind: ServiceKind,
+    /// Its parameters.
+    pub params: Vec<Param>,
+    /// Its own type object.
+    pub ty: TypeId,
+    /// The interface it comes from: index into [`Spec::components`].
+    pub interface: u32,
+    /// The service of that interface: index into [`Component::services`].
+    pub service: u32,
+    /// Exceptions: providing interface, its task, the service.
+    pub throws: Vec<TypeId>,
+}
+
+/// What a codel is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum CodelKind {
+    /// Checks the parameters of a request.
+    Validate,
+    /// Executed in order by the control task (functions).
+    Simple,
+    /// Bound to states of a state machine (tasks and activities).
+    Fsm,
+}
+
+/// A codel in one place of use.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Codel {
+    /// Name of the C/C++ function.
+    pub name: Name,
+    /// The name in the declaration.
+    pub src: Src,
+    /// What it is for.
+    pub kind: CodelKind,
+    /// `async`
+    pub is_async: bool,
+    /// Parameters in order.
+    pub params: Vec<Param>,
+    /// States it implements (fsm codels).
+    pub triggers: Vec<State>,
+    /// States it can lead to, in order of declaration.
+    pub yields: Vec<State>,
+    /// Worst-case execution time, in seconds.
+    pub wcet: Option<Quantity>,
+}
+
+/// A state as named in `< >` or in a `yields` list.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct State {
+    /// State name without `pause::`.
+    pub name: Name,
+    /// Written with `pause::`.
+    pub paused: bool,
+    /// The event type object.
+    pub event: TypeId,
+    /// This mention.
+    pub src: Src,
+}
+
+/// Direction of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[allow(missing_docs, reason = "self-explaining")]
+pub enum ParamDir {
+    /// A local variable of a service.
+    Local,
+    In,
+    Out,
+    Inout,
+}
+
+/// What a parameter refers to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(tag = "kind", content = "index", rename_all = "lowercase")]
+pub enum ParamSource {
+    /// The ids.
+    Ids,
+    /// For service parameters and local variables: itself (`None`). For codel parameters: a
+    /// parameter or local variable of the service (index into [`Service::params`]).
+    Local(Option<u32>),
+    /// A port (index into [`Component::ports`]).
+    Port(u32),
+    /// A remote (index into [`Component::remotes`]).
+    Remote(u32),
+}
+
+/// One step of a path into a value.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum PathElement {
+    /// `.name`
+    Member(Name),
+    /// `[index]`
+    Index(u64),
+}
+
+/// A parameter of a service or codel, or a local variable of a service.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Param {
+    /// Name after renaming.
+    pub name: Name,
+    /// The parameter.
+    pub src: Src,
+    /// Direction.
+    pub dir: ParamDir,
+    /// What it refers to.
+    pub source: ParamSource,
+    /// Type the path starts from (the ids, port data, remote type, or local type).
+    pub base: TypeId,
+    /// Type after the path.
+    pub ty: TypeId,
+    /// Path inside the source; starts with the member name for ids, empty for the whole ids.
+    pub path: Vec<PathElement>,
+    /// Default value (parameters of services).
+    pub init: Option<Initializer>,
+}
+
+/// A default value, matched to the members of its type.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Initializer {
+    /// The member or index it is for, inside a compound.
+    pub member: Option<PathElement>,
+    /// Documentation string.
+    pub doc: Option<String>,
+    /// The value.
+    pub value: InitValue,
+    /// Type of what it initializes.
+    pub ty: TypeId,
+    /// The initializer.
+    pub src: Src,
+}
+
+/// The value of an initializer.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum InitValue {
+    /// Documentation only.
+    Void,
+    /// A constant.
+    Scalar(Value),
+    /// `{ … }`
+    Compound(Vec<Initializer>),
+}
+
+/// Owner of a codel inside a component.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Owner {
+    /// Index into [`Component::tasks`].
+    Task(u32),
+    /// Index into [`Component::services`].
+    Service(u32),
+}
+
+/// Names one codel of a component.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct CodelRef {
+    /// Task or service that declares it.
+    pub owner: Owner,
+    /// Index into that owner's codels.
+    pub index: u32,
+}
+
+impl Spec {
+    /// The type object of an id.
+    pub fn ty(&self, id: TypeId) -> &Type {
+        &self.types[id.0 as usize]
+    }
+
+    /// The type behind typedefs, members, constants and completed forward declarations.
+    pub fn resolve_alias(&self, mut id: TypeId) -> TypeId {
+        // A cycle cannot be built by the elaborator; the bound keeps foreign data harmless.
+        for _ in 0..self.types.len() {
+            id = match self.ty(id).kind {
+                TypeKind::Typedef { ty }
+                | TypeKind::StructMember { ty }
+                | TypeKind::UnionMember { ty, .. }
+                | TypeKind::Const { ty, .. } => ty,
+                TypeKind::ForwardStruct {
+                    definition: Some(ty),
+                }
+                | TypeKind::ForwardUnion {
+                    definition: Some(ty),
+                } => ty,
+                _ => return id,
+            };
+        }
+        id
+    }
+
+    /// `::full::name` of a named type, `None` for anonymous ones.
+    pub fn full_name(&self, id: TypeId) -> Option<String> {
+        let ty = self.ty(id);
+        let name = ty.name.as_ref()?;
+        let mut out = String::new();
+        for scope in &ty.scope {
+            out.push_str("::");
+            out.push_str(&scope.name);
+        }
+        out.push_str("::");
+        out.push_str(name);
+        Some(out)
+    }
+}
+
+impl Component {
+    /// Codels of an owner.
+    pub fn codels_of(&self, owner: Owner) -> &[Codel] {
+        match owner {
+            Owner::Task(i) => &self.tasks[i as usize].codels,
+            Owner::Service(i) => &self.services[i as usize].codels,
+        }
+    }
+
+    /// One codel.
+    pub fn codel(&self, it: CodelRef) -> &Codel {
+        &self.codels_of(it.owner)[it.index as usize]
+    }
+
+    /// Everything that has codels: tasks in order, then services in order.
+    pub fn owners(&self) -> impl Iterator<Item = Owner> + use<> {
+        let tasks = (0..self.tasks.len() as u32).map(Owner::Task);
+        tasks.chain((0..self.services.len() as u32).map(Owner::Service))
+    }
+
+    /// Tasks and services with a state machine, in order.
+    pub fn machines(&self) -> impl Iterator<Item = Owner> + '_ {
+        let has_machine = |it: &Owner| {
+            self.codels_of(*it)
+                .iter()
+                .any(|it| it.kind == CodelKind::Fsm)
+        };
+        self.owners().filter(has_machine)
+    }
+
+    /// Name of a task or service.
+    pub fn owner_name(&self, owner: Owner) -> &Name {
+        match owner {
+            Owner::Task(it) => &self.tasks[it as usize].name,
+            Owner::Service(it) => &self.services[it as usize].name,
+        }
+    }
+
+    /// Every codel: those of tasks in order, then those of services in order.
+    pub fn all_codels(&self) -> impl Iterator<Item = CodelRef> + '_ {
+        let tasks = (0..self.tasks.len() as u32).map(Owner::Task);
+        let services = (0..self.services.len() as u32).map(Owner::Service);
+        tasks.chain(services).flat_map(|owner| {
+            (0..self.codels_of(owner).len() as u32).map(move |index| CodelRef { owner, index })
+        })
+    }
+
+    /// The execution task that runs a codel; `None` for what the control task runs (validate and
+    /// simple codels).
+    pub fn task_of(&self, it: CodelRef) -> Option<u32> {
+        match it.owner {
+            Owner::Task(i) => Some(i),
+            Owner::Service(i) if self.codel(it).kind == CodelKind::Fsm => {
+                self.services[i as usize].task
+            }
+            Owner::Service(_) => None,
+        }
+    }
+}
+
+/// Exact rationals as `"num/den"` text.
+pub mod ratio_serde {
+    use num_rational::Ratio;
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
+
+    /// Writes `num/den`.
+    pub fn serialize<S: Serializer>(value: &Ratio<i128>, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_str(&format_args!("{}/{}", value.numer(), value.denom()))
+    }
+
+    /// Reads `num/den`.
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Ratio<i128>, D::Error> {
+        let text = String::deserialize(from)?;
+        text.parse().map_err(D::Error::custom)
+    }
+}

@@ -1,0 +1,230 @@
+//! Mutual exclusion: which codels cannot run at the same time, and because of what.
+//!
+//! Codels that share data of the ids, or a port, exclude each other when they can be run by
+//! different tasks (reference manual, "Codel mutual exclusion"; language reference, section 14).
+
+use super::{
+    Codel, CodelKind, CodelRef, Component, Owner, Param, ParamDir, ParamSource, PathElement, Spec,
+};
+
+/// Something that a codel excludes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Exclusion {
+    /// What.
+    pub with: Excluded,
+    /// Every pair of parameters that makes it so, at least one.
+    pub through: Vec<Through>,
+}
+
+/// See [`Exclusion`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Excluded {
+    /// Another codel.
+    Codel(CodelRef),
+    /// An attribute, whose parameters are data of the ids: index into [`Component::services`].
+    Service(u32),
+}
+
+/// Two parameters that refer to the same data.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Through {
+    /// What both refer to.
+    pub shared: Shared,
+    /// Index into the parameters of the codel.
+    pub own: u32,
+    /// Index into the parameters of the other.
+    pub other: u32,
+}
+
+/// Shared data.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum Shared {
+    /// A part of the ids, by the longer of both paths; the whole ids when empty.
+    Ids(Vec<PathElement>),
+    /// Index into [`Component::ports`].
+    Port(u32),
+}
+
+impl Shared {
+    /// For messages: `ids v.x`, `port p`.
+    pub fn describe(&self, component: &Component) -> String {
+        match self {
+            Self::Ids(path) if path.is_empty() => "the whole ids".to_owned(),
+            Self::Ids(path) => format!("`{}` of the ids", path_text(path)),
+            Self::Port(port) => match component.ports.get(*port as usize) {
+                Some(port) => format!("port `{}`", port.name),
+                None => "a port".to_owned(),
+            },
+        }
+    }
+}
+
+/// A path as written: `v.a[1]`.
+pub fn path_text(path: &[PathElement]) -> String {
+    let mut text = String::new();
+    for element in path {
+        match element {
+            PathElement::Member(name) => {
+                if !text.is_empty() {
+                    text.push('.');
+                }
+                text.push_str(name);
+            }
+            PathElement::Index(index) => text.push_str(&format!("[{index}]")),
+        }
+    }
+    text
+}
+
+/// Everything that a codel excludes: codels of tasks, codels of services in order, then attributes.
+pub fn exclusions(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<Exclusion> {
+    let own = component.codel(codel);
+    let task = component.task_of(codel);
+    let mut found: Vec<Exclusion> = Vec::new();
+    let mut add = |with: Excluded, through: Vec<Through>| {
+        if !through.is_empty() {
+            found.push(Exclusion { with, through });
+        }
+    };
+    for (number, other) in component.tasks.iter().enumerate() {
+        let owner = Owner::Task(number as u32);
+        if task == Some(number as u32) {
+            continue;
+        }
+        for (index, it) in (0..).zip(&other.codels) {
+            let through = collisions(spec, own, it);
+            add(Excluded::Codel(CodelRef { owner, index }), through);
+        }
+    }
+    for (number, service) in component.services.iter().enumerate() {
+        let owner = Owner::Service(number as u32);
+        for (index, it) in (0..).zip(&service.codels) {
+            if task.is_some() && it.kind != CodelKind::Fsm {
+                let through = collisions(spec, own, it);
+                add(Excluded::Codel(CodelRef { owner, index }), through);
+            }
+        }
+        if service.task == task || (task.is_some() && interrupts(service, codel)) {
+            continue;
+        }
+        for (index, it) in (0..).zip(&service.codels) {
+            if it.kind == CodelKind::Fsm {
+                let through = collisions(spec, own, it);
+                add(Excluded::Codel(CodelRef { owner, index }), through);
+            }
+        }
+    }
+    if task.is_some() {
+        for (number, service) in component.services.iter().enumerate() {
+            if service.task != task {
+                let through = attribute_collisions(spec, own, &service.params);
+                add(Excluded::Service(number as u32), through);
+            }
+        }
+    }
+    found
+}
+
+/// Names of what a codel excludes, each once.
+pub fn excluded_names(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for exclusion in exclusions(spec, component, codel) {
+        let name = match exclusion.with {
+            Excluded::Codel(it) => component.codel(it).name.to_string(),
+            Excluded::Service(it) => component.services[it as usize].name.to_string(),
+        };
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
+}
+
+/// The codels that cannot run while a service reads or sets its parameters: those of tasks, then
+/// those of services that run in another task.
+pub fn service_exclusions(spec: &Spec, component: &Component, service: u32) -> Vec<CodelRef> {
+    let Some(own) = component.services.get(service as usize) else {
+        return Vec::new();
+    };
+    let mut found = Vec::new();
+    let others = component.all_codels().filter(|it| {
+        component.codel(*it).kind == CodelKind::Fsm && component.task_of(*it) != own.task
+    });
+    for other in others {
+        let codel = component.codel(other);
+        if !attribute_collisions(spec, codel, &own.params).is_empty() {
+            found.push(other);
+        }
+    }
+    found
+}
+
+/// Whether a service interrupts the one that a codel belongs to.
+fn interrupts(service: &super::Service, codel: CodelRef) -> bool {
+    match codel.owner {
+        Owner::Service(target) => {
+            service.interrupts.all || service.interrupts.services.contains(&target)
+        }
+        Owner::Task(_) => false,
+    }
+}
+
+/// The pairs of parameters through which two codels collide.
+pub fn collisions(spec: &Spec, own: &Codel, other: &Codel) -> Vec<Through> {
+    pairs(spec, &own.params, &other.params, |a, b| {
+        a == ParamDir::In && b == ParamDir::In
+    })
+}
+
+/// The pairs of parameters through which a codel collides with an attribute. The attribute's
+/// direction is seen from the client: `in` sets the ids, `out` reads them.
+fn attribute_collisions(spec: &Spec, own: &Codel, params: &[Param]) -> Vec<Through> {
+    pairs(spec, &own.params, params, |a, b| {
+        a == ParamDir::In && b == ParamDir::Out
+    })
+}
+
+fn pairs(
+    spec: &Spec,
+    own: &[Param],
+    other: &[Param],
+    both_read: impl Fn(ParamDir, ParamDir) -> bool,
+) -> Vec<Through> {
+    let mut found = Vec::new();
+    for (i, a) in (0..).zip(own) {
+        for (j, b) in (0..).zip(other) {
+            if let Some(shared) = shared(spec, a, b, &both_read) {
+                found.push(Through {
+                    shared,
+                    own: i,
+                    other: j,
+                });
+            }
+        }
+    }
+    found
+}
+
+fn shared(
+    spec: &Spec,
+    a: &Param,
+    b: &Param,
+    both_read: impl Fn(ParamDir, ParamDir) -> bool,
+) -> Option<Shared> {
+    match (a.source, b.source) {
+        (ParamSource::Port(p), ParamSource::Port(q)) if p == q => Some(Shared::Port(p)),
+        (ParamSource::Ids, ParamSource::Ids) => {
+            let same = a.base == b.base || spec.resolve_alias(a.base) == spec.resolve_alias(b.base);
+            if !same || both_read(a.dir, b.dir) {
+                return None;
+            }
+            let (short, long) = if a.path.len() <= b.path.len() {
+                (&a.path, &b.path)
+            } else {
+                (&b.path, &a.path)
+            };
+            long.starts_with(short).then(|| Shared::Ids(long.clone()))
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,151 @@
+//! Elaboration and checks as queries over the database.
+//!
+//! [`elaborated`] depends on the item trees of a unit. The checks of each body run behind a
+//! [`BodyView`]: the body with the part of the model it can see, renumbered, so that an edit in one
+//! component leaves the views of the others equal.
+
+use std::sync::Arc;
+
+use smol_str::SmolStr;
+
+use crate::{
+    base::Db,
+    check,
+    elab::{self, ElabDiagnostic, Elaborated, UnitInput},
+    item_tree::{Item, ItemTree, Ptr},
+    lint,
+    model::Component,
+    unit::{UnitKey, item_tree, visits},
+    view::BodyView,
+};
+
+/// Visit of the elaborator that stands for the wrapper; those of the unit follow.
+pub(crate) const WRAPPER: u32 = 0;
+
+/// What a unit means.
+#[salsa::tracked]
+pub(crate) fn elaborated<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Elaborated> {
+    let visits = &visits(db, unit).visits;
+    let roots: Vec<u32> = (0..visits.len() as u32)
+        .filter(|&it| visits[it as usize].includer.is_none())
+        .collect();
+    let wrapper = ItemTree {
+        items: (0..roots.len() as u32)
+            .map(|ordinal| Item::Include {
+                ordinal,
+                ptr: Ptr {
+                    item: ordinal,
+                    node: 0,
+                },
+            })
+            .collect(),
+    };
+    let paths: Vec<SmolStr> = visits
+        .iter()
+        .map(|it| SmolStr::new(it.key.file(db).path(db).as_str()))
+        .collect();
+    let after_wrapper = |visit: u32| visit + 1;
+    let mut input = vec![elab::Visit {
+        tree: &wrapper,
+        file: u32::MAX,
+        includes: roots.iter().map(|&it| Some(after_wrapper(it))).collect(),
+        path: "",
+    }];
+    input.extend(visits.iter().zip(&paths).map(|(visit, path)| {
+        elab::Visit {
+            tree: item_tree(db, visit.key),
+            file: visit.file_number,
+            includes: visit
+                .includes
+                .iter()
+                .map(|it| {
+                    it.filter(|&it| visits[it as usize].reached)
+                        .map(after_wrapper)
+                })
+                .collect(),
+            path,
+        }
+    }));
+    db.unwind_if_revision_cancelled();
+    Arc::new(elab::elaborate(&UnitInput { visits: &input }))
+}
+
+/// Number of bodies to check.
+#[salsa::tracked(returns(copy))]
+pub(crate) fn body_count<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> u32 {
+    elaborated(db, unit).closings.len() as u32
+}
+
+/// What the checks of one body can see.
+#[salsa::tracked(lru = 64)]
+pub(crate) fn body_view<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> Arc<BodyView> {
+    let elaborated = elaborated(db, unit);
+    let spec = &elaborated.spec;
+    let none = || Arc::new(BodyView::default());
+    let Some(closing) = elaborated.closings.get(body as usize) else {
+        return none();
+    };
+    let component: Option<&Component> = match &closing.snapshot {
+        Some(it) => Some(it),
+        None => spec.components.get(closing.component as usize),
+    };
+    match component {
+        Some(component) => Arc::new(BodyView::new(spec, closing.component, component)),
+        None => none(),
+    }
+}
+
+/// What is suspicious about one component, once all of it is read. Nothing for a body that is reopened
+/// later.
+#[salsa::tracked]
+pub(crate) fn lint_body<'db>(
+    db: &'db dyn Db,
+    unit: UnitKey<'db>,
+    body: u32,
+) -> Arc<Vec<ElabDiagnostic>> {
+    if !is_last_body(db, unit, body) {
+        return Arc::default();
+    }
+    let view = body_view(db, unit, body);
+    Arc::new(match view.component() {
+        Some(component) => lint::component(&view.spec, component, db.workspace().lints(db)),
+        None => Vec::new(),
+    })
+}
+
+/// Whether a component is not reopened after a body.
+#[salsa::tracked(returns(copy))]
+fn is_last_body<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> bool {
+    let closings = &elaborated(db, unit).closings;
+    closings.get(body as usize).is_some_and(|it| {
+        let later = &closings[body as usize + 1..];
+        it.snapshot.is_none() && later.iter().all(|that| that.component != it.component)
+    })
+}
+
+/// Declarations of the root files of a unit that nothing uses.
+#[salsa::tracked]
+pub(crate) fn lint_unused<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<ElabDiagnostic>> {
+    let visits = &visits(db, unit).visits;
+    let is_root = |visit: u32| {
+        let it = visit
+            .checked_sub(WRAPPER + 1)
+            .and_then(|it| visits.get(it as usize));
+        it.is_some_and(|it| it.includer.is_none())
+    };
+    Arc::new(lint::unused(elaborated(db, unit), is_root))
+}
+
+/// The diagnostics of one body.
+#[salsa::tracked]
+pub(crate) fn check_body<'db>(
+    db: &'db dyn Db,
+    unit: UnitKey<'db>,
+    body: u32,
+) -> Arc<Vec<ElabDiagnostic>> {
+    let view = body_view(db, unit, body);
+    Arc::new(match view.component() {
+        Some(component) => check::component(&view.spec, component),
+        None => Vec::new(),
+    })
+}

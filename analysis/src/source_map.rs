@@ -1,0 +1,117 @@
+//! From the ids of the model back to files and ranges.
+
+use std::sync::Arc;
+
+use camino::Utf8PathBuf;
+use dotgen_syntax::{
+    TextRange, TextSize,
+    line_index::{LineIndex, PositionEncoding},
+};
+
+use crate::{
+    base::{Db, line_index},
+    item_tree::{Ptr, lower::PtrRanges},
+    model::Src,
+    unit::{UnitKey, lowered, visits},
+};
+
+/// A place in a file. Lines and columns count from 0; columns are in bytes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Location {
+    /// Absolute path of the file (or the name of an in-memory text).
+    pub path: Utf8PathBuf,
+    /// Byte offsets of start and end.
+    pub range: std::ops::Range<usize>,
+    /// Line and column of the start.
+    pub start: LineCol,
+    /// Line and column of the end.
+    pub end: LineCol,
+}
+
+/// A position by line and column, both from 0; the column counts bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct LineCol {
+    /// Line, from 0.
+    pub line: u32,
+    /// Column in bytes, from 0.
+    pub col: u32,
+}
+
+/// Turns a [`Src`] of a unit into a place in the text.
+pub trait Locations {
+    /// The place of an id; `None` for ids that are not of this unit.
+    fn locate(&self, src: Src) -> Option<Location>;
+}
+
+/// The places of one unit. Keeps what it needs alive; independent of the database.
+#[derive(Clone)]
+pub struct UnitLocations {
+    /// By visit, as the elaborator numbers them.
+    visits: Vec<Option<VisitPlaces>>,
+}
+
+#[derive(Clone)]
+struct VisitPlaces {
+    path: Utf8PathBuf,
+    ranges: Arc<PtrRanges>,
+    lines: Arc<LineIndex>,
+}
+
+impl UnitLocations {
+    pub(crate) fn new<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> UnitLocations {
+        let places = visits(db, unit).visits.iter().map(|visit| {
+            let file = visit.key.file(db);
+            Some(VisitPlaces {
+                path: file.path(db).clone(),
+                ranges: lowered(db, visit.key).ranges.clone(),
+                lines: line_index(db, file).clone(),
+            })
+        });
+        UnitLocations {
+            visits: std::iter::once(None).chain(places).collect(),
+        }
+    }
+}
+
+impl Locations for UnitLocations {
+    fn locate(&self, src: Src) -> Option<Location> {
+        let visit = self.visits.get(src.visit as usize)?.as_ref()?;
+        let range = visit.ranges.get(ptr(src))?;
+        let position = |offset| {
+            let it = visit.lines.line_col(offset, PositionEncoding::Utf8);
+            LineCol {
+                line: it.line,
+                col: it.col,
+            }
+        };
+        Some(Location {
+            path: visit.path.clone(),
+            range: bytes(range),
+            start: position(range.start()),
+            end: position(range.end()),
+        })
+    }
+}
+
+/// The pointer of an id inside its visit.
+pub(crate) fn ptr(src: Src) -> Ptr {
+    Ptr {
+        item: src.item,
+        node: src.node,
+    }
+}
+
+/// Byte offsets.
+pub(crate) fn bytes(range: TextRange) -> std::ops::Range<usize> {
+    usize::from(range.start())..usize::from(range.end())
+}
+
+/// The range of byte offsets, which must fit 32 bits.
+pub(crate) fn text_range(range: &std::ops::Range<usize>) -> TextRange {
+    TextRange::new(offset(range.start), offset(range.end.max(range.start)))
+}
+
+/// A byte offset; files beyond 4 GiB are not read.
+pub(crate) fn offset(offset: usize) -> TextSize {
+    TextSize::new(u32::try_from(offset).unwrap_or(u32::MAX))
+}

@@ -1,0 +1,100 @@
+//! One cause, one diagnostic.
+
+use crate::test_support::Fixture;
+
+#[track_caller]
+fn check(text: &str, expected: &[&str]) {
+    let fixture = Fixture::new(text);
+    let mut codes = Vec::new();
+    for path in fixture.paths() {
+        let found = fixture.analysis().diagnostics(&path).unwrap();
+        codes.extend(found.iter().map(|it| it.code));
+    }
+    assert_eq!(codes, expected, "{}", fixture.all_diagnostics());
+}
+
+#[test]
+fn names_from_a_missing_include_are_quiet() {
+    check(
+        "#include \"none.idl\"
+interface i { port in m::s p; };
+component c {
+  uses d;
+  ids { m::s v; };
+  throws gone;
+  task t { period N ms; };
+  activity go(in m::s x = { .a = 1 }) { task t; codel<start> f(in v.x, out q) yield ether; };
+};
+",
+        &["pp-include-not-found"],
+    );
+}
+
+#[test]
+fn names_in_text_that_does_not_parse_are_quiet() {
+    check(
+        "typedef long 4 t;\ntypedef t u;\ntypedef nope v;\n",
+        &["syntax", "unknown-type"],
+    );
+}
+
+#[test]
+fn an_unfinished_declaration_declares_its_name() {
+    check("const long n = ;\ntypedef long a[n];\n", &["syntax"]);
+    check(
+        "struct s { long x };\ntypedef s t;\n",
+        &["missing-semicolon"],
+    );
+    check("struct s { };\ntypedef s t;\n", &["syntax"]);
+    check(
+        "typedef nope t;\ntypedef t u;\nstruct s { u x; };\n",
+        &["unknown-type"],
+    );
+}
+
+#[test]
+fn a_file_included_twice_reports_once() {
+    check(
+        "//- /a.gen\n#include \"t.idl\"\n//- /b.gen\n#include \"t.idl\"\n//- /t.idl\ntypedef nope t;\n",
+        &["unknown-type"],
+    );
+}
+
+#[test]
+fn expanded_code_points_at_the_macro() {
+    let fixture = Fixture::new("#define T typedef nope t;\nT\n");
+    let found = fixture.analysis().diagnostics("/main.gen".into()).unwrap();
+    let text = fixture.text("/main.gen");
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(&text[found[0].range.clone()], "T");
+    assert_eq!(found[0].range.start, 26);
+    assert_eq!(&text[found[0].related[0].range.clone()], "T");
+    assert_eq!(found[0].related[0].range.start, 8);
+}
+
+#[test]
+fn severities_are_configured_except_those_of_errors() {
+    use crate::{diagnostic::Severity, host::Config};
+    let text = "#define N 1\n#define N 2\ntypedef nope t;\n";
+    let config = |severity| Config {
+        severities: vec![
+            ("pp-redefined".into(), severity),
+            ("unknown-type".into(), None),
+        ],
+        ..Config::default()
+    };
+    let severities = |config| {
+        let fixture = Fixture::with_config(text, config);
+        let found = fixture.analysis().diagnostics("/main.gen".into()).unwrap();
+        found.iter().map(|it| it.severity).collect::<Vec<_>>()
+    };
+    assert_eq!(
+        severities(Config::default()),
+        [Severity::Warning, Severity::Error]
+    );
+    assert_eq!(
+        severities(config(Some(Severity::Hint))),
+        [Severity::Hint, Severity::Error]
+    );
+    assert_eq!(severities(config(None)), [Severity::Error]);
+}

@@ -1,0 +1,355 @@
+//! Translation units: which files a root includes, each with the macros defined at its entry.
+//!
+//! The [`walk`] follows the includes. Every visit then gets a [`FileKey`]: the file, what it is parsed as, its entry environment and what its includes
+//! did to it, both cut down to the macros the file mentions. Units in which a file looks the same
+//! share its key, and with it tree and item tree.
+
+mod walk;
+
+use std::{
+    hash::{Hash, Hasher},
+    mem,
+    sync::Arc,
+};
+
+use camino::Utf8PathBuf;
+use dotgen_syntax::{
+    Fragment, Parse,
+    directive::{Define, DirectiveKind},
+    parser::parse,
+    preproc::{
+        self, Element, Host, IncludeError, IncludeRequest, MacroEnv, Mentioned, Preprocessed,
+        preprocess,
+    },
+};
+use rustc_hash::{FxHashMap, FxHashSet};
+use smol_str::SmolStr;
+
+use crate::{
+    base::{Db, SourceFile, lexed},
+    item_tree::{
+        ItemTree,
+        lower::{self, Lowered},
+    },
+};
+pub(crate) use walk::walk_unit;
+
+/// A translation unit: the inputs in order, as one wrapper text that includes them.
+#[salsa::interned(debug)]
+pub(crate) struct UnitKey<'db> {
+    /// Roots, in order.
+    pub(crate) inputs: Vec<SourceFile>,
+    /// Searched before those of the workspace.
+    pub(crate) include_dirs: Vec<Utf8PathBuf>,
+    /// Defined after those of the workspace.
+    pub(crate) defines: Vec<(SmolStr, SmolStr)>,
+}
+
+/// One file in one context.
+#[salsa::interned(debug)]
+pub(crate) struct FileKey<'db> {
+    #[returns(copy)]
+    pub(crate) file: SourceFile,
+    /// What the place of its inclusion makes of it.
+    #[returns(copy)]
+    pub(crate) fragment: Fragment,
+    /// Macros at its start.
+    pub(crate) entry: MacroEnv,
+    /// What its directives that leave the file did, in order.
+    pub(crate) outcomes: Vec<Outcome>,
+}
+
+/// What came of a directive that leaves the file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    /// An active `#include`: the environment after it, or why it was not followed.
+    Include(Result<MacroEnv, IncludeError>),
+    /// An active `#pragma requires`: the environment after it, or what the package tool said.
+    Requires(Result<MacroEnv, String>),
+}
+
+impl Hash for Outcome {
+    /// Failures are told apart by comparing only.
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        mem::discriminant(self).hash(state);
+        match self {
+            Outcome::Include(result) => result.as_ref().ok().hash(state),
+            Outcome::Requires(result) => result.as_ref().ok().hash(state),
+        }
+    }
+}
+
+/// The visits of a unit, ready to parse.
+#[derive(Debug, Clone, PartialEq, Eq, salsa::SalsaValue)]
+pub(crate) struct Visits<'db> {
+    pub(crate) visits: Vec<Visit<'db>>,
+}
+
+/// One inclusion of one file. See [`WalkVisit`].
+#[derive(Debug, Clone, PartialEq, Eq, salsa::SalsaValue)]
+pub(crate) struct Visit<'db> {
+    pub(crate) key: FileKey<'db>,
+    pub(crate) includes: Vec<Option<u32>>,
+    pub(crate) includer: Option<(u32, u32)>,
+    /// Every include on the way stands where declarations may stand.
+    pub(crate) reached: bool,
+    /// Equal for equal files.
+    pub(crate) file_number: u32,
+}
+
+/// The unit of one root.
+pub(crate) fn unit_of_root(db: &dyn Db, root: SourceFile) -> UnitKey<'_> {
+    UnitKey::new(db, vec![root], Vec::new(), Vec::new())
+}
+
+/// Identifiers that occur in a file.
+#[salsa::tracked]
+pub(crate) fn mentioned(db: &dyn Db, file: SourceFile) -> Mentioned {
+    let lexed = lexed(db, file);
+    preproc::mentioned(&lexed.raw, file.text(db))
+}
+
+/// The visits of a unit with their keys.
+#[salsa::tracked]
+pub(crate) fn visits<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Visits<'db> {
+    let walk = walk_unit(db, unit);
+    let mut numbers: FxHashMap<SourceFile, u32> = FxHashMap::default();
+    let mut out: Vec<Visit<'db>> = Vec::with_capacity(walk.visits.len());
+    for visit in &walk.visits {
+        // An includer comes before what it includes.
+        let (fragment, reached) = match visit.includer {
+            None => (Fragment::Specification, true),
+            Some((by, ordinal)) => {
+                let by = out.get(by as usize);
+                let fragment = by
+                    .and_then(|by| include_fragments(db, by.key).get(ordinal as usize).copied())
+                    .flatten();
+                (
+                    fragment.unwrap_or(Fragment::Specification),
+                    fragment.is_some() && by.is_some_and(|by| by.reached),
+                )
+            }
+        };
+        let names = mentioned(db, visit.file);
+        let restrict = |env: &MacroEnv| env.restrict(names);
+        let outcomes: Vec<Outcome> = visit
+            .outcomes
+            .iter()
+            .map(|it| match it {
+                Outcome::Include(it) => {
+                    Outcome::Include(it.as_ref().map(restrict).map_err(Clone::clone))
+                }
+                Outcome::Requires(it) => {
+                    Outcome::Requires(it.as_ref().map(restrict).map_err(Clone::clone))
+                }
+            })
+            .collect();
+        let next = numbers.len() as u32;
+        out.push(Visit {
+            key: FileKey::new(db, visit.file, fragment, restrict(&visit.entry), outcomes),
+            includes: visit.includes.clone(),
+            includer: visit.includer,
+            reached,
+            file_number: *numbers.entry(visit.file).or_insert(next),
+        });
+    }
+    Visits { visits: out }
+}
+
+/// The `#define`s of a file, live or not, by ordinal.
+#[salsa::tracked]
+pub(crate) fn defines(db: &dyn Db, file: SourceFile) -> Arc<Vec<Define>> {
+    let name = SmolStr::new(file.path(db).as_str());
+    let raw = &lexed(db, file).raw;
+    let pre = preprocess(
+        &name,
+        file.text(db),
+        raw,
+        MacroEnv::empty(),
+        &mut preproc::NoIncludes,
+    );
+    let defines = pre.directives.into_iter().filter_map(|it| match it.kind {
+        DirectiveKind::Define(it) => Some(it),
+        _ => None,
+    });
+    Arc::new(defines.collect())
+}
+
+/// One `#define` of a file.
+pub(crate) fn define(db: &dyn Db, file: SourceFile, ordinal: u32) -> Option<Define> {
+    let all = defines(db, file);
+    all.iter().find(|it| it.ordinal == ordinal).cloned()
+}
+
+/// For each file the roots in whose units it is included, in their order; a root is not in the list
+/// of itself.
+#[salsa::tracked]
+fn includers(db: &dyn Db) -> FxHashMap<SourceFile, Vec<SourceFile>> {
+    let mut out: FxHashMap<SourceFile, Vec<SourceFile>> = FxHashMap::default();
+    for path in db.workspace().roots(db) {
+        let root = db.file(path);
+        for visit in &walk_unit(db, unit_of_root(db, root)).visits {
+            let roots = out.entry(visit.file).or_default();
+            if visit.file != root && roots.last() != Some(&root) {
+                roots.push(root);
+            }
+        }
+    }
+    out
+}
+
+/// The roots of the units that a file is in: those of the others that include it or, when nobody
+/// does, the file itself. Never empty; the one that serves the file comes first.
+#[salsa::tracked(returns(deref))]
+pub(crate) fn roots_of(db: &dyn Db, file: SourceFile) -> Vec<SourceFile> {
+    let mut roots = includers(db).get(&file).cloned().unwrap_or_default();
+    if roots.is_empty() {
+        roots.push(file);
+    }
+    let workspace = db.workspace();
+    let chosen = workspace
+        .chosen(db)
+        .iter()
+        .find(|it| it.0 == *file.path(db));
+    // The choice of the user counts more than the document last worked in.
+    for preferred in [workspace.active(db).as_ref(), chosen.map(|it| &it.1)] {
+        let position = |path| roots.iter().position(|it| it.path(db) == path);
+        if let Some(at) = preferred.and_then(position) {
+            roots[..=at].rotate_right(1);
+        }
+    }
+    roots
+}
+
+/// The files of a unit, in order of first visit.
+pub(crate) fn files<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Vec<SourceFile> {
+    let mut seen = FxHashSet::default();
+    let visits = walk_unit(db, unit).visits.iter();
+    visits
+        .map(|it| it.file)
+        .filter(|&it| seen.insert(it))
+        .collect()
+}
+
+/// The unit that serves a file.
+pub(crate) fn serving_unit(db: &dyn Db, file: SourceFile) -> UnitKey<'_> {
+    unit_of_root(db, roots_of(db, file).first().copied().unwrap_or(file))
+}
+
+/// The visit of a file that serves the editor: the first one with declarations, else the first.
+pub(crate) fn serving_visit<'db>(
+    db: &'db dyn Db,
+    unit: UnitKey<'db>,
+    file: SourceFile,
+) -> Option<(u32, FileKey<'db>)> {
+    let of_file = |it: &(usize, &Visit<'db>)| it.1.key.file(db) == file;
+    let all = &visits(db, unit).visits;
+    let mut of_file = all.iter().enumerate().filter(of_file).peekable();
+    let first = of_file.peek().map(|(i, it)| (*i as u32, it.key));
+    of_file
+        .find(|(_, it)| it.reached && !item_tree(db, it.key).items.is_empty())
+        .map(|(i, it)| (i as u32, it.key))
+        .or(first)
+}
+
+/// The text of a file, understood.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Front {
+    parse: Parse,
+    /// Of the elements only the directives and macro calls are kept.
+    pre: Preprocessed,
+}
+
+/// Preprocesses a file, whole: every element of it.
+pub(crate) fn preprocess_whole(db: &dyn Db, key: FileKey<'_>) -> Preprocessed {
+    let file = key.file(db);
+    let name = SmolStr::new(file.path(db).as_str());
+    let mut replay = Replay::new(key.outcomes(db));
+    let raw = &lexed(db, file).raw;
+    let entry = key.entry(db).clone();
+    preprocess(&name, file.text(db), raw, entry, &mut replay)
+}
+
+/// Preprocesses and parses a file.
+#[salsa::tracked(lru = 64)]
+fn front<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Front {
+    let file = key.file(db);
+    let mut pre = preprocess_whole(db, key);
+    let raw = &lexed(db, file).raw;
+    let parse = parse(file.text(db), raw, &pre, key.fragment(db));
+    pre.elements
+        .retain(|it| matches!(it, Element::Directive { .. } | Element::Call { .. }));
+    pre.elements.shrink_to_fit();
+    Front { parse, pre }
+}
+
+/// A file, preprocessed.
+pub(crate) fn preprocessed<'db>(db: &'db dyn Db, key: FileKey<'db>) -> &'db Preprocessed {
+    &front(db, key).pre
+}
+
+/// The syntax tree of a file.
+pub(crate) fn parsed<'db>(db: &'db dyn Db, key: FileKey<'db>) -> &'db Parse {
+    &front(db, key).parse
+}
+
+/// The item tree of a file together with the places of its nodes.
+#[salsa::tracked]
+pub(crate) fn lowered<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Lowered {
+    lower::lower(
+        parsed(db, key),
+        key.fragment(db),
+        &lexed(db, key.file(db)).raw,
+        preprocessed(db, key),
+    )
+}
+
+/// The item tree of a file. Stays equal when only places change.
+#[salsa::tracked]
+pub(crate) fn item_tree<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<ItemTree> {
+    lowered(db, key).tree.clone()
+}
+
+/// What each active include of a file is to be parsed as; `None` where no declaration may stand.
+#[salsa::tracked(returns(deref))]
+pub(crate) fn include_fragments<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<Option<Fragment>> {
+    lowered(db, key).fragments.clone()
+}
+
+/// Answers with what the walk recorded.
+struct Replay<'a> {
+    includes: Vec<&'a Result<MacroEnv, IncludeError>>,
+    requires: std::vec::IntoIter<&'a Result<MacroEnv, String>>,
+}
+
+impl<'a> Replay<'a> {
+    fn new(outcomes: &'a [Outcome]) -> Replay<'a> {
+        let (mut includes, mut requires) = (Vec::new(), Vec::new());
+        for it in outcomes {
+            match it {
+                Outcome::Include(it) => includes.push(it),
+                Outcome::Requires(it) => requires.push(it),
+            }
+        }
+        Replay {
+            includes,
+            requires: requires.into_iter(),
+        }
+    }
+}
+
+impl Host for Replay<'_> {
+    fn include(
+        &mut self,
+        request: &IncludeRequest,
+        env: &MacroEnv,
+    ) -> Result<MacroEnv, IncludeError> {
+        let recorded = self.includes.get(request.ordinal as usize);
+        recorded.map_or_else(|| Ok(env.clone()), |&it| it.clone())
+    }
+
+    fn requires(&mut self, _: &[SmolStr], env: &MacroEnv) -> Result<MacroEnv, String> {
+        let recorded = self.requires.next();
+        recorded.map_or_else(|| Ok(env.clone()), Clone::clone)
+    }
+}

@@ -1,0 +1,330 @@
+//! The walk over the includes of a unit, in order, with its own stack.
+//!
+//! It reads only the directive lines of each file, so that edits in the text between them do not
+//! repeat it.
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_syntax::{
+    SyntaxKind,
+    lexer::{RawTokens, lex},
+    preproc::{Host, IncludeError, IncludeRequest, MacroEnv, preprocess},
+};
+use smol_str::SmolStr;
+
+use super::{Outcome, UnitKey};
+use crate::base::{Db, FileStatus, SourceFile, lexed, normalize};
+
+const PRAGMA: &str = "_Pragma";
+
+/// Files that may be open at the same time (language reference, 2.3).
+const MAX_DEPTH: usize = 100;
+
+/// Visits after which a unit is cut off; far beyond what any real specification needs.
+const MAX_VISITS: usize = 4_000;
+
+/// The result of walking a unit.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Walk {
+    /// In order of inclusion; the inputs of the unit have no includer.
+    pub(crate) visits: Vec<WalkVisit>,
+}
+
+/// One inclusion of one file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct WalkVisit {
+    pub(crate) file: SourceFile,
+    pub(crate) entry: MacroEnv,
+    pub(crate) outcomes: Vec<Outcome>,
+    /// Visit that each active include leads to.
+    pub(crate) includes: Vec<Option<u32>>,
+    /// The visit and the ordinal of the include that led here.
+    pub(crate) includer: Option<(u32, u32)>,
+}
+
+/// The directive lines of a file, one after the other, and nothing else.
+///
+/// Everything a file does to the units it is in is on these lines, except for `_Pragma` operators,
+/// which are copied as lines of their own.
+#[salsa::tracked(returns(deref))]
+pub(crate) fn skeleton(db: &dyn Db, file: SourceFile) -> String {
+    let lexed = lexed(db, file);
+    directive_lines(file.text(db), &lexed.raw)
+}
+
+/// Follows the includes of a unit.
+#[salsa::tracked]
+pub(crate) fn walk_unit<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Walk {
+    // A macro with a pragma in it may be used in any text: begin again, reading all of it.
+    let visits = walk(db, unit, false).or_else(|()| walk(db, unit, true));
+    Walk {
+        visits: visits.unwrap_or_default(),
+    }
+}
+
+/// One attempt. Unless the walk reads whole texts, it gives up at a macro with a pragma in it.
+fn walk<'db>(db: &'db dyn Db, unit: UnitKey<'db>, whole_texts: bool) -> Result<Vec<WalkVisit>, ()> {
+    let workspace = db.workspace();
+    let mut search: Vec<Utf8PathBuf> = Vec::new();
+    for dir in unit
+        .include_dirs(db)
+        .iter()
+        .chain(workspace.include_dirs(db))
+    {
+        push_unique(&mut search, dir);
+    }
+    let mut env = MacroEnv::predefined();
+    let mut pragmas_in_macros = false;
+    for (name, value) in workspace.defines(db).iter().chain(unit.defines(db)) {
+        define_in(&mut env, name, value);
+        pragmas_in_macros |= value.contains(PRAGMA);
+    }
+    let mut walker = Walker {
+        db,
+        search,
+        visits: Vec::new(),
+        depth: 1,
+        cut_off: false,
+        packages_missing: false,
+        whole_texts,
+        pragmas_in_macros,
+    };
+    for &input in unit.inputs(db) {
+        env = walker.visit(input, env, None).1;
+    }
+    if walker.pragmas_in_macros && !whole_texts {
+        return Err(());
+    }
+    Ok(walker.visits)
+}
+
+/// The state of a walk.
+struct Walker<'db> {
+    db: &'db dyn Db,
+    /// Search path so far.
+    search: Vec<Utf8PathBuf>,
+    visits: Vec<WalkVisit>,
+    /// Files open now; the wrapper counts.
+    depth: usize,
+    /// A limit was hit: nothing is followed any more, as the reference compiler stops there.
+    cut_off: bool,
+    /// A `#pragma requires` failed.
+    packages_missing: bool,
+    /// Read more than the directive lines.
+    whole_texts: bool,
+    /// Some macro has a `_Pragma` in it.
+    pragmas_in_macros: bool,
+}
+
+/// The host of one visit.
+struct VisitHost<'a, 'db> {
+    walker: &'a mut Walker<'db>,
+    visit: usize,
+    file: SourceFile,
+}
+
+impl<'db> Walker<'db> {
+    /// Visits a file; returns its visit and the environment after it.
+    fn visit(
+        &mut self,
+        file: SourceFile,
+        entry: MacroEnv,
+        includer: Option<(u32, u32)>,
+    ) -> (u32, MacroEnv) {
+        self.db.unwind_if_revision_cancelled();
+        let visit = self.visits.len();
+        self.visits.push(WalkVisit {
+            file,
+            entry: entry.clone(),
+            outcomes: Vec::new(),
+            includes: Vec::new(),
+            includer,
+        });
+        self.depth += 1;
+        let name = SmolStr::new(file.path(self.db).as_str());
+        let text = skeleton(self.db, file);
+        self.pragmas_in_macros |= defines_pragma(text);
+        let whole_text = self.whole_texts;
+        let db = self.db;
+        let mut host = VisitHost {
+            walker: self,
+            visit,
+            file,
+        };
+        let exit = if whole_text {
+            let raw = &lexed(db, file).raw;
+            preprocess(&name, file.text(db), raw, entry, &mut host).exit_env
+        } else if text.is_empty() {
+            entry
+        } else {
+            preprocess(&name, text, &lex(text), entry, &mut host).exit_env
+        };
+        self.depth -= 1;
+        (visit as u32, exit)
+    }
+
+    /// Finds the file an include names (language reference, 2.3).
+    fn resolve(
+        &self,
+        request: &IncludeRequest,
+        from: SourceFile,
+    ) -> Result<SourceFile, IncludeError> {
+        let name = Utf8Path::new(request.path.as_str());
+        let own = from.path(self.db).parent().filter(|_| !request.angled);
+        let dirs: Vec<&Utf8Path> = match name.is_absolute() {
+            true => vec![Utf8Path::new("/")],
+            false => own
+                .into_iter()
+                .chain(self.search.iter().map(Utf8PathBuf::as_path))
+                .collect(),
+        };
+        let mut obstacle = None;
+        for dir in &dirs {
+            let candidate = dir.join(name);
+            let file = self.db.file(&candidate);
+            match file.status(self.db) {
+                FileStatus::Text | FileStatus::NotUtf8 => return Ok(file),
+                FileStatus::Missing => {}
+                FileStatus::Directory => {
+                    obstacle.get_or_insert_with(|| format!("`{candidate}` is a directory"));
+                }
+                FileStatus::Unreadable(why) => {
+                    obstacle.get_or_insert_with(|| format!("`{candidate}` cannot be read: {why}"));
+                }
+            }
+        }
+        Err(match obstacle {
+            Some(why) => IncludeError::Unreadable(why),
+            // It may well be in the package that is missing, which is reported.
+            None if self.packages_missing => IncludeError::Silent,
+            None => IncludeError::NotFound {
+                searched: dirs.iter().map(|it| it.to_string()).collect(),
+            },
+        })
+    }
+}
+
+impl Host for VisitHost<'_, '_> {
+    fn include(
+        &mut self,
+        request: &IncludeRequest,
+        env: &MacroEnv,
+    ) -> Result<MacroEnv, IncludeError> {
+        let walker = &mut *self.walker;
+        let ordinal = walker.visits[self.visit].includes.len() as u32;
+        walker.visits[self.visit].includes.push(None);
+        let result = if walker.cut_off {
+            Err(IncludeError::Silent)
+        } else if walker.depth >= MAX_DEPTH {
+            walker.cut_off = true;
+            Err(IncludeError::TooDeep)
+        } else if walker.visits.len() >= MAX_VISITS {
+            walker.cut_off = true;
+            Err(IncludeError::Unreadable(format!(
+                "the specification includes more than {MAX_VISITS} files, counting repetitions; \
+                 include each once, with a guard"
+            )))
+        } else {
+            walker.resolve(request, self.file).map(|file| {
+                let (visit, exit) =
+                    walker.visit(file, env.clone(), Some((self.visit as u32, ordinal)));
+                walker.visits[self.visit].includes[ordinal as usize] = Some(visit);
+                exit
+            })
+        };
+        walker.visits[self.visit]
+            .outcomes
+            .push(Outcome::Include(result.clone()));
+        result
+    }
+
+    fn requires(&mut self, arguments: &[SmolStr], env: &MacroEnv) -> Result<MacroEnv, String> {
+        let walker = &mut *self.walker;
+        let arguments: Vec<String> = arguments.iter().map(|it| it.to_string()).collect();
+        let packages = walker.db.packages(&arguments);
+        let result = packages
+            .flags(walker.db)
+            .as_ref()
+            .map_err(Clone::clone)
+            .map(|flags| {
+                for dir in &flags.include_dirs {
+                    push_unique(&mut walker.search, dir);
+                }
+                let mut env = env.clone();
+                for (name, value) in &flags.defines {
+                    define_in(&mut env, name, value);
+                }
+                env
+            });
+        walker.packages_missing |= result.is_err();
+        walker.visits[self.visit]
+            .outcomes
+            .push(Outcome::Requires(result.clone()));
+        result
+    }
+}
+
+/// Names that are none were refused where the configuration was read.
+fn define_in(env: &mut MacroEnv, name: &str, value: &str) {
+    _ = env.define_option(&format!("{name}={value}"));
+}
+
+fn push_unique(search: &mut Vec<Utf8PathBuf>, dir: &Utf8Path) {
+    let dir = normalize(dir);
+    if !search.contains(&dir) {
+        search.push(dir);
+    }
+}
+
+/// Whether a directive line defines a macro that holds a pragma.
+fn defines_pragma(skeleton: &str) -> bool {
+    skeleton.contains(PRAGMA)
+        && skeleton
+            .lines()
+            .any(|it| it.contains("define") && it.contains(PRAGMA))
+}
+
+fn directive_lines(text: &str, raw: &RawTokens) -> String {
+    let mut out = String::new();
+    let mut at_line_start = true;
+    let mut i = 0;
+    while i < raw.len() {
+        match raw.kind(i) {
+            SyntaxKind::NEWLINE => at_line_start = true,
+            SyntaxKind::WHITESPACE
+            | SyntaxKind::SPLICE
+            | SyntaxKind::LINE_COMMENT
+            | SyntaxKind::BLOCK_COMMENT
+            | SyntaxKind::OPEN_COMMENT => {}
+            SyntaxKind::HASH if at_line_start => {
+                while i < raw.len() && raw.kind(i) != SyntaxKind::NEWLINE {
+                    match raw.kind(i) {
+                        SyntaxKind::LINE_COMMENT
+                        | SyntaxKind::BLOCK_COMMENT
+                        | SyntaxKind::OPEN_COMMENT => out.push(' '),
+                        SyntaxKind::SPLICE => {}
+                        _ => out.push_str(raw.text(text, i)),
+                    }
+                    i += 1;
+                }
+                out.push('\n');
+                at_line_start = true;
+            }
+            SyntaxKind::IDENT if raw.text(text, i) == PRAGMA => {
+                // The operator and its argument, up to the closing parenthesis.
+                at_line_start = false;
+                for _ in 0..8 {
+                    out.push_str(raw.text(text, i));
+                    i += 1;
+                    if i >= raw.len() || raw.kind(i - 1) == SyntaxKind::R_PAREN {
+                        break;
+                    }
+                }
+                out.push('\n');
+                continue;
+            }
+            _ => at_line_start = false,
+        }
+        i += 1;
+    }
+    out
+}

@@ -1,0 +1,161 @@
+//! Each diagnostic code has a fixture, `data/codes/CODE.gen`, with a text that triggers it and, after
+//! the line `// near miss`, one that almost does.
+//!
+//! In the first text a comment `//!` marks each line where the code is reported; nothing else may be
+//! reported (one cause, one diagnostic). In the second text there is no problem at all.
+
+use std::{fs, path::Path, sync::Arc};
+
+use camino::Utf8Path;
+use dotgen_analysis::{
+    check::codes::CODES,
+    diagnostic::Severity,
+    host::{AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags},
+    lint,
+};
+
+/// Two header files, and nothing else.
+struct Headers;
+
+impl Loader for Headers {
+    fn read(&self, path: &Utf8Path) -> FileContent {
+        match path.file_name() {
+            Some("node.idl") => FileContent::Text("struct node { long x; }; //!\n".to_owned()),
+            Some("other.idl") => FileContent::Text("struct other { long x; };\n".to_owned()),
+            _ => FileContent::Missing,
+        }
+    }
+
+    fn packages(&self, _: &[String]) -> Result<PackageFlags, String> {
+        Ok(PackageFlags::default())
+    }
+}
+
+/// `line: code: message` of every diagnostic.
+fn diagnostics(text: &str) -> Vec<(usize, &'static str, String)> {
+    let host = AnalysisHost::new(Arc::new(Headers));
+    let input = BatchInput {
+        inputs: vec![Input::Text {
+            name: "/fixture/main.gen".into(),
+            text: text.into(),
+        }],
+        ..BatchInput::default()
+    };
+    let result = host.analysis().batch(&input).unwrap();
+    let all = result.diagnostics.iter();
+    // Lints have tests of their own.
+    all.filter(|it| it.severity != Severity::Hint && lint::codes::find(it.code).is_none())
+        .map(|it| {
+            let in_header = it.path.file_name() == Some("node.idl");
+            let line = match in_header {
+                // Stands for the line of its `#include`.
+                true => 2,
+                false => 1 + text[..it.range.start].matches('\n').count(),
+            };
+            (line, it.code, it.message.clone())
+        })
+        .collect()
+}
+
+#[test]
+fn every_code_has_a_fixture_that_triggers_it() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/codes");
+    let mut failures = Vec::new();
+    for code in CODES {
+        let path = folder.join(code.id).with_extension("gen");
+        let Ok(fixture) = fs::read_to_string(&path) else {
+            failures.push(format!("{}: there is no fixture", code.id));
+            continue;
+        };
+        let Some((bad, good)) = fixture.split_once("// near miss\n") else {
+            failures.push(format!("{}: there is no near miss", code.id));
+            continue;
+        };
+        let marked = |(index, line): (usize, &str)| line.contains("//!").then_some(index + 1);
+        let wanted: Vec<usize> = bad.lines().enumerate().filter_map(marked).collect();
+        let found = diagnostics(bad);
+        let lines: Vec<usize> = found.iter().map(|it| it.0).collect();
+        if wanted.is_empty() || lines != wanted || found.iter().any(|it| it.1 != code.id) {
+            failures.push(format!("{}: should be at {wanted:?}: {found:#?}", code.id));
+        }
+        let found = diagnostics(good);
+        if !found.is_empty() {
+            failures.push(format!("{}: near miss: {found:#?}", code.id));
+        }
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+#[test]
+fn every_fixture_has_a_code() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/codes");
+    let mut pending = vec![folder.clone()];
+    while let Some(directory) = pending.pop() {
+        for entry in fs::read_dir(directory).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                pending.push(path);
+                continue;
+            }
+            let code = path.strip_prefix(&folder).unwrap().with_extension("");
+            let code = code.to_str().unwrap();
+            assert!(CODES.iter().any(|it| it.id == code), "{code} is no code");
+        }
+    }
+}
+
+/// One cause, one diagnostic: what follows from an error is not reported.
+#[test]
+fn consequences_are_quiet() {
+    for (text, wanted) in [
+        // An unknown type is unknown everywhere, once.
+        (
+            "typedef nope a; struct s { a x; a y[2]; }; const a k = 1; typedef long t[k];
+             component c { ids { s all; }; port in a p; function f(in a v = 1) { codel g(in v, out all.x); }; };",
+            &["unknown-type"][..],
+        ),
+        // Names of refused declarations are remembered.
+        (
+            "component c { const long c = 2; typedef long t[c]; };",
+            &["name-clash-enclosing"],
+        ),
+        (
+            "typedef long d; component c { function p(); port in d p;
+             task t { codel<start> f(port in p) yields ether; }; };",
+            &["redefinition"],
+        ),
+        // Whatever an unknown interface may bring is not missed.
+        (
+            "component c { provides nope; activity a() { task t; codel<start> f(in x, port out p) yields ether;
+             interrupts b; }; attribute get(out y); };",
+            &["iface-unknown"],
+        ),
+        // A codel with a bad parameter still has its states, and its name.
+        (
+            "component c { task t { codel<start> f(in nope) yields main; codel<main> g() yields ether; };
+             task u { codel<start> f(in neither) yields ether; }; };",
+            &["param-unknown", "param-unknown"],
+        ),
+        // A forward declaration whose definition is refused.
+        ("struct s; typedef long s; typedef sequence<s> t;", &["name-clash"]),
+        // A property that is wrong is given all the same.
+        (
+            "component c { clock-rate TRUE; task t { period -1; delay 1; codel<start> f() yields ether; }; };",
+            &["const-numeric", "clock-rate-value"],
+        ),
+        // An interface imported twice.
+        (
+            "typedef long d; interface i { version \"1\"; port in d p; port in d q; };
+             component c { provides i; extends i; };",
+            &["prop-duplicate"],
+        ),
+        // A body that ends twice is checked twice and reported once.
+        (
+            "component c { task t { codel<start> f() yields nope; }; }; component c { doc \"again\"; };",
+            &["fsm/undefined-state"],
+        ),
+    ] {
+        let found: Vec<&str> = diagnostics(text).iter().map(|it| it.1).collect();
+        assert_eq!(found, wanted, "{text}\n{:#?}", diagnostics(text));
+    }
+}

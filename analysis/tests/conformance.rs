@@ -1,0 +1,386 @@
+//! The conformance suite, in process: verdicts, lines of errors and warnings, and the model of every
+//! accepted case. The suite is not part of this repository; without it the test is skipped.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+    sync::{Arc, Mutex},
+};
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::{
+    check::codes,
+    diagnostic::{Diagnostic, Severity},
+    host::{AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags, UnitResult},
+    model_json,
+};
+use serde_json::Value as Json;
+
+/// Reads the disk, and asks the package tool in the environment of the case.
+struct Disk {
+    env: Mutex<Vec<(String, String)>>,
+}
+
+impl Loader for Disk {
+    fn read(&self, path: &Utf8Path) -> FileContent {
+        if path.is_dir() {
+            return FileContent::Directory;
+        }
+        match fs::read(path) {
+            Ok(bytes) => match String::from_utf8(bytes) {
+                Ok(text) => FileContent::Text(text),
+                Err(error) => {
+                    FileContent::NotUtf8(String::from_utf8_lossy(error.as_bytes()).into_owned())
+                }
+            },
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => FileContent::Missing,
+            Err(error) => FileContent::Unreadable(error.to_string()),
+        }
+    }
+
+    fn packages(&self, arguments: &[String]) -> Result<PackageFlags, String> {
+        let mut command = Command::new("pkg-config");
+        command.arg("--cflags").args(arguments);
+        command.env_remove("PKG_CONFIG_LIBDIR");
+        for (name, value) in self.env.lock().unwrap().iter() {
+            command.env(name, value);
+        }
+        let output = command.output().map_err(|it| it.to_string())?;
+        if !output.status.success() {
+            return Err(String::from_utf8_lossy(&output.stderr).into_owned());
+        }
+        let mut flags = PackageFlags::default();
+        for flag in String::from_utf8_lossy(&output.stdout).split_whitespace() {
+            if let Some(dir) = flag.strip_prefix("-I") {
+                flags.include_dirs.push(dir.into());
+            } else if let Some(define) = flag.strip_prefix("-D") {
+                let (name, value) = define.split_once('=').unwrap_or((define, "1"));
+                flags.defines.push((name.into(), value.into()));
+            }
+        }
+        Ok(flags)
+    }
+}
+
+#[test]
+fn every_case_passes() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/conformance");
+    let Ok(root) = root.canonicalize() else {
+        eprintln!("SKIPPED: {} is not there", root.display());
+        return;
+    };
+    let expected = fs::read_to_string(root.join("expected.json")).unwrap();
+    let expected: Json = serde_json::from_str(&expected).unwrap();
+    let filter = std::env::var("CASE").unwrap_or_default();
+    let mut failures = Vec::new();
+    let mut passed = 0;
+    for (name, case) in expected.as_object().unwrap() {
+        if !name.contains(&filter) {
+            continue;
+        }
+        let needs = case["needs"].as_str();
+        if needs.is_some_and(|it| Command::new(it).arg("--version").output().is_err()) {
+            eprintln!("SKIPPED: {name} needs {}", needs.unwrap_or_default());
+            continue;
+        }
+        match check(&root, case) {
+            Ok(()) => passed += 1,
+            Err(why) => failures.push(format!("{name}: {why}")),
+        }
+    }
+    assert!(
+        failures.is_empty(),
+        "{passed} passed, {} failed:\n{}",
+        failures.len(),
+        failures.join("\n")
+    );
+}
+
+fn check(root: &Path, case: &Json) -> Result<(), String> {
+    let result = run(root, case);
+    let diagnostics = &result.diagnostics;
+    let (errors, mild): (Vec<&Diagnostic>, Vec<&Diagnostic>) = diagnostics
+        .iter()
+        .filter(|it| it.severity != Severity::Hint)
+        .partition(|it| it.severity == Severity::Error);
+    let want = case.get("ours").unwrap_or(case);
+    if want["verdict"] == "accept" {
+        if let Some(error) = errors.first() {
+            return Err(format!("must be accepted, but: {}", show(error)));
+        }
+    } else {
+        if errors.is_empty() {
+            return Err("must be rejected".to_owned());
+        }
+        for error in want["errors"].as_array().into_iter().flatten() {
+            let required = error["consequence"] != true;
+            if required && !is_near(error, &errors) {
+                let ours: Vec<String> = errors.iter().map(|it| show(it)).collect();
+                return Err(format!(
+                    "no error near {error}; ours:\n    {}",
+                    ours.join("\n    ")
+                ));
+            }
+        }
+        check_codes(want, &errors)?;
+    }
+    if case.get("ours").is_none() {
+        for warning in case["warnings"].as_array().into_iter().flatten() {
+            if !is_near(warning, &mild) {
+                return Err(format!("no warning near {warning}"));
+            }
+        }
+    }
+    if let Some(model) = case.get("model")
+        && case.get("deviation").is_none()
+    {
+        let ours = model_json::to_json(&result.spec, None);
+        compare(model, &ours, "model")?;
+    }
+    Ok(())
+}
+
+fn run(root: &Path, case: &Json) -> UnitResult {
+    let file: PathBuf = root.join(case["file"].as_str().unwrap());
+    let here = file.parent().unwrap().to_str().unwrap().to_owned();
+    let fill = |it: &Json| it.as_str().unwrap().replace("{case}", &here);
+    let mut input = BatchInput {
+        inputs: vec![Input::File(
+            Utf8PathBuf::from_path_buf(file.clone()).unwrap(),
+        )],
+        ..BatchInput::default()
+    };
+    for argument in case["args"].as_array().into_iter().flatten() {
+        let argument = fill(argument);
+        if let Some(dir) = argument.strip_prefix("-I") {
+            input.include_dirs.push(dir.into());
+        } else if let Some(define) = argument.strip_prefix("-D") {
+            let (name, value) = define.split_once('=').unwrap_or((define, "1"));
+            input.defines.push((name.into(), value.into()));
+        }
+    }
+    let env = case["env"].as_object().into_iter().flatten();
+    let env = env
+        .map(|(name, value)| (name.clone(), fill(value)))
+        .collect();
+    let host = AnalysisHost::new(Arc::new(Disk {
+        env: Mutex::new(env),
+    }));
+    host.analysis().batch(&input).unwrap()
+}
+
+/// The code of a rule: that of the suite, but for the rules about state machines and shared data,
+/// which are named with the lints of their kind.
+fn code_of(check: &str) -> &str {
+    match check {
+        "fsm-unreached" => "fsm/unreachable-state",
+        "fsm-undefined" => "fsm/undefined-state",
+        "fsm-stop" => "fsm/stop-without-ether",
+        "fsm-duplicate" => "fsm/duplicate-state",
+        "event-duplicate" => "fsm/duplicate-yield",
+        "event-paused-ether" => "fsm/paused-ether",
+        "codel-paused-trigger" => "fsm/paused-trigger",
+        "async-codel-conflict" => "async/shared-resource",
+        "async-service-conflict" => "async/shared-attribute",
+        other => other,
+    }
+}
+
+/// Where the suite expects a rule of the elaborator and nothing else, that is the one we report.
+fn check_codes(want: &Json, errors: &[&Diagnostic]) -> Result<(), String> {
+    let wanted: Vec<&Json> = want["errors"].as_array().into_iter().flatten().collect();
+    let ids = |line: &Json| {
+        let here = wanted.iter().filter(|it| it["line"] == *line);
+        here.filter_map(|it| it["check"].as_str())
+            .map(code_of)
+            .collect::<Vec<_>>()
+    };
+    for error in wanted.iter().filter(|it| it["consequence"] != true) {
+        let codes = ids(&error["line"]);
+        if codes.is_empty()
+            || codes
+                .iter()
+                .any(|it| codes::find(it).is_none() && *it != "dropped")
+        {
+            continue;
+        }
+        let ours: Vec<&&Diagnostic> = errors
+            .iter()
+            .filter(|it| is_near(error, std::slice::from_ref(it)))
+            .collect();
+        if !ours.is_empty() && !ours.iter().any(|it| codes.contains(&it.code)) {
+            return Err(format!("none of {codes:?}, but {}", show(ours[0])));
+        }
+    }
+    Ok(())
+}
+
+fn show(it: &Diagnostic) -> String {
+    let (first, _) = lines(it);
+    format!(
+        "{}:{first}: {}: {}",
+        it.path.file_name().unwrap_or_default(),
+        it.code,
+        it.message
+    )
+}
+
+/// First and last line, from 1.
+fn lines(it: &Diagnostic) -> (usize, usize) {
+    let text = fs::read(&it.path).unwrap_or_default();
+    let line = |offset: usize| {
+        let before = &text[..offset.min(text.len())];
+        1 + before.iter().filter(|it| **it == b'\n').count()
+    };
+    (line(it.range.start), line(it.range.end))
+}
+
+fn is_near(want: &Json, diagnostics: &[&Diagnostic]) -> bool {
+    let also = want["also"].as_array().into_iter().flatten();
+    let wanted: Vec<usize> = std::iter::once(&want["line"])
+        .chain(also)
+        .filter_map(|it| Some(it.as_u64()? as usize))
+        .collect();
+    diagnostics.iter().any(|it| {
+        let (first, last) = lines(it);
+        it.path.file_name() == want["file"].as_str()
+            && wanted
+                .iter()
+                .any(|line| first.abs_diff(*line) <= 1 || (first..=last).contains(line))
+    })
+}
+
+/// Compares what the reference says with ours, which may say more inside objects.
+fn compare(want: &Json, ours: &Json, at: &str) -> Result<(), String> {
+    let differ = || Err(format!("{at} should be {want}, is {ours}"));
+    match (want, ours) {
+        (Json::String(any), _) if any == "*" => Ok(()),
+        // The reference lets the end of the line into the last argument of `_Pragma("requires …")`.
+        (Json::String(want), Json::String(ours)) if at.contains(".requires") => {
+            if want.trim_end() == ours {
+                Ok(())
+            } else {
+                differ()
+            }
+        }
+        (Json::Object(want), Json::Object(ours)) => {
+            for (key, value) in want {
+                let Some(other) = ours.get(key) else {
+                    return Err(format!("{at}.{key} is missing; should be {value}"));
+                };
+                compare(value, other, &format!("{at}.{key}"))?;
+            }
+            // Names of types, and keys of the summary that mean "not given" when absent.
+            let known = [
+                "doc",
+                "version",
+                "lang",
+                "email",
+                "clock-rate",
+                "ids",
+                "period",
+                "delay",
+                "priority",
+                "stack",
+                "scheduling",
+                "task",
+                "member",
+                "of",
+                "init",
+                "value",
+                "mutex",
+                "cases",
+                "switch",
+                "valuekind",
+                "triggers",
+                "yields",
+            ];
+            let extra = ours.keys().find(|key| {
+                !want.contains_key(*key) && (known.contains(&key.as_str()) || key.starts_with("::"))
+            });
+            match extra {
+                Some(key) => Err(format!("{at}.{key} should not be there: {}", ours[key])),
+                None => Ok(()),
+            }
+        }
+        (Json::Array(want), Json::Array(ours)) if want.len() == ours.len() => {
+            for (i, (a, b)) in want.iter().zip(ours).enumerate() {
+                compare(a, b, &format!("{at}[{i}]"))?;
+            }
+            Ok(())
+        }
+        (Json::Number(a), Json::Number(b)) => {
+            let (Some(a), Some(b)) = (a.as_f64(), b.as_f64()) else {
+                return differ();
+            };
+            if (a - b).abs() <= 1e-5 * a.abs().max(b.abs()) {
+                Ok(())
+            } else {
+                differ()
+            }
+        }
+        _ if want == ours => Ok(()),
+        _ => differ(),
+    }
+}
+
+/// Every published specification is accepted, without a warning about the language, with the stand-ins for what it
+/// includes. Its packages are taken to be installed.
+#[test]
+fn published_specifications_are_accepted() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/corpus");
+    let Ok(root) = root.canonicalize() else {
+        eprintln!("SKIPPED: {} is not there", root.display());
+        return;
+    };
+    let mut checked = 0;
+    for (folder, include) in [
+        ("components", "components/standins"),
+        ("robnav", "robnav"),
+        ("quadcopter", "quadcopter"),
+    ] {
+        let mut pending = vec![root.join(folder)];
+        while let Some(path) = pending.pop() {
+            if path.is_dir() && path != root.join("components/standins") {
+                pending.extend(fs::read_dir(path).unwrap().map(|it| it.unwrap().path()));
+                continue;
+            }
+            if path.extension().is_none_or(|it| it != "gen") {
+                continue;
+            }
+            let input = BatchInput {
+                inputs: vec![Input::File(
+                    Utf8PathBuf::from_path_buf(path.clone()).unwrap(),
+                )],
+                include_dirs: vec![root.join(include).to_str().unwrap().into()],
+                ..BatchInput::default()
+            };
+            let host = AnalysisHost::new(Arc::new(Installed(Disk {
+                env: Mutex::default(),
+            })));
+            let unit = host.analysis().batch(&input).unwrap();
+            let found = unit.diagnostics.iter();
+            let found: Vec<String> = found
+                .filter(|it| it.severity == Severity::Error || codes::find(it.code).is_some())
+                .map(show)
+                .collect();
+            assert!(found.is_empty(), "{}: {found:#?}", path.display());
+            checked += 1;
+        }
+    }
+    assert!(checked > 15, "only {checked} specifications");
+}
+
+/// A disk with every package installed.
+struct Installed(Disk);
+
+impl Loader for Installed {
+    fn read(&self, path: &Utf8Path) -> FileContent {
+        self.0.read(path)
+    }
+
+    fn packages(&self, _: &[String]) -> Result<PackageFlags, String> {
+        Ok(PackageFlags::default())
+    }
+}

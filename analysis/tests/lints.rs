@@ -1,0 +1,599 @@
+//! Each lint: the example of its manual page triggers it, a near miss does not; suppression comments;
+//! and what is found in real specifications.
+
+use std::sync::Arc;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::{
+    diagnostic::{Diagnostic, Severity},
+    host::{AnalysisHost, BatchInput, Change, Config, FileContent, Input, Loader, PackageFlags},
+    lint::codes::CODES,
+};
+use expect_test::expect;
+
+/// Files of the disk, and every package known.
+struct Disk;
+
+impl Loader for Disk {
+    fn read(&self, path: &Utf8Path) -> FileContent {
+        match std::fs::read_to_string(path) {
+            Ok(text) => FileContent::Text(text),
+            Err(_) => FileContent::Missing,
+        }
+    }
+
+    fn packages(&self, _: &[String]) -> Result<PackageFlags, String> {
+        Ok(PackageFlags::default())
+    }
+}
+
+fn check(input: BatchInput, config: Config) -> Vec<Diagnostic> {
+    let mut host = AnalysisHost::new(Arc::new(Disk));
+    host.apply(Change {
+        config: Some(config),
+        ..Change::default()
+    });
+    host.analysis().batch(&input).unwrap().diagnostics.to_vec()
+}
+
+/// A configuration that gives each rule its chance.
+fn strict() -> Config {
+    let mut config = Config::default();
+    config.lints.cores = Some(1);
+    for code in CODES.iter().filter(|it| !it.on) {
+        let severity = Some(dotgen_analysis::diagnostic::Severity::Hint);
+        config.severities.push((code.id.to_owned(), severity));
+    }
+    config
+}
+
+fn text(text: &str) -> BatchInput {
+    let input = Input::Text {
+        name: "/fixture/main.gen".into(),
+        text: text.into(),
+    };
+    BatchInput {
+        inputs: vec![input],
+        ..BatchInput::default()
+    }
+}
+
+fn codes_of(source: &str) -> Vec<&'static str> {
+    let found = check(text(source), strict());
+    if let Some(error) = found
+        .iter()
+        .find(|it| it.severity == Severity::Error && !it.code.starts_with("fsm/un"))
+    {
+        panic!(
+            "the fixture is rejected: {}: {}\n{source}",
+            error.code, error.message
+        );
+    }
+    found.iter().map(|it| it.code).collect()
+}
+
+#[test]
+fn every_example_triggers_its_code() {
+    for code in CODES {
+        let found = codes_of(code.example);
+        assert!(
+            found.contains(&code.id),
+            "{}: {found:?}\n{}",
+            code.id,
+            code.example
+        );
+    }
+}
+
+/// For each code a specification that comes close to it.
+const NEAR_MISSES: &[(&str, &str)] = &[
+    (
+        "fsm/busy-loop",
+        "component c { task t { period 5 ms; codel<start> f() yield main; codel<main> g() yield pause::main, ether; }; };",
+    ),
+    (
+        "fsm/no-termination",
+        "component c { exception e; task t { period 5 ms; }; activity a() { task t; throw e; codel<start> f() yield run; codel<run> g() yield run; }; };",
+    ),
+    (
+        "fsm/pause-in-aperiodic-task",
+        "component c { task t { period 1 s; codel<start> f() yield pause::start, ether; }; };",
+    ),
+    (
+        "fsm/dead-end",
+        "component c { task t { period 1 s; codel<start> f() yield a, b; codel<a> g() yield ether; codel<b> h() yield ether; }; };",
+    ),
+    (
+        "fsm/missing-stop",
+        "component c { ids { long speed; }; task t { period 5 ms; }; activity go() { task t; interrupts go; codel<start> f(out speed) yield pause::start, ether; codel<stop> g(out speed) yield ether; }; };",
+    ),
+    (
+        "port/write-race",
+        "struct s { long x; }; component c { port out s p; task t { period 5 ms; codel<start> f(out p) yield pause::main; codel<main> h(out p) yield pause::main; }; task u { period 5 ms; codel<start> g(out p) yield ether; }; };",
+    ),
+    (
+        "port/never-written",
+        "struct s { long x; }; component c { port out s p; task t { codel<start> f(out p) yield ether; }; };",
+    ),
+    (
+        "port/never-read",
+        "struct s { long x; }; component c { port in s p; task t { codel<start> f(in p) yield ether; }; };",
+    ),
+    (
+        "ids/never-written",
+        "component c { ids { long x; }; task t { codel<start> f(in x) yield ether; }; attribute set(in x); };",
+    ),
+    (
+        "ids/never-read",
+        "component c { ids { long x; }; task t { codel<start> f(out ::ids) yield ether; }; attribute get(out x); };",
+    ),
+    (
+        "ids/read-before-write",
+        "component c { ids { long x; }; task t { period 5 ms; codel<start> i(out x) yield main; codel<main> f(in x) yield pause::main; }; attribute set(in x); };",
+    ),
+    (
+        "lock/long-hold",
+        "component c { ids { long x; long y; }; task slow { period 1 s; codel<start> f(out x) yield pause::start wcet 100 ms; }; task fast { period 10 ms; codel<start> g(in y) yield pause::start wcet 1 ms; }; };",
+    ),
+    (
+        "lock/self-blocking",
+        "component c { ids { long x; }; task t { period 5 ms; }; activity a() { task t; local long z; async codel<start> f(out z) yield copy; codel<copy> k(in z, out x) yield ether; }; activity b() { task t; codel<start> g(in x) yield ether; }; };",
+    ),
+    (
+        "timing/missing-wcet",
+        "component c { task t { period 5 ms; codel<start> f() yield main; codel<main> g() yield pause::main; }; };",
+    ),
+    (
+        "timing/wcet-exceeds-period",
+        "component c { task t { period 5 ms; codel<start> f() yield pause::main wcet 3 ms; codel<main> g() yield pause::main wcet 4 ms; }; };",
+    ),
+    (
+        "timing/overutilised",
+        "component c { task t { period 10 ms; codel<start> f() yield pause::start wcet 4 ms; }; task u { period 10 ms; codel<start> g() yield pause::start wcet 4 ms; }; };",
+    ),
+    (
+        "timing/no-period",
+        "component c { task t { period 1 s; codel<start> f() yield pause::start wcet 1 ms; }; };",
+    ),
+    (
+        "timing/suspicious-unit",
+        "component c { task t { period 5 s; codel<start> f() yield pause::start wcet 26 ms; }; };",
+    ),
+    (
+        "service/concurrent-instances",
+        "component c { ids { long x; }; task t { period 5 ms; }; activity go() { task t; interrupts go; codel<start> f(out x) yield pause::start, ether; }; };",
+    ),
+    (
+        "service/blind-validate",
+        "component c { ids { long x; }; attribute set(in x) { validate check(local in x); }; };",
+    ),
+    (
+        "service/long-function",
+        "component c { function f() { codel g() wcet 200 us; }; };",
+    ),
+    (
+        "service/order-cycle",
+        "component c { function f() { before g; }; function g() { after f; }; };",
+    ),
+    (
+        "unused/exception",
+        "component c { exception e_used; task t { throw e_used; codel<start> f() yield ether; }; };",
+    ),
+    (
+        "unused/type",
+        "component c { struct s { long x; }; port out s p; task t { codel<start> f(out p) yield ether; }; };",
+    ),
+    (
+        "unused/local",
+        "component c { task t { period 1 s; }; activity a() { task t; local long x; codel<start> f(out x) yield ether; }; };",
+    ),
+    (
+        "style/missing-doc",
+        "component c { doc \"d\"; function f() { doc \"e\"; }; };",
+    ),
+    (
+        "style/naming",
+        "component c { function set_speed(); function get_speed(); function stop(); };",
+    ),
+    (
+        "style/order",
+        "component c { ids { long x; }; attribute a(in x); function f(); };",
+    ),
+    (
+        "lint/unused-suppression",
+        "component c {\n// dotgen: allow(service/order-cycle) on purpose\nfunction f() { before g; };\nfunction g() { before f; };\n};",
+    ),
+    (
+        "lint/no-reason",
+        "component c {\n// dotgen: allow(service/order-cycle) on purpose\nfunction f() { before g; };\nfunction g() { before f; };\n};",
+    ),
+];
+
+#[test]
+fn no_near_miss_triggers_its_code() {
+    for code in CODES {
+        let Some((_, near)) = NEAR_MISSES.iter().find(|it| it.0 == code.id) else {
+            panic!("{} has no near miss", code.id);
+        };
+        let found = codes_of(near);
+        assert!(!found.contains(&code.id), "{}: {near}", code.id);
+    }
+}
+
+#[test]
+fn rules_of_taste_are_off_by_default() {
+    let found = check(text("component c { function f(); };"), Config::default());
+    assert!(
+        found.iter().all(|it| !it.code.starts_with("style/")),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn a_comment_allows_a_finding_where_it_stands() {
+    let circle = |comment: &str, place: &str| {
+        let (above, behind) = if place == "above" {
+            (comment, "")
+        } else {
+            ("", comment)
+        };
+        let source = format!(
+            "component c {{\n  {above}\n  function f() {{ before g; }}; {behind}\n  function g() {{ before f; }};\n}};\n"
+        );
+        codes_of(&source)
+    };
+    let comment = "// dotgen: allow(service/order-cycle) both are slow";
+    assert!(circle("", "above").contains(&"service/order-cycle"));
+    for place in ["above", "behind"] {
+        let found = circle(comment, place);
+        assert!(
+            !found.contains(&"service/order-cycle") && !found.contains(&"lint/unused-suppression"),
+            "{place}: {found:?}"
+        );
+    }
+    let found = circle("// dotgen: allow(port/write-race) why", "above");
+    assert!(
+        found.contains(&"service/order-cycle") && found.contains(&"lint/unused-suppression"),
+        "{found:?}"
+    );
+}
+
+/// The text after each fix of the first finding with a code: title, then text.
+fn fixed(source: &str, code: &str) -> String {
+    let found = check(text(source), strict());
+    let Some(it) = found.iter().find(|it| it.code == code) else {
+        panic!("{code} is not reported: {found:#?}")
+    };
+    assert!(!it.fixes.is_empty(), "{code} has no fix");
+    let mut out = String::new();
+    for fix in &it.fixes {
+        let mut after = source.to_owned();
+        let mut edits: Vec<_> = fix.edits.iter().collect();
+        edits.sort_by_key(|it| std::cmp::Reverse(it.range.start));
+        for edit in edits {
+            after.replace_range(edit.range.clone(), &edit.new_text);
+        }
+        let left = check(text(&after), strict());
+        let again = left.iter().filter(|it| it.code == code).count();
+        let before = found.iter().filter(|it| it.code == code).count();
+        assert!(again < before, "{}: does not help:\n{after}", fix.title);
+        out.push_str(&format!("--- {}\n{after}", fix.title));
+    }
+    out
+}
+
+#[test]
+fn fixes_remove_what_they_mend() {
+    let mut all = String::new();
+    let state = "component c {\n  task t {\n    period 5 ms;\n    codel<start> f() yield mian;\n    codel<main> g() yield ether;\n  };\n};\n";
+    all += &fixed(state, "fsm/undefined-state");
+    all += &fixed(
+        "component c {\n  task t {\n    period 5 ms;\n    codel<start> f() yield ether;\n    codel<main> g() yield ether;\n  };\n};\n",
+        "fsm/unreachable-state",
+    );
+    all += &fixed(
+        "module m { exception e_far; };\ncomponent c {\n  task t {\n    period 5 ms;\n    codel<start> f() yield e_far, ether;\n  };\n};\n",
+        "throw/undeclared-use",
+    );
+    all += &fixed(
+        "module m { exception e_far; };\ncomponent c {\n  task t { period 5 ms; };\n  activity a() {\n    task t;\n    codel<start> f() yield e_far;\n  };\n};\n",
+        "throw/undeclared-use",
+    );
+    for code in [
+        "fsm/busy-loop",
+        "fsm/no-termination",
+        "fsm/missing-stop",
+        "timing/missing-wcet",
+        "service/blind-validate",
+        "service/concurrent-instances",
+        "unused/type",
+        "lint/unused-suppression",
+    ] {
+        let example = CODES
+            .iter()
+            .find(|it| it.id == code)
+            .map_or("", |it| it.example);
+        all += &format!("=== {code}\n");
+        all += &fixed(example, code);
+    }
+    all += &fixed(
+        "component c {\n  ids { long speed; };\n  task t { codel<start> f(in sped) yield ether; };\n};\n",
+        "param-unknown",
+    );
+    all += &fixed(
+        "module m { typedef long speed_t; };\ncomponent c {\n  ids { m::sped_t s; };\n};\n",
+        "unknown-type",
+    );
+    all += &fixed(
+        "component c {\n  exception a, b;\n  task t { throw a; codel<start> f() yield ether; };\n};\n",
+        "unused/exception",
+    );
+    all += &fixed(
+        "component c {\n  exception b { long x; }, a;\n  task t { throw a; codel<start> f() yield ether; };\n};\n",
+        "unused/exception",
+    );
+    all += &fixed(
+        "component c {\n  task t;\n  activity a() { task t;\n    local long x, y;\n    codel<start> f(out x) yield ether;\n  };\n};\n",
+        "unused/local",
+    );
+    expect![[r#"
+        --- Change to `main`
+        component c {
+          task t {
+            period 5 ms;
+            codel<start> f() yield main;
+            codel<main> g() yield ether;
+          };
+        };
+        --- Declare a codel for the state `mian`
+        component c {
+          task t {
+            period 5 ms;
+            codel<start> f() yield mian;
+            codel<mian> t_mian() yield ether;
+            codel<main> g() yield ether;
+          };
+        };
+        --- Let `f` yield `main`
+        component c {
+          task t {
+            period 5 ms;
+            codel<start> f() yield ether, main;
+            codel<main> g() yield ether;
+          };
+        };
+        --- Remove the codel `g`
+        component c {
+          task t {
+            period 5 ms;
+            codel<start> f() yield ether;
+          };
+        };
+        --- Throw `m::e_far` instead of yielding it
+        module m { exception e_far; };
+        component c {
+          task t {
+            period 5 ms;
+            codel<start> f() yield ether;
+            throw ::m::e_far;
+          };
+        };
+        --- Throw `m::e_far` instead of yielding it
+        module m { exception e_far; };
+        component c {
+          task t { period 5 ms; };
+          activity a() {
+            task t;
+            codel<start> f() yield ether;
+            throw ::m::e_far;
+          };
+        };
+        === fsm/busy-loop
+        --- Pause before `main`
+        component c {
+          task t { period 5 ms;
+            codel<start> f() yield main;
+            codel<main> g() yield pause::main, ether;
+          };
+        };
+        === fsm/no-termination
+        --- Let `g` yield `ether`
+        component c {
+          task t { period 5 ms; };
+          activity a() { task t;
+            codel<start> f() yield run;
+            codel<run> g() yield run, ether;
+          };
+        };
+        --- Pause before `run`
+        component c {
+          task t { period 5 ms; };
+          activity a() { task t;
+            codel<start> f() yield run;
+            codel<run> g() yield pause::run;
+          };
+        };
+        === fsm/missing-stop
+        --- Add the codel `go_stop`
+        component c {
+          ids { long speed; };
+          task t { period 5 ms; };
+          activity go() { task t; interrupts go;
+            codel<start> f(out speed) yield pause::start, ether;
+            codel<stop> go_stop() yield ether;
+          };
+        };
+        === timing/missing-wcet
+        --- Insert `wcet 1 ms` here, to be replaced by the measured time
+        component c {
+          task t { period 5 ms;
+            codel<start> f() yield main wcet 10 us;
+            codel<main> g() yield pause::main wcet 1 ms;
+          };
+        };
+        === service/blind-validate
+        --- Validate the new value
+        component c {
+          ids { long x; };
+          attribute set(in x) { validate check(local in x); };
+        };
+        === service/concurrent-instances
+        --- Let `go` interrupt itself
+        component c {
+          ids { long x; };
+          task t { period 5 ms; };
+          activity go() { task t; codel<start> f(out x) yield pause::start, ether; interrupts go; };
+        };
+        === unused/type
+        --- Remove `s`
+        component c {
+          task t { codel<start> f() yield ether; };
+        };
+        === lint/unused-suppression
+        --- Remove the comment
+        component c {
+          task t { codel<start> f() yield ether; };
+        };
+        --- Change to `speed`
+        component c {
+          ids { long speed; };
+          task t { codel<start> f(in speed) yield ether; };
+        };
+        --- Change to `speed_t`
+        module m { typedef long speed_t; };
+        component c {
+          ids { m::speed_t s; };
+        };
+        --- Remove `b`
+        component c {
+          exception a;
+          task t { throw a; codel<start> f() yield ether; };
+        };
+        --- Remove `b`
+        component c {
+          exception a;
+          task t { throw a; codel<start> f() yield ether; };
+        };
+        --- Remove `y`
+        component c {
+          task t;
+          activity a() { task t;
+            local long x;
+            codel<start> f(out x) yield ether;
+          };
+        };
+    "#]]
+    .assert_eq(&all);
+}
+
+/// The specifications of the shared test data that stand for software in use.
+fn corpus() -> Vec<(Utf8PathBuf, Utf8PathBuf)> {
+    let shared = Utf8PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/corpus"));
+    let shared = shared.canonicalize_utf8().unwrap_or(shared);
+    let mut out = Vec::new();
+    for (folder, include) in [
+        ("components", "components/standins"),
+        ("robnav", "robnav"),
+        ("quadcopter", "quadcopter"),
+    ] {
+        let Ok(entries) = shared.join(folder).read_dir_utf8() else {
+            continue;
+        };
+        for entry in entries.flatten().filter(|it| it.path().is_dir()) {
+            let Ok(files) = entry.path().read_dir_utf8() else {
+                continue;
+            };
+            for file in files.flatten() {
+                if file.path().extension() == Some("gen") {
+                    out.push((file.path().to_owned(), shared.join(include)));
+                }
+            }
+        }
+    }
+    out.sort();
+    if out.is_empty() {
+        eprintln!("SKIPPED: no test data at ../shared/corpus");
+    }
+    out
+}
+
+#[test]
+fn real_specifications_are_healthy() {
+    let mut report = String::new();
+    for (path, include) in corpus() {
+        let lines = std::fs::read_to_string(&path).unwrap().lines().count();
+        let input = BatchInput {
+            inputs: vec![Input::File(path.clone())],
+            include_dirs: vec![include],
+            ..BatchInput::default()
+        };
+        let found = check(input, Config::default());
+        let count = |severity| found.iter().filter(|it| it.severity == severity).count();
+        assert_eq!(count(Severity::Error), 0, "{path}: {found:#?}");
+        let warnings = count(Severity::Warning);
+        assert!(
+            warnings * 100 <= lines.max(100),
+            "{path}: {warnings} warnings in {lines} lines"
+        );
+        let name = path.file_name().unwrap_or_default();
+        let text = std::fs::read_to_string(&path).unwrap();
+        for it in found.iter().filter(|it| it.path == path) {
+            let line = 1 + text[..it.range.start].matches('\n').count();
+            let severity = format!("{:?}", it.severity).to_lowercase();
+            report.push_str(&format!(
+                "{name}:{line}: {severity} {}: {}\n",
+                it.code, it.message
+            ));
+        }
+    }
+    if !report.is_empty() {
+        // Reviewed: each line must be something its author would want to know.
+        expect![[r#"
+            arucotag.gen:89: information fsm/pause-in-aperiodic-task: task `detect` has no period: `pause::wait` waits for no tick, the task continues with `wait` as soon as the other activities have had their turn; give the task a `period` if it should wait
+            arucotag.gen:91: hint fsm/busy-loop: state cycle without pause in task `detect`: poll → poll; the task can be kept busy by it for any time; yield `pause::poll` if each round may wait
+            d435.gen:47: hint unused/exception: exception `e_mem` is never thrown
+            d435.gen:69: hint fsm/busy-loop: state cycle without pause in task `main`: poll → pub → poll; the task can be kept busy by it for any time; yield `pause::poll` if each round may wait
+            d435.gen:69: information lock/self-blocking: codel `d435_main_poll` of task `main` runs asynchronously with `info.started` of the ids and `pipe` of the ids, which codel `d435_connect` of activity `connect` of the same task `main` also uses: the task goes on meanwhile and must wait for it, or both touch the data at once; copy what the asynchronous codel needs into a `local` variable
+            d435.gen:70: information fsm/pause-in-aperiodic-task: task `main` has no period: `pause::poll` waits for no tick, the task continues with `poll` as soon as the other activities have had their turn; give the task a `period` if it should wait
+            maneuver.gen:45: hint unused/type: type `motion` is never used
+            maneuver.gen:135: hint fsm/missing-stop: activity `take_off` can be interrupted (by `take_off`) and writes the ids `trajectory`, but has no `codel<stop>` to leave it in a consistent state
+            maneuver.gen:149: information fsm/pause-in-aperiodic-task: task `plan` has no period: `pause::wait` waits for no tick, the task continues with `wait` as soon as the other activities have had their turn; give the task a `period` if it should wait
+            maneuver.gen:155: hint fsm/missing-stop: activity `goto` can be interrupted (by `take_off`) and writes the ids `trajectory`, but has no `codel<stop>` to leave it in a consistent state
+            maneuver.gen:219: hint fsm/missing-stop: activity `replay` can be interrupted (by `take_off`) and writes the ids `trajectory`, but has no `codel<stop>` to leave it in a consistent state
+            maneuver.gen:247: hint fsm/missing-stop: activity `stop` can be interrupted (by `take_off`) and writes the ids `trajectory`, but has no `codel<stop>` to leave it in a consistent state
+            maneuver.gen:247: hint service/concurrent-instances: activity `stop` does not interrupt itself: two requests run two instances in turn, and both write `trajectory`; add `interrupts stop;` if only one should be active
+            nhfc.gen:169: information fsm/busy-loop: state cycle without pause in task `main`: control → emergency → control; within one period it can go round any number of times, so its execution time has no bound; yield `pause::control` if each round may wait
+            nhfc.gen:187: hint fsm/missing-stop: activity `servo` can be interrupted (by `servo`) and writes the ids `reference`, but has no `codel<stop>` to leave it in a consistent state
+            nhfc.gen:258: hint fsm/missing-stop: activity `set_wo_zero` can be interrupted (by `set_wo_zero`) and writes the ids `bias`, but has no `codel<stop>` to leave it in a consistent state
+            realsense.gen:48: hint unused/exception: exception `e_mem` is never thrown
+            realsense.gen:107: hint fsm/busy-loop: state cycle without pause in task `visual`: sleep → poll → sleep; the task can be kept busy by it for any time; yield `pause::sleep` if each round may wait
+            realsense.gen:108: information fsm/pause-in-aperiodic-task: task `visual` has no period: `pause::sleep` waits for no tick, the task continues with `sleep` as soon as the other activities have had their turn; give the task a `period` if it should wait
+            realsense.gen:121: hint fsm/busy-loop: state cycle without pause in task `inertial`: sleep → poll → sleep; the task can be kept busy by it for any time; yield `pause::sleep` if each round may wait
+            realsense.gen:122: information fsm/pause-in-aperiodic-task: task `inertial` has no period: `pause::sleep` waits for no tick, the task continues with `sleep` as soon as the other activities have had their turn; give the task a `period` if it should wait
+            realsense.gen:135: hint fsm/busy-loop: state cycle without pause in task `depth`: sleep → poll → sleep; the task can be kept busy by it for any time; yield `pause::sleep` if each round may wait
+            realsense.gen:136: information fsm/pause-in-aperiodic-task: task `depth` has no period: `pause::sleep` waits for no tick, the task continues with `sleep` as soon as the other activities have had their turn; give the task a `period` if it should wait
+            maneuver.gen:33: hint unused/exception: exception `e_sys` is never thrown
+            maneuver.gen:152: hint fsm/missing-stop: activity `waypoint` can be interrupted (by `waypoint`) and writes the ids `start`, but has no `codel<stop>` to leave it in a consistent state
+            maneuver.gen:190: information fsm/busy-loop: state cycle without pause in task `exec`: wait → main → wait; within one period it can go round any number of times, so its execution time has no bound; yield `pause::wait` if each round may wait
+            mikrokopter.gen:35: hint unused/exception: exception `e_baddev` is never thrown
+            mikrokopter.gen:38: hint unused/exception: exception `e_range` is never thrown
+            mikrokopter.gen:43: warning port/write-race: port `imu` is written by codels of different tasks (`main` and `comm`): which value readers see depends on scheduling; let one task write it, or give each its own port
+            mikrokopter.gen:210: hint fsm/busy-loop: state cycle without pause in task `comm`: poll → nodata → poll; the task can be kept busy by it for any time; yield `pause::poll` if each round may wait
+            mikrokopter.gen:215: hint fsm/busy-loop: state cycle without pause in task `comm`: recv → recv; the task can be kept busy by it for any time; yield `pause::recv` if each round may wait
+            nhfc.gen:35: hint unused/exception: exception `e_sys` is never thrown
+            optitrack.gen:28: hint unused/exception: exception `e_connection` is never thrown
+            optitrack.gen:28: hint unused/exception: exception `e_timeout` is never thrown
+            optitrack.gen:29: hint unused/exception: exception `e_addrinfo` is never thrown
+            optitrack.gen:30: hint unused/exception: exception `e_network` is never thrown
+            optitrack.gen:31: hint unused/exception: exception `e_access` is never thrown
+            optitrack.gen:32: hint unused/exception: exception `e_publish` is never thrown
+            pom.gen:31: hint port/never-read: no codel reads the input port `bodies`
+            roblaser.gen:21: hint unused/exception: exception `INVALID_RANGE` is never thrown
+            robloco.gen:20: hint unused/exception: exception `INVALID_RECT` is never thrown
+            robloco.gen:25: hint port/never-read: no codel reads the input port `E_real_map`
+            robmap.gen:18: hint ids/never-read: the ids member `explored_map` is written, but nothing ever reads it
+            robmotion.gen:15: hint ids/never-read: the ids member `current_speed` is written, but nothing ever reads it
+            robmotion.gen:85: hint fsm/missing-stop: activity `GotoPosition` can be interrupted (by `GotoPosition`) and writes the ids `goal_position`, but has no `codel<stop>` to leave it in a consistent state
+        "#]].assert_eq(&report);
+    }
+}

@@ -1,0 +1,157 @@
+//! Templates without Tcl: MiniJinja texts over the JSON model, described by a `template.toml`.
+//!
+//! Some are part of dotgen; any folder with a `template.toml` on the search path is one too. See
+//! docs/templates.md for the format.
+
+mod json_schema;
+mod manifest;
+mod mappings;
+mod render;
+
+use std::path::{Path, PathBuf};
+
+use crate::command::{Environment, Options};
+use crate::compiler::Compiler;
+
+pub use manifest::{Each, FileRule, Manifest};
+
+/// A template that is part of dotgen.
+struct Embedded {
+    name: &'static str,
+    files: &'static [(&'static str, &'static str)],
+}
+
+macro_rules! embedded {
+    ($name:literal: $($file:literal),+ $(,)?) => {
+        Embedded {
+            name: $name,
+            files: &[$(($file, include_str!(concat!("../templates/", $name, "/", $file)))),+],
+        }
+    };
+}
+
+const EMBEDDED: &[Embedded] = &[
+    embedded!("docs": "template.toml", "component.jinja"),
+    embedded!("docs-asciidoc": "template.toml", "component.jinja", "picture.jinja"),
+    embedded!("json-schema": "template.toml", "schema.jinja"),
+    embedded!("stubs": "template.toml", "codels.jinja"),
+    embedded!(
+        "skeleton": "template.toml", "codels.jinja", "component.pc.jinja",
+        "component-uninstalled.pc.jinja", "readme.jinja", "bootstrap.jinja",
+        "ag_templates.jinja", "configure.jinja", "top.jinja", "makefile.jinja",
+    ),
+];
+
+/// Files that templates read from the built-in folder.
+pub const SUPPORT: &[(&str, &str)] = &[
+    (
+        "common/genom.gen",
+        include_str!("../templates/common/genom.gen"),
+    ),
+    (
+        "common/json-types.h",
+        include_str!("../templates/common/json-types.h"),
+    ),
+];
+
+/// Where the texts of a template are.
+pub(crate) enum Texts {
+    /// In the program.
+    Embedded(&'static [(&'static str, &'static str)]),
+    /// In a folder.
+    Folder(PathBuf),
+}
+
+impl Texts {
+    fn manifest(&self) -> Result<Manifest, String> {
+        toml::from_str(&self.read("template.toml")?)
+            .map_err(|error| format!("template.toml: {}", error.message()))
+    }
+
+    fn read(&self, name: &str) -> Result<String, String> {
+        match self {
+            Texts::Embedded(files) => files
+                .iter()
+                .find(|(file, _)| *file == name)
+                .map(|(_, text)| (*text).to_owned())
+                .ok_or_else(|| format!("no text {name}")),
+            Texts::Folder(dir) => {
+                let path = dir.join(name);
+                std::fs::read_to_string(&path)
+                    .map_err(|error| format!("cannot read {}: {error}", path.display()))
+            }
+        }
+    }
+}
+
+/// Names of the templates that are part of dotgen, sorted.
+pub fn names() -> Vec<&'static str> {
+    let mut names: Vec<&str> = EMBEDDED.iter().map(|it| it.name).collect();
+    names.push("mappings");
+    names.sort_unstable();
+    names
+}
+
+/// What a template of dotgen is for.
+pub(crate) fn about(name: &str) -> String {
+    if name == "mappings" {
+        return mappings::ABOUT.to_owned();
+    }
+    let found = EMBEDDED.iter().find(|it| it.name == name);
+    let manifest = found.and_then(|it| Texts::Embedded(it.files).manifest().ok());
+    manifest.map(|it| it.about).unwrap_or_default()
+}
+
+/// What the template of a folder is for.
+pub(crate) fn about_folder(dir: &Path) -> Option<String> {
+    let manifest = Texts::Folder(dir.to_owned()).manifest();
+    manifest.ok().map(|it| it.about)
+}
+
+/// Runs a template of dotgen; `None` when there is none of that name.
+pub(crate) fn run(
+    name: &str,
+    args: &[String],
+    options: &Options,
+    compiler: &mut Compiler,
+    env: &mut Environment<'_>,
+) -> Option<i32> {
+    let result = if name == "mappings" {
+        mappings::run(args, compiler, env)
+    } else {
+        let found = EMBEDDED.iter().find(|it| it.name == name)?;
+        render::run(
+            name,
+            &Texts::Embedded(found.files),
+            args,
+            options,
+            compiler,
+            env,
+        )
+    };
+    Some(finish(name, result, env))
+}
+
+/// Runs the template of a folder.
+pub(crate) fn run_folder(
+    dir: &Path,
+    args: &[String],
+    options: &Options,
+    compiler: &mut Compiler,
+    env: &mut Environment<'_>,
+) -> i32 {
+    let name = dir.file_name().unwrap_or_default().to_string_lossy();
+    let texts = Texts::Folder(dir.to_owned());
+    let result = render::run(&name, &texts, args, options, compiler, env);
+    if let Err(message) = &result {
+        env.failed_at = crate::template::place(dir, message, "");
+    }
+    finish(&name, result, env)
+}
+
+fn finish(name: &str, result: Result<i32, String>, env: &mut Environment<'_>) -> i32 {
+    result.unwrap_or_else(|message| {
+        env.console.err(&format!("{name}: {message}"));
+        2
+    })
+}

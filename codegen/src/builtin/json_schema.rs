@@ -1,0 +1,221 @@
+//! JSON Schema of the data that a component takes and gives: requests, replies, exceptions and ports,
+//! in the JSON of GenoM3's clients.
+//!
+//! In that JSON a struct is an object of its members, a union `{ "d": discriminator, "u": { member:
+//! value } }`, an enumerator its name (with its scope, or without), an absent optional value and a
+//! number that is none are `null`.
+
+use std::collections::BTreeMap;
+
+use dotgen_analysis::model::{Component, Param, ParamDir, ServiceKind, Spec, TypeId, TypeKind};
+use serde_json::{Map, Value, json};
+
+/// The schema of one component.
+pub(super) fn schema(spec: &Spec, component: &Component) -> Value {
+    let mut types = Types {
+        spec,
+        definitions: BTreeMap::new(),
+    };
+    let mut services = Map::new();
+    for service in &component.services {
+        let params = |wanted: [ParamDir; 2], needed: bool| -> Vec<&Param> {
+            let params = service.params.iter();
+            let params = params.filter(|it| wanted.contains(&it.dir));
+            params.filter(|it| !needed || it.init.is_none()).collect()
+        };
+        let input = params([ParamDir::In, ParamDir::Inout], false);
+        let needed = params([ParamDir::In, ParamDir::Inout], true);
+        let output = params([ParamDir::Out, ParamDir::Inout], false);
+        let needed = needed.iter().map(|it| it.name.as_str());
+        let mut parts = Map::new();
+        parts.insert("input".into(), types.params(&input, needed.collect()));
+        let given = output.iter().map(|it| it.name.as_str());
+        parts.insert("output".into(), types.params(&output, given.collect()));
+        let throws: Vec<Value> = component
+            .throws
+            .iter()
+            .chain(&service.throws)
+            .map(|it| types.exception(*it))
+            .collect();
+        if !throws.is_empty() {
+            parts.insert("exception".into(), json!({ "oneOf": throws }));
+        }
+        let kind = match service.kind {
+            ServiceKind::Attribute => "attribute",
+            ServiceKind::Function => "function",
+            ServiceKind::Activity => "activity",
+        };
+        let mut it = json!({ "title": kind, "type": "object", "properties": parts,
+                             "additionalProperties": false });
+        describe(&mut it, service.doc.as_deref());
+        services.insert(service.name.to_string(), it);
+    }
+    let mut ports = Map::new();
+    for port in &component.ports {
+        let mut it = types.of(port.data);
+        if port.multiple {
+            it = json!({ "type": "object", "additionalProperties": it });
+        }
+        describe(&mut it, port.doc.as_deref());
+        ports.insert(port.name.to_string(), it);
+    }
+    let object = |properties: Map<String, Value>| json!({ "type": "object", "properties": properties, "additionalProperties": false });
+    let mut out = json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": component.name.as_str(),
+        "type": "object",
+        "properties": { "services": object(services), "ports": object(ports) },
+        "additionalProperties": false,
+        "$defs": types.definitions,
+    });
+    describe(&mut out, component.doc.as_deref());
+    out
+}
+
+fn describe(schema: &mut Value, doc: Option<&str>) {
+    if let Some(doc) = doc.filter(|it| !it.is_empty()) {
+        schema["description"] = json!(doc);
+    }
+}
+
+/// Definitions of named types, as they come up.
+struct Types<'a> {
+    spec: &'a Spec,
+    definitions: BTreeMap<String, Value>,
+}
+
+impl Types<'_> {
+    fn params(&mut self, params: &[&Param], required: Vec<&str>) -> Value {
+        let mut properties = Map::new();
+        for param in params {
+            let mut it = self.of(param.ty);
+            let doc = param.init.as_ref().and_then(|it| it.doc.as_deref());
+            describe(&mut it, doc);
+            properties.insert(param.name.to_string(), it);
+        }
+        let mut out = json!({ "type": "object", "properties": properties,
+                              "additionalProperties": false });
+        if !required.is_empty() {
+            out["required"] = json!(required);
+        }
+        out
+    }
+
+    /// `{ "ex": NAME, "detail": … }`.
+    fn exception(&mut self, id: TypeId) -> Value {
+        let name = self.spec.full_name(id).unwrap_or_default();
+        let mut properties = json!({ "ex": { "const": name } });
+        if let TypeKind::Exception { members } = &self.spec.ty(id).kind
+            && !members.is_empty()
+        {
+            properties["detail"] = self.of(id);
+        }
+        json!({ "type": "object", "properties": properties, "required": ["ex"] })
+    }
+
+    /// A reference to a named type, or the schema itself.
+    fn of(&mut self, id: TypeId) -> Value {
+        let ty = self.spec.ty(id);
+        let target = match &ty.kind {
+            TypeKind::ForwardStruct { definition } | TypeKind::ForwardUnion { definition } => {
+                return definition.map_or_else(|| json!({}), |it| self.of(it));
+            }
+            TypeKind::StructMember { ty } | TypeKind::UnionMember { ty, .. } => {
+                return self.of(*ty);
+            }
+            TypeKind::Const { ty, .. } => return self.of(*ty),
+            TypeKind::Struct { .. }
+            | TypeKind::Union { .. }
+            | TypeKind::Enum { .. }
+            | TypeKind::Exception { .. }
+            | TypeKind::Typedef { .. } => self.spec.full_name(id),
+            _ => None,
+        };
+        let Some(name) = target else {
+            return self.body(id);
+        };
+        let name = name.trim_start_matches("::").to_owned();
+        if !self.definitions.contains_key(&name) {
+            // A type may hold itself, behind a sequence.
+            self.definitions.insert(name.clone(), json!({}));
+            let body = self.body(id);
+            self.definitions.insert(name.clone(), body);
+        }
+        json!({ "$ref": format!("#/$defs/{name}") })
+    }
+
+    fn body(&mut self, id: TypeId) -> Value {
+        let integer =
+            |low: i64, high: u64| json!({ "type": "integer", "minimum": low, "maximum": high });
+        let spec = self.spec;
+        match &spec.ty(id).kind {
+            TypeKind::Boolean => json!({ "type": "boolean" }),
+            TypeKind::Octet => integer(0, u8::MAX.into()),
+            TypeKind::Char => json!({ "type": "string", "minLength": 1, "maxLength": 1 }),
+            TypeKind::Short => integer(i16::MIN.into(), i16::MAX as u64),
+            TypeKind::UnsignedShort => integer(0, u16::MAX.into()),
+            TypeKind::Long => integer(i32::MIN.into(), i32::MAX as u64),
+            TypeKind::UnsignedLong => integer(0, u32::MAX.into()),
+            TypeKind::LongLong => integer(i64::MIN, i64::MAX as u64),
+            TypeKind::UnsignedLongLong => integer(0, u64::MAX),
+            TypeKind::Float | TypeKind::Double => json!({ "type": ["number", "null"] }),
+            TypeKind::String { bound: None } => json!({ "type": "string" }),
+            // The C type of that length has a zero at its end.
+            TypeKind::String { bound: Some(bound) } => {
+                json!({ "type": "string", "maxLength": bound.saturating_sub(1) })
+            }
+            TypeKind::Array { element, length } => json!({
+                "type": "array", "items": self.of(*element), "minItems": length, "maxItems": length,
+            }),
+            TypeKind::Sequence { element, bound } => {
+                let mut it = json!({ "type": "array", "items": self.of(*element) });
+                if let Some(bound) = bound {
+                    it["maxItems"] = json!(bound);
+                }
+                it
+            }
+            TypeKind::Optional { element } => {
+                json!({ "anyOf": [self.of(*element), { "type": "null" }] })
+            }
+            TypeKind::Enum { enumerators } => {
+                let mut names: Vec<String> = Vec::new();
+                let full = enumerators.iter().filter_map(|it| spec.full_name(*it));
+                let short = enumerators
+                    .iter()
+                    .filter_map(|it| spec.ty(*it).name.as_ref());
+                for name in full.chain(short.map(ToString::to_string)) {
+                    if !names.contains(&name) {
+                        names.push(name);
+                    }
+                }
+                json!({ "enum": names })
+            }
+            TypeKind::Struct { members } | TypeKind::Exception { members } => self.members(members),
+            TypeKind::Union { switch, members } => {
+                let switch = self.of(*switch);
+                let members = self.members(members);
+                json!({
+                    "type": "object",
+                    "properties": { "d": switch, "u": members },
+                    "required": ["d"],
+                    "additionalProperties": false,
+                })
+            }
+            TypeKind::Typedef { ty } => self.of(*ty),
+            TypeKind::Enumerator { .. } => {
+                json!({ "const": spec.full_name(id).unwrap_or_default() })
+            }
+            // Data of the component's own, or of any type: nothing is known of it.
+            _ => json!({}),
+        }
+    }
+
+    fn members(&mut self, members: &[TypeId]) -> Value {
+        let mut properties = Map::new();
+        for member in members {
+            let name = self.spec.ty(*member).name.clone().unwrap_or_default();
+            properties.insert(name.to_string(), self.of(*member));
+        }
+        json!({ "type": "object", "properties": properties, "additionalProperties": false })
+    }
+}

@@ -1,0 +1,52 @@
+//! `template.toml`: which files a template writes.
+
+use serde::Deserialize;
+
+/// A template.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Manifest {
+    /// What it is for, in one line.
+    pub about: String,
+    /// The files it writes, in order.
+    #[serde(default)]
+    pub files: Vec<FileRule>,
+}
+
+/// A file, or one for each of something.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct FileRule {
+    /// What it is written for.
+    #[serde(default)]
+    pub each: Each,
+    /// Path below the output directory; a MiniJinja text.
+    pub path: String,
+    /// Name of the MiniJinja text in the folder of the template.
+    pub source: String,
+    /// As `chmod` takes them.
+    #[serde(default)]
+    pub permissions: String,
+    /// Whether to write it with `--terse`.
+    #[serde(default = "yes")]
+    pub terse: bool,
+}
+
+/// See [`FileRule::each`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Each {
+    /// Once.
+    #[default]
+    Run,
+    /// For each component: `component`.
+    Component,
+    /// For each file of codels of each component: `component`, `file.path`, `file.text`.
+    CodelFile,
+    /// For each task and activity with a state machine: `component`, `owner` (its name).
+    StateMachine,
+}
+
+fn yes() -> bool {
+    true
+}

@@ -1,0 +1,176 @@
+//! The templates there are, and the options they take: what a user chooses from.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use crate::builtin;
+use crate::template::discover::SearchPath;
+
+/// What a template is written in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum TemplateKind {
+    /// Part of dotgen.
+    Builtin,
+    /// A `template.tcl`; needs Tcl.
+    Tcl,
+    /// A `template.toml` with MiniJinja texts.
+    Minijinja,
+}
+
+/// A template.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TemplateInfo {
+    /// As given on the command line.
+    pub name: String,
+    /// What it is written in.
+    pub kind: TemplateKind,
+    /// What it is for, in one line; empty when that is not known.
+    pub about: String,
+    /// Its folder; `None` for those in the program.
+    pub dir: Option<PathBuf>,
+}
+
+/// All templates below a search path and those of dotgen, by name. A folder of the search path wins
+/// over a template of dotgen.
+pub fn templates(search: &SearchPath) -> Vec<TemplateInfo> {
+    let mut all: Vec<TemplateInfo> = Vec::new();
+    for name in search.list() {
+        let manifest = search.find_manifest(&name);
+        let kind = match manifest {
+            Some(_) => TemplateKind::Minijinja,
+            None => TemplateKind::Tcl,
+        };
+        let about = manifest.as_ref().and_then(|dir| builtin::about_folder(dir));
+        all.push(TemplateInfo {
+            dir: manifest.or_else(|| search.find(&name).ok()),
+            name,
+            kind,
+            about: about.unwrap_or_default(),
+        });
+    }
+    for name in builtin::names() {
+        if all.iter().all(|it| it.name != name) {
+            all.push(TemplateInfo {
+                name: name.to_owned(),
+                kind: TemplateKind::Builtin,
+                about: builtin::about(name),
+                dir: None,
+            });
+        }
+    }
+    all.sort_by(|a, b| a.name.cmp(&b.name));
+    all
+}
+
+/// An option of a template, as its usage text tells.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TemplateOption {
+    /// All its spellings, as `-l` and `--language`.
+    pub flags: Vec<String>,
+    /// What to write for its value, when it takes one.
+    pub value: Option<String>,
+    /// What it does.
+    pub help: String,
+}
+
+/// Reads the options out of a usage text: lines that begin with blanks and a dash, the spellings
+/// parted by commas or dots, a value after `=` or a blank, and what it does after a tab or two
+/// blanks. Options that only print help are left out.
+pub fn options(usage: &str) -> Vec<TemplateOption> {
+    let mut all: Vec<TemplateOption> = Vec::new();
+    for line in usage.lines() {
+        let text = line.trim_start();
+        let blanks = line.chars().take_while(|it| it.is_whitespace());
+        let indent: usize = blanks.map(|it| if it == '\t' { 8 } else { 1 }).sum();
+        if indent == 0 || text.is_empty() {
+            continue;
+        }
+        if !text.starts_with('-') {
+            // A longer explanation goes on below its beginning.
+            if let Some(last) = all.last_mut()
+                && indent > 8
+            {
+                last.help = format!("{} {text}", last.help).trim().to_owned();
+            }
+            continue;
+        }
+        let parted = text.find('\t').into_iter().chain(text.find("  ")).min();
+        let (spelled, help) = text.split_at(parted.unwrap_or(text.len()));
+        let mut option = TemplateOption {
+            flags: Vec::new(),
+            value: None,
+            help: help.trim().to_owned(),
+        };
+        for part in spelled.split([',', '.', ' ']).filter(|it| !it.is_empty()) {
+            if !part.starts_with('-') {
+                option.value.get_or_insert_with(|| part.to_owned());
+                continue;
+            }
+            let (flag, value) = match part.split_once('=') {
+                Some((flag, value)) => (flag, Some(value)),
+                None => (part, None),
+            };
+            option.flags.push(flag.to_owned());
+            if let Some(value) = value {
+                option.value = Some(value.trim_matches(['[', ']']).to_owned());
+            }
+        }
+        let is_help = option.flags.iter().any(|it| it == "--help" || it == "-h");
+        if !option.flags.is_empty() && !is_help {
+            all.push(option);
+        }
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn usage_texts_tell_the_options() {
+        let usage = "\nROS-based generation.\n\nSupported options:\n  -C, --directory=dir\toutput \
+                     files in dir\n  -p, --preserve\tdo not overwrite\n\t\texisting files\n  -MF \
+                     FILE             to FILE\n  -i\t\t\tmerge\n  -h. --help\t\tprint usage\n";
+        let shown: Vec<String> = options(usage)
+            .iter()
+            .map(|it| format!("{} {:?} {}", it.flags.join("/"), it.value, it.help))
+            .collect();
+        assert_eq!(
+            shown,
+            [
+                "-C/--directory Some(\"dir\") output files in dir",
+                "-p/--preserve None do not overwrite existing files",
+                "-MF Some(\"FILE\") to FILE",
+                "-i None merge",
+            ]
+        );
+    }
+
+    #[test]
+    fn a_folder_wins_over_a_template_of_dotgen() {
+        let tree = tempfile::tempdir().unwrap();
+        for (path, text) in [
+            ("skeleton/template.tcl", ""),
+            ("mine/template.toml", "about = \"names\"\n"),
+        ] {
+            let path = tree.path().join(path);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, text).unwrap();
+        }
+        let search = SearchPath {
+            dirs: vec![tree.path().to_owned()],
+            builtin: None,
+        };
+        let all = templates(&search);
+        let of = |name: &str| {
+            let found = all.iter().find(|it| it.name == name);
+            found.map(|it| (it.kind, it.about.as_str()))
+        };
+        assert_eq!(of("skeleton"), Some((TemplateKind::Tcl, "")));
+        assert_eq!(of("mine"), Some((TemplateKind::Minijinja, "names")));
+        assert_eq!(of("mappings").map(|it| it.0), Some(TemplateKind::Builtin));
+    }
+}

@@ -1,0 +1,269 @@
+//! What the command line does with codels: `check`, `stub`, `sync`, `headers`.
+
+mod project;
+mod report;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::model::Owner;
+use serde::Serialize;
+
+use super::{
+    drift::{DriftCode, Repair},
+    edit::{Edit, apply, unified_diff},
+    stub::NewFile,
+};
+
+pub use super::folder::Folder;
+pub use project::Project;
+pub use report::{CheckReport, Finding, FolderSummary, Side, diagnostics};
+
+/// Which codels get a stub.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum StubTarget {
+    /// Every codel without function.
+    All,
+    /// Those of a task or service.
+    Owner(String),
+    /// One codel.
+    Codel(String),
+}
+
+/// A file that a command wants to change.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct FileChange {
+    /// Its path.
+    pub path: Utf8PathBuf,
+    /// Present text; `None` when the file does not exist.
+    pub before: Option<String>,
+    /// Wanted text.
+    pub after: String,
+}
+
+impl FileChange {
+    /// The change as `diff -u` shows it.
+    pub fn diff(&self) -> String {
+        unified_diff(&self.path, self.before.as_deref(), &self.after)
+    }
+}
+
+/// What `sync` did.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct SyncReport {
+    /// Changes, by path. Nothing has been written.
+    pub changes: Vec<FileChange>,
+    /// What was mended, in order.
+    pub applied: Vec<String>,
+    /// What is left after the changes.
+    pub left: CheckReport,
+}
+
+/// Which repairs `sync` applies.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct SyncOptions {
+    /// Also take away yields that the code never returns.
+    pub hints: bool,
+    /// Only these kinds; all when empty.
+    pub only: Vec<DriftCode>,
+}
+
+/// Rounds of `sync`: an edit of the specification makes comments stale, whose repair is the last.
+const ROUNDS: usize = 6;
+
+/// Compares specifications with their codels.
+pub fn check(project: &mut Project<'_>, roots: &[Utf8PathBuf]) -> CheckReport {
+    let mut report = CheckReport::default();
+    for folder in project.folders(roots, &mut report.errors) {
+        report.add(project, &folder);
+    }
+    report
+}
+
+/// Stubs for codels that have no function. Nothing is written.
+pub fn stub(
+    project: &mut Project<'_>,
+    root: &Utf8Path,
+    target: &StubTarget,
+) -> Result<Vec<FileChange>, String> {
+    let mut errors = Vec::new();
+    let folders = project.folders(&[root.to_owned()], &mut errors);
+    if let Some(error) = errors.into_iter().next() {
+        return Err(error);
+    }
+    let mut edit = Edit::default();
+    let mut known = false;
+    for folder in &folders {
+        for expected in folder.expected() {
+            let component = expected.component();
+            let stubs = project.stub_options(&folder.specification);
+            let repairs = project.repairs(folder, &expected, &stubs);
+            let mut codels = repairs.missing();
+            match target {
+                StubTarget::All => known = true,
+                StubTarget::Owner(name) => {
+                    let owner = |owner: Owner| {
+                        super::expected::owner_words(component, owner).1 == name.as_str()
+                    };
+                    known |= component.all_codels().any(|it| owner(it.owner));
+                    codels.retain(|it| owner(it.owner));
+                }
+                StubTarget::Codel(name) => {
+                    let named = |it| component.codel(it).name == name.as_str();
+                    known |= component.all_codels().any(named);
+                    codels.retain(|it| named(*it));
+                }
+            }
+            let one = repairs.stub(&codels).map_err(|it| it.message)?;
+            edit.merge(one);
+        }
+    }
+    match target {
+        StubTarget::Owner(name) if !known => Err(format!("no task or service `{name}` in {root}")),
+        StubTarget::Codel(name) if !known => Err(format!("no codel `{name}` in {root}")),
+        _ => Ok(project.changes(&edit)),
+    }
+}
+
+/// Mends all drift that has one obvious repair. Nothing is written.
+pub fn sync(project: &mut Project<'_>, roots: &[Utf8PathBuf], options: &SyncOptions) -> SyncReport {
+    let mut out = SyncReport::default();
+    let mut touched: BTreeSet<Utf8PathBuf> = BTreeSet::new();
+    let mut tried: BTreeSet<String> = BTreeSet::new();
+    for _ in 0..ROUNDS {
+        let (edit, applied) = round(project, roots, options, &mut tried);
+        if edit.is_empty() {
+            break;
+        }
+        out.applied.extend(applied);
+        for change in project.changes(&edit) {
+            touched.insert(change.path.clone());
+            project.overlay(change.path, change.after);
+        }
+    }
+    out.left = check(project, roots);
+    for path in touched {
+        if let Some(after) = project.text(&path) {
+            let before = project.text_on_disk(&path);
+            if before.as_deref() != Some(&*after) {
+                out.changes.push(FileChange {
+                    path,
+                    before: before.map(|it| it.to_string()),
+                    after: after.to_string(),
+                });
+            }
+        }
+    }
+    out
+}
+
+/// One pass over all findings: the edits that go together.
+fn round(
+    project: &mut Project<'_>,
+    roots: &[Utf8PathBuf],
+    options: &SyncOptions,
+    tried: &mut BTreeSet<String>,
+) -> (Edit, Vec<String>) {
+    let mut edit = Edit::default();
+    let mut applied = Vec::new();
+    for folder in project.folders(roots, &mut Vec::new()) {
+        let all = folder.expected();
+        let findings = project.findings(&folder, &all);
+        // Stubs of one folder are made together: several may go into one new file.
+        let mut stubs: BTreeMap<u32, Vec<_>> = BTreeMap::new();
+        for drift in &findings {
+            let wanted = options.only.is_empty() || options.only.contains(&drift.code);
+            let hint = drift.code == DriftCode::NeverYielded;
+            let Some(repair) = drift
+                .repairs
+                .first()
+                .filter(|_| wanted && (options.hints || !hint))
+            else {
+                continue;
+            };
+            if let Repair::Stub { at } = repair {
+                stubs.entry(drift.component).or_default().push(*at);
+                continue;
+            }
+            let Some(expected) = all.iter().find(|it| it.component == drift.component) else {
+                continue;
+            };
+            let options = project.stub_options(&folder.specification);
+            let repairs = project.repairs(&folder, expected, &options);
+            let title = repairs.title(repair);
+            if let Some(one) = repairs.edit(repair)
+                && !one.is_empty()
+                // What did not help once will not help again.
+                && !tried.contains(&format!("{repair:?}"))
+                && edit.merge(one)
+            {
+                tried.insert(format!("{repair:?}"));
+                applied.push(title);
+            }
+        }
+        for expected in &all {
+            let Some(codels) = stubs.get(&expected.component) else {
+                continue;
+            };
+            let options = project.stub_options(&folder.specification);
+            let repairs = project.repairs(&folder, expected, &options);
+            if let Ok(one) = repairs.stub(codels)
+                && edit.merge(one)
+            {
+                let titles = codels.iter().map(|&at| repairs.title(&Repair::Stub { at }));
+                applied.extend(titles);
+            }
+        }
+    }
+    (edit, applied)
+}
+
+/// Headers for compilers and editors of every component of a specification, for a folder `cache`.
+pub fn headers(
+    project: &mut Project<'_>,
+    root: &Utf8Path,
+    cache: &Utf8Path,
+    flags: &[String],
+) -> Result<Vec<NewFile>, String> {
+    let mut errors = Vec::new();
+    let folders = project.folders(&[root.to_owned()], &mut errors);
+    if let Some(error) = errors.into_iter().next() {
+        return Err(error);
+    }
+    let mut out: Vec<NewFile> = Vec::new();
+    for folder in &folders {
+        for expected in folder.expected() {
+            let codels = &folder.sources.folder;
+            let files = super::headers::headers(&expected, cache, codels, flags);
+            for file in files.map_err(|it| it.message)? {
+                if !out.contains(&file) {
+                    out.push(file);
+                }
+            }
+        }
+    }
+    Ok(out)
+}
+
+impl Project<'_> {
+    /// The files that an edit changes, with their texts before and after.
+    pub fn changes(&self, edit: &Edit) -> Vec<FileChange> {
+        let created = edit.created.iter().map(|(path, text)| FileChange {
+            path: path.clone(),
+            before: self.text(path).map(|it: Arc<str>| it.to_string()),
+            after: text.clone(),
+        });
+        let changed = edit.changed.iter().filter_map(|(path, edits)| {
+            let before = self.text(path)?;
+            Some(FileChange {
+                path: path.clone(),
+                after: apply(&before, edits),
+                before: Some(before.to_string()),
+            })
+        });
+        let mut out: Vec<FileChange> = created.chain(changed).collect();
+        out.sort_by(|a, b| a.path.cmp(&b.path));
+        out
+    }
+}

@@ -1,0 +1,170 @@
+//! Specifications and sources of a run of the command line.
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::host::{AnalysisHost, Change};
+use dotgen_analysis::model::Name;
+use rustc_hash::FxHashSet;
+
+use crate::codels::{
+    drift::Drift,
+    expected::Expected,
+    files::{Files, FilesConfig, Indexes, Sources},
+    folder::{self, Folder},
+    repair::Repairs,
+    stub::StubOptions,
+};
+use crate::template::notice;
+
+/// A host, the files beside it, and the texts that are to take the place of files.
+pub struct Project<'a> {
+    host: &'a mut AnalysisHost,
+    files: &'a dyn Files,
+    config: FilesConfig,
+    stubs: StubOptions,
+    overlay: BTreeMap<Utf8PathBuf, Arc<str>>,
+    indexes: RefCell<Indexes>,
+}
+
+impl<'a> Project<'a> {
+    /// A project over a host that is set up (include directories, definitions).
+    pub fn new(
+        host: &'a mut AnalysisHost,
+        files: &'a dyn Files,
+        config: FilesConfig,
+        stubs: StubOptions,
+    ) -> Project<'a> {
+        Project {
+            host,
+            files,
+            config,
+            stubs,
+            overlay: BTreeMap::new(),
+            indexes: RefCell::default(),
+        }
+    }
+
+    /// Puts a text in place of a file.
+    pub fn overlay(&mut self, path: Utf8PathBuf, text: String) {
+        self.host.apply(Change {
+            files: vec![(path.clone(), Some(text.clone()))],
+            ..Change::default()
+        });
+        self.overlay.insert(path, text.into());
+    }
+
+    /// Present text of a file.
+    pub fn text(&self, path: &Utf8Path) -> Option<Arc<str>> {
+        self.overlay
+            .get(path)
+            .cloned()
+            .or_else(|| self.files.read(path))
+    }
+
+    /// Text of a file on disk.
+    pub fn text_on_disk(&self, path: &Utf8Path) -> Option<Arc<str>> {
+        self.files.read(path)
+    }
+
+    /// The folders of codels of all components that the roots and what they include declare.
+    pub fn folders(&mut self, roots: &[Utf8PathBuf], errors: &mut Vec<String>) -> Vec<Folder> {
+        let mut out: Vec<Folder> = Vec::new();
+        let mut seen: FxHashSet<(Utf8PathBuf, Name)> = FxHashSet::default();
+        for root in roots {
+            let unit = match self.host.analysis().root_unit(root) {
+                Ok(unit) => unit,
+                Err(reason) => {
+                    errors.push(format!("{root}: {reason}"));
+                    continue;
+                }
+            };
+            if self.text(root).is_none() {
+                errors.push(format!("{root}: cannot read the file"));
+                continue;
+            }
+            match folder::folders(root, &unit, &mut |specification| {
+                self.sources(specification)
+            }) {
+                Ok(folders) => {
+                    for mut folder in folders {
+                        let specification = folder.specification.clone();
+                        folder.retain(|name| seen.insert((specification.clone(), name.clone())));
+                        if !folder.components.is_empty() {
+                            out.push(folder);
+                        }
+                    }
+                }
+                Err(error) => errors.push(error),
+            }
+        }
+        folder::share_names(&mut out);
+        out
+    }
+
+    fn sources(&self, specification: &Utf8Path) -> Sources {
+        let mut index =
+            |path: Utf8PathBuf, text: Arc<str>, cxx| self.indexes.borrow_mut().get(path, text, cxx);
+        Sources::load_with(specification, &self.config, self, &mut index)
+    }
+
+    /// What differs in a folder, as the configuration and comments want it.
+    pub fn findings(&self, folder: &Folder, all: &[Expected<'_>]) -> Vec<Drift> {
+        let found = folder.check(all);
+        // Nothing cancels: the host is ours alone.
+        let adjusted = folder.adjust(found, &self.host.analysis());
+        adjusted.unwrap_or_default()
+    }
+
+    /// How stubs of a specification are written: with its notice.
+    pub fn stub_options(&self, specification: &Utf8Path) -> StubOptions {
+        let text = self.text(specification);
+        StubOptions {
+            notice: self
+                .stubs
+                .notice
+                .clone()
+                .or_else(|| notice(text.as_deref()?)),
+            ..self.stubs.clone()
+        }
+    }
+
+    /// The repairs of one component of a folder.
+    pub fn repairs<'r>(
+        &'r self,
+        folder: &'r Folder,
+        expected: &'r Expected<'r>,
+        stubs: &'r StubOptions,
+    ) -> Repairs<'r> {
+        Repairs {
+            expected,
+            sources: &folder.sources,
+            locations: &*folder.unit.locations,
+            text: self,
+            stubs,
+        }
+    }
+}
+
+impl Files for Project<'_> {
+    fn read(&self, path: &Utf8Path) -> Option<Arc<str>> {
+        self.text(path)
+    }
+
+    fn list(&self, folder: &Utf8Path) -> Option<Vec<Utf8PathBuf>> {
+        let below = self
+            .overlay
+            .keys()
+            .filter_map(|it| it.strip_prefix(folder).ok());
+        let below: Vec<Utf8PathBuf> = below.map(Utf8Path::to_owned).collect();
+        match self.files.list(folder) {
+            Some(mut listing) => {
+                listing.extend(below);
+                Some(listing)
+            }
+            None => (!below.is_empty()).then_some(below),
+        }
+    }
+}

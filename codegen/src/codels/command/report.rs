@@ -1,0 +1,273 @@
+//! Findings as reports and as diagnostics of editors.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::diagnostic::{Diagnostic, Related, Severity};
+use dotgen_analysis::source_map::Locations;
+use serde::Serialize;
+
+use super::{Folder, project::Project};
+use crate::codels::drift::Drift;
+
+/// Result of `check`.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct CheckReport {
+    /// By file of the specification, in the order of [`crate::codels::drift::check`].
+    pub findings: Vec<Finding>,
+    /// What was compared.
+    pub folders: Vec<FolderSummary>,
+    /// Specifications that could not be compared, and why.
+    pub errors: Vec<String>,
+}
+
+/// What was compared in one folder.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct FolderSummary {
+    /// The `.gen`.
+    pub specification: Utf8PathBuf,
+    /// The folder of codels.
+    pub folder: Utf8PathBuf,
+    /// The folder is there.
+    pub exists: bool,
+    /// Names of its components.
+    pub components: Vec<String>,
+    /// Number of sources read.
+    pub sources: usize,
+    /// Number of functions that the specification names.
+    pub codels: usize,
+    /// How many of them have a definition.
+    pub defined: usize,
+}
+
+/// One finding with its places.
+#[derive(Debug, Clone, Serialize)]
+pub struct Finding {
+    /// `codel/…`
+    pub code: &'static str,
+    /// How bad.
+    pub severity: Severity,
+    /// Component.
+    pub component: String,
+    /// What is wrong.
+    pub message: String,
+    /// The first place: in the source if it has one, else in the specification.
+    pub at: Option<FindingPlace>,
+    /// The other side.
+    pub related: Vec<FindingPlace>,
+    /// What the specification wants.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub expected: Option<String>,
+    /// What stands there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub found: Option<String>,
+}
+
+/// A place of a finding. Lines and columns count from 1; columns are in bytes.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct FindingPlace {
+    /// The file.
+    pub path: Utf8PathBuf,
+    /// Byte offsets.
+    pub start: usize,
+    /// See [`FindingPlace::start`].
+    pub end: usize,
+    /// Line of the start.
+    pub line: usize,
+    /// Column of the start.
+    pub column: usize,
+}
+
+impl CheckReport {
+    /// 0 without drift, 1 with drift (hints do not count), 2 when something could not be compared.
+    pub fn exit_code(&self) -> u8 {
+        let drift = self.findings.iter().any(|it| it.severity != Severity::Hint);
+        match (self.errors.is_empty(), drift) {
+            (false, _) => 2,
+            (true, true) => 1,
+            (true, false) => 0,
+        }
+    }
+
+    /// Number of findings of each code.
+    pub fn counts(&self) -> BTreeMap<&'static str, usize> {
+        let mut out = BTreeMap::new();
+        for finding in &self.findings {
+            *out.entry(finding.code).or_default() += 1;
+        }
+        out
+    }
+
+    /// The report for people, one finding per paragraph; paths relative to `base` where below it.
+    pub fn to_text(&self, base: &Utf8Path) -> String {
+        let short =
+            |path: &Utf8Path| -> String { path.strip_prefix(base).unwrap_or(path).to_string() };
+        let mut out = String::new();
+        for it in &self.findings {
+            let severity = match it.severity {
+                Severity::Error => "error",
+                Severity::Warning => "warning",
+                Severity::Information => "info",
+                Severity::Hint => "hint",
+            };
+            if let Some(at) = &it.at {
+                let _ = write!(out, "{}:{}:{}: ", short(&at.path), at.line, at.column);
+            }
+            let _ = writeln!(out, "{severity}: {} [{}]", it.message, it.code);
+            for place in &it.related {
+                let _ = writeln!(
+                    out,
+                    "  {}:{}:{}: codel of component {}",
+                    short(&place.path),
+                    place.line,
+                    place.column,
+                    it.component
+                );
+            }
+            if let (Some(expected), Some(found)) = (&it.expected, &it.found)
+                && it.code == "codel/signature-mismatch"
+            {
+                let _ = writeln!(out, "  expected: {}", one_line(expected));
+                let _ = writeln!(out, "  found:    {}", one_line(found));
+            }
+        }
+        for error in &self.errors {
+            let _ = writeln!(out, "{error}");
+        }
+        for it in &self.folders {
+            let components = it.components.join(", ");
+            let spec = short(&it.specification);
+            let _ = if it.exists {
+                writeln!(
+                    out,
+                    "{spec}: {components}: {} of {} codels defined in {} ({} sources)",
+                    it.defined,
+                    it.codels,
+                    short(&it.folder),
+                    it.sources
+                )
+            } else {
+                writeln!(
+                    out,
+                    "{spec}: {components}: no folder {}: nothing compared",
+                    short(&it.folder)
+                )
+            };
+        }
+        out
+    }
+
+    pub(super) fn add(&mut self, project: &Project<'_>, folder: &Folder) {
+        let all = folder.expected();
+        let files = || folder.sources.all();
+        let functions = all.iter().flat_map(|it| &it.functions);
+        let defined = functions
+            .clone()
+            .filter(|it| files().any(|file| file.index.definitions(&it.name).next().is_some()));
+        self.folders.push(FolderSummary {
+            specification: folder.specification.clone(),
+            folder: folder.sources.folder.clone(),
+            exists: folder.sources.exists,
+            components: all
+                .iter()
+                .map(|it| it.component().name.to_string())
+                .collect(),
+            sources: folder.sources.sources.len(),
+            codels: functions.clone().count(),
+            defined: defined.count(),
+        });
+        let place = |path: &Utf8Path, range: std::ops::Range<usize>| {
+            let text = project.text(path).unwrap_or_default();
+            let before = text.as_bytes().get(..range.start).unwrap_or_default();
+            let line_start = before
+                .iter()
+                .rposition(|it| *it == b'\n')
+                .map_or(0, |it| it + 1);
+            FindingPlace {
+                path: path.to_owned(),
+                start: range.start,
+                end: range.end,
+                line: 1 + before.iter().filter(|it| **it == b'\n').count(),
+                column: 1 + range.start - line_start,
+            }
+        };
+        for drift in project.findings(folder, &all) {
+            let source = drift
+                .source
+                .iter()
+                .map(|it| place(&it.path, it.range.clone()));
+            let spec = drift
+                .spec
+                .iter()
+                .filter_map(|&it| folder.unit.locations.locate(it));
+            let spec = spec.map(|it| place(&it.path, it.range));
+            let mut places = source.chain(spec);
+            let component = &folder.unit.spec.components[drift.component as usize];
+            self.findings.push(Finding {
+                code: drift.code.as_str(),
+                severity: drift.severity,
+                component: component.name.to_string(),
+                at: places.next(),
+                related: places.collect(),
+                message: drift.message,
+                expected: drift.expected,
+                found: drift.found,
+            });
+        }
+    }
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Which files get a diagnostic for a finding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// Both: what an editor shows.
+    Both,
+    /// The source if it has a place there, else the specification.
+    First,
+}
+
+/// Findings as diagnostics; each side names the other one as related.
+pub fn diagnostics(findings: &[Drift], locations: &dyn Locations, side: Side) -> Vec<Diagnostic> {
+    let mut out = Vec::new();
+    for drift in findings {
+        let mut places: Vec<Related> = Vec::new();
+        if let Some(source) = &drift.source {
+            places.push(Related {
+                path: source.path.clone(),
+                range: source.range.clone(),
+                message: "the function".into(),
+            });
+        }
+        for location in drift.spec.iter().filter_map(|&it| locations.locate(it)) {
+            places.push(Related {
+                path: location.path,
+                range: location.range,
+                message: "the codel".into(),
+            });
+        }
+        let count = match side {
+            Side::Both => places.len(),
+            Side::First => places.len().min(1),
+        };
+        for index in 0..count {
+            let mut related = places.clone();
+            let here = related.remove(index);
+            out.push(Diagnostic {
+                code: drift.code.as_str(),
+                severity: drift.severity,
+                message: drift.message.clone(),
+                path: here.path,
+                range: here.range,
+                related,
+                tags: Vec::new(),
+                fixes: Vec::new(),
+            });
+        }
+    }
+    out
+}

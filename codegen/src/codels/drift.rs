@@ -1,0 +1,377 @@
+//! Where the specification and the C or C++ side of a component differ.
+//!
+//! A finding has a place on both sides where both have one, and the repairs that remove it, the best
+//! first. What cannot be known from the texts (macros, helpers, other libraries) gives no finding.
+
+mod comment;
+mod flow;
+mod orphan;
+mod signature;
+
+use std::ops::Range;
+
+use camino::Utf8PathBuf;
+pub use dotgen_analysis::diagnostic::Severity;
+use dotgen_analysis::model::{CodelRef, Name, Owner, Src, TypeId};
+use rustc_hash::FxHashSet;
+
+use super::{
+    expected::{Expected, ExpectedFunction},
+    files::{IndexedFile, Sources},
+    source::Function,
+};
+
+/// Kinds of drift.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum DriftCode {
+    /// A codel has no function.
+    MissingDefinition,
+    /// The function has another prototype.
+    SignatureMismatch,
+    /// The code returns an event that the specification does not allow.
+    UndeclaredYield,
+    /// The code never returns an event that the specification lists.
+    NeverYielded,
+    /// The code raises an exception that the specification does not allow.
+    UndeclaredThrow,
+    /// A function looks like a codel and no specification names it.
+    Orphan,
+    /// The comment of the skeleton is no longer true.
+    StaleComment,
+}
+
+impl DriftCode {
+    /// Every kind.
+    pub const ALL: [DriftCode; 7] = [
+        DriftCode::MissingDefinition,
+        DriftCode::SignatureMismatch,
+        DriftCode::UndeclaredYield,
+        DriftCode::NeverYielded,
+        DriftCode::UndeclaredThrow,
+        DriftCode::Orphan,
+        DriftCode::StaleComment,
+    ];
+
+    /// The code as shown and configured.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            DriftCode::MissingDefinition => "codel/missing-definition",
+            DriftCode::SignatureMismatch => "codel/signature-mismatch",
+            DriftCode::UndeclaredYield => "codel/undeclared-yield",
+            DriftCode::NeverYielded => "codel/never-yielded",
+            DriftCode::UndeclaredThrow => "codel/undeclared-throw",
+            DriftCode::Orphan => "codel/orphan",
+            DriftCode::StaleComment => "codel/stale-comment",
+        }
+    }
+
+    /// How bad it is unless configured otherwise.
+    pub fn severity(self) -> Severity {
+        match self {
+            DriftCode::NeverYielded => Severity::Hint,
+            DriftCode::StaleComment | DriftCode::Orphan => Severity::Information,
+            _ => Severity::Warning,
+        }
+    }
+}
+
+/// A place in a source.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SourcePlace {
+    /// The file.
+    pub path: Utf8PathBuf,
+    /// Byte offsets.
+    pub range: Range<usize>,
+}
+
+/// One difference.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Drift {
+    /// What kind.
+    pub code: DriftCode,
+    /// How bad.
+    pub severity: Severity,
+    /// What is wrong and what would be right.
+    pub message: String,
+    /// Component: index into the components of the specification.
+    pub component: u32,
+    /// Places in the specification: the codel's name, or the state that is never returned.
+    pub spec: Vec<Src>,
+    /// Place in the source.
+    pub source: Option<SourcePlace>,
+    /// What the specification wants, where that is a text: the prototype.
+    pub expected: Option<String>,
+    /// What stands in the source instead.
+    pub found: Option<String>,
+    /// Ways to mend it, the best first.
+    pub repairs: Vec<Repair>,
+}
+
+/// A change that removes a finding. [`crate::codels::repair`] turns it into text edits.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum Repair {
+    /// Write a stub.
+    Stub {
+        /// The codel.
+        at: CodelRef,
+    },
+    /// Give the function the prototype that the specification wants.
+    UpdateSignature {
+        /// Function and codel.
+        name: Name,
+        /// File of the function.
+        path: Utf8PathBuf,
+        /// Start of the function.
+        start: usize,
+    },
+    /// Make the generated comment true again.
+    RefreshComment {
+        /// The codel.
+        at: CodelRef,
+        /// File of the comment.
+        path: Utf8PathBuf,
+        /// Start of the comment.
+        start: usize,
+    },
+    /// Add a state to the `yield` list of a codel.
+    AddYield {
+        /// The codel.
+        at: CodelRef,
+        /// `state` or `pause::state`.
+        state: String,
+    },
+    /// Take a state from the `yield` list of a codel.
+    RemoveYield {
+        /// The codel.
+        at: CodelRef,
+        /// Index into its yields.
+        index: usize,
+    },
+    /// Add an exception to the `throw` list of a task or service.
+    AddThrow {
+        /// Task or service.
+        owner: Owner,
+        /// The exception.
+        exception: TypeId,
+    },
+    /// Rename a function to the name of a codel, everywhere in the sources.
+    RenameFunction {
+        /// Present name.
+        from: Name,
+        /// Name in the specification.
+        to: Name,
+    },
+    /// Rename a codel to the name of a function, everywhere in the specification.
+    RenameCodel {
+        /// Name in the specification.
+        from: Name,
+        /// Name in the sources.
+        to: Name,
+    },
+    /// Declare a codel for a function.
+    DeclareCodel {
+        /// The function.
+        name: Name,
+        /// File of the function.
+        path: Utf8PathBuf,
+        /// Start of the function.
+        start: usize,
+    },
+}
+
+/// What the comparison depends on beside the two sides.
+#[derive(Debug, Clone, Default)]
+pub struct DriftOptions {
+    /// Names of codels of specifications that share the sources.
+    pub also_named: FxHashSet<Name>,
+    /// A parameter with another name and the right type is a mismatch.
+    pub parameter_names: bool,
+}
+
+/// Compares components with the sources they share. Findings are by component, in order of codels,
+/// then orphans in text order.
+pub fn check(all: &[Expected<'_>], sources: &Sources, options: &DriftOptions) -> Vec<Drift> {
+    let mut out = Vec::new();
+    if !sources.exists || sources.sources.is_empty() {
+        return out;
+    }
+    let orphans = orphan::find(all, sources, options);
+    let mut renamed = FxHashSet::default();
+    for expected in all.iter().filter(|it| are_here(it, sources)) {
+        for function in &expected.functions {
+            let check = Check {
+                expected,
+                function,
+                sources,
+                options,
+            };
+            let definitions = check.definitions();
+            if definitions.is_empty() {
+                if let Some(orphan) = orphan::renamed(&orphans, function, expected, sources) {
+                    renamed.insert(orphan.place());
+                    out.push(check.renamed(orphan));
+                } else {
+                    out.extend(check.missing());
+                }
+                continue;
+            }
+            signature::check(&check, &definitions, &mut out);
+            flow::check(&check, &definitions, &mut out);
+            comment::check(&check, &definitions, &mut out);
+        }
+    }
+    for orphan in orphans.iter().filter(|it| !renamed.contains(&it.place())) {
+        out.extend(orphan::report(orphan, all));
+    }
+    out
+}
+
+/// Something of the component is in these sources. If not, its codels are kept elsewhere.
+fn are_here(expected: &Expected<'_>, sources: &Sources) -> bool {
+    let component = &expected.component().name;
+    let prefix = format!("{component}_");
+    let named = |file: &IndexedFile| {
+        file.path
+            .file_name()
+            .is_some_and(|name| name.starts_with(&prefix) && name.contains("_codels."))
+    };
+    let defined = |file: &IndexedFile| {
+        let mut names = expected.functions.iter();
+        names.any(|it| file.index.definitions(&it.name).next().is_some())
+    };
+    sources.sources.iter().any(|it| named(it) || defined(it))
+}
+
+/// One function that the specification wants, and where to look for it.
+struct Check<'a> {
+    expected: &'a Expected<'a>,
+    function: &'a ExpectedFunction,
+    sources: &'a Sources,
+    options: &'a DriftOptions,
+}
+
+/// A function and its file.
+#[derive(Clone, Copy)]
+struct Found<'a> {
+    file: &'a IndexedFile,
+    function: &'a Function,
+}
+
+impl Found<'_> {
+    fn place(&self) -> (Utf8PathBuf, usize) {
+        (self.file.path.clone(), self.function.span.start)
+    }
+
+    fn at(&self, range: Range<usize>) -> SourcePlace {
+        SourcePlace {
+            path: self.file.path.clone(),
+            range,
+        }
+    }
+}
+
+impl<'a> Check<'a> {
+    fn definitions(&self) -> Vec<Found<'a>> {
+        let files = self.sources.all();
+        files
+            .flat_map(|file| {
+                let functions = file.index.definitions(&self.function.name);
+                functions.map(move |function| Found { file, function })
+            })
+            .collect()
+    }
+
+    /// Places of all uses in the specification.
+    fn places(&self) -> Vec<Src> {
+        let component = self.expected.component();
+        let uses = self.function.uses.iter();
+        uses.map(|&at| component.codel(at).src).collect()
+    }
+
+    fn drift(&self, code: DriftCode, message: String) -> Drift {
+        Drift {
+            code,
+            severity: code.severity(),
+            message,
+            component: self.expected.component,
+            spec: self.places(),
+            source: None,
+            expected: None,
+            found: None,
+            repairs: Vec::new(),
+        }
+    }
+
+    fn missing(&self) -> Option<Drift> {
+        let name = &self.function.name;
+        let mut files = self.sources.all();
+        // A macro may define it, a build step may bring it, half-typed code may swallow it.
+        let hidden = self.sources.incomplete
+            || files.any(|file| {
+                let mut macros = file.index.macros.iter();
+                let bodies = file
+                    .index
+                    .functions
+                    .iter()
+                    .filter_map(|it| it.body.as_ref());
+                file.index.loose.contains(name)
+                    || macros.any(|it| it.name == *name)
+                    || bodies
+                        .filter(|it| it.broken)
+                        .any(|it| it.mentions.contains(name))
+            })
+            || self.pasted();
+        if hidden {
+            return None;
+        }
+        let folder = self.sources.folder.file_name().unwrap_or_default();
+        let message = format!("no source in `{folder}/` defines the function of codel `{name}`");
+        let mut drift = self.drift(DriftCode::MissingDefinition, message);
+        drift.expected = self.function.signature.clone().ok();
+        if let Some(&at) = self.function.uses.first() {
+            drift.repairs.push(Repair::Stub { at });
+        }
+        Some(drift)
+    }
+
+    /// Names are built by macros that are used outside functions.
+    fn pasted(&self) -> bool {
+        let paste = |file: &IndexedFile| {
+            let mut macros = file.index.macros.iter().filter(|it| it.pastes);
+            macros.any(|it| {
+                self.sources
+                    .all()
+                    .any(|file| file.index.loose.contains(&it.name))
+            })
+        };
+        self.sources.all().any(paste)
+    }
+
+    fn renamed(&self, orphan: Found<'_>) -> Drift {
+        let (from, to) = (&orphan.function.name, &self.function.name);
+        let message = format!(
+            "function `{from}` looks like a codel and no specification names it, while codel `{to}` \
+             has no function: was one of them renamed?"
+        );
+        let mut drift = self.drift(DriftCode::Orphan, message);
+        // A codel without function does not link.
+        drift.severity = Severity::Warning;
+        drift.source = Some(orphan.at(orphan.function.name_span.clone()));
+        drift.expected = Some(to.to_string());
+        drift.found = Some(from.to_string());
+        drift.repairs = vec![
+            Repair::RenameFunction {
+                from: from.as_str().into(),
+                to: to.clone(),
+            },
+            Repair::RenameCodel {
+                from: to.clone(),
+                to: from.as_str().into(),
+            },
+        ];
+        if let Some(&at) = self.function.uses.first() {
+            drift.repairs.push(Repair::Stub { at });
+        }
+        drift
+    }
+}

@@ -1,0 +1,127 @@
+//! Comments of the skeleton that are no longer true.
+
+use dotgen_analysis::model::{CodelKind, CodelRef};
+
+use super::{Check, Drift, DriftCode, Found, Repair};
+use crate::codels::{
+    expected::{Expected, cut_tag, owner_words, state_text},
+    source::Generated,
+};
+use crate::lang::text;
+
+pub(super) fn check(check: &Check<'_>, definitions: &[Found<'_>], out: &mut Vec<Drift>) {
+    for found in definitions {
+        for (distance, comment) in found.function.comments.iter().enumerate() {
+            let Some(generated) = &comment.generated else {
+                continue;
+            };
+            let Some(at) = use_of(check, generated, distance == 0) else {
+                continue;
+            };
+            let wrong = untrue(check.expected, at, generated);
+            if wrong.is_empty() {
+                continue;
+            }
+            let codel = check.expected.component().codel(at);
+            let message = format!("comment of codel `{}`: {}", codel.name, wrong.join("; "));
+            let mut drift = check.drift(DriftCode::StaleComment, message);
+            drift.spec = vec![codel.src];
+            drift.source = Some(found.at(comment.span.clone()));
+            drift.repairs.push(Repair::RefreshComment {
+                at,
+                path: found.file.path.clone(),
+                start: comment.span.start,
+            });
+            out.push(drift);
+        }
+    }
+}
+
+/// The use that a comment is about. A codel with several uses has a comment for each; those of
+/// the later ones stand without function above whatever comes next.
+fn use_of(check: &Check<'_>, comment: &Generated, nearest: bool) -> Option<CodelRef> {
+    let component = check.expected.component();
+    let owner = |it: &&CodelRef| owner_words(component, it.owner).1 == comment.owner.as_str();
+    if let Some(other) = check.expected.function(&comment.codel)
+        && other.name != check.function.name
+    {
+        return other.uses.iter().find(owner).copied();
+    }
+    let about_this = comment.codel == check.function.name || nearest;
+    let uses = check.function.uses.iter();
+    let found = uses.clone().find(owner).or(check.function.uses.first());
+    found.copied().filter(|_| about_this)
+}
+
+/// What a comment says that is not so.
+fn untrue(expected: &Expected<'_>, at: CodelRef, comment: &Generated) -> Vec<String> {
+    let component = expected.component();
+    let codel = component.codel(at);
+    let mut out = Vec::new();
+    let (kind, owner) = owner_words(component, at.owner);
+    // Older skeletons say "service" for every kind.
+    let same_kind = comment.owner_kind == kind || comment.owner_kind == "service" && kind != "task";
+    if comment.codel != codel.name
+        || comment.owner != *owner
+        || !same_kind
+        || comment.validation != (codel.kind == CodelKind::Validate)
+    {
+        let validation = match codel.kind {
+            CodelKind::Validate => "validation codel",
+            _ => "codel",
+        };
+        out.push(format!(
+            "it is now {validation} `{}` of {kind} `{owner}`",
+            codel.name
+        ));
+    }
+    if comment.triggers.is_none() && comment.yields.is_none() && comment.throws.is_none() {
+        return out;
+    }
+    let states = |all: &[dotgen_analysis::model::State]| -> Vec<String> {
+        all.iter().map(state_text).collect()
+    };
+    let throws = expected.throws_of(at.owner);
+    let throws: Vec<String> = throws
+        .into_iter()
+        .map(|it| {
+            let name = expected.spec.full_name(it).unwrap_or_default();
+            text::c_name(cut_tag(&name, &component.name).1)
+        })
+        .collect();
+    let mut sentence = |is: &[String], said: &Option<Vec<smol_str::SmolStr>>, words: &str| {
+        let said = said.as_deref().unwrap_or_default().iter().map(|it| {
+            let (paused, name) = cut_tag(it, &component.name);
+            let name = text::c_name(name);
+            if paused {
+                format!("pause::{name}")
+            } else {
+                name
+            }
+        });
+        let mut said: Vec<String> = said.collect();
+        let mut now = is.to_vec();
+        now.sort();
+        now.dedup();
+        said.sort();
+        said.dedup();
+        if now != said {
+            let list = if is.is_empty() {
+                "nothing".into()
+            } else {
+                is.join(", ")
+            };
+            out.push(format!("it now {words} {list}"));
+        }
+    };
+    if codel.kind == CodelKind::Fsm {
+        sentence(
+            &states(&codel.triggers),
+            &comment.triggers,
+            "is triggered by",
+        );
+        sentence(&states(&codel.yields), &comment.yields, "yields to");
+    }
+    sentence(&throws, &comment.throws, "throws");
+    out
+}

@@ -1,0 +1,364 @@
+//! Events that are returned and exceptions that are raised, against what the specification allows.
+
+use dotgen_analysis::model::{CodelKind, CodelRef, TypeId};
+use rustc_hash::FxHashSet;
+use smol_str::SmolStr;
+
+use super::{Check, Drift, DriftCode, Found, Repair};
+use crate::codels::{
+    expected::{Expected, cut_tag, state_text},
+    source::{Body, Call, Span, Value},
+};
+use crate::lang::Language;
+
+/// How many helpers deep a returned value is followed.
+const HELPERS: usize = 4;
+
+/// What is known about what the definitions of one codel return.
+#[derive(Default)]
+struct Outcome {
+    returned: FxHashSet<SmolStr>,
+    mentioned: FxHashSet<SmolStr>,
+    unknown: bool,
+    any: bool,
+}
+
+pub(super) fn check(check: &Check<'_>, definitions: &[Found<'_>], out: &mut Vec<Drift>) {
+    let mut outcome = Outcome::default();
+    for found in definitions {
+        let Some(body) = &found.function.body else {
+            continue;
+        };
+        let flow = Flow {
+            check,
+            found: *found,
+            body,
+        };
+        flow.returns(&mut outcome, out);
+        flow.raises(out);
+    }
+    if !outcome.unknown && outcome.any {
+        never_yielded(check, definitions, &outcome, out);
+    }
+}
+
+struct Flow<'a> {
+    check: &'a Check<'a>,
+    found: Found<'a>,
+    body: &'a Body,
+}
+
+impl Flow<'_> {
+    fn expected(&self) -> &Expected<'_> {
+        self.check.expected
+    }
+
+    fn returns(&self, outcome: &mut Outcome, out: &mut Vec<Drift>) {
+        let mut reported: FxHashSet<SmolStr> = FxHashSet::default();
+        for value in self.body.returns.iter().flat_map(|it| &it.values) {
+            outcome.any = true;
+            match value {
+                Value::Unknown => outcome.unknown = true,
+                Value::Call { call, .. } => {
+                    let call = &self.body.calls[*call];
+                    if self.exception(&call.name).is_none() {
+                        self.helper(&call.name, HELPERS, outcome);
+                    }
+                }
+                Value::Name {
+                    name,
+                    span,
+                    variable,
+                } => {
+                    let Some(event) = self.event(name) else {
+                        outcome.unknown = true;
+                        continue;
+                    };
+                    outcome.returned.insert(event.clone());
+                    if self.check.function.returns.contains(&event)
+                        // A variable is often set to it before it gets its value.
+                        || event == self.expected().ok() && *variable
+                    {
+                        continue;
+                    }
+                    if reported.insert(event.clone()) {
+                        out.push(self.undeclared_yield(&event, span));
+                    }
+                }
+            }
+        }
+        outcome.unknown |= self.body.broken || self.body.sample || self.hides_returns();
+        outcome.mentioned.extend(self.body.mentions.iter().cloned());
+    }
+
+    /// Adds what a function of the sources returns.
+    fn helper(&self, name: &str, depth: usize, outcome: &mut Outcome) {
+        let all: Vec<&Body> = self
+            .check
+            .sources
+            .all()
+            .flat_map(|file| &file.index.functions)
+            .filter(|it| it.name == name)
+            .filter_map(|it| it.body.as_ref())
+            .collect();
+        let [body] = all.as_slice() else {
+            outcome.unknown = true;
+            return;
+        };
+        let helper = Flow { body, ..*self };
+        outcome.unknown |= depth == 0 || body.broken || helper.hides_returns();
+        outcome.mentioned.extend(body.mentions.iter().cloned());
+        for value in body.returns.iter().flat_map(|it| &it.values) {
+            match value {
+                Value::Call { call, .. } if !outcome.unknown => {
+                    let call = &body.calls[*call];
+                    if self.exception(&call.name).is_none() {
+                        self.helper(&call.name, depth - 1, outcome);
+                    }
+                }
+                Value::Name { name, .. } => match self.event(name) {
+                    Some(event) => {
+                        outcome.returned.insert(event);
+                    }
+                    None => outcome.unknown = true,
+                },
+                _ => outcome.unknown = true,
+            }
+        }
+    }
+
+    /// The event that a returned name stands for; `None` when it stands for something else.
+    fn event(&self, name: &SmolStr) -> Option<SmolStr> {
+        let expected = self.expected();
+        if name == expected.ok() || expected.events.contains_key(name) {
+            return Some(name.clone());
+        }
+        if expected.language == Language::Cxx {
+            // After `using namespace`.
+            let mut all = expected.events.keys();
+            let long = all.find(|it| {
+                it.strip_suffix(name.as_str())
+                    .is_some_and(|it| it.ends_with("::"))
+            });
+            if long.is_some() {
+                return long.cloned();
+            }
+        }
+        let component = &expected.component().name;
+        let prefix = format!("{component}{}", expected.separator());
+        (name.starts_with(&prefix) && !self.is_declared(name)).then(|| name.clone())
+    }
+
+    /// The sources declare the name, so that it is no business of the specification.
+    fn is_declared(&self, name: &str) -> bool {
+        let short = name.rsplit("::").next().unwrap_or(name);
+        self.check.sources.all().any(|it| {
+            it.index.names.contains(short) || it.index.macros.iter().any(|it| it.name == short)
+        })
+    }
+
+    /// A macro that is used as a statement may return.
+    fn hides_returns(&self) -> bool {
+        self.body
+            .calls
+            .iter()
+            .filter(|it| it.statement)
+            .any(|call| {
+                let name = &call.name;
+                let macros = self.check.sources.all().flat_map(|it| &it.index.macros);
+                let mut known = macros.filter(|it| it.name == *name).peekable();
+                if known.peek().is_some() {
+                    return known.any(|it| it.returns);
+                }
+                let loud = |c: char| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_';
+                name.chars().all(loud)
+            })
+    }
+
+    fn undeclared_yield(&self, event: &str, span: &Span) -> Drift {
+        let expected = self.expected();
+        let name = &self.check.function.name;
+        let component = expected.component();
+        let fsm = |it: &&CodelRef| component.codel(**it).kind == CodelKind::Fsm;
+        let machine = self.check.function.uses.iter().find(fsm);
+        let message = match machine {
+            _ if event == expected.ok() => {
+                let first = self.check.function.uses.first();
+                let yields = first
+                    .map(|&it| yields_text(expected, it))
+                    .unwrap_or_default();
+                format!("`{name}` returns `{event}`, but its codel has states and yields {yields}")
+            }
+            None => format!(
+                "`{name}` returns `{event}`, but its codel has no states: it may return `{}` or an \
+                 exception",
+                expected.ok()
+            ),
+            Some(&at) => format!(
+                "`{name}` returns `{event}`, which its codel does not yield (it yields {})",
+                yields_text(expected, at)
+            ),
+        };
+        let mut drift = self.check.drift(DriftCode::UndeclaredYield, message);
+        drift.source = Some(self.found.at(span.clone()));
+        drift.found = Some(event.to_owned());
+        for &at in &self.check.function.uses {
+            if let Some(state) = self.reachable_state(at, event) {
+                drift.repairs.push(Repair::AddYield { at, state });
+            }
+        }
+        drift
+    }
+
+    /// The state that an event stands for, if the state machine of the codel has it.
+    fn reachable_state(&self, at: CodelRef, event: &str) -> Option<String> {
+        let component = self.expected().component();
+        if component.codel(at).kind != CodelKind::Fsm {
+            return None;
+        }
+        let (paused, name) = cut_tag(event, &component.name);
+        let codels = component.codels_of(at.owner);
+        let here = name == "ether"
+            || codels
+                .iter()
+                .flat_map(|it| &it.triggers)
+                .any(|it| it.name == name);
+        let pause = if paused { "pause::" } else { "" };
+        here.then(|| format!("{pause}{name}"))
+    }
+
+    fn raises(&self, out: &mut Vec<Drift>) {
+        let mut reported: FxHashSet<SmolStr> = FxHashSet::default();
+        let throws = self.body.throws.iter().map(|it| (&it.name, &it.span, None));
+        let calls = self
+            .body
+            .calls
+            .iter()
+            .map(|it| (&it.name, &it.span, Some(it)));
+        let mut all: Vec<_> = throws.chain(calls).collect();
+        all.sort_by_key(|it| it.1.start);
+        for (name, span, call) in all {
+            let exception = self.exception(name);
+            let allowed = match exception {
+                Some(it) => self.check.function.throws.contains(&it),
+                None => !call.is_some_and(|it| self.raises_unknown(it)),
+            };
+            if !allowed && reported.insert(name.clone()) {
+                out.push(self.undeclared_throw(name, span, exception));
+            }
+        }
+    }
+
+    /// The exception that a name stands for.
+    fn exception(&self, name: &SmolStr) -> Option<TypeId> {
+        let expected = self.expected();
+        if let Some(&it) = expected.exceptions.get(name) {
+            return Some(it);
+        }
+        if expected.language != Language::Cxx {
+            return None;
+        }
+        let mut all = expected.exceptions.iter();
+        let long = all.find(|it| {
+            it.0.strip_suffix(name.as_str())
+                .is_some_and(|it| it.ends_with("::"))
+        });
+        long.map(|it| *it.1)
+    }
+
+    /// It is called as exceptions are, named as those of the component, and nobody declares it.
+    fn raises_unknown(&self, call: &Call) -> bool {
+        let expected = self.expected();
+        let prefix = format!("{}_e_", expected.component().name);
+        let context = self.found.function.parameters.last();
+        let context = context.and_then(|it| it.name.as_ref());
+        expected.language == Language::C
+            && call.name.starts_with(&prefix)
+            && matches!(call.arguments, 1 | 2)
+            && context.is_some()
+            && call.last.as_ref() == context
+            && !self.is_declared(&call.name)
+            && !self.check.sources.incomplete
+    }
+
+    fn undeclared_throw(&self, name: &str, span: &Span, exception: Option<TypeId>) -> Drift {
+        let function = &self.check.function.name;
+        let message = match exception {
+            Some(_) => format!(
+                "`{function}` raises `{name}`, which neither its {} nor the component throws",
+                self.owners()
+            ),
+            None => format!(
+                "`{function}` raises `{name}`, and the specification has no exception of that name"
+            ),
+        };
+        let mut drift = self.check.drift(DriftCode::UndeclaredThrow, message);
+        drift.source = Some(self.found.at(span.clone()));
+        drift.found = Some(name.to_owned());
+        if let Some(exception) = exception {
+            for at in &self.check.function.uses {
+                let owner = at.owner;
+                drift.repairs.push(Repair::AddThrow { owner, exception });
+            }
+        }
+        drift
+    }
+
+    fn owners(&self) -> String {
+        let component = self.expected().component();
+        let uses = self.check.function.uses.iter();
+        let mut out: Vec<String> = uses
+            .map(|it| {
+                let (kind, name) = crate::codels::expected::owner_words(component, it.owner);
+                format!("{kind} `{name}`")
+            })
+            .collect();
+        out.dedup();
+        out.join(" nor ")
+    }
+}
+
+fn yields_text(expected: &Expected<'_>, at: CodelRef) -> String {
+    let codel = expected.component().codel(at);
+    let yields = codel
+        .yields
+        .iter()
+        .map(|it| format!("`{}`", state_text(it)));
+    yields.collect::<Vec<_>>().join(", ")
+}
+
+fn never_yielded(
+    check: &Check<'_>,
+    definitions: &[Found<'_>],
+    outcome: &Outcome,
+    out: &mut Vec<Drift>,
+) {
+    let component = check.expected.component();
+    for &at in &check.function.uses {
+        let codel = component.codel(at);
+        for (index, state) in codel.yields.iter().enumerate() {
+            let event = check.expected.spelling(state.event);
+            let short = event.rsplit("::").next().unwrap_or(&event);
+            if outcome.returned.contains(&event)
+                || outcome.mentioned.contains(&event)
+                || check.expected.language == Language::Cxx && outcome.mentioned.contains(short)
+            {
+                continue;
+            }
+            let message = format!(
+                "codel `{}` may yield `{}`, but its function never returns `{event}`",
+                codel.name,
+                state_text(state)
+            );
+            let mut drift = check.drift(DriftCode::NeverYielded, message);
+            drift.spec = vec![state.src];
+            let found = definitions.first();
+            drift.source = found.map(|it| it.at(it.function.name_span.clone()));
+            drift.expected = Some(event.to_string());
+            if codel.yields.len() > 1 {
+                drift.repairs.push(Repair::RemoveYield { at, index });
+            }
+            out.push(drift);
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! Functions that look like codels and are named by no specification.
+
+use dotgen_analysis::elab::suggest::nearest;
+use dotgen_analysis::model::{CodelKind, CodelRef, Owner};
+use rustc_hash::FxHashSet;
+
+use super::{Drift, DriftCode, DriftOptions, Found, Repair};
+use crate::codels::{
+    expected::{Expected, ExpectedFunction, cut_tag, owner_words},
+    files::Sources,
+    source::{Function, Layer},
+};
+use crate::lang::Language;
+
+/// Orphans in file and text order.
+pub(super) fn find<'a>(
+    all: &[Expected<'_>],
+    sources: &'a Sources,
+    options: &DriftOptions,
+) -> Vec<Found<'a>> {
+    let named = |name: &str| {
+        options.also_named.contains(name)
+            || all.iter().any(|it| {
+                let mut components = it.spec.components.iter();
+                components.any(|it| it.all_codels().any(|at| it.codel(at).name == name))
+            })
+    };
+    let mut out = Vec::new();
+    for file in &sources.sources {
+        for function in &file.index.functions {
+            let found = Found { file, function };
+            if function.body.is_some()
+                && function.is_global()
+                && !function.is_static
+                && all.iter().any(|it| has_codel_shape(function, it.language))
+                && !named(&function.name)
+                && (speaks_of_codel(function) || !is_helper(found, sources))
+            {
+                out.push(found);
+            }
+        }
+    }
+    out
+}
+
+/// Takes the context and returns an event.
+fn has_codel_shape(function: &Function, language: Language) -> bool {
+    let event = function.result.layers.is_empty();
+    match language {
+        Language::Cxx => event && function.result.base == "genom::event",
+        _ => {
+            let last = function.parameters.last();
+            event
+                && function.result.base == "genom_event"
+                && last.is_some_and(|it| it.ty.base == "genom_context" && it.ty.layers.is_empty())
+        }
+    }
+}
+
+fn speaks_of_codel(function: &Function) -> bool {
+    let mut comments = function
+        .comments
+        .iter()
+        .filter_map(|it| it.generated.as_ref());
+    comments.any(|it| it.codel == function.name)
+}
+
+/// Used by other functions, or declared for them.
+fn is_helper(it: Found<'_>, sources: &Sources) -> bool {
+    let name = &it.function.name;
+    let declared = |function: &Function| function.body.is_none() && function.name == *name;
+    sources.all().any(|file| {
+        file.index.functions.iter().any(|other| {
+            let body = other.body.as_ref();
+            declared(other)
+                || other.name != *name && body.is_some_and(|it| it.mentions.contains(name))
+        })
+    })
+}
+
+/// The orphan that a codel without function most likely is: the one whose comment speaks of the
+/// same place in the specification, else the one whose name is nearest.
+pub(super) fn renamed<'a>(
+    orphans: &[Found<'a>],
+    function: &ExpectedFunction,
+    expected: &Expected<'_>,
+    sources: &Sources,
+) -> Option<Found<'a>> {
+    let mut said = orphans.iter().filter(|it| {
+        let mut uses = function.uses.iter();
+        uses.any(|&at| speaks_of(it.function, expected, at))
+    });
+    if let (Some(only), None) = (said.next(), said.next()) {
+        return Some(*only);
+    }
+    let names = orphans.iter().map(|it| it.function.name.as_str());
+    let name = nearest(&function.name, names)?;
+    // The other way round it must be the best as well.
+    let functions = expected.functions.iter().map(|it| it.name.as_str());
+    let missing = functions.filter(|name| {
+        let mut files = sources.all();
+        !files.any(|file| file.index.definitions(name).next().is_some())
+    });
+    let back = nearest(name, missing)?;
+    let found = orphans.iter().find(|it| it.function.name == name);
+    found.filter(|_| back == function.name.as_str()).copied()
+}
+
+/// Its comment names the owner of a codel, and its states if it has some.
+fn speaks_of(function: &Function, expected: &Expected<'_>, at: CodelRef) -> bool {
+    let component = expected.component();
+    let codel = component.codel(at);
+    let mut comments = function
+        .comments
+        .iter()
+        .filter_map(|it| it.generated.as_ref());
+    comments.any(|it| {
+        let said = it.triggers.as_deref().unwrap_or_default().iter();
+        let said: FxHashSet<&str> = said.map(|it| cut_tag(it, &component.name).1).collect();
+        let now = codel.triggers.iter().map(|it| it.name.as_str()).collect();
+        it.codel == function.name
+            && it.owner == *owner_words(component, at.owner).1
+            && (it.owner_kind == "task") == matches!(at.owner, Owner::Task(_))
+            && it.validation == (codel.kind == CodelKind::Validate)
+            && said == now
+    })
+}
+
+pub(super) fn report(orphan: &Found<'_>, all: &[Expected<'_>]) -> Option<Drift> {
+    let function = orphan.function;
+    let expected = all
+        .iter()
+        .find(|it| has_codel_shape(function, it.language))?;
+    let name = &function.name;
+    let mut repairs = Vec::new();
+    let references = function.parameters.iter().flat_map(|it| &it.ty.layers);
+    if function.known
+        && !references
+            .clone()
+            .any(|it| matches!(it, Layer::Function { .. }))
+    {
+        repairs.push(Repair::DeclareCodel {
+            name: name.as_str().into(),
+            path: orphan.file.path.clone(),
+            start: function.span.start,
+        });
+    }
+    Some(Drift {
+        code: DriftCode::Orphan,
+        severity: DriftCode::Orphan.severity(),
+        message: format!(
+            "function `{name}` looks like a codel and no specification names it: declare it as a \
+             codel, make it `static`, or remove it"
+        ),
+        component: expected.component,
+        spec: Vec::new(),
+        source: Some(orphan.at(function.name_span.clone())),
+        expected: None,
+        found: None,
+        repairs,
+    })
+}

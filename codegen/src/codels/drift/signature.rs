@@ -1,0 +1,298 @@
+//! Prototypes, compared after normalization.
+
+use super::{Check, Drift, DriftCode, Found, Repair};
+use crate::codels::{
+    files::Sources,
+    source::{CType, Function, Layer, Parameter, compact},
+};
+
+/// What the comparison of two types says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Verdict {
+    Same,
+    /// Differs in `const` only.
+    Constness,
+    Different,
+    /// One of them is defined where we cannot see.
+    Unknown,
+}
+
+pub(super) fn check(check: &Check<'_>, definitions: &[Found<'_>], out: &mut Vec<Drift>) {
+    let Some(shape) = &check.function.shape else {
+        return;
+    };
+    // With conditional compilation or overloading one of several is the codel.
+    let all: Vec<Vec<String>> = definitions
+        .iter()
+        .map(|it| differences(check, shape, it.function))
+        .collect();
+    let best = all.iter().zip(definitions).min_by_key(|it| it.0.len());
+    if let Some((differences, found)) = best.filter(|it| !it.0.is_empty()) {
+        out.push(report(check, *found, differences));
+        return;
+    }
+    // Prototypes that contradict the definition do not compile.
+    for file in check.sources.all() {
+        for function in &file.index.functions {
+            if function.body.is_some()
+                || function.name != check.function.name
+                || !function.is_global()
+            {
+                continue;
+            }
+            let differences = differences(check, shape, function);
+            if !differences.is_empty() {
+                out.push(report(check, Found { file, function }, &differences));
+            }
+        }
+    }
+}
+
+fn report(check: &Check<'_>, found: Found<'_>, differences: &[String]) -> Drift {
+    let name = &check.function.name;
+    let message = format!(
+        "`{name}` does not have the prototype of its codel: {}",
+        differences.join("; ")
+    );
+    let mut drift = check.drift(DriftCode::SignatureMismatch, message);
+    drift.source = Some(found.at(found.function.signature_span.clone()));
+    drift.expected = check.function.signature.clone().ok();
+    let text = found.file.text.get(found.function.signature_span.clone());
+    drift.found = text.map(str::to_owned);
+    drift.repairs.push(Repair::UpdateSignature {
+        name: name.clone(),
+        path: found.file.path.clone(),
+        start: found.function.span.start,
+    });
+    drift
+}
+
+/// Everything that differs, in words; empty when nothing does or nothing can be known.
+fn differences(check: &Check<'_>, wanted: &Function, found: &Function) -> Vec<String> {
+    let mut out = Vec::new();
+    if !found.known {
+        return out;
+    }
+    if found.is_static {
+        out.push("it is `static`, so that the component cannot call it".into());
+    }
+    let compare = |a: &CType, b: &CType| compare(check, a, b);
+    if matches!(
+        compare(&wanted.result, &found.result),
+        Verdict::Different | Verdict::Constness
+    ) {
+        out.push(format!(
+            "expected return type `{}`, found `{}`",
+            show(&wanted.result, None),
+            show(&found.result, None)
+        ));
+    }
+    if found.variadic {
+        out.push("a codel has no variable arguments".into());
+    }
+    let (w, f) = (&wanted.parameters, &found.parameters);
+    if w.len() != f.len() {
+        out.push(arity(check, w, f));
+        return out;
+    }
+    if let Some(order) = permuted(check, w, f) {
+        out.push(order);
+        return out;
+    }
+    for (number, (w, f)) in (1..).zip(w.iter().zip(f)) {
+        let wrong = match compare(&w.ty, &f.ty) {
+            Verdict::Same => check.options.parameter_names && f.name.is_some() && w.name != f.name,
+            Verdict::Unknown => false,
+            Verdict::Constness | Verdict::Different => true,
+        };
+        if wrong {
+            out.push(format!(
+                "parameter {number}: expected `{}`, found `{}`",
+                show(&w.ty, w.name.as_deref()),
+                show(&f.ty, f.name.as_deref())
+            ));
+        }
+    }
+    out
+}
+
+fn arity(check: &Check<'_>, wanted: &[Parameter], found: &[Parameter]) -> String {
+    let count = format!(
+        "expected {}, found {}",
+        match wanted.len() {
+            1 => "1 parameter".to_owned(),
+            n => format!("{n} parameters"),
+        },
+        found.len()
+    );
+    let (more, less, word) = if wanted.len() > found.len() {
+        (wanted, found, "missing")
+    } else {
+        (found, wanted, "too many")
+    };
+    let extra: Vec<String> = unmatched(check, more, less)
+        .into_iter()
+        .map(|it| format!("`{}`", show(&it.ty, it.name.as_deref())))
+        .collect();
+    if extra.is_empty() {
+        count
+    } else {
+        format!("{count} ({word}: {})", extra.join(", "))
+    }
+}
+
+/// Parameters of the first list that have no partner in the second: by name, then by type.
+fn unmatched<'p>(check: &Check<'_>, of: &'p [Parameter], by: &[Parameter]) -> Vec<&'p Parameter> {
+    let mut partners: Vec<Option<&Parameter>> = by.iter().map(Some).collect();
+    let mut rest: Vec<&Parameter> = Vec::new();
+    for it in of {
+        let same = |other: &&Parameter| it.name.is_some() && other.name == it.name;
+        match partners
+            .iter_mut()
+            .find(|other| other.as_ref().is_some_and(same))
+        {
+            Some(partner) => *partner = None,
+            None => rest.push(it),
+        }
+    }
+    rest.retain(|it| {
+        let same = |other: &&Parameter| compare(check, &it.ty, &other.ty) == Verdict::Same;
+        match partners
+            .iter_mut()
+            .find(|other| other.as_ref().is_some_and(same))
+        {
+            Some(partner) => {
+                *partner = None;
+                false
+            }
+            None => true,
+        }
+    });
+    rest
+}
+
+/// The same parameters in another order: said by name where all have names, else by type.
+fn permuted(check: &Check<'_>, wanted: &[Parameter], found: &[Parameter]) -> Option<String> {
+    let names = |all: &[Parameter]| -> Option<Vec<String>> {
+        all.iter()
+            .map(|it| it.name.as_ref().map(ToString::to_string))
+            .collect()
+    };
+    let (w, f) = (names(wanted)?, names(found)?);
+    let sorted = |all: &[String]| {
+        let mut all = all.to_vec();
+        all.sort();
+        all
+    };
+    if w == f || sorted(&w) != sorted(&f) {
+        return None;
+    }
+    // Each must keep its type at its new place, or it is more than a change of order.
+    let kept = wanted.iter().all(|it| {
+        let other = found.iter().find(|other| other.name == it.name);
+        other.is_some_and(|other| {
+            matches!(
+                compare(check, &it.ty, &other.ty),
+                Verdict::Same | Verdict::Unknown
+            )
+        })
+    });
+    kept.then(|| {
+        format!(
+            "order: expected ({}), found ({})",
+            w.join(", "),
+            f.join(", ")
+        )
+    })
+}
+
+fn compare(check: &Check<'_>, wanted: &CType, found: &CType) -> Verdict {
+    let expected = check.expected;
+    let (a, length_a) = expected.canonical(wanted).as_parameter();
+    let (b, length_b) = expected.canonical(found).as_parameter();
+    if same(&a, &b) {
+        return match (length_a.as_deref(), length_b.as_deref()) {
+            (Some(a), Some(b)) if a != b => match (a.parse::<u64>(), b.parse::<u64>()) {
+                (Ok(_), Ok(_)) => Verdict::Different,
+                _ => Verdict::Unknown,
+            },
+            _ => Verdict::Same,
+        };
+    }
+    if is_declared_in(check.sources, &found.base) && !expected.knows_type(&found.base) {
+        return Verdict::Unknown;
+    }
+    // A length that is a name is a constant we do not look up.
+    let named_length = b.layers.iter().any(
+        |it| matches!(it, Layer::Array { length: Some(length) } if length.parse::<u64>().is_err()),
+    );
+    if named_length {
+        return Verdict::Unknown;
+    }
+    if same(&a.without_const(), &b.without_const()) {
+        return Verdict::Constness;
+    }
+    Verdict::Different
+}
+
+fn same(a: &CType, b: &CType) -> bool {
+    a.constant == b.constant && a.layers == b.layers && same_base(&a.base, &b.base)
+}
+
+/// Equal names, or one the end of the other after `using namespace`, or integers that may be equal.
+fn same_base(a: &str, b: &str) -> bool {
+    let ends = |long: &str, short: &str| {
+        long.strip_suffix(short)
+            .is_some_and(|it| it.ends_with("::"))
+    };
+    let wide = |a: &str, b: &str| {
+        matches!(
+            (a, b),
+            ("int64_t", "long" | "long long")
+                | ("uint64_t", "unsigned long" | "unsigned long long")
+        )
+    };
+    a == b || ends(a, b) || ends(b, a) || wide(a, b) || wide(b, a)
+}
+
+/// The sources have a type or macro of that name.
+fn is_declared_in(sources: &Sources, base: &str) -> bool {
+    let short = base.rsplit("::").next().unwrap_or(base);
+    let plain = short.split('<').next().unwrap_or(short);
+    sources.all().any(|it| {
+        it.index.names.contains(plain) || it.index.macros.iter().any(|it| it.name == plain)
+    })
+}
+
+/// A type as C writes it.
+fn show(ty: &CType, name: Option<&str>) -> String {
+    let mut declarator = name.unwrap_or_default().to_owned();
+    let mut pointer = false;
+    for layer in &ty.layers {
+        match layer {
+            Layer::Pointer { constant } => {
+                let constant = if *constant { "const " } else { "" };
+                declarator = format!("*{constant}{declarator}");
+                pointer = true;
+            }
+            Layer::Reference { rvalue } => {
+                declarator = format!("{}{declarator}", if *rvalue { "&&" } else { "&" });
+                pointer = true;
+            }
+            Layer::Array { length } => {
+                if pointer {
+                    declarator = format!("({declarator})");
+                    pointer = false;
+                }
+                declarator = format!("{declarator}[{}]", length.as_deref().unwrap_or_default());
+            }
+            Layer::Function { parameters } => {
+                declarator = format!("({declarator}){}", compact(parameters));
+            }
+        }
+    }
+    let constant = if ty.constant { "const " } else { "" };
+    format!("{constant}{} {declarator}", ty.base)
+        .trim_end()
+        .to_owned()
+}

@@ -1,0 +1,192 @@
+//! Text edits over several files.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use serde::Serialize;
+
+/// Replaces a range of one text.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct TextEdit {
+    /// Byte offsets; empty for an insertion.
+    pub range: Range<usize>,
+    /// What goes there.
+    pub text: String,
+}
+
+/// Changes to a set of files.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
+pub struct Edit {
+    /// New files with their text.
+    pub created: BTreeMap<Utf8PathBuf, String>,
+    /// Edits of files that are there; ranges are of the text before all of them, in text order.
+    pub changed: BTreeMap<Utf8PathBuf, Vec<TextEdit>>,
+}
+
+impl Edit {
+    /// No change.
+    pub fn is_empty(&self) -> bool {
+        self.created.is_empty() && self.changed.is_empty()
+    }
+
+    /// Adds one replacement. An equal one is added once only.
+    pub fn replace(&mut self, path: &Utf8Path, range: Range<usize>, text: impl Into<String>) {
+        let edits = self.changed.entry(path.to_owned()).or_default();
+        let edit = TextEdit {
+            range,
+            text: text.into(),
+        };
+        if !edits.contains(&edit) {
+            let at = edits.partition_point(|it| it.range.start <= edit.range.start);
+            edits.insert(at, edit);
+        }
+    }
+
+    /// Takes over another edit if it touches nothing that this one touches; says whether it did.
+    pub fn merge(&mut self, other: Edit) -> bool {
+        let clash = other.changed.iter().any(|(path, edits)| {
+            let mine = self.changed.get(path).map_or(&[][..], Vec::as_slice);
+            edits
+                .iter()
+                .any(|it| mine.iter().any(|mine| overlap(mine, it)))
+        });
+        let created = |it: &Utf8PathBuf| self.created.contains_key(it);
+        if clash || other.created.keys().any(created) {
+            return false;
+        }
+        self.created.extend(other.created);
+        for (path, edits) in other.changed {
+            for edit in edits {
+                self.replace(&path, edit.range, edit.text);
+            }
+        }
+        true
+    }
+}
+
+/// Edits that turn one text into another: whole lines, and no more of them than needed.
+pub fn line_edits(before: &str, after: &str) -> Vec<TextEdit> {
+    let diff = similar::TextDiff::from_lines(before, after);
+    // Byte offsets of the beginning of each line, and of the end.
+    let offsets = |lines: &[&str]| -> Vec<usize> {
+        let mut at = 0;
+        let starts = lines.iter().map(|line| {
+            at += line.len();
+            at
+        });
+        std::iter::once(0).chain(starts).collect()
+    };
+    let old = offsets(diff.old_slices());
+    let new = offsets(diff.new_slices());
+    let ops = diff.ops().iter();
+    ops.filter(|it| it.tag() != similar::DiffTag::Equal)
+        .map(|it| {
+            let (from, to) = (it.old_range(), it.new_range());
+            TextEdit {
+                range: old[from.start]..old[from.end],
+                text: after[new[to.start]..new[to.end]].to_owned(),
+            }
+        })
+        .collect()
+}
+
+/// Two insertions at one place do not clash: the earlier one stays in front.
+fn overlap(a: &TextEdit, b: &TextEdit) -> bool {
+    if a == b {
+        return false;
+    }
+    if a.range.is_empty() || b.range.is_empty() {
+        let (point, other) = if a.range.is_empty() { (a, b) } else { (b, a) };
+        return other.range.start < point.range.start && point.range.start < other.range.end;
+    }
+    a.range.start < b.range.end && b.range.start < a.range.end
+}
+
+/// Applies edits to a text. Edits that do not fit the text or overlap an earlier one are left out.
+pub fn apply(text: &str, edits: &[TextEdit]) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut at = 0;
+    for edit in edits {
+        let fits = edit.range.start >= at
+            && edit.range.end >= edit.range.start
+            && text.is_char_boundary(edit.range.start)
+            && text.is_char_boundary(edit.range.end);
+        if fits && edit.range.end <= text.len() {
+            out += &text[at..edit.range.start];
+            out += &edit.text;
+            at = edit.range.end;
+        }
+    }
+    out += &text[at..];
+    out
+}
+
+/// The difference of two texts as `diff -u` shows it; empty when there is none. A missing text is
+/// shown as `/dev/null`.
+pub fn unified_diff(path: &Utf8Path, before: Option<&str>, after: &str) -> String {
+    let old = before.unwrap_or_default();
+    if before.is_some() && old == after {
+        return String::new();
+    }
+    let name = path.as_str().trim_start_matches('/');
+    let from = match before {
+        Some(_) => format!("a/{name}"),
+        None => "/dev/null".to_owned(),
+    };
+    similar::TextDiff::from_lines(old, after)
+        .unified_diff()
+        .context_radius(3)
+        .header(&from, &format!("b/{name}"))
+        .to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edits_apply_in_text_order() {
+        let mut edit = Edit::default();
+        edit.replace("f".into(), 3..4, "X");
+        edit.replace("f".into(), 0..1, "");
+        edit.replace("f".into(), 4..4, "+");
+        let edits = &edit.changed[Utf8Path::new("f")];
+        assert_eq!(apply("abcdef", edits), "bcX+ef");
+    }
+
+    #[test]
+    fn what_overlaps_is_refused() {
+        let mut edit = Edit::default();
+        edit.replace("f".into(), 2..5, "X");
+        let mut other = Edit::default();
+        other.replace("f".into(), 4..6, "Y");
+        assert!(!edit.merge(other));
+        let mut other = Edit::default();
+        other.replace("f".into(), 5..6, "Y");
+        assert!(edit.merge(other));
+        let edits = &edit.changed[Utf8Path::new("f")];
+        assert_eq!(apply("abcdefg", edits), "abXYg");
+    }
+
+    #[test]
+    fn lines_that_stay_are_not_touched() {
+        let (before, after) = ("a\nb\nc\nd\n", "a\nB\nc\nd\ne");
+        let edits = line_edits(before, after);
+        assert_eq!(apply(before, &edits), after);
+        assert_eq!(edits.len(), 2, "{edits:?}");
+        assert_eq!(edits[0].range, 2..4);
+        assert_eq!(line_edits("a", "a"), []);
+    }
+
+    #[test]
+    fn a_diff_names_both_sides() {
+        let diff = unified_diff("x/a.c".into(), Some("a\nb\n"), "a\nc\n");
+        assert_eq!(
+            diff,
+            "--- a/x/a.c\n+++ b/x/a.c\n@@ -1,2 +1,2 @@\n a\n-b\n+c\n"
+        );
+        let diff = unified_diff("a.c".into(), None, "a\n");
+        assert_eq!(diff, "--- /dev/null\n+++ b/a.c\n@@ -0,0 +1 @@\n+a\n");
+    }
+}

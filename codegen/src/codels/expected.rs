@@ -1,0 +1,310 @@
+//! What the specification wants of the C or C++ side: for every codel its prototype, the events it
+//! may return and the exceptions it may throw.
+//!
+//! Rules: sections "Codels" and "Mappings" of the GenoM3 manual. The prototype is the text of
+//! [`Mapper::prototype`]; it is read back with the reader of sources, so that both sides of a
+//! comparison went through one normalization.
+
+use dotgen_analysis::model::{
+    CodelKind, CodelRef, Component, Name, Owner, ServiceKind, Spec, State, TypeId, TypeKind,
+};
+use rustc_hash::{FxHashMap, FxHashSet};
+use smol_str::SmolStr;
+
+use super::source::{CType, Function, Grammar, SourceIndex};
+use crate::lang::{Language, Mapper, NoPlaces};
+use crate::template::throws::{service_throws, task_throws};
+
+/// The C side that a component wants.
+pub struct Expected<'a> {
+    /// The model.
+    pub spec: &'a Spec,
+    /// Index into [`Spec::components`].
+    pub component: u32,
+    /// Language of the codel interface (`lang`).
+    pub language: Language,
+    /// One for each function name, in order of first use.
+    pub functions: Vec<ExpectedFunction>,
+    /// Spellings of all events of the component.
+    pub events: FxHashMap<SmolStr, TypeId>,
+    /// Spellings of all exceptions of the specification.
+    pub exceptions: FxHashMap<SmolStr, TypeId>,
+    aliases: FxHashMap<SmolStr, CType>,
+}
+
+/// The function behind one or more codels of the same name.
+#[derive(Debug, Clone)]
+pub struct ExpectedFunction {
+    /// Its name.
+    pub name: Name,
+    /// Where the component uses it, in order.
+    pub uses: Vec<CodelRef>,
+    /// The prototype on one or more lines, without semicolon; what is wrong with the types if they
+    /// have no mapping.
+    pub signature: Result<String, String>,
+    /// The prototype read back; `None` if it cannot be written or read.
+    pub shape: Option<Function>,
+    /// Spellings of what it may return in any use, `genom_ok` included.
+    pub returns: FxHashSet<SmolStr>,
+    /// Exceptions that it may throw in any use.
+    pub throws: FxHashSet<TypeId>,
+}
+
+/// The file suffix and mapping that go with a language.
+fn interface_language(component: &Component) -> Language {
+    let lang = component.lang.as_deref().and_then(Language::from_name);
+    match lang {
+        Some(Language::Cxx) => Language::Cxx,
+        _ => Language::C,
+    }
+}
+
+impl<'a> Expected<'a> {
+    /// What a component wants.
+    pub fn new(spec: &'a Spec, component: u32) -> Expected<'a> {
+        let it = &spec.components[component as usize];
+        let mut out = Expected {
+            spec,
+            component,
+            language: interface_language(it),
+            functions: Vec::new(),
+            events: FxHashMap::default(),
+            exceptions: FxHashMap::default(),
+            aliases: FxHashMap::default(),
+        };
+        let events = it
+            .all_codels()
+            .flat_map(|at| {
+                let codel = it.codel(at);
+                codel.triggers.iter().chain(&codel.yields)
+            })
+            .map(|state| state.event);
+        for event in events {
+            let spelling = out.spelling(event);
+            out.events.entry(spelling).or_insert(event);
+        }
+        let types = (0u32..).map(TypeId).zip(&spec.types);
+        for (id, ty) in types {
+            match ty.kind {
+                TypeKind::Exception { .. } => {
+                    let spelling = out.spelling(id);
+                    out.exceptions.insert(spelling, id);
+                }
+                TypeKind::Event | TypeKind::PauseEvent
+                    if ty.scope.first().is_some_and(|scope| scope.name == it.name) =>
+                {
+                    let spelling = out.spelling(id);
+                    out.events.entry(spelling).or_insert(id);
+                }
+                _ => {}
+            }
+        }
+        out.collect_functions();
+        out.collect_aliases();
+        out
+    }
+
+    /// The component.
+    pub fn component(&self) -> &'a Component {
+        &self.spec.components[self.component as usize]
+    }
+
+    /// A mapper to the language of the codel interface.
+    pub fn mapper(&self) -> Mapper<'a> {
+        Mapper::new(self.spec, &NoPlaces, self.language)
+    }
+
+    /// The name of a type, event or exception in the language.
+    pub fn spelling(&self, ty: TypeId) -> SmolStr {
+        self.mapper().type_cname(ty).unwrap_or_default().into()
+    }
+
+    /// `genom_ok` in the language.
+    pub fn ok(&self) -> &'static str {
+        match self.language {
+            Language::Cxx => "genom::ok",
+            _ => "genom_ok",
+        }
+    }
+
+    /// What stands between scopes in names.
+    pub fn separator(&self) -> &'static str {
+        match self.language {
+            Language::Cxx => "::",
+            _ => "_",
+        }
+    }
+
+    /// Exceptions that a codel of an owner may throw: those of the component, of the task and of
+    /// the service.
+    pub fn throws_of(&self, owner: Owner) -> Vec<TypeId> {
+        let component = self.component();
+        match owner {
+            Owner::Task(task) => task_throws(component, &component.tasks[task as usize]),
+            Owner::Service(service) => service_throws(component, service),
+        }
+    }
+
+    /// The function of a name.
+    pub fn function(&self, name: &str) -> Option<&ExpectedFunction> {
+        self.functions.iter().find(|it| it.name == name)
+    }
+
+    /// A type with the aliases of the specification replaced by what they stand for.
+    pub fn canonical(&self, ty: &CType) -> CType {
+        let mut ty = ty.clone();
+        for _ in 0..32 {
+            match self.aliases.get(&ty.base) {
+                Some(alias) => ty = ty.expand(alias),
+                None => break,
+            }
+        }
+        ty
+    }
+
+    /// The base type is one that the specification, the language or genom3 defines.
+    pub fn knows_type(&self, base: &str) -> bool {
+        matches!(
+            base,
+            "bool"
+                | "float"
+                | "double"
+                | "char"
+                | "long"
+                | "void"
+                | "unsigned long"
+                | "long long"
+                | "unsigned long long"
+                | "long double"
+                | "genom_context"
+                | "genom_event"
+                | "genom::event"
+                | "std::string"
+        ) || base.ends_with("_t") && base.trim_start_matches('u').starts_with("int")
+            || self.aliases.contains_key(base)
+    }
+
+    fn collect_functions(&mut self) {
+        let component = self.component();
+        for at in component.all_codels() {
+            let codel = component.codel(at);
+            let returns: Vec<SmolStr> = match codel.kind {
+                CodelKind::Fsm => codel
+                    .yields
+                    .iter()
+                    .map(|it| self.spelling(it.event))
+                    .collect(),
+                CodelKind::Simple | CodelKind::Validate => vec![self.ok().into()],
+            };
+            let throws = self.throws_of(at.owner);
+            let known = self.functions.iter_mut().find(|it| it.name == codel.name);
+            let function = match known {
+                Some(known) => known,
+                None => {
+                    let signature = self.mapper().prototype(self.component, codel, " ");
+                    self.functions.push(ExpectedFunction {
+                        name: codel.name.clone(),
+                        uses: Vec::new(),
+                        signature: signature.map_err(|it| it.message),
+                        shape: None,
+                        returns: FxHashSet::default(),
+                        throws: FxHashSet::default(),
+                    });
+                    let last = self.functions.len() - 1;
+                    &mut self.functions[last]
+                }
+            };
+            function.uses.push(at);
+            function.returns.extend(returns);
+            function.throws.extend(throws);
+        }
+        let signatures = self.functions.iter().map(|it| it.signature.as_deref());
+        let shapes = read_prototypes(signatures.map(Result::ok), self.language);
+        for (function, shape) in self.functions.iter_mut().zip(shapes) {
+            function.shape = shape;
+        }
+    }
+
+    fn collect_aliases(&mut self) {
+        let mapper = self.mapper();
+        let mut names = Vec::new();
+        let mut texts = Vec::new();
+        for (index, ty) in self.spec.types.iter().enumerate() {
+            let inner = match ty.kind {
+                TypeKind::Typedef { ty } => mapper.declarator(ty, "x").ok(),
+                // Enumerations are integers in C.
+                TypeKind::Enum { .. } if self.language == Language::C => Some("uint32_t x".into()),
+                _ => None,
+            };
+            if let Some(inner) = inner {
+                names.push(self.spelling(TypeId(index as u32)));
+                texts.push(format!("void f({inner})"));
+            }
+        }
+        let shapes = read_prototypes(texts.iter().map(|it| Some(it.as_str())), self.language);
+        for (name, shape) in names.into_iter().zip(shapes) {
+            let parameter = shape.and_then(|it| it.parameters.into_iter().next());
+            if let Some(parameter) = parameter
+                && parameter.ty.base != name
+            {
+                self.aliases.insert(name, parameter.ty);
+            }
+        }
+    }
+}
+
+/// Reads prototypes (without semicolon) as sources are read.
+fn read_prototypes<'t>(
+    texts: impl Iterator<Item = Option<&'t str>>,
+    language: Language,
+) -> Vec<Option<Function>> {
+    let grammar = match language {
+        Language::Cxx => Grammar::Cxx,
+        _ => Grammar::C,
+    };
+    texts
+        .map(|text| {
+            let index = SourceIndex::new(&format!("{};\n", text?), grammar);
+            let [function] = <[Function; 1]>::try_from(index.functions).ok()?;
+            (function.known && index.loose.is_empty()).then_some(function)
+        })
+        .collect()
+}
+
+/// `start` or `pause::start`, as the specification writes it.
+pub fn state_text(state: &State) -> String {
+    let pause = if state.paused { "pause::" } else { "" };
+    format!("{pause}{}", state.name)
+}
+
+/// `task`, `attribute`, `function` or `activity`, and its name.
+pub fn owner_words(component: &Component, owner: Owner) -> (&'static str, &Name) {
+    match owner {
+        Owner::Task(task) => ("task", &component.tasks[task as usize].name),
+        Owner::Service(service) => {
+            let service = &component.services[service as usize];
+            let kind = match service.kind {
+                ServiceKind::Attribute => "attribute",
+                ServiceKind::Function => "function",
+                ServiceKind::Activity => "activity",
+            };
+            (kind, &service.name)
+        }
+    }
+}
+
+/// A name of an event or exception without the component and the `pause` mark: `(paused, name)`.
+pub(crate) fn cut_tag<'n>(name: &'n str, component: &str) -> (bool, &'n str) {
+    let name = name.strip_prefix("::").unwrap_or(name);
+    let rest = name.strip_prefix(component);
+    let name = rest
+        .and_then(|it| it.strip_prefix("::").or_else(|| it.strip_prefix('_')))
+        .unwrap_or(name);
+    match name
+        .strip_prefix("pause::")
+        .or_else(|| name.strip_prefix("pause_"))
+    {
+        Some(name) => (true, name),
+        None => (false, name),
+    }
+}

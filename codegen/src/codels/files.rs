@@ -1,0 +1,307 @@
+//! Which files hold the codels of a component.
+//!
+//! The reference skeleton puts them in a folder `codels` beside the `.gen`, and lists them in
+//! `codels/Makefile.am` as `lib…_SOURCES`. Where that list names files that are there, it is
+//! believed; else every C and C++ file of the folder counts.
+
+use std::sync::Arc;
+
+use camino::{Utf8Component, Utf8Path, Utf8PathBuf};
+use rustc_hash::FxHashMap;
+
+use super::source::{Grammar, SourceIndex};
+
+/// Where to look.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FilesConfig {
+    /// Folder of the codels, relative to the folder of the `.gen`.
+    pub folder: Utf8PathBuf,
+    /// Extensions of sources.
+    pub extensions: Vec<String>,
+    /// Believe the build files.
+    pub makefile: bool,
+}
+
+impl Default for FilesConfig {
+    fn default() -> FilesConfig {
+        FilesConfig {
+            folder: "codels".into(),
+            extensions: ["c", "cc", "cpp", "cxx"].map(String::from).to_vec(),
+            makefile: true,
+        }
+    }
+}
+
+impl FilesConfig {
+    /// Folder of the codels of a `.gen`.
+    pub fn folder_of(&self, specification: &Utf8Path) -> Utf8PathBuf {
+        let mut folder = specification
+            .parent()
+            .unwrap_or(Utf8Path::new(""))
+            .to_owned();
+        // As paths of files come: `..` taken away by looking at the text alone.
+        for part in self.folder.components() {
+            match part {
+                Utf8Component::CurDir => {}
+                Utf8Component::ParentDir if folder.file_name().is_some() => {
+                    folder.pop();
+                }
+                part => folder.push(part),
+            }
+        }
+        folder
+    }
+
+    /// Whether the extension is one of sources.
+    pub fn is_source(&self, path: &Utf8Path) -> bool {
+        let extension = path.extension().unwrap_or_default();
+        self.extensions.iter().any(|it| it == extension)
+    }
+}
+
+/// Files of a codels folder by role, relative to it.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct CodelFiles {
+    /// Where codels may be.
+    pub sources: Vec<Utf8PathBuf>,
+    /// Read for the names they declare.
+    pub headers: Vec<Utf8PathBuf>,
+    /// Sources that the build files name and that are not there.
+    pub absent: Vec<Utf8PathBuf>,
+    /// The build files were believed.
+    pub listed: bool,
+}
+
+/// Sorts a listing (paths relative to the codels folder, subfolders included) into roles.
+/// `makefile` is the text of its `Makefile.am`.
+pub fn select(listing: &[Utf8PathBuf], makefile: Option<&str>, config: &FilesConfig) -> CodelFiles {
+    let mut all: Vec<Utf8PathBuf> = listing.to_vec();
+    all.sort();
+    all.dedup();
+    let mut out = CodelFiles::default();
+    let header = |it: &&Utf8PathBuf| {
+        let extension = it.extension().unwrap_or_default();
+        matches!(extension, "h" | "hh" | "hpp" | "hxx")
+    };
+    out.headers = all.iter().filter(header).cloned().collect();
+    let listed = makefile.filter(|_| config.makefile).map(makefile_sources);
+    let listed = listed.unwrap_or_default();
+    let listed = listed.into_iter().filter(|it| config.is_source(it));
+    let (present, absent): (Vec<_>, Vec<_>) = listed.partition(|it| all.contains(it));
+    if present.is_empty() {
+        out.sources = all.into_iter().filter(|it| config.is_source(it)).collect();
+    } else {
+        out.sources = present;
+        out.absent = absent;
+        out.listed = true;
+    }
+    out
+}
+
+/// Paths in the `*_SOURCES` variables of a `Makefile.am`, relative to its folder. What needs a
+/// variable to be known is left out.
+pub fn makefile_sources(text: &str) -> Vec<Utf8PathBuf> {
+    let mut out: Vec<Utf8PathBuf> = Vec::new();
+    let mut lines = text.lines();
+    while let Some(line) = lines.next() {
+        let mut logical = line.to_owned();
+        while logical.ends_with('\\') {
+            logical.pop();
+            match lines.next() {
+                Some(next) => {
+                    logical.push(' ');
+                    logical.push_str(next);
+                }
+                None => break,
+            }
+        }
+        let logical = logical.split('#').next().unwrap_or_default();
+        let Some((variable, value)) = logical.split_once('=') else {
+            continue;
+        };
+        let variable = variable.trim_end_matches(['+', ':', ' ', '\t']);
+        // BUILT_SOURCES are made by the build, mostly headers.
+        if !variable.ends_with("_SOURCES") || variable == "BUILT_SOURCES" {
+            continue;
+        }
+        for word in value.split_whitespace() {
+            let word = ["$(srcdir)/", "${srcdir}/", "./"]
+                .iter()
+                .find_map(|it| word.strip_prefix(it))
+                .unwrap_or(word);
+            if !word.contains('$') && !out.iter().any(|it| it == word) {
+                out.push(word.into());
+            }
+        }
+    }
+    out
+}
+
+/// One file with its index.
+#[derive(Debug, Clone)]
+pub struct IndexedFile {
+    /// Its path.
+    pub path: Utf8PathBuf,
+    /// Its text.
+    pub text: Arc<str>,
+    /// What it holds.
+    pub index: Arc<SourceIndex>,
+}
+
+impl IndexedFile {
+    /// Reads a text; `cxx` reads headers as C++ too.
+    pub fn new(path: Utf8PathBuf, text: Arc<str>, cxx: bool) -> IndexedFile {
+        let grammar = match Grammar::of_path(path.as_str()) {
+            Some(Grammar::C) if path.extension() == Some("c") || !cxx => Grammar::C,
+            _ => Grammar::Cxx,
+        };
+        let index = Arc::new(SourceIndex::new(&text, grammar));
+        IndexedFile { path, text, index }
+    }
+}
+
+/// Indexes of texts, kept as long as their texts stay the same.
+#[derive(Debug, Default)]
+pub struct Indexes(FxHashMap<(Utf8PathBuf, bool), IndexedFile>);
+
+impl Indexes {
+    /// The index of a text; the arguments are those of [`IndexedFile::new`].
+    pub fn get(&mut self, path: Utf8PathBuf, text: Arc<str>, cxx: bool) -> IndexedFile {
+        let key = (path, cxx);
+        if let Some(known) = self.0.get(&key)
+            && (Arc::ptr_eq(&known.text, &text) || known.text == text)
+        {
+            return known.clone();
+        }
+        let fresh = IndexedFile::new(key.0.clone(), text, cxx);
+        self.0.insert(key, fresh.clone());
+        fresh
+    }
+
+    /// Forgets the texts of other files.
+    pub fn retain(&mut self, wanted: impl Fn(&Utf8Path) -> bool) {
+        self.0.retain(|key, _| wanted(&key.0));
+    }
+}
+
+/// The indexed files of one codels folder.
+#[derive(Debug, Clone, Default)]
+pub struct Sources {
+    /// The codels folder.
+    pub folder: Utf8PathBuf,
+    /// The folder is there.
+    pub exists: bool,
+    /// Where codels may be.
+    pub sources: Vec<IndexedFile>,
+    /// Read for the names they declare.
+    pub headers: Vec<IndexedFile>,
+    /// `Makefile.am` of the folder with its text, where its list of sources is believed.
+    pub makefile: Option<(Utf8PathBuf, Arc<str>)>,
+    /// A source could not be read, or the build files name one that is not there: something may
+    /// be missing here that exists.
+    pub incomplete: bool,
+}
+
+/// What is needed to read a codels folder.
+pub trait Files {
+    /// Text of a file; `None` when it cannot be read.
+    fn read(&self, path: &Utf8Path) -> Option<Arc<str>>;
+    /// Files below a folder, subfolders included, relative to it; `None` when it is not there.
+    fn list(&self, folder: &Utf8Path) -> Option<Vec<Utf8PathBuf>>;
+}
+
+impl Sources {
+    /// Reads the codels folder of a `.gen`.
+    pub fn load(specification: &Utf8Path, config: &FilesConfig, files: &dyn Files) -> Sources {
+        Sources::load_with(specification, config, files, &mut IndexedFile::new)
+    }
+
+    /// Like [`Sources::load`], with a function that may remember the indexes of texts (its
+    /// arguments are those of [`IndexedFile::new`]).
+    pub fn load_with(
+        specification: &Utf8Path,
+        config: &FilesConfig,
+        files: &dyn Files,
+        index: &mut dyn FnMut(Utf8PathBuf, Arc<str>, bool) -> IndexedFile,
+    ) -> Sources {
+        let folder = config.folder_of(specification);
+        let listing = files.list(&folder);
+        let exists = listing.is_some();
+        let makefile_path = folder.join("Makefile.am");
+        let makefile = files.read(&makefile_path);
+        let selected = select(&listing.unwrap_or_default(), makefile.as_deref(), config);
+        let cxx = selected
+            .sources
+            .iter()
+            .any(|it| it.extension() != Some("c"));
+        let mut incomplete = !selected.absent.is_empty();
+        let mut load = |paths: Vec<Utf8PathBuf>| {
+            let mut out = Vec::new();
+            for path in paths {
+                let path = folder.join(path);
+                match files.read(&path) {
+                    Some(text) => out.push(index(path, text, cxx)),
+                    None => incomplete = true,
+                }
+            }
+            out
+        };
+        let sources = load(selected.sources);
+        let headers = load(selected.headers);
+        Sources {
+            folder,
+            exists,
+            sources,
+            headers,
+            makefile: makefile
+                .filter(|_| selected.listed)
+                .map(|it| (makefile_path, it)),
+            incomplete,
+        }
+    }
+
+    /// Sources and headers.
+    pub fn all(&self) -> impl Iterator<Item = &IndexedFile> {
+        self.sources.iter().chain(&self.headers)
+    }
+
+    /// A file by path.
+    pub fn file(&self, path: &Utf8Path) -> Option<&IndexedFile> {
+        self.all().find(|it| it.path == path)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn paths(all: &[&str]) -> Vec<Utf8PathBuf> {
+        all.iter().map(Utf8PathBuf::from).collect()
+    }
+
+    #[test]
+    fn sources_of_a_makefile() {
+        let text = "lib_LTLIBRARIES = liba.la\n\
+            liba_la_SOURCES  =\ta_c_types.h a.c # b.c\n\
+            liba_la_SOURCES += \\\n\tc.cc \\\n\t$(srcdir)/sub/d.cpp ${X}/e.c\n\
+            BUILT_SOURCES= f.c\n";
+        assert_eq!(
+            makefile_sources(text),
+            paths(&["a_c_types.h", "a.c", "c.cc", "sub/d.cpp"])
+        );
+    }
+
+    #[test]
+    fn the_build_file_is_believed_when_its_files_are_there() {
+        let listing = paths(&["b.c", "a.c", "old.c", "x.h", "README"]);
+        let config = FilesConfig::default();
+        let it = select(&listing, Some("l_SOURCES = a.c b.c gone.c"), &config);
+        assert_eq!(it.sources, paths(&["a.c", "b.c"]));
+        assert_eq!(it.absent, paths(&["gone.c"]));
+        assert_eq!(it.headers, paths(&["x.h"]));
+        let it = select(&listing, Some("l_SOURCES = gone.c"), &config);
+        assert_eq!(it.sources, paths(&["a.c", "b.c", "old.c"]));
+        let it = select(&listing, None, &config);
+        assert_eq!(it.sources, paths(&["a.c", "b.c", "old.c"]));
+    }
+}

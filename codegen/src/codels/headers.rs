@@ -1,0 +1,146 @@
+//! What a C or C++ compiler needs to read codels without a build: the mapped types of the
+//! component, minimal `genom3` headers, and the flags that lead to them (for clangd).
+//!
+//! The `genom3` headers declare what the C and C++ mappings refer to; they are our own, written from
+//! the description, and stand in for an installation in editors and tests only.
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::model::TypeId;
+
+use super::{
+    expected::Expected,
+    stub::{NewFile, types_header},
+};
+use crate::lang::{LangError, Language, MapObject};
+
+/// The `genom3` headers, by path below an include directory.
+const RUNTIME: [(&str, &str); 7] = [
+    ("genom3/c/event.h", include_str!("headers/genom3/c/event.h")),
+    (
+        "genom3/c/context.h",
+        include_str!("headers/genom3/c/context.h"),
+    ),
+    (
+        "genom3/c/exception.h",
+        include_str!("headers/genom3/c/exception.h"),
+    ),
+    (
+        "genom3/c/idlsequence.h",
+        include_str!("headers/genom3/c/idlsequence.h"),
+    ),
+    (
+        "genom3/c++/event.h",
+        include_str!("headers/genom3/c++/event.h"),
+    ),
+    (
+        "genom3/c++/idlsequence.h",
+        include_str!("headers/genom3/c++/idlsequence.h"),
+    ),
+    (
+        "genom3/c++/idloptional.h",
+        include_str!("headers/genom3/c++/idloptional.h"),
+    ),
+];
+
+/// Name of the folder with the `genom3` headers.
+const INCLUDE: &str = "include";
+
+/// The headers of a component and `compile_flags.txt`, by path below `folder` (the absolute path of
+/// the folder they are going to). `flags` are further flags of the compiler: those of required
+/// packages, say.
+pub fn headers(
+    expected: &Expected<'_>,
+    folder: &Utf8Path,
+    codels: &Utf8Path,
+    flags: &[String],
+) -> Result<Vec<NewFile>, LangError> {
+    let component = expected.component();
+    let mut out: Vec<NewFile> = RUNTIME
+        .iter()
+        .map(|(path, text)| NewFile {
+            path: Utf8PathBuf::from(INCLUDE).join(path),
+            text: (*text).to_owned(),
+        })
+        .collect();
+    out.push(NewFile {
+        path: types_header(expected).into(),
+        text: types(expected)?,
+    });
+    out.push(NewFile {
+        path: format!("ac{}.h", component.name).into(),
+        text: configuration(expected),
+    });
+    let mut lines = vec![
+        format!("-I{}", folder.join(INCLUDE)),
+        format!("-I{folder}"),
+        format!("-I{codels}"),
+    ];
+    if let Some(root) = codels.parent() {
+        lines.push(format!("-I{root}"));
+    }
+    lines.extend(flags.iter().cloned());
+    out.push(NewFile {
+        path: "compile_flags.txt".into(),
+        text: lines.join("\n") + "\n",
+    });
+    Ok(out)
+}
+
+/// The mapped types and the prototypes of the codels, as `genom3 mappings --signature` gives them
+/// but for the `#line` marks.
+pub fn types(expected: &Expected<'_>) -> Result<String, LangError> {
+    let all = (0..expected.spec.types.len() as u32).map(|it| MapObject::Type(TypeId(it)));
+    let all: Vec<MapObject> = all.collect();
+    let mut out = expected.mapper().mapping(&all, false)?;
+    // The mapping includes what its own text needs; the prototypes may need more.
+    let runtime: &[&str] = match expected.language {
+        Language::Cxx => &[
+            "<cstdint>",
+            "<string>",
+            "<vector>",
+            "\"genom3/c++/event.h\"",
+            "\"genom3/c++/idlsequence.h\"",
+            "\"genom3/c++/idloptional.h\"",
+        ],
+        _ => &["<stdbool.h>", "<stdint.h>", "\"genom3/c/exception.h\""],
+    };
+    out.push('\n');
+    for header in runtime {
+        out += &format!("#include {header}\n");
+    }
+    let mut prototypes = String::new();
+    for function in &expected.functions {
+        let signature = function.signature.as_ref();
+        let signature = signature.map_err(|it| LangError::error(it.clone()))?;
+        prototypes += &format!("{signature};\n");
+    }
+    out += &match expected.language {
+        Language::Cxx => format!("\n{prototypes}"),
+        _ => format!(
+            "\n#ifdef __cplusplus\nextern \"C\" {{\n#endif\n{prototypes}#ifdef __cplusplus\n}}\n#endif\n"
+        ),
+    };
+    Ok(out)
+}
+
+/// What `configure` would write: the identity of the package.
+fn configuration(expected: &Expected<'_>) -> String {
+    let component = expected.component();
+    let name = &component.name;
+    let version = component.version.as_deref().unwrap_or("0");
+    let quoted = |text: &str| format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""));
+    let mut out = String::from("/* Written by dotgen in place of the header of configure. */\n");
+    let defines = [
+        ("PACKAGE", name.as_str()),
+        ("PACKAGE_NAME", name.as_str()),
+        ("PACKAGE_VERSION", version),
+        ("VERSION", version),
+    ];
+    for (define, value) in defines {
+        out += &format!(
+            "#ifndef {define}\n# define {define} {}\n#endif\n",
+            quoted(value)
+        );
+    }
+    out
+}

@@ -1,0 +1,97 @@
+//! From codels to functions and back, for navigation.
+
+use std::ops::Range;
+
+use camino::Utf8Path;
+use dotgen_analysis::model::CodelRef;
+
+use super::{
+    drift::SourcePlace,
+    expected::Expected,
+    files::Sources,
+    source::{Function, mentions},
+};
+
+/// Functions that implement a codel: their names' places. More than one with conditional
+/// compilation.
+pub fn implementations(sources: &Sources, codel: &str) -> Vec<SourcePlace> {
+    let files = sources.all();
+    files
+        .flat_map(|file| {
+            file.index.definitions(codel).map(|it| SourcePlace {
+                path: file.path.clone(),
+                range: it.name_span.clone(),
+            })
+        })
+        .collect()
+}
+
+/// Every mention of a codel's function in the sources, by file and place.
+pub fn references(sources: &Sources, codel: &str) -> Vec<SourcePlace> {
+    let files = sources.all();
+    files
+        .flat_map(|file| {
+            let found = mentions(&file.text, file.index.grammar, codel);
+            found.into_iter().map(|range| SourcePlace {
+                path: file.path.clone(),
+                range,
+            })
+        })
+        .collect()
+}
+
+/// A function that implements a codel.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CodelFunction {
+    /// Its name.
+    pub name: String,
+    /// The place of its name.
+    pub name_range: Range<usize>,
+    /// The whole function.
+    pub range: Range<usize>,
+    /// The codels it implements: component (index into the components of the specification) and
+    /// codel.
+    pub codels: Vec<(u32, CodelRef)>,
+}
+
+/// Functions of a file that implement codels, in text order: where code lenses go.
+pub fn codel_functions(
+    all: &[Expected<'_>],
+    sources: &Sources,
+    path: &Utf8Path,
+) -> Vec<CodelFunction> {
+    let Some(file) = sources.file(path) else {
+        return Vec::new();
+    };
+    let functions = file.index.functions.iter();
+    functions
+        .filter(|it| it.body.is_some() && it.is_global())
+        .filter_map(|it| codel_function(all, it))
+        .collect()
+}
+
+fn codel_function(all: &[Expected<'_>], function: &Function) -> Option<CodelFunction> {
+    let mut codels = Vec::new();
+    for expected in all {
+        if let Some(wanted) = expected.function(&function.name) {
+            codels.extend(wanted.uses.iter().map(|&at| (expected.component, at)));
+        }
+    }
+    (!codels.is_empty()).then(|| CodelFunction {
+        name: function.name.to_string(),
+        name_range: function.name_span.clone(),
+        range: function.span.clone(),
+        codels,
+    })
+}
+
+/// The codel whose function is around or called at an offset of a source.
+pub fn codel_at(
+    all: &[Expected<'_>],
+    sources: &Sources,
+    path: &Utf8Path,
+    offset: usize,
+) -> Option<CodelFunction> {
+    let file = sources.file(path)?;
+    codel_function(all, file.index.function_at(offset)?)
+}

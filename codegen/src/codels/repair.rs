@@ -1,0 +1,167 @@
+//! Turns repairs into text edits on either side. Nothing is written: the caller shows the edits.
+
+mod declare;
+mod source;
+mod specification;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::model::{CodelRef, Owner};
+use dotgen_analysis::source_map::Locations;
+
+use super::{
+    drift::Repair,
+    edit::Edit,
+    expected::{Expected, owner_words},
+    files::{Files, IndexedFile, Sources},
+    source::Function,
+    stub::{StubOptions, Stubs},
+};
+
+/// Everything that edits of one component are made from.
+pub struct Repairs<'a> {
+    /// The specification's side.
+    pub expected: &'a Expected<'a>,
+    /// The other side.
+    pub sources: &'a Sources,
+    /// Places of the specification.
+    pub locations: &'a dyn Locations,
+    /// Texts of the files of the specification.
+    pub text: &'a dyn Files,
+    /// How stubs are written.
+    pub stubs: &'a StubOptions,
+}
+
+impl Repairs<'_> {
+    /// What a repair does, in the imperative.
+    pub fn title(&self, repair: &Repair) -> String {
+        let component = self.expected.component();
+        match repair {
+            Repair::Stub { at } => {
+                let path = self.stub_file(*at);
+                let file = path.file_name().unwrap_or_default();
+                format!("Write a stub of `{}` in {file}", component.codel(*at).name)
+            }
+            Repair::UpdateSignature { name, .. } => format!("Update the signature of `{name}`"),
+            Repair::RefreshComment { at, .. } => {
+                format!("Refresh the comment of `{}`", component.codel(*at).name)
+            }
+            Repair::AddYield { at, state } => {
+                format!(
+                    "Add `yield {state}` to codel `{}`",
+                    component.codel(*at).name
+                )
+            }
+            Repair::RemoveYield { at, index } => {
+                let codel = component.codel(*at);
+                let state = codel.yields.get(*index).map(super::expected::state_text);
+                format!(
+                    "Remove `{}` from the yields of codel `{}`",
+                    state.unwrap_or_default(),
+                    codel.name
+                )
+            }
+            Repair::AddThrow { owner, exception } => {
+                let (kind, name) = owner_words(component, *owner);
+                format!(
+                    "Add `throw {}` to {kind} `{name}`",
+                    self.exception_name(*exception)
+                )
+            }
+            Repair::RenameFunction { from, to } => {
+                format!("Rename the function `{from}` to `{to}`")
+            }
+            Repair::RenameCodel { from, to } => format!("Rename the codel `{from}` to `{to}`"),
+            Repair::DeclareCodel { name, .. } => format!("Declare codel `{name}`"),
+        }
+    }
+
+    /// The edits of a repair; `None` when the place for them cannot be made out.
+    pub fn edit(&self, repair: &Repair) -> Option<Edit> {
+        match repair {
+            Repair::Stub { at } => self.stub(&[*at]).ok(),
+            Repair::UpdateSignature { name, path, start } => {
+                let (file, function) = self.function(path, *start)?;
+                self.update_signature(name, file, function)
+            }
+            Repair::RefreshComment { at, path, start } => self.refresh_comment(*at, path, *start),
+            Repair::AddYield { at, state } => self.add_yield(*at, state),
+            Repair::RemoveYield { at, index } => self.remove_yield(*at, *index),
+            Repair::AddThrow { owner, exception } => self.add_throw(*owner, *exception),
+            Repair::RenameFunction { from, to } => Some(self.rename_function(from, to)),
+            Repair::RenameCodel { from, to } => self.rename_codel(from, to),
+            Repair::DeclareCodel { path, start, .. } => {
+                let (_, function) = self.function(path, *start)?;
+                self.declare_codel(function, path)
+            }
+        }
+    }
+
+    /// Renames a codel and its function, in every place of the specification and of the sources.
+    pub fn rename(&self, from: &str, to: &str) -> Option<Edit> {
+        let mut edit = self.rename_codel(from, to)?;
+        edit.merge(self.rename_function(from, to)).then_some(edit)
+    }
+
+    /// Codels of the component that have no function.
+    pub fn missing(&self) -> Vec<CodelRef> {
+        let functions = self.expected.functions.iter();
+        let missing = functions.filter(|it| {
+            let mut files = self.sources.all();
+            !files.any(|file| file.index.definitions(&it.name).next().is_some())
+        });
+        missing.filter_map(|it| it.uses.first().copied()).collect()
+    }
+
+    /// Codels of one task or service that have no function.
+    pub fn missing_of(&self, owner: Owner) -> Vec<CodelRef> {
+        let mut all = self.missing();
+        all.retain(|it| it.owner == owner);
+        all
+    }
+
+    /// The file that a stub of a codel goes to.
+    pub fn stub_file(&self, at: CodelRef) -> Utf8PathBuf {
+        let wanted = self.skeleton_file(at);
+        let same = |it: &&IndexedFile| it.path.with_extension("") == wanted.with_extension("");
+        if let Some(file) = self.sources.sources.iter().find(same) {
+            return file.path.clone();
+        }
+        // Where the others of its file are.
+        let component = self.expected.component();
+        let others = component
+            .all_codels()
+            .filter(|it| self.skeleton_file(*it) == wanted);
+        for other in others {
+            let name = &component.codel(other).name;
+            let mut files = self.sources.sources.iter();
+            if let Some(file) = files.find(|it| it.index.definitions(name).next().is_some()) {
+                return file.path.clone();
+            }
+        }
+        wanted
+    }
+
+    fn skeleton_file(&self, at: CodelRef) -> Utf8PathBuf {
+        let options = self.stub_options();
+        let path = Stubs::new(self.expected, &options).file_of(at);
+        self.sources
+            .folder
+            .join(path.file_name().unwrap_or_default())
+    }
+
+    /// The options, with the language that the other sources have.
+    fn stub_options(&self) -> StubOptions {
+        let mut files = self.sources.sources.iter();
+        StubOptions {
+            compile_as_cxx: self.stubs.compile_as_cxx
+                || files.any(|it| it.path.extension() != Some("c")),
+            ..self.stubs.clone()
+        }
+    }
+
+    fn function(&self, path: &Utf8Path, start: usize) -> Option<(&IndexedFile, &Function)> {
+        let file = self.sources.file(path)?;
+        let mut functions = file.index.functions.iter();
+        Some((file, functions.find(|it| it.span.start == start)?))
+    }
+}

@@ -1,0 +1,172 @@
+//! The declaration of a codel, made from a function.
+
+use camino::Utf8Path;
+use dotgen_analysis::model::{CodelKind, Owner, PortDir, ServiceKind, TypeKind};
+
+use super::Repairs;
+use crate::codels::{
+    edit::Edit,
+    expected::cut_tag,
+    source::{Function, Layer, Parameter, Value},
+};
+use crate::lang::Language;
+
+impl Repairs<'_> {
+    /// Declares a codel for a function in the task or service it belongs to, as far as its comment
+    /// or its file says; `None` when that, a state or a parameter cannot be made out.
+    pub(super) fn declare_codel(&self, function: &Function, path: &Utf8Path) -> Option<Edit> {
+        let owner = self.owner_of(function, path)?;
+        let text = self.declaration(function, owner)?;
+        let (at, body) = self.body(owner)?;
+        let mut edit = Edit::default();
+        self.add_property(&at, body, &text, &mut edit);
+        Some(edit)
+    }
+
+    /// `codel<start> f(in x) yield ether;`
+    pub fn declaration(&self, function: &Function, owner: Owner) -> Option<String> {
+        let component = self.expected.component();
+        let mut parameters = function.parameters.as_slice();
+        if self.expected.language == Language::C {
+            parameters = parameters.split_last()?.1;
+        }
+        let parameters: Option<Vec<String>> = parameters
+            .iter()
+            .map(|it| self.parameter(it, owner))
+            .collect();
+        let parameters = parameters?.join(", ");
+        let name = &function.name;
+        let comment = function
+            .comments
+            .iter()
+            .find_map(|it| it.generated.as_ref());
+        if comment.is_some_and(|it| it.validation) {
+            return Some(format!("validate {name}({parameters});"));
+        }
+        let machine = match owner {
+            Owner::Task(_) => true,
+            Owner::Service(it) => component.services[it as usize].kind == ServiceKind::Activity,
+        };
+        if !machine {
+            return Some(format!("codel {name}({parameters});"));
+        }
+        let state = |event: &str| {
+            let (paused, state) = cut_tag(event, &component.name);
+            format!("{}{state}", if paused { "pause::" } else { "" })
+        };
+        let triggers = comment.and_then(|it| it.triggers.as_ref())?;
+        let triggers: Vec<String> = triggers.iter().map(|it| state(it)).collect();
+        let codels = component.codels_of(owner).iter();
+        let mut handled = codels
+            .filter(|it| it.kind == CodelKind::Fsm)
+            .flat_map(|it| &it.triggers);
+        // A state has one codel only.
+        if triggers.is_empty() || handled.any(|it| triggers.contains(&it.name.to_string())) {
+            return None;
+        }
+        let mut yields: Vec<String> = Vec::new();
+        let values = function
+            .body
+            .as_ref()?
+            .returns
+            .iter()
+            .flat_map(|it| &it.values);
+        for value in values {
+            if let Value::Name { name, .. } = value {
+                let prefix = format!("{}{}", component.name, self.expected.separator());
+                let text = state(name);
+                if name.starts_with(&prefix) && !yields.contains(&text) {
+                    yields.push(text);
+                }
+            }
+        }
+        if yields.is_empty() {
+            return None;
+        }
+        Some(format!(
+            "codel<{}> {name}({parameters})\n    yield {};",
+            triggers.join(", "),
+            yields.join(", ")
+        ))
+    }
+
+    fn owner_of(&self, function: &Function, path: &Utf8Path) -> Option<Owner> {
+        let component = self.expected.component();
+        let task = |name: &str| {
+            let found = component.tasks.iter().position(|it| it.name == name)?;
+            Some(Owner::Task(found as u32))
+        };
+        if let Some(comment) = function
+            .comments
+            .iter()
+            .find_map(|it| it.generated.as_ref())
+        {
+            if comment.owner_kind == "task" {
+                return task(&comment.owner);
+            }
+            let mut services = component.services.iter();
+            let found = services.position(|it| it.name == comment.owner)?;
+            return Some(Owner::Service(found as u32));
+        }
+        let stem = path.file_stem()?.strip_prefix(component.name.as_str())?;
+        task(stem.strip_prefix('_')?.strip_suffix("_codels")?)
+    }
+
+    /// `in x`, `port out p`, …: what a parameter of a function most likely stands for.
+    fn parameter(&self, parameter: &Parameter, owner: Owner) -> Option<String> {
+        let spec = self.expected.spec;
+        let component = self.expected.component();
+        let name = parameter.name.as_deref()?;
+        let base = parameter.ty.base.as_str();
+        if let Some(port) = component
+            .ports
+            .iter()
+            .find(|it| self.expected.spelling(it.ty) == base)
+        {
+            let dir = match port.dir {
+                PortDir::In => "in",
+                PortDir::Out => "out",
+            };
+            return Some(named(&format!("port {dir}"), &port.name, name));
+        }
+        if let Some(remote) = component
+            .remotes
+            .iter()
+            .find(|it| self.expected.spelling(it.ty) == base)
+        {
+            return Some(named("remote in", &remote.name, name));
+        }
+        let written = !parameter.ty.constant
+            && matches!(
+                parameter.ty.layers.first(),
+                Some(Layer::Pointer { .. } | Layer::Reference { .. } | Layer::Array { .. })
+            );
+        let dir = if written { "inout" } else { "in" };
+        if let Owner::Service(it) = owner {
+            let mut params = component.services[it as usize].params.iter();
+            if params.any(|it| it.name == name) {
+                return Some(format!("{dir} {name}"));
+            }
+        }
+        let ids = component.ids?;
+        if self.expected.spelling(ids) == base {
+            return Some(format!("ids {dir} ::{name}"));
+        }
+        let TypeKind::Struct { members } = &spec.ty(ids).kind else {
+            return None;
+        };
+        let member = members
+            .iter()
+            .find(|&&it| spec.ty(it).name.as_deref() == Some(name));
+        member.map(|_| format!("ids {dir} {name}"))
+    }
+}
+
+/// `port in p`, or `port in p::q` when the function calls it otherwise.
+fn named(kind: &str, name: &str, as_name: &str) -> String {
+    if name == as_name {
+        format!("{kind} {name}")
+    } else {
+        format!("{kind} {name}::{as_name}")
+    }
+}

@@ -1,0 +1,232 @@
+//! Edits of the C and C++ side.
+
+use std::collections::BTreeMap;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::model::CodelRef;
+
+use super::Repairs;
+use crate::codels::{
+    edit::Edit,
+    files::IndexedFile,
+    source::{Function, Parameter, mentions},
+    stub::Stubs,
+};
+use crate::lang::LangError;
+
+impl Repairs<'_> {
+    /// Stubs of codels, each in the file the skeleton would use. A codel that has a function gets
+    /// none.
+    pub fn stub(&self, codels: &[CodelRef]) -> Result<Edit, LangError> {
+        let options = self.stub_options();
+        let stubs = Stubs::new(self.expected, &options);
+        let missing = self.missing();
+        let mut edit = Edit::default();
+        if self.sources.sources.is_empty() && missing.iter().all(|it| codels.contains(it)) {
+            for file in stubs.all_files()? {
+                let name = file.path.file_name().unwrap_or_default();
+                edit.created
+                    .insert(self.sources.folder.join(name), file.text);
+            }
+            return Ok(edit);
+        }
+        let mut by_file: BTreeMap<Utf8PathBuf, Vec<CodelRef>> = BTreeMap::new();
+        for &at in codels {
+            if missing.contains(&at) {
+                by_file.entry(self.stub_file(at)).or_default().push(at);
+            }
+        }
+        for (path, codels) in by_file {
+            match self.sources.file(&path) {
+                Some(file) => {
+                    for at in codels {
+                        let here = self.stub_place(file, at);
+                        let text = stubs.stub(at)?;
+                        let text = format!("\n\n\n{}", text.trim_end());
+                        edit.replace(&path, here..here, text);
+                    }
+                }
+                None => {
+                    let mut text = stubs.preamble();
+                    for at in codels {
+                        text += "\n\n";
+                        text += &stubs.stub(at)?;
+                    }
+                    edit.created.insert(path.clone(), text);
+                    self.list_source(&path, &mut edit);
+                }
+            }
+        }
+        Ok(edit)
+    }
+
+    /// After the function of the codel that precedes it, else at the end of the file.
+    fn stub_place(&self, file: &IndexedFile, at: CodelRef) -> usize {
+        let component = self.expected.component();
+        let before = (0..at.index).rev().map(|index| CodelRef { index, ..at });
+        for at in before {
+            let name = &component.codel(at).name;
+            if let Some(function) = file.index.definitions(name).last() {
+                return function.span.end;
+            }
+        }
+        file.text.trim_end().len()
+    }
+
+    /// Adds a new file to the sources that the build file lists.
+    fn list_source(&self, path: &Utf8Path, edit: &mut Edit) {
+        let Some((makefile, text)) = &self.sources.makefile else {
+            return;
+        };
+        let stem = format!("{}_", self.expected.component().name);
+        let mut at = 0;
+        let mut last = None;
+        let mut variable = None;
+        for line in text.split_inclusive('\n') {
+            at += line.len();
+            if let Some((name, _)) = line.split_once('=') {
+                let name = name.trim_end_matches(['+', ':', ' ', '\t']);
+                variable = (name.ends_with("_SOURCES") && name != "BUILT_SOURCES").then_some(name);
+            }
+            let continued = line.trim_end().ends_with('\\');
+            if let Some(name) = variable {
+                // The variable that lists the other files of the component is the best.
+                let own = line.contains(&stem);
+                if !continued && (own || last.is_none()) {
+                    last = Some((at, name));
+                }
+            }
+            if !continued {
+                variable = None;
+            }
+        }
+        if let Some((at, name)) = last {
+            let file = path.file_name().unwrap_or_default();
+            let newline = if text[..at].ends_with('\n') { "" } else { "\n" };
+            edit.replace(makefile, at..at, format!("{newline}{name} += {file}\n"));
+        }
+    }
+
+    /// A new prototype with the parameter names that the body uses.
+    pub(super) fn update_signature(
+        &self,
+        name: &str,
+        file: &IndexedFile,
+        function: &Function,
+    ) -> Option<Edit> {
+        let expected = self.expected.function(name)?;
+        let wanted = expected.shape.as_ref()?;
+        let at = *expected.uses.first()?;
+        let mut codel = self.expected.component().codel(at).clone();
+        let names = kept_names(&wanted.parameters, &function.parameters);
+        for (param, name) in codel.params.iter_mut().zip(&names) {
+            if let Some(name) = name {
+                param.name = name.as_str().into();
+            }
+        }
+        let old = file.text.get(function.signature_span.clone())?;
+        // The name stays on the line where it is.
+        let head = file
+            .text
+            .get(function.signature_span.start..function.name_span.start)?;
+        let separator = if head.contains('\n') { "\n" } else { " " };
+        let mapper = self.expected.mapper();
+        let text = mapper
+            .prototype(self.expected.component, &codel, separator)
+            .ok()?;
+        let text = match names.get(codel.params.len()) {
+            Some(Some(context)) => text.replacen(
+                "genom_context self)",
+                &format!("genom_context {context})"),
+                1,
+            ),
+            _ => text,
+        };
+        let mut edit = Edit::default();
+        if function.is_static {
+            let start = function.span.start;
+            let before = file.text.get(start..function.signature_span.start)?;
+            edit.replace(
+                &file.path,
+                start..function.signature_span.start,
+                before.replacen("static", "", 1).trim_start().to_owned(),
+            );
+        }
+        if text != old {
+            edit.replace(&file.path, function.signature_span.clone(), text);
+        }
+        Some(edit)
+    }
+
+    pub(super) fn refresh_comment(
+        &self,
+        at: CodelRef,
+        path: &Utf8Path,
+        start: usize,
+    ) -> Option<Edit> {
+        let file = self.sources.file(path)?;
+        let mut comments = file.index.functions.iter().flat_map(|it| &it.comments);
+        let comment = comments.find(|it| it.span.start == start)?;
+        let generated = comment.generated.as_ref()?;
+        let stubs = Stubs::new(self.expected, self.stubs);
+        let mut edit = Edit::default();
+        let header = stubs.comment_header(at);
+        if file.text.get(generated.header.clone())? != header {
+            edit.replace(path, generated.header.clone(), header);
+        }
+        if !generated.sentences.is_empty() {
+            // Each line starts as the first does.
+            let before = file.text.get(..generated.sentences.start)?;
+            let prefix = before.rsplit('\n').next().unwrap_or_default();
+            let sentences = stubs
+                .comment_sentences(at)
+                .replace('\n', &format!("\n{prefix}"));
+            edit.replace(path, generated.sentences.clone(), sentences);
+        }
+        Some(edit)
+    }
+
+    pub(super) fn rename_function(&self, from: &str, to: &str) -> Edit {
+        let mut edit = Edit::default();
+        for file in self.sources.all() {
+            for range in mentions(&file.text, file.index.grammar, from) {
+                edit.replace(&file.path, range, to);
+            }
+            let comments = file.index.functions.iter().flat_map(|it| &it.comments);
+            for generated in comments.filter_map(|it| it.generated.as_ref()) {
+                if generated.codel == from
+                    && let Some(header) = file.text.get(generated.header.clone())
+                    && let Some(at) = header.find(&format!(" {from} "))
+                {
+                    let start = generated.header.start + at + 1;
+                    edit.replace(&file.path, start..start + from.len(), to);
+                }
+            }
+        }
+        edit
+    }
+}
+
+/// For each wanted parameter the name that the body uses for it, where it is another one.
+fn kept_names(wanted: &[Parameter], found: &[Parameter]) -> Vec<Option<String>> {
+    let by_name = |it: &Parameter| found.iter().any(|other| other.name == it.name);
+    let taken = |name: &str| wanted.iter().any(|it| it.name.as_deref() == Some(name));
+    // Those without partner of the same name are matched in order, by type.
+    let mut free: Vec<&Parameter> = found
+        .iter()
+        .filter(|it| it.name.as_deref().is_some_and(|name| !taken(name)))
+        .collect();
+    wanted
+        .iter()
+        .map(|it| {
+            if by_name(it) {
+                return None;
+            }
+            let ty = it.ty.without_const();
+            let at = free
+                .iter()
+                .position(|other| other.ty.without_const() == ty)?;
+            free.remove(at).name.as_ref().map(ToString::to_string)
+        })
+        .collect()
+}

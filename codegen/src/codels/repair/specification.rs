@@ -1,0 +1,277 @@
+//! Edits of the `.gen` side.
+//!
+//! Places come from [`Locations`]; an edit is made only where the text at the place is what the
+//! model says, so that nothing that a macro wrote is touched.
+
+use std::{ops::Range, sync::Arc};
+
+use camino::Utf8PathBuf;
+use dotgen_analysis::model::{CodelRef, Owner, Src, State, TypeId};
+
+use super::Repairs;
+use crate::codels::{edit::Edit, expected::state_text};
+
+/// A place of the specification with the text of its file.
+pub(super) struct At {
+    pub(super) path: Utf8PathBuf,
+    pub(super) text: Arc<str>,
+    pub(super) range: Range<usize>,
+}
+
+impl Repairs<'_> {
+    /// The place of an item if `wanted` stands there.
+    pub(super) fn at(&self, src: Src, wanted: &str) -> Option<At> {
+        let location = self.locations.locate(src)?;
+        let text = self.text.read(&location.path)?;
+        let here = text.get(location.range.clone())?;
+        (here == wanted).then_some(At {
+            path: location.path,
+            range: location.range,
+            text,
+        })
+    }
+
+    /// The place of a state, `pause::` included.
+    fn state(&self, state: &State) -> Option<At> {
+        let full = state_text(state);
+        if let Some(at) = self.at(state.src, &full) {
+            return Some(at);
+        }
+        let mut at = self.at(state.src, &state.name)?;
+        if state.paused {
+            let before = at.text.get(..at.range.start)?;
+            let before = before.trim_end().strip_suffix("::")?.trim_end();
+            at.range.start = before.strip_suffix("pause")?.len();
+        }
+        Some(at)
+    }
+
+    pub(super) fn add_yield(&self, at: CodelRef, state: &str) -> Option<Edit> {
+        let codel = self.expected.component().codel(at);
+        let last = self.state(codel.yields.last()?)?;
+        let mut edit = Edit::default();
+        edit.replace(
+            &last.path,
+            last.range.end..last.range.end,
+            format!(", {state}"),
+        );
+        Some(edit)
+    }
+
+    pub(super) fn remove_yield(&self, at: CodelRef, index: usize) -> Option<Edit> {
+        let yields = &self.expected.component().codel(at).yields;
+        let this = self.state(yields.get(index)?)?;
+        let range = match index.checked_sub(1) {
+            Some(before) => self.state(&yields[before])?.range.end..this.range.end,
+            None => this.range.start..self.state(yields.get(1)?)?.range.start,
+        };
+        // Only a comma may go with it.
+        let around = this.text.get(range.clone())?;
+        let rest = around.replacen(this.text.get(this.range.clone())?, "", 1);
+        if rest.trim() != "," {
+            return None;
+        }
+        let mut edit = Edit::default();
+        edit.replace(&this.path, range, "");
+        Some(edit)
+    }
+
+    /// The exception as the component writes it.
+    pub(super) fn exception_name(&self, exception: TypeId) -> String {
+        let component = &self.expected.component().name;
+        let full = self.expected.spec.full_name(exception).unwrap_or_default();
+        let full = full.trim_start_matches("::");
+        let own = full.strip_prefix(component.as_str());
+        own.and_then(|it| it.strip_prefix("::"))
+            .unwrap_or(full)
+            .to_owned()
+    }
+
+    pub(super) fn add_throw(&self, owner: Owner, exception: TypeId) -> Option<Edit> {
+        let (at, body) = self.body(owner)?;
+        let name = self.exception_name(exception);
+        let mut edit = Edit::default();
+        if let Some(end) = property_end(&at.text, body.clone(), &["throw", "throws"]) {
+            edit.replace(&at.path, end..end, format!(", {name}"));
+        } else {
+            self.add_property(&at, body, &format!("throw {name};"), &mut edit);
+        }
+        Some(edit)
+    }
+
+    /// The name of a task or service, and what is between its braces.
+    pub(super) fn body(&self, owner: Owner) -> Option<(At, Range<usize>)> {
+        let component = self.expected.component();
+        let (src, name) = match owner {
+            Owner::Task(it) => {
+                let task = &component.tasks[it as usize];
+                (task.src, &task.name)
+            }
+            Owner::Service(it) => {
+                let service = &component.services[it as usize];
+                (service.src, &service.name)
+            }
+        };
+        let at = self.at(src, name)?;
+        let body = body_after(&at.text, at.range.end)?;
+        Some((at, body))
+    }
+
+    /// Adds a property as the last one of a body.
+    pub(super) fn add_property(&self, at: &At, body: Range<usize>, text: &str, edit: &mut Edit) {
+        let content = at.text.get(body.clone()).unwrap_or_default();
+        let last = content.trim_end();
+        let here = body.start + last.len();
+        if !content.contains('\n') {
+            edit.replace(&at.path, here..here, format!(" {text}"));
+            return;
+        }
+        // As the last line of the body is indented, or two more than the declaration.
+        let line = last
+            .lines()
+            .rev()
+            .find(|it| !it.trim().is_empty() && it.starts_with([' ', '\t']));
+        let before = at.text.get(..at.range.start).unwrap_or_default();
+        let own = before.rsplit('\n').next().unwrap_or_default();
+        let blanks =
+            |it: &str| -> String { it.chars().take_while(|c| matches!(c, ' ' | '\t')).collect() };
+        let first = content
+            .lines()
+            .find(|it| !it.trim().is_empty() && it.starts_with([' ', '\t']));
+        let indent = first
+            .or(line)
+            .map_or_else(|| format!("{}  ", blanks(own)), blanks);
+        edit.replace(&at.path, here..here, format!("\n{indent}{text}"));
+    }
+
+    pub(super) fn rename_codel(&self, from: &str, to: &str) -> Option<Edit> {
+        let mut edit = Edit::default();
+        for component in &self.expected.spec.components {
+            for at in component.all_codels() {
+                let codel = component.codel(at);
+                if codel.name == from {
+                    let at = self.at(codel.src, from)?;
+                    edit.replace(&at.path, at.range, to);
+                }
+            }
+        }
+        (!edit.is_empty()).then_some(edit)
+    }
+}
+
+/// The part of a text after an offset, token by token: comments, strings and directives are skipped.
+struct Scan<'t> {
+    text: &'t str,
+    at: usize,
+}
+
+impl<'t> Iterator for Scan<'t> {
+    type Item = (usize, &'t str);
+
+    fn next(&mut self) -> Option<(usize, &'t str)> {
+        loop {
+            let rest = self.text.get(self.at..)?;
+            let first = rest.chars().next()?;
+            let skip = if rest.starts_with("/*") {
+                rest.find("*/").map_or(rest.len(), |it| it + 2)
+            } else if rest.starts_with("//") || first == '#' {
+                rest.find('\n').unwrap_or(rest.len())
+            } else if first == '"' || first == '\'' {
+                let mut escaped = false;
+                let end = rest[1..].find(|c| {
+                    let end = c == first && !escaped;
+                    escaped = c == '\\' && !escaped;
+                    end
+                });
+                end.map_or(rest.len(), |it| it + 2)
+            } else if first.is_whitespace() {
+                first.len_utf8()
+            } else {
+                let word = |c: char| c.is_alphanumeric() || c == '_' || c == '-';
+                let len = rest
+                    .find(|c| !word(c))
+                    .unwrap_or(rest.len())
+                    .max(first.len_utf8());
+                let start = self.at;
+                self.at += len;
+                return Some((start, &rest[..len]));
+            };
+            self.at += skip;
+        }
+    }
+}
+
+/// What is between the braces that follow an offset; `None` when a `;` comes first.
+fn body_after(text: &str, from: usize) -> Option<Range<usize>> {
+    let (mut parentheses, mut depth, mut start) = (0i32, 0i32, 0);
+    for (at, token) in (Scan { text, at: from }) {
+        match token {
+            "(" => parentheses += 1,
+            ")" => parentheses -= 1,
+            "{" if parentheses == 0 => {
+                if depth == 0 {
+                    start = at + 1;
+                }
+                depth += 1;
+            }
+            "}" if parentheses == 0 => {
+                depth -= 1;
+                if depth == 0 {
+                    return Some(start..at);
+                }
+                if depth < 0 {
+                    return None;
+                }
+            }
+            ";" if depth == 0 && parentheses == 0 => return None,
+            _ => {}
+        }
+    }
+    None
+}
+
+/// Where the value of the last of some properties of a body ends: before its `;`.
+fn property_end(text: &str, body: Range<usize>, names: &[&str]) -> Option<usize> {
+    let text = text.get(..body.end)?;
+    let (mut first, mut inside, mut found, mut end) = (true, false, None, body.start);
+    for (at, token) in (Scan {
+        text,
+        at: body.start,
+    }) {
+        if token == ";" {
+            if inside {
+                found = Some(end);
+            }
+            (first, inside) = (true, false);
+            continue;
+        }
+        if first {
+            inside = names.contains(&token);
+            first = false;
+        }
+        end = at + token.len();
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bodies_are_found_past_comments_and_parameters() {
+        let text = "task t /* { */ (in long a = {1}) { doc \"}\"; // }\n codel<a> f() yield b; };";
+        let body = body_after(text, 6).unwrap();
+        assert_eq!(&text[body], " doc \"}\"; // }\n codel<a> f() yield b; ");
+        assert_eq!(body_after("t; task u { }", 1), None);
+        assert_eq!(body_after("t {", 1), None);
+    }
+
+    #[test]
+    fn properties_end_before_their_semicolon() {
+        let text = "{ doc \"throw x;\"; throw a,\n  b /* c */ ; codel f(); }";
+        let end = property_end(text, 1..text.len() - 1, &["throw"]).unwrap();
+        assert!(text[..end].ends_with("  b"));
+        assert_eq!(property_end(text, 1..text.len() - 1, &["validate"]), None);
+    }
+}

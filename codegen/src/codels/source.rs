@@ -1,0 +1,297 @@
+//! One C or C++ text as far as codels are concerned: its functions, what they return and raise, and
+//! the names it declares.
+//!
+//! [`SourceIndex::new`] is a pure function of the text. It never fails: what does not parse is left
+//! out, and everything is marked that keeps a reader from knowing ([`Body::broken`],
+//! [`Function::known`], [`Value::Unknown`], [`SourceIndex::loose`]).
+
+mod body;
+mod comment;
+mod ctype;
+mod declare;
+
+use std::ops::Range;
+
+use rustc_hash::FxHashSet;
+use smol_str::SmolStr;
+use tree_sitter::Parser;
+
+pub use comment::{Comment, Generated};
+pub(crate) use ctype::compact;
+pub use ctype::{CType, Layer};
+
+/// Byte offsets of start and end.
+pub type Span = Range<usize>;
+
+/// Longer texts are not read: no one wrote them by hand.
+const MAX_LEN: usize = 8 << 20;
+
+/// The grammar a text is read with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[allow(missing_docs, reason = "self-explaining")]
+pub enum Grammar {
+    C,
+    Cxx,
+}
+
+impl Grammar {
+    /// The grammar of a file, by its extension. Headers of C components are C.
+    pub fn of_path(path: &str) -> Option<Grammar> {
+        match path.rsplit_once('.')?.1 {
+            "c" | "h" => Some(Grammar::C),
+            "cc" | "cpp" | "cxx" | "C" | "c++" | "hh" | "hpp" | "hxx" => Some(Grammar::Cxx),
+            _ => None,
+        }
+    }
+}
+
+/// What one text holds.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SourceIndex {
+    /// How it was read.
+    pub grammar: Grammar,
+    /// Definitions and prototypes, in text order.
+    pub functions: Vec<Function>,
+    /// Macros it defines.
+    pub macros: Vec<Macro>,
+    /// Types, variables and functions declared outside functions.
+    pub names: FxHashSet<SmolStr>,
+    /// Identifiers that stand outside functions where no declaration could be made out: arguments
+    /// of macros, and parts that do not parse. A function may hide behind each.
+    pub loose: FxHashSet<SmolStr>,
+    /// `#include` directives, in text order.
+    pub includes: Vec<Include>,
+}
+
+/// `#include "path"`
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Include {
+    /// Without the quotes or angle brackets.
+    pub path: String,
+    /// The directive.
+    pub span: Span,
+}
+
+/// `#define NAME …`
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Macro {
+    /// Its name.
+    pub name: SmolStr,
+    /// It may leave the function that uses it.
+    pub returns: bool,
+    /// It builds names with `##`.
+    pub pastes: bool,
+}
+
+/// A function definition or a prototype.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Function {
+    /// Name without scopes.
+    pub name: SmolStr,
+    /// The name.
+    pub name_span: Span,
+    /// Enclosing namespaces, classes and qualifiers, outermost first; an anonymous namespace is
+    /// empty.
+    pub scope: Vec<SmolStr>,
+    /// In an `extern "C"` block.
+    pub extern_c: bool,
+    /// `static`
+    pub is_static: bool,
+    /// The return type; without storage classes.
+    pub result: CType,
+    /// In order; `(void)` is empty.
+    pub parameters: Vec<Parameter>,
+    /// Ends with `...`.
+    pub variadic: bool,
+    /// The signature parsed without error.
+    pub known: bool,
+    /// From the return type to the closing parenthesis: what a new signature replaces.
+    pub signature_span: Span,
+    /// The whole definition or declaration.
+    pub span: Span,
+    /// `None` for a prototype.
+    pub body: Option<Body>,
+    /// Comments directly above, nearest first.
+    pub comments: Vec<Comment>,
+}
+
+/// A function parameter.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Parameter {
+    /// Its name, if it has one.
+    pub name: Option<SmolStr>,
+    /// Its type.
+    pub ty: CType,
+    /// The whole parameter.
+    pub span: Span,
+}
+
+/// What a function does, as far as the state machine is concerned.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Body {
+    /// The braces and what is between them.
+    pub span: Span,
+    /// It has syntax errors.
+    pub broken: bool,
+    /// It is the sample of the skeleton, still to be written.
+    pub sample: bool,
+    /// Every `return` with a value, in text order.
+    pub returns: Vec<Return>,
+    /// Every call by name, in text order.
+    pub calls: Vec<Call>,
+    /// Every `throw` of a named type, in text order (C++).
+    pub throws: Vec<Throw>,
+    /// A `throw` of something else.
+    pub throws_unknown: bool,
+    /// Every identifier.
+    pub mentions: FxHashSet<SmolStr>,
+}
+
+/// A `return` statement.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Return {
+    /// The statement.
+    pub span: Span,
+    /// What it may return: several for conditional expressions and variables.
+    pub values: Vec<Value>,
+}
+
+/// Something that a function may return.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Value {
+    /// A name that is not a variable of the function.
+    Name {
+        /// As written, scopes included.
+        name: SmolStr,
+        /// Where it is written.
+        span: Span,
+        /// It was put in a variable first: that it reaches the `return` is likely but not certain.
+        variable: bool,
+    },
+    /// The result of a function or macro.
+    Call {
+        /// Index into [`Body::calls`].
+        call: usize,
+        /// As in [`Value::Name`].
+        variable: bool,
+    },
+    /// Anything else.
+    Unknown,
+}
+
+/// A call by name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Call {
+    /// As written, scopes included.
+    pub name: SmolStr,
+    /// The name.
+    pub span: Span,
+    /// Number of arguments.
+    pub arguments: usize,
+    /// The last argument, when it is a plain name.
+    pub last: Option<SmolStr>,
+    /// It is a statement of its own.
+    pub statement: bool,
+}
+
+/// `throw name(…)` or `throw name`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Throw {
+    /// As written, scopes included.
+    pub name: SmolStr,
+    /// The name.
+    pub span: Span,
+}
+
+impl SourceIndex {
+    /// Reads a text.
+    pub fn new(text: &str, grammar: Grammar) -> SourceIndex {
+        let mut index = SourceIndex {
+            grammar,
+            functions: Vec::new(),
+            macros: Vec::new(),
+            names: FxHashSet::default(),
+            loose: FxHashSet::default(),
+            includes: Vec::new(),
+        };
+        if let Some(tree) = parse(text, grammar) {
+            declare::declarations(tree.root_node(), text, &mut index);
+            index.functions.sort_by_key(|it| it.span.start);
+        }
+        index
+    }
+
+    /// Definitions of a name that the linker sees under that name.
+    pub fn definitions<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Function> + 'a {
+        self.functions
+            .iter()
+            .filter(move |it| it.name == name && it.body.is_some() && it.is_global())
+    }
+
+    /// The function around an offset.
+    pub fn function_at(&self, offset: usize) -> Option<&Function> {
+        self.functions
+            .iter()
+            .find(|it| it.span.start <= offset && offset <= it.span.end)
+    }
+}
+
+impl Function {
+    /// Its symbol is its plain name: it is in no namespace or class, or is `extern "C"`.
+    pub fn is_global(&self) -> bool {
+        self.scope.is_empty() || self.extern_c
+    }
+}
+
+/// Places where an identifier is used (not in comments or strings), in text order.
+pub fn mentions(text: &str, grammar: Grammar, name: &str) -> Vec<Span> {
+    let mut out = Vec::new();
+    if name.is_empty() || !text.contains(name) {
+        return out;
+    }
+    let Some(tree) = parse(text, grammar) else {
+        return out;
+    };
+    preorder(tree.root_node(), |node| {
+        if node.child_count() == 0
+            && node.is_named()
+            && node.kind().ends_with("identifier")
+            && ctype::source(node, text) == name
+        {
+            out.push(node.byte_range());
+        }
+        true
+    });
+    out
+}
+
+fn parse(text: &str, grammar: Grammar) -> Option<tree_sitter::Tree> {
+    if text.len() > MAX_LEN {
+        return None;
+    }
+    let language = match grammar {
+        Grammar::C => tree_sitter_c::LANGUAGE.into(),
+        Grammar::Cxx => tree_sitter_cpp::LANGUAGE.into(),
+    };
+    let mut parser = Parser::new();
+    parser.set_language(&language).ok()?;
+    parser.parse(text, None)
+}
+
+/// Visits a tree in text order without recursion; `enter` says whether to go inside.
+fn preorder<'t>(root: tree_sitter::Node<'t>, mut enter: impl FnMut(tree_sitter::Node<'t>) -> bool) {
+    let mut cursor = root.walk();
+    loop {
+        if enter(cursor.node()) && cursor.goto_first_child() {
+            continue;
+        }
+        while !cursor.goto_next_sibling() {
+            if !cursor.goto_parent() {
+                return;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

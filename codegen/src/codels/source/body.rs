@@ -1,0 +1,269 @@
+//! What a function body returns and raises.
+
+use rustc_hash::{FxHashMap, FxHashSet};
+use smol_str::SmolStr;
+use tree_sitter::Node;
+
+use super::{
+    Body, Call, Return, Throw, Value,
+    ctype::{compact, declared_name, source},
+    preorder,
+};
+
+/// What the skeleton writes in its samples.
+const SAMPLE: &str = "skeleton sample: insert your code";
+
+/// Reads the block of a function with the given parameter names.
+pub(super) fn read(block: Node<'_>, parameters: &[SmolStr], text: &str) -> Body {
+    let mut reader = Reader {
+        text,
+        body: Body {
+            span: block.byte_range(),
+            broken: block.has_error(),
+            sample: source(block, text).contains(SAMPLE),
+            returns: Vec::new(),
+            calls: Vec::new(),
+            throws: Vec::new(),
+            throws_unknown: false,
+            mentions: FxHashSet::default(),
+        },
+        variables: FxHashMap::default(),
+        calls: FxHashMap::default(),
+    };
+    for name in parameters {
+        reader.variable(name.clone()).unknown = true;
+    }
+    let mut returns = Vec::new();
+    preorder(block, |node| reader.node(node, &mut returns));
+    for node in returns {
+        let values = node.named_child(0).filter(|it| it.kind() != "comment");
+        let Some(value) = values else { continue };
+        let mut out = Vec::new();
+        reader.values(value, false, &mut FxHashSet::default(), &mut out);
+        reader.body.returns.push(Return {
+            span: node.byte_range(),
+            values: out,
+        });
+    }
+    reader.body
+}
+
+struct Reader<'t> {
+    text: &'t str,
+    body: Body,
+    variables: FxHashMap<SmolStr, Variable<'t>>,
+    /// Index of the call of a node.
+    calls: FxHashMap<usize, usize>,
+}
+
+/// A variable of the function, without regard to inner scopes.
+#[derive(Default)]
+struct Variable<'t> {
+    /// What is assigned to it.
+    assigned: Vec<Node<'t>>,
+    /// It may hold something else: a parameter, or its address is taken.
+    unknown: bool,
+}
+
+impl<'t> Reader<'t> {
+    fn variable(&mut self, name: SmolStr) -> &mut Variable<'t> {
+        self.variables.entry(name).or_default()
+    }
+
+    fn node(&mut self, node: Node<'t>, returns: &mut Vec<Node<'t>>) -> bool {
+        match node.kind() {
+            // Returns from itself, not from the codel.
+            "lambda_expression" => return false,
+            "identifier" => {
+                self.body.mentions.insert(source(node, self.text).into());
+            }
+            "return_statement" => returns.push(node),
+            "throw_statement" => self.throw(node),
+            "call_expression" => self.call(node),
+            "declaration" => {
+                let mut cursor = node.walk();
+                for declarator in node.children_by_field_name("declarator", &mut cursor) {
+                    self.declarator(declarator);
+                }
+            }
+            "for_range_loop" | "parameter_declaration" => {
+                let declarator = node.child_by_field_name("declarator");
+                if let Some(name) = declarator.and_then(declared_name) {
+                    self.variable(source(name, self.text).into()).unknown = true;
+                }
+            }
+            "assignment_expression" => {
+                let left = node.child_by_field_name("left");
+                if let Some(left) = left.filter(|it| it.kind() == "identifier") {
+                    let name: SmolStr = source(left, self.text).into();
+                    let plain = node.child_by_field_name("operator");
+                    let plain = plain.is_none_or(|it| it.kind() == "=");
+                    let right = node.child_by_field_name("right").filter(|_| plain);
+                    // An assignment alone does not make a variable of the function.
+                    let variable = self.variable(name);
+                    match right {
+                        Some(right) => variable.assigned.push(right),
+                        None => variable.unknown = true,
+                    }
+                }
+            }
+            "pointer_expression" => {
+                let address = node.child(0).is_some_and(|it| it.kind() == "&");
+                let argument = node.child_by_field_name("argument").filter(|_| address);
+                if let Some(name) = argument.filter(|it| it.kind() == "identifier") {
+                    self.variable(source(name, self.text).into()).unknown = true;
+                }
+            }
+            _ => {}
+        }
+        true
+    }
+
+    fn declarator(&mut self, declarator: Node<'t>) {
+        let value = declarator.child_by_field_name("value");
+        let Some(name) = declared_name(declarator) else {
+            return;
+        };
+        let variable = self.variable(source(name, self.text).into());
+        variable.assigned.extend(value);
+    }
+
+    fn call(&mut self, node: Node<'t>) {
+        let Some(function) = node.child_by_field_name("function") else {
+            return;
+        };
+        if !matches!(function.kind(), "identifier" | "qualified_identifier") {
+            return;
+        }
+        let arguments = node.child_by_field_name("arguments");
+        let mut all = Vec::new();
+        if let Some(arguments) = arguments {
+            let mut cursor = arguments.walk();
+            let found = arguments.named_children(&mut cursor);
+            all.extend(found.filter(|it| it.kind() != "comment"));
+        }
+        let last = all.last().filter(|it| it.kind() == "identifier");
+        let parent = node.parent();
+        self.calls.insert(node.id(), self.body.calls.len());
+        self.body.calls.push(Call {
+            name: compact(source(function, self.text)).into(),
+            span: function.byte_range(),
+            arguments: all.len(),
+            last: last.map(|it| source(*it, self.text).into()),
+            statement: parent.is_some_and(|it| it.kind() == "expression_statement"),
+        });
+    }
+
+    fn throw(&mut self, node: Node<'t>) {
+        let Some(value) = node.named_child(0) else {
+            // Throws again what it caught.
+            self.body.throws_unknown = true;
+            return;
+        };
+        let name = match value.kind() {
+            "call_expression" => value.child_by_field_name("function"),
+            "compound_literal_expression" => value.child_by_field_name("type"),
+            _ => None,
+        };
+        let named = name.filter(|it| {
+            matches!(
+                it.kind(),
+                "identifier" | "qualified_identifier" | "type_identifier"
+            )
+        });
+        match named {
+            Some(name) => self.body.throws.push(Throw {
+                name: compact(source(name, self.text)).into(),
+                span: name.byte_range(),
+            }),
+            None => self.body.throws_unknown = true,
+        }
+    }
+
+    /// What an expression may give.
+    fn values(
+        &self,
+        node: Node<'t>,
+        variable: bool,
+        seen: &mut FxHashSet<SmolStr>,
+        out: &mut Vec<Value>,
+    ) {
+        // Nested deeper than that is no code of ours.
+        if out.len() > 256 || seen.len() > 64 {
+            out.push(Value::Unknown);
+            return;
+        }
+        let mut node = node;
+        loop {
+            let inner = match node.kind() {
+                "parenthesized_expression" => node.named_child(0),
+                "cast_expression" => node.child_by_field_name("value"),
+                "comma_expression" | "assignment_expression" => node.child_by_field_name("right"),
+                _ => break,
+            };
+            match inner {
+                Some(inner) => node = inner,
+                None => break,
+            }
+        }
+        match node.kind() {
+            "identifier" => {
+                let name: SmolStr = source(node, self.text).into();
+                let Some(known) = self.variables.get(&name) else {
+                    out.push(Value::Name {
+                        name,
+                        span: node.byte_range(),
+                        variable,
+                    });
+                    return;
+                };
+                if known.unknown {
+                    out.push(Value::Unknown);
+                }
+                if seen.insert(name) {
+                    for assigned in &known.assigned {
+                        self.values(*assigned, true, seen, out);
+                    }
+                }
+            }
+            "qualified_identifier" => out.push(Value::Name {
+                name: compact(source(node, self.text)).into(),
+                span: node.byte_range(),
+                variable,
+            }),
+            "conditional_expression" => {
+                for field in ["consequence", "alternative"] {
+                    match node.child_by_field_name(field) {
+                        Some(branch) if !is_deep(branch) => {
+                            self.values(branch, variable, seen, out);
+                        }
+                        _ => out.push(Value::Unknown),
+                    }
+                }
+            }
+            "call_expression" => match self.calls.get(&node.id()) {
+                Some(&call) => out.push(Value::Call { call, variable }),
+                None => out.push(Value::Unknown),
+            },
+            _ => out.push(Value::Unknown),
+        }
+    }
+}
+
+/// Chains of conditionals longer than that are generated: they are not followed.
+fn is_deep(node: Node<'_>) -> bool {
+    let mut depth = 0;
+    let mut at = Some(node);
+    while let Some(node) = at {
+        depth += 1;
+        if depth > 48 {
+            return true;
+        }
+        at = match node.kind() {
+            "parenthesized_expression" => node.named_child(0),
+            "conditional_expression" => node.child_by_field_name("alternative"),
+            _ => None,
+        };
+    }
+    false
+}

@@ -1,0 +1,229 @@
+use super::*;
+
+fn index(text: &str) -> SourceIndex {
+    SourceIndex::new(text, Grammar::C)
+}
+
+fn cxx(text: &str) -> SourceIndex {
+    SourceIndex::new(text, Grammar::Cxx)
+}
+
+fn names(index: &SourceIndex) -> Vec<&str> {
+    index.functions.iter().map(|it| it.name.as_str()).collect()
+}
+
+#[test]
+fn signatures() {
+    let text = "genom_event\nf(const a_b *x, double m[2][3], struct s v, char **argv,\n  \
+                const int32_t (*p)[3], unsigned long int n, int (*cb)(int), const genom_context self)\n{\n}\n";
+    let index = index(text);
+    let f = &index.functions[0];
+    assert!(f.known && f.body.is_some() && !f.is_static);
+    assert_eq!(f.result, CType::plain("genom_event"));
+    let shown: Vec<String> = f
+        .parameters
+        .iter()
+        .map(|it| format!("{} {:?}", it.name.as_deref().unwrap_or("-"), it.ty))
+        .collect();
+    insta::assert_snapshot!(shown.join("\n"), @r#"
+    x CType { base: "a_b", constant: true, layers: [Pointer { constant: false }] }
+    m CType { base: "double", constant: false, layers: [Array { length: Some("2") }, Array { length: Some("3") }] }
+    v CType { base: "s", constant: false, layers: [] }
+    argv CType { base: "char", constant: false, layers: [Pointer { constant: false }, Pointer { constant: false }] }
+    p CType { base: "int32_t", constant: true, layers: [Pointer { constant: false }, Array { length: Some("3") }] }
+    n CType { base: "unsigned long", constant: false, layers: [] }
+    cb CType { base: "int32_t", constant: false, layers: [Pointer { constant: false }, Function { parameters: "(int)" }] }
+    self CType { base: "genom_context", constant: true, layers: [] }
+    "#);
+    assert_eq!(
+        &text[f.signature_span.clone()],
+        text.split("\n{").next().unwrap()
+    );
+    assert_eq!(&text[f.name_span.clone()], "f");
+}
+
+#[test]
+fn scopes_and_linkage() {
+    let index = cxx(
+        "namespace a::b { int f(void) {} namespace { void g() {} } }\n\
+        extern \"C\" { void h() {} void p(); }\nvoid C::m() {}\nstatic inline int s() { return 0; }\n",
+    );
+    let shown: Vec<String> = index
+        .functions
+        .iter()
+        .map(|it| {
+            let global = if it.is_global() { "" } else { " hidden" };
+            let kind = if it.body.is_some() { "" } else { " prototype" };
+            let link = if it.is_static { " static" } else { "" };
+            format!("{}::{}{global}{kind}{link}", it.scope.join("::"), it.name)
+        })
+        .collect();
+    assert_eq!(
+        shown,
+        [
+            "a::b::f hidden",
+            "a::b::::g hidden",
+            "::h",
+            "::p prototype",
+            "C::m hidden",
+            "::s static"
+        ]
+    );
+}
+
+#[test]
+fn functions_are_found_among_macros_and_directives() {
+    let index = index(
+        "MACRO(x)\nDEFINE_CODEL(hidden)\n#ifdef A\nint f(int a) {}\n#else\nint f(long a) {}\n#endif\n\
+         int g(void) { return }\n",
+    );
+    assert_eq!(names(&index), ["f", "f", "g"]);
+    assert!(index.functions[2].body.as_ref().unwrap().broken);
+    assert!(index.loose.contains("hidden"), "{:?}", index.loose);
+}
+
+/// What half-typed code swallows is known to be there.
+#[test]
+fn half_typed_code_hides_nothing() {
+    for text in [
+        "int broken(int a { if (\n}\nint g(void) { return 1; }\n",
+        "int broken(int a) { if (a) {\n\nint g(void) { return 1; }\n",
+        "int broken(\n\nint g(void) { return 1; }\n",
+        "int x = {\nint g(void) { return 1; }\n",
+    ] {
+        let index = index(text);
+        let swallowed = index
+            .functions
+            .iter()
+            .filter_map(|it| it.body.as_ref())
+            .any(|it| it.broken && it.mentions.contains("g"));
+        let found = names(&index).contains(&"g");
+        assert!(
+            found || swallowed || index.loose.contains("g"),
+            "{text}: {index:#?}"
+        );
+    }
+}
+
+#[test]
+fn returned_values_follow_variables_and_branches() {
+    let index = index(
+        "genom_event f(int p, const genom_context self) {\n\
+         genom_event e = c_a, q; q = (c_b);\n\
+         if (p) return e; if (p == 2) return p ? c_c : (genom_event)c_d;\n\
+         if (p == 3) return helper(p, self);\n  g(&unknown); return p; }\n",
+    );
+    let body = index.functions[0].body.as_ref().unwrap();
+    let shown: Vec<String> = body
+        .returns
+        .iter()
+        .map(|it| {
+            let values = it.values.iter().map(|it| match it {
+                Value::Name { name, variable, .. } => {
+                    format!("{name}{}", if *variable { "~" } else { "" })
+                }
+                Value::Call { call, .. } => format!("{}()", body.calls[*call].name),
+                Value::Unknown => "?".into(),
+            });
+            values.collect::<Vec<_>>().join(" ")
+        })
+        .collect();
+    assert_eq!(shown, ["c_a~", "c_c c_d", "helper()", "?"]);
+    assert_eq!(body.calls[0].last.as_deref(), Some("self"));
+}
+
+#[test]
+fn lambdas_and_throws_of_cxx() {
+    let index = cxx(
+        "genom::event f() { auto l = []{ return 1; }; throw c::e_foo(); throw e_bar{}; throw; \
+         return c::pause::x; }",
+    );
+    let body = index.functions[0].body.as_ref().unwrap();
+    assert_eq!(body.returns.len(), 1);
+    assert!(
+        matches!(&body.returns[0].values[..], [Value::Name { name, .. }] if name == "c::pause::x")
+    );
+    let throws: Vec<&str> = body.throws.iter().map(|it| it.name.as_str()).collect();
+    assert_eq!(throws, ["c::e_foo", "e_bar"]);
+    assert!(body.throws_unknown);
+}
+
+#[test]
+fn generated_comments() {
+    let text = "/** Codel other of task t.\n *\n * Yields to c_x.\n */\n/* already defined */\n\n\
+        /** Codel f of activity a.\n *\n * Triggered by c_start, c_pause_b,\n * c_c.\n * Yields to c_x.\n\
+         * Throws c_e_one.\n */\n/* mine */\ngenom_event f(void) {}\n\
+        // Codel g of service s. Yields to start, ether.\n// More.\nvoid g() {}\n\
+        /* Codel g is fine. */\nvoid h() {}\n";
+    let index = index(text);
+    let comments = |at: usize| &index.functions[at].comments;
+    let f = &comments(0)[1];
+    let it = f.generated.as_ref().unwrap();
+    assert_eq!(
+        (it.codel.as_str(), it.owner_kind.as_str(), it.owner.as_str()),
+        ("f", "activity", "a")
+    );
+    assert_eq!(
+        it.triggers.as_deref().unwrap(),
+        ["c_start", "c_pause_b", "c_c"]
+    );
+    assert_eq!(it.yields.as_deref().unwrap(), ["c_x"]);
+    assert_eq!(it.throws.as_deref().unwrap(), ["c_e_one"]);
+    assert_eq!(&text[it.header.clone()], "Codel f of activity a");
+    assert!(text[it.sentences.clone()].starts_with("Triggered by"));
+    assert!(text[it.sentences.clone()].ends_with("c_e_one."));
+    assert_eq!(comments(0).len(), 4);
+    let g = comments(1)[0].generated.as_ref().unwrap();
+    assert_eq!(g.yields.as_deref().unwrap(), ["start", "ether"]);
+    assert_eq!(comments(1).len(), 1, "lines are one comment");
+    assert!(comments(2)[0].generated.is_none());
+}
+
+#[test]
+fn names_macros_and_includes() {
+    let index = index(
+        "#include \"a.h\"\n#include <b.h>\n#define RET(x) do { return x; } while (0)\n#define PASTE(a) a##_b\n\
+         typedef struct s { int a; } s_t;\nstatic int global = 1, *other;\nenum color { RED };\n",
+    );
+    let includes: Vec<&str> = index.includes.iter().map(|it| it.path.as_str()).collect();
+    assert_eq!(includes, ["a.h", "b.h"]);
+    assert!(index.macros[0].returns && !index.macros[0].pastes && index.macros[1].pastes);
+    for name in ["s_t", "global", "other", "color"] {
+        assert!(index.names.contains(name), "{name}");
+    }
+}
+
+#[test]
+fn mentions_are_identifiers_only() {
+    let text = "/* f */ void f(); int x() { f(); return \"f\"[0]; }";
+    let found: Vec<usize> = mentions(text, Grammar::C, "f")
+        .iter()
+        .map(|it| it.start)
+        .collect();
+    assert_eq!(found, [13, text.rfind("f();").unwrap()]);
+}
+
+#[test]
+fn garbage_is_read_without_panic() {
+    for text in [
+        "",
+        "{",
+        "(((((",
+        "return return",
+        "}}}}{{{{",
+        "int f(",
+        "\u{0}\u{1}é{",
+        "#if\n#if\n",
+    ] {
+        index(text);
+        cxx(text);
+    }
+    let deep = format!(
+        "int f(void) {{ return {}1{}; }}",
+        "(".repeat(20_000),
+        ")".repeat(20_000)
+    );
+    index(&deep);
+    let chain = format!("int f(int a) {{ return {}1; }}", "a ? 1 : ".repeat(5_000));
+    cxx(&chain);
+}

@@ -1,0 +1,305 @@
+//! The command line of the generator: `dotgen generate`, and `genom3` where it stands in for it.
+
+mod options;
+mod preprocess;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use camino::Utf8PathBuf;
+use dotgen_analysis::host::Loader;
+use dotgen_analysis::model::Spec;
+
+use crate::compiler::Compiler;
+use crate::frontend::Frontend;
+use crate::template::console::Console;
+use crate::template::discover::{FindError, SearchPath};
+use crate::template::{Limits, OutputSink, Run, TemplatePlace, VERSION};
+pub(crate) use options::Options;
+use options::{Mode, OptionError};
+
+/// What the command line needs of its surroundings.
+pub struct Environment<'a> {
+    /// Name for messages: `genom3`, or `dotgen generate`.
+    pub name: &'a str,
+    /// Absolute path of the program, as templates see it.
+    pub program: PathBuf,
+    /// Environment variables.
+    pub variables: &'a dyn Fn(&str) -> Option<String>,
+    /// Reads specifications and asks about packages.
+    pub loader: Arc<dyn Loader>,
+    /// What built-in templates and those of users have drawn.
+    pub pictures: Arc<Pictures>,
+    /// The standard channels.
+    pub console: &'a mut dyn Console,
+    /// What a template may use up.
+    pub limits: Limits,
+    /// Directory where relative paths start; empty for the current one.
+    pub base: PathBuf,
+    /// Where files go. Afterwards it has what was kept of them.
+    pub sink: OutputSink,
+    /// Where the template failed, if it did and that is known.
+    pub failed_at: Option<TemplatePlace>,
+}
+
+/// Draws the state machine of a task or activity of a component, both by name, in a form: `svg`, `mermaid` or
+/// `dot`. Empty when there is none. Pictures belong to another layer than templates, so the caller brings
+/// them.
+///
+/// # Errors
+/// When there is no such form, in words.
+pub type Pictures = dyn Fn(&Spec, &str, &str, &str) -> Result<String, String> + Send + Sync;
+
+/// Runs the generator with command line arguments (without the program's name); returns the exit
+/// status: 0; 1 for wrong options; 2 for what cannot be found or done, and for a failing template;
+/// that of a template's `exit`; and the number of errors when only parsing.
+pub fn generate(args: &[String], env: &mut Environment<'_>) -> i32 {
+    let options = match options::parse(args) {
+        Ok(options) => options,
+        Err(OptionError::Usage(message)) => {
+            env.warn(&message);
+            env.console.err(&usage(env.name));
+            return 1;
+        }
+        Err(OptionError::Fatal(message)) => {
+            env.warn(&message);
+            return 2;
+        }
+    };
+    match options.mode {
+        Mode::Version => {
+            env.print(VERSION);
+            0
+        }
+        Mode::Help => {
+            env.print(&usage(env.name));
+            0
+        }
+        Mode::List => list(&options, env),
+        _ if options.rest.is_empty() => {
+            env.console.err(&usage(env.name));
+            1
+        }
+        Mode::Template => template(&options, env),
+        Mode::Parse | Mode::Dump => parse_only(&options, env),
+        Mode::Preprocess => preprocess_only(&options, env),
+    }
+}
+
+impl Environment<'_> {
+    fn print(&mut self, text: &str) {
+        self.console.out(format!("{text}\n").as_bytes());
+    }
+
+    fn warn(&mut self, message: &str) {
+        self.console.err(&format!("{}: {message}", self.name));
+    }
+
+    fn variable(&self, name: &str) -> Option<String> {
+        (self.variables)(name).filter(|value| !value.is_empty())
+    }
+
+    /// Where templates are looked for.
+    fn search_path(&self, options: &Options) -> SearchPath {
+        search_path(options.templates.as_deref(), self.variables)
+    }
+
+    /// A folder with the files that templates expect in the built-in one. Kept between runs, since
+    /// build files come to depend on them.
+    fn support_dir(&self) -> Option<PathBuf> {
+        let home = || {
+            self.variable("HOME")
+                .map(|home| PathBuf::from(home).join(".cache"))
+        };
+        let cache = self.variable("XDG_CACHE_HOME").map(PathBuf::from);
+        let dir = cache
+            .or_else(home)?
+            .join("dotgen")
+            .join(concat!("templates-", env!("CARGO_PKG_VERSION")));
+        for (name, text) in crate::builtin::SUPPORT {
+            let path = dir.join(name);
+            if std::fs::read_to_string(&path).is_ok_and(|it| it == *text) {
+                continue;
+            }
+            std::fs::create_dir_all(path.parent()?).ok()?;
+            std::fs::write(path, text).ok()?;
+        }
+        Some(dir)
+    }
+
+    fn compiler(&self, options: &Options) -> Compiler {
+        let here = camino::absolute_utf8(".").unwrap_or_default();
+        let include_dirs = options.include_dirs.iter();
+        let defines = options.defines.iter();
+        let mut compiler = Compiler::new(
+            Arc::clone(&self.loader),
+            include_dirs
+                .map(|dir| here.join(Utf8PathBuf::from(dir)))
+                .collect(),
+            defines
+                .map(|(name, value)| (name.as_str().into(), value.as_str().into()))
+                .collect(),
+        );
+        compiler.set_base(Utf8PathBuf::from_path_buf(self.base.clone()).unwrap_or_default());
+        compiler
+    }
+}
+
+/// Where templates are looked for: the list given (`-t`), else that of `GENOM_TMPL_PATH`; and the
+/// folder of `DOTGEN_BUILTIN_TEMPLATES`.
+pub fn search_path(given: Option<&str>, variables: &dyn Fn(&str) -> Option<String>) -> SearchPath {
+    let variable = |name: &str| variables(name).filter(|it| !it.is_empty());
+    let given = given.map(str::to_owned);
+    let given = given.or_else(|| variable("GENOM_TMPL_PATH"));
+    SearchPath {
+        dirs: given.map(|it| SearchPath::parse(&it)).unwrap_or_default(),
+        builtin: variable("DOTGEN_BUILTIN_TEMPLATES").map(PathBuf::from),
+    }
+}
+
+fn list(options: &Options, env: &mut Environment<'_>) -> i32 {
+    if !options.rest.is_empty() {
+        env.warn("wrong number of arguments");
+        return 2;
+    }
+    let search = env.search_path(options);
+    let mut names = search.list();
+    // An installation of GenoM3 brings its own.
+    if search.builtin.is_none() {
+        names.extend(crate::builtin::names().into_iter().map(str::to_owned));
+        names.sort();
+        names.dedup();
+    }
+    if names.is_empty() {
+        env.warn("no template found!");
+        return 2;
+    }
+    for name in names {
+        env.print(&name);
+    }
+    0
+}
+
+fn template(options: &Options, env: &mut Environment<'_>) -> i32 {
+    let search = env.search_path(options);
+    let (name, arguments) = match options.rest.split_first() {
+        Some((name, arguments)) => (name, arguments),
+        None => return 1,
+    };
+    let mut compiler = env.compiler(options);
+    if let Some(dir) = search.find_manifest(name) {
+        return crate::builtin::run_folder(&dir, arguments, options, &mut compiler, env);
+    }
+    let dir = match search.find(name) {
+        Ok(dir) => dir,
+        Err(FindError::NotFound(_)) if crate::builtin::names().contains(&name.as_str()) => {
+            let status = crate::builtin::run(name, arguments, options, &mut compiler, env);
+            return status.unwrap_or(2);
+        }
+        Err(error) => {
+            env.warn(&error.to_string());
+            if let FindError::NotFound(_) = error
+                && search.dirs.is_empty()
+            {
+                env.warn("name the directory of your templates with -t or GENOM_TMPL_PATH");
+            }
+            return 2;
+        }
+    };
+    let mut search = search;
+    if search.builtin.is_none() {
+        search.builtin = env.support_dir();
+    }
+    let run = Run {
+        dir,
+        args: arguments.to_vec(),
+        search: &search,
+        program: env.program.display().to_string(),
+        cmdline: options.cmdline.clone(),
+        verbose: options.verbose,
+        debug: options.debug,
+        tmpdir: options.tmpdir.clone().map(PathBuf::from),
+        limits: env.limits.clone(),
+        base: env.base.clone(),
+    };
+    let sink = std::mem::replace(&mut env.sink, OutputSink::Direct);
+    let outcome = run.execute(&mut compiler, env.console, sink);
+    env.sink = outcome.sink;
+    env.failed_at = outcome.place;
+    outcome.status
+}
+
+fn parse_only(options: &Options, env: &mut Environment<'_>) -> i32 {
+    let mut compiler = env.compiler(options);
+    let console = &mut *env.console;
+    let result = compiler.parse_files(&options.rest, &mut |line| console.err(line));
+    if options.mode == Mode::Dump {
+        let model = dotgen_analysis::model_json::to_json(&compiler.compiled().spec, None);
+        env.print(&format!("{model:#}"));
+    }
+    match result {
+        Ok(()) => 0,
+        Err(failure) => {
+            env.warn(&failure.to_string());
+            match failure {
+                crate::frontend::ParseFailure::Errors(count) => {
+                    i32::try_from(count).unwrap_or(125).min(125)
+                }
+                crate::frontend::ParseFailure::Fatal => 1,
+                crate::frontend::ParseFailure::Unreadable(_) => 2,
+            }
+        }
+    }
+}
+
+fn preprocess_only(options: &Options, env: &mut Environment<'_>) -> i32 {
+    let here = camino::absolute_utf8(".").unwrap_or_default();
+    let dirs = options.include_dirs.iter().map(|dir| here.join(dir));
+    let mut preprocessor = preprocess::Preprocessor::new(Arc::clone(&env.loader), dirs.collect());
+    for (name, value) in &options.defines {
+        if let Err(problem) = preprocessor.env.define_option(&format!("{name}={value}")) {
+            env.warn(&problem);
+            return 2;
+        }
+    }
+    let mut failed = false;
+    for input in &options.rest {
+        match preprocessor.file(camino::Utf8Path::new(input)) {
+            Ok(text) => env.console.out(text.as_bytes()),
+            Err(problem) => {
+                env.warn(&format!("cannot read {input}: {problem}"));
+                failed = true;
+            }
+        }
+    }
+    for error in std::mem::take(&mut preprocessor.errors) {
+        failed |= error.contains(": error: ");
+        env.console.err(&error);
+    }
+    i32::from(failed)
+}
+
+fn usage(name: &str) -> String {
+    format!(
+        "Usage:
+  {name} [general options] TEMPLATE [template options] FILE.gen...
+  {name} [general options] -n | -N | -E FILE.gen...
+  {name} [general options] -l
+
+General options:
+  -I DIR            search DIR for included files
+  -D MACRO[=VALUE]  define MACRO as VALUE, or as 1
+  -t DIR[:DIR...]   search these directories for templates, instead of GENOM_TMPL_PATH
+  -l, --list        list the templates
+  -n, --parse-only  read the files and report what is wrong
+  -N, --dump        read the files and print the resulting model, as JSON
+  -E                preprocess the files
+  -T, --tmpdir DIR  directory for temporary files
+  -v, --verbose     say what is done
+  -d, --debug       keep temporary files
+      --version     print the version of GenoM3 this stands for
+  -h, --help        print this help
+
+TEMPLATE -h tells the options of a template."
+    )
+}

@@ -1,0 +1,470 @@
+//! The front end over analysis: what is parsed piece by piece is compiled as one growing unit.
+
+use std::sync::Arc;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::check::codes;
+use dotgen_analysis::diagnostic::{Diagnostic, Severity};
+use dotgen_analysis::host::{
+    AnalysisHost, BatchInput, Change, Config, FileContent, Input, Loader, UnitResult,
+};
+use dotgen_analysis::model::{Component, Spec, Src, TypeKind, Value};
+use dotgen_analysis::source_map::Locations;
+use rustc_hash::{FxHashMap, FxHashSet};
+use smol_str::SmolStr;
+
+use crate::frontend::{Compiled, Frontend, ParseFailure};
+use crate::lang::{Anchor, Place, Places, value_text};
+
+/// Name of texts that are not files.
+const INLINE: &str = "<inline string>";
+
+/// Compiles specifications with dotgen's own analysis.
+pub struct Compiler {
+    loader: Arc<dyn Loader>,
+    /// Directory where relative names of files start; empty for the current one.
+    base: Utf8PathBuf,
+    host: AnalysisHost,
+    input: BatchInput,
+    reported: FxHashSet<(Utf8PathBuf, usize, &'static str, String)>,
+    compiled: Compiled,
+}
+
+impl Compiler {
+    /// A compiler without input. `include_dirs` and `defines` as given by `-I` and `-D`.
+    pub fn new(
+        loader: Arc<dyn Loader>,
+        include_dirs: Vec<Utf8PathBuf>,
+        defines: Vec<(SmolStr, SmolStr)>,
+    ) -> Compiler {
+        let mut host = AnalysisHost::new(Arc::clone(&loader));
+        host.apply(Change {
+            config: Some(Config {
+                include_dirs,
+                defines,
+                ..Config::default()
+            }),
+            ..Change::default()
+        });
+        Compiler {
+            loader,
+            base: Utf8PathBuf::new(),
+            host,
+            input: BatchInput::default(),
+            reported: FxHashSet::default(),
+            compiled: Compiled::default(),
+        }
+    }
+
+    /// Relative names of files start at `base` instead of the current directory.
+    pub fn set_base(&mut self, base: Utf8PathBuf) {
+        self.base = base;
+    }
+
+    /// Compiles everything given so far and reports what is new.
+    fn compile(&mut self, report: &mut dyn FnMut(&str)) -> Result<(), ParseFailure> {
+        let unit = match self.host.analysis().batch(&self.input) {
+            Ok(unit) => unit,
+            Err(reason) => return Err(ParseFailure::Unreadable(reason.to_string())),
+        };
+        let (mut errors, mut fatal) = (0, false);
+        // In the order in which files are read; GenoM3's preprocessor ends at its first error.
+        let place = |it: &&Diagnostic| unit.files.iter().position(|file| *file == it.path);
+        let mut diagnostics: Vec<&Diagnostic> = unit.diagnostics.iter().collect();
+        diagnostics.sort_by_key(place);
+        for it in diagnostics {
+            let key = (it.path.clone(), it.range.start, it.code, it.message.clone());
+            if !in_reference(it) || !self.reported.insert(key) {
+                continue;
+            }
+            report(&self.line(it));
+            if it.severity == Severity::Error {
+                errors += 1;
+                fatal |= stops(it.code);
+            }
+        }
+        let analysis = self.host.analysis();
+        let texts = unit.files.iter().filter_map(|path| {
+            let text = analysis.text(path).ok()??;
+            Some((path.clone(), text))
+        });
+        let texts: FxHashMap<Utf8PathBuf, Arc<str>> = texts.collect();
+        let mut spec = narrow_literals(&unit, &texts, report);
+        share_requires(&mut spec);
+        self.compiled = Compiled {
+            spec,
+            deps: deps(&unit),
+            places: Arc::new(UnitPlaces { unit, texts }),
+        };
+        match errors {
+            0 => Ok(()),
+            _ if fatal => Err(ParseFailure::Fatal),
+            errors => Err(ParseFailure::Errors(errors)),
+        }
+    }
+
+    /// `BASENAME:LINE: TEXT`, as GenoM3 prints diagnostics.
+    fn line(&self, it: &Diagnostic) -> String {
+        let line = match self.host.analysis().text(&it.path) {
+            Ok(Some(text)) => {
+                let before = text.as_bytes().iter().take(it.range.start);
+                1 + before.filter(|byte| **byte == b'\n').count()
+            }
+            _ => 1,
+        };
+        if let Some(message) = preprocessing(it) {
+            return format!("{}:{line}: {message}", it.path);
+        }
+        let name = it.path.file_name().unwrap_or(INLINE);
+        let warning = match it.severity {
+            Severity::Error => "",
+            _ => " warning:",
+        };
+        // What to do about it is for people at an editor; tools compare these lines.
+        let message = it.message.split("; ").next().unwrap_or_default();
+        format!("{name}:{line}:{warning} {}", message.replace('`', ""))
+    }
+}
+
+/// What GenoM3's preprocessor says, if it says it: with the whole path and the word for the severity.
+fn preprocessing(it: &Diagnostic) -> Option<String> {
+    if !it.code.starts_with("pp-") {
+        return None;
+    }
+    let word = match it.severity {
+        Severity::Error => "error",
+        _ => "warning",
+    };
+    let message = it.message.replace('`', "");
+    let missing = message
+        .strip_prefix("cannot find the file ")
+        .and_then(|rest| rest.split_once(", "));
+    Some(match missing {
+        Some((name, searched)) => format!("{word}: cannot find '{name}'\n  {searched}"),
+        None => format!("{word}: {message}"),
+    })
+}
+
+/// Errors, and the warnings that GenoM3 gives too: advice of our own is for editors and `check`.
+fn in_reference(it: &Diagnostic) -> bool {
+    match it.severity {
+        Severity::Error => true,
+        Severity::Warning => {
+            it.code.starts_with("pp-") || codes::find(it.code).is_some_and(|it| it.reference)
+        }
+        _ => false,
+    }
+}
+
+/// Codes after which the reference compiler reads no further.
+fn stops(code: &str) -> bool {
+    code.starts_with("pp-") || code.starts_with("syntax")
+}
+
+fn deps(unit: &UnitResult) -> Vec<String> {
+    let files = unit.files.iter().map(ToString::to_string);
+    files.filter(|it| !it.contains(INLINE)).collect()
+}
+
+impl Frontend for Compiler {
+    fn parse_files(
+        &mut self,
+        files: &[String],
+        report: &mut dyn FnMut(&str),
+    ) -> Result<(), ParseFailure> {
+        let mut inputs = Vec::new();
+        for file in files {
+            let path = absolute(self.base.join(file).as_str())?;
+            let problem = match self.loader.read(&path) {
+                FileContent::Text(_) | FileContent::NotUtf8(_) => None,
+                FileContent::Missing => Some("no such file or directory".to_owned()),
+                FileContent::Directory => Some("it is a directory".to_owned()),
+                FileContent::Unreadable(why) => Some(why),
+            };
+            if let Some(problem) = problem {
+                return Err(ParseFailure::Unreadable(format!(
+                    "cannot read {file}: {problem}"
+                )));
+            }
+            inputs.push(Input::File(path));
+        }
+        self.input.inputs.extend(inputs);
+        self.compile(report)
+    }
+
+    fn parse_strings(
+        &mut self,
+        texts: &[String],
+        report: &mut dyn FnMut(&str),
+    ) -> Result<(), ParseFailure> {
+        let here = absolute(INLINE)?;
+        self.input
+            .inputs
+            .extend(texts.iter().map(|text| Input::Text {
+                name: here.clone(),
+                text: text.as_str().into(),
+            }));
+        self.compile(report)
+    }
+
+    fn compiled(&self) -> Compiled {
+        self.compiled.clone()
+    }
+}
+
+fn absolute(path: &str) -> Result<Utf8PathBuf, ParseFailure> {
+    let path = camino::absolute_utf8(Utf8Path::new(path))
+        .map_err(|error| ParseFailure::Unreadable(format!("cannot read {path}: {error}")))?;
+    // Links are followed: dependencies and marks name the file itself.
+    Ok(path.canonicalize_utf8().unwrap_or(path))
+}
+
+/// Places of a compiled unit, as GenoM3 tells them: the end of a token.
+struct UnitPlaces {
+    unit: UnitResult,
+    texts: FxHashMap<Utf8PathBuf, Arc<str>>,
+}
+
+impl Places for UnitPlaces {
+    fn place(&self, src: Src, anchor: Anchor<'_>) -> Option<Place> {
+        let location = self.unit.locations.locate(src)?;
+        let text = self.texts.get(&location.path).map_or("", |it| it);
+        let start = location.range.start.min(text.len());
+        let end = match anchor {
+            Anchor::First => start + first_token(text.get(start..).unwrap_or_default()),
+            Anchor::Named(name) => {
+                let range = text.get(start..location.range.end).unwrap_or_default();
+                start + declared_name(range, name).unwrap_or_else(|| first_token(range))
+            }
+            Anchor::Path => {
+                let range = text.get(start..location.range.end).unwrap_or_default();
+                start + path_start(range).unwrap_or_else(|| first_token(range))
+            }
+            Anchor::Keyword(word) => keyword_before(text, start, word)
+                .unwrap_or(location.range.end)
+                .min(text.len()),
+        };
+        let before = text.as_bytes().get(..end).unwrap_or_default();
+        let lines = before.iter().filter(|byte| **byte == b'\n').count();
+        let line_start = before.iter().rposition(|byte| *byte == b'\n');
+        let line_start = line_start.map_or(0, |at| at + 1);
+        // The preprocessor's mark before a file's first line moves its columns by one.
+        let column = end - line_start + usize::from(line_start == 0)
+            - commented(text.get(line_start..end).unwrap_or_default());
+        let inline = location.path.file_name() == Some(INLINE);
+        Some(Place {
+            file: if inline {
+                INLINE.to_owned()
+            } else {
+                location.path.to_string()
+            },
+            line: u32::try_from(lines + 1).unwrap_or(u32::MAX),
+            column: u32::try_from(column).unwrap_or(u32::MAX),
+        })
+    }
+}
+
+/// GenoM3 keeps 32 bits of an integer literal, and what is generated must agree with what others
+/// generate: constants that are a longer literal get that value, with a warning.
+fn narrow_literals(
+    unit: &UnitResult,
+    texts: &FxHashMap<Utf8PathBuf, Arc<str>>,
+    report: &mut dyn FnMut(&str),
+) -> Arc<Spec> {
+    let mut spec = Arc::clone(&unit.spec);
+    for (index, ty) in unit.spec.types.iter().enumerate() {
+        let (TypeKind::Const { value, .. }, Some(name)) = (&ty.kind, &ty.name) else {
+            continue;
+        };
+        let wide = match value {
+            Value::Uint(value) => *value > i32::MAX as u64,
+            Value::Int(value) => i32::try_from(*value).is_err(),
+            _ => false,
+        };
+        if !wide {
+            continue;
+        }
+        let narrow = unit.locations.locate(ty.src).and_then(|location| {
+            let text = texts.get(&location.path)?.get(location.range.end..)?;
+            let literal = text
+                .trim_start()
+                .strip_prefix('=')?
+                .split(';')
+                .next()?
+                .trim();
+            narrow_literal(literal)
+        });
+        let narrow = match (value, narrow) {
+            (Value::Uint(_), Some(narrow)) if narrow >= 0 => Value::Uint(narrow as u64),
+            (Value::Int(_), Some(narrow)) => Value::Int(narrow),
+            _ => continue,
+        };
+        if narrow == *value {
+            continue;
+        }
+        report(&format!(
+            "warning: constant {name}: GenoM3 keeps 32 bits of its literal, so generated code has {}",
+            value_text(&unit.spec, &narrow)
+        ));
+        if let TypeKind::Const { value, .. } = &mut Arc::make_mut(&mut spec).types[index].kind {
+            *value = narrow;
+        }
+    }
+    spec
+}
+
+/// In GenoM3 the packages of `#pragma requires` are one list for all components after the first of
+/// them: what one of these requires by itself, all do. Templates write these lists into build files.
+fn share_requires(spec: &mut Arc<Spec>) {
+    let Some(first) = spec.pragma_requires.first() else {
+        return;
+    };
+    let shares = |it: &Component| it.requires.first() == Some(first);
+    let mut shared: Vec<String> = Vec::new();
+    let sharing = spec.components.iter().filter(|it| shares(it));
+    for package in sharing
+        .flat_map(|it| &it.requires)
+        .chain(&spec.pragma_requires)
+    {
+        if !shared.contains(package) {
+            shared.push(package.clone());
+        }
+    }
+    let first = first.clone();
+    for component in &mut Arc::make_mut(spec).components {
+        if component.requires.first() == Some(&first) {
+            component.requires.clone_from(&shared);
+        }
+    }
+}
+
+/// The value GenoM3 gives to `[-]LITERAL`.
+fn narrow_literal(text: &str) -> Option<i64> {
+    let (negative, digits) = match text.strip_prefix('-') {
+        Some(digits) => (true, digits.trim_start()),
+        None => (false, text),
+    };
+    let digits = digits.trim_end_matches(['u', 'U', 'l', 'L']);
+    let value = if let Some(hex) = digits.strip_prefix("0x").or(digits.strip_prefix("0X")) {
+        u64::from_str_radix(hex, 16)
+    } else if digits.len() > 1 && digits.starts_with('0') {
+        u64::from_str_radix(digits, 8)
+    } else {
+        digits.parse()
+    };
+    let low = i64::from(value.ok()? as u32 as i32);
+    Some(if negative { -low } else { low })
+}
+
+fn is_word(byte: u8) -> bool {
+    byte.is_ascii_alphanumeric() || byte == b'_'
+}
+
+/// How much shorter the preprocessor makes a line: it puts one blank for each comment.
+fn commented(mut line: &str) -> usize {
+    let mut less = 0;
+    while let Some((_, comment)) = line.split_once("/*") {
+        let Some((inside, rest)) = comment.split_once("*/") else {
+            break;
+        };
+        less += inside.len() + 3;
+        line = rest;
+    }
+    less
+}
+
+/// Length of the token at the start of a text.
+fn first_token(text: &str) -> usize {
+    if let Some(quote) = text.chars().next().filter(|c| matches!(c, '"' | '\'')) {
+        let mut escaped = false;
+        for (at, c) in text.char_indices().skip(1) {
+            match c {
+                _ if escaped => escaped = false,
+                '\\' => escaped = true,
+                c if c == quote => return at + 1,
+                _ => {}
+            }
+        }
+        return text.len();
+    }
+    let word = text.bytes().take_while(|byte| is_word(*byte)).count();
+    match word {
+        0 if text.starts_with("::") => 2,
+        0 => text.chars().next().map_or(0, char::len_utf8),
+        // A unit may be glued to a number.
+        _ if text.starts_with(|c: char| c.is_ascii_digit()) => {
+            let number = |byte: &u8| byte.is_ascii_digit() || *byte == b'.';
+            text.bytes().take_while(number).count()
+        }
+        word => {
+            // The only words with a dash (language reference, lexical elements).
+            let dashed = [
+                "clock-rate",
+                "codels-requires",
+                "codels-require",
+                "real-time",
+            ];
+            let dashed = dashed.iter().find(|it| text.starts_with(**it));
+            dashed.map_or(word, |it| it.len())
+        }
+    }
+}
+
+/// The ends of the tokens of a text, with the tokens.
+fn tokens(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let mut at = 0;
+    std::iter::from_fn(move || {
+        let rest = text.get(at..)?;
+        let skipped = rest.len() - rest.trim_start().len();
+        let rest = rest.trim_start();
+        let length = first_token(rest);
+        if length == 0 {
+            return None;
+        }
+        at += skipped + length;
+        Some((at, rest.get(..length)?))
+    })
+}
+
+/// End of the name that a parameter declaration gives: what stands before its value or its end.
+fn declared_name(text: &str, name: &str) -> Option<usize> {
+    let tokens: Vec<(usize, &str)> = tokens(text).collect();
+    tokens
+        .iter()
+        .enumerate()
+        .find(|(index, (_, token))| {
+            let next = tokens.get(index + 1).map(|(_, token)| *token);
+            *token == name && matches!(next, None | Some("=" | ":" | "[" | "," | ")" | ";"))
+        })
+        .map(|(_, (end, _))| *end)
+}
+
+/// End of the first token after the source and the direction of a parameter.
+fn path_start(text: &str) -> Option<usize> {
+    let mut direction = false;
+    for (end, token) in tokens(text) {
+        match token {
+            "ids" | "local" | "port" | "remote" if !direction => {}
+            "in" | "out" | "inout" if !direction => direction = true,
+            _ => return Some(end),
+        }
+    }
+    None
+}
+
+/// End of the last occurrence of a keyword before an offset.
+fn keyword_before(text: &str, before: usize, word: &str) -> Option<usize> {
+    let bytes = text.as_bytes();
+    let mut until = before;
+    loop {
+        let at = text.get(..until)?.rfind(word)?;
+        let end = at + word.len();
+        let before = at > 0 && is_word(bytes[at - 1]);
+        let after = bytes.get(end).is_some_and(|it| is_word(*it));
+        let alone = !before && !after;
+        if alone {
+            return Some(end);
+        }
+        until = at;
+    }
+}

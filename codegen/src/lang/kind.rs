@@ -1,0 +1,127 @@
+//! The words of the template language for kinds, directions, sources and constants.
+
+use dotgen_analysis::model::{
+    Label, ParamDir, ParamSource, ScopeKind, ServiceKind, Spec, TypeKind, Value,
+};
+
+use super::text::format_g;
+
+/// `kind` of a type object.
+pub fn kind_word(kind: &TypeKind) -> &'static str {
+    match kind {
+        TypeKind::Boolean => "boolean",
+        TypeKind::Octet => "octet",
+        TypeKind::Char => "char",
+        TypeKind::Short => "short",
+        TypeKind::UnsignedShort => "unsigned short",
+        TypeKind::Long => "long",
+        TypeKind::UnsignedLong => "unsigned long",
+        TypeKind::LongLong => "long long",
+        TypeKind::UnsignedLongLong => "unsigned long long",
+        TypeKind::Float => "float",
+        TypeKind::Double => "double",
+        TypeKind::Any => "any",
+        TypeKind::String { .. } => "string",
+        TypeKind::Array { .. } => "array",
+        TypeKind::Sequence { .. } => "sequence",
+        TypeKind::Optional { .. } => "optional",
+        TypeKind::Enum { .. } => "enum",
+        TypeKind::Enumerator { .. } => "enumerator",
+        TypeKind::Struct { .. } => "struct",
+        TypeKind::StructMember { .. } => "struct member",
+        TypeKind::Union { .. } => "union",
+        TypeKind::UnionMember { .. } => "union member",
+        TypeKind::Exception { .. } => "exception",
+        TypeKind::Native => "native",
+        TypeKind::Typedef { .. } => "typedef",
+        TypeKind::Const { .. } => "const",
+        TypeKind::ForwardStruct { .. } => "forward struct",
+        TypeKind::ForwardUnion { .. } => "forward union",
+        TypeKind::Event => "event",
+        TypeKind::PauseEvent => "pause event",
+        TypeKind::Port { .. } => "port",
+        TypeKind::Remote { .. } => "remote",
+        TypeKind::Unknown => "unknown",
+    }
+}
+
+/// Length of an array, bound of a sequence or string; `None` when unbounded or of another kind.
+pub fn length_of(kind: &TypeKind) -> Option<u64> {
+    match kind {
+        TypeKind::Array { length, .. } => Some(*length),
+        TypeKind::Sequence { bound, .. } | TypeKind::String { bound } => *bound,
+        _ => None,
+    }
+}
+
+/// Kind of a scope.
+pub fn scope_word(kind: ScopeKind) -> &'static str {
+    match kind {
+        ScopeKind::Module => "module",
+        ScopeKind::Struct => "struct",
+        ScopeKind::Union => "union",
+        ScopeKind::Exception => "exception",
+    }
+}
+
+/// Direction of a parameter.
+pub fn dir_word(dir: ParamDir) -> &'static str {
+    match dir {
+        ParamDir::Local => "local",
+        ParamDir::In => "in",
+        ParamDir::Out => "out",
+        ParamDir::Inout => "inout",
+    }
+}
+
+/// Source of a parameter.
+pub fn source_word(source: ParamSource) -> &'static str {
+    match source {
+        ParamSource::Ids => "ids",
+        ParamSource::Local(_) => "local",
+        ParamSource::Port(_) => "port",
+        ParamSource::Remote(_) => "remote",
+    }
+}
+
+/// Kind of a service.
+pub fn service_word(kind: ServiceKind) -> &'static str {
+    match kind {
+        ServiceKind::Attribute => "attribute",
+        ServiceKind::Function => "function",
+        ServiceKind::Activity => "activity",
+    }
+}
+
+/// Kind of a constant.
+pub fn value_kind(value: &Value) -> &'static str {
+    match value {
+        Value::Bool(_) => "bool",
+        Value::Uint(_) => "uint",
+        Value::Int(_) => "int",
+        Value::Float(_) => "float",
+        Value::Char(_) => "char",
+        Value::String(_) => "string",
+        Value::Enum(_) => "enum",
+    }
+}
+
+/// Text of a constant: booleans `1` and `0`, floats as C `%g`, enumerators by full name.
+pub fn value_text(spec: &Spec, value: &Value) -> String {
+    match value {
+        Value::Bool(b) => if *b { "1" } else { "0" }.to_owned(),
+        Value::Uint(u) => u.to_string(),
+        Value::Int(i) => i.to_string(),
+        Value::Float(f) => format_g(*f),
+        Value::Char(text) | Value::String(text) => text.clone(),
+        Value::Enum(ty) => spec.full_name(*ty).unwrap_or_default(),
+    }
+}
+
+/// Text of a union label; empty for `default`.
+pub fn label_text(spec: &Spec, label: &Label) -> String {
+    match label {
+        Label::Default => String::new(),
+        Label::Case(value) => value_text(spec, value),
+    }
+}

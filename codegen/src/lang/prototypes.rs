@@ -1,0 +1,17 @@
+//! The prototypes of a codel in both languages, for whoever shows or prints them.
+
+use dotgen_analysis::model::{Codel, Spec};
+
+use super::{Language, Mapper, NoPlaces};
+
+/// Words for the languages, and the prototype in each; a language that has none is left out. `component` is an
+/// index into [`Spec::components`].
+pub fn prototypes(spec: &Spec, component: u32, codel: &Codel) -> Vec<(&'static str, String)> {
+    [("c", Language::C), ("c++", Language::Cxx)]
+        .into_iter()
+        .filter_map(|(word, language)| {
+            let mapper = Mapper::new(spec, &NoPlaces, language);
+            Some((word, mapper.prototype(component, codel, " ").ok()?))
+        })
+        .collect()
+}

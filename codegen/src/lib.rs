@@ -1,0 +1,10 @@
+//! Code generation: the C and C++ mapping of specifications, and the GenoM3 template engine.
+
+pub mod builtin;
+pub mod catalog;
+pub mod codels;
+pub mod command;
+pub mod compiler;
+pub mod frontend;
+pub mod lang;
+pub mod template;

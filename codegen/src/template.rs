@@ -1,0 +1,139 @@
+//! The GenoM3 template engine.
+//!
+//! A template is a directory with a Tcl script `template.tcl` and sources that mix text and marked
+//! Tcl code. Tcl runs in a process of its own ([`host`]); everything templates ask about the
+//! specification, and everything they write, is answered and done here.
+//!
+//! Rules: "Templates" chapter of the GenoM3 manual.
+
+mod api;
+mod blame;
+mod closure;
+pub mod console;
+pub mod discover;
+mod host;
+mod marker;
+pub mod merge;
+mod mutex;
+mod notice;
+mod object;
+pub(crate) mod output;
+mod session;
+pub(crate) mod tcl;
+pub(crate) mod throws;
+
+use std::path::PathBuf;
+
+use crate::frontend::Frontend;
+use console::Console;
+use discover::SearchPath;
+
+pub(crate) use blame::place;
+pub use host::{Limits, find_tclsh};
+pub use notice::notice;
+pub use output::{Modes, Output, OutputSink, PreviewFile};
+
+/// The version of GenoM3 whose templates run: `__GENOM__` and `dotgen genom version`.
+pub const VERSION: &str = "2.99.39";
+
+/// Why a question of a template fails.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Failure {
+    /// A Tcl error.
+    Error(String),
+    /// `template fatal`: ends every level.
+    Fatal(String),
+    /// The run cannot go on.
+    Stop(String),
+}
+
+/// What to run and how.
+#[derive(Debug)]
+pub struct Run<'a> {
+    /// Absolute path of the template.
+    pub dir: PathBuf,
+    /// Everything after the template's name, unread.
+    pub args: Vec<String>,
+    /// Where templates are found.
+    pub search: &'a SearchPath,
+    /// Absolute path of the tool.
+    pub program: String,
+    /// General options as `dotgen genom cmdline` shows them.
+    pub cmdline: String,
+    /// Print what happens, and traces of errors.
+    pub verbose: bool,
+    /// Keep temporary files.
+    pub debug: bool,
+    /// Directory for temporary files; that of the system by default.
+    pub tmpdir: Option<PathBuf>,
+    /// What the template may use up.
+    pub limits: Limits,
+    /// Directory where relative paths start; empty for the current one.
+    pub base: PathBuf,
+}
+
+/// The end of a run.
+#[derive(Debug)]
+pub struct Outcome {
+    /// Exit status: 0, that of the template's `exit`, or 2.
+    pub status: i32,
+    /// What was written, if it was kept.
+    pub sink: OutputSink,
+    /// The error that ended the run; already printed.
+    pub error: Option<String>,
+    /// Where in the files of the template that was, if it is known.
+    pub place: Option<TemplatePlace>,
+}
+
+/// A place in a file of a template.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TemplatePlace {
+    /// Absolute path of the file.
+    pub file: PathBuf,
+    /// Line, from 1.
+    pub line: u32,
+    /// What is wrong there, without the place.
+    pub message: String,
+}
+
+impl Run<'_> {
+    /// Last component of the template's directory.
+    pub fn name(&self) -> String {
+        let name = self.dir.file_name().unwrap_or_default();
+        name.to_string_lossy().into_owned()
+    }
+
+    /// Runs the template.
+    pub fn execute(
+        &self,
+        frontend: &mut dyn Frontend,
+        console: &mut dyn Console,
+        sink: OutputSink,
+    ) -> Outcome {
+        let mut builder = tempfile::Builder::new();
+        builder.prefix("genom").disable_cleanup(self.debug);
+        let base = self.tmpdir.clone().unwrap_or_else(std::env::temp_dir);
+        let tmpdir = match builder.tempdir_in(base.canonicalize().unwrap_or(base)) {
+            Ok(tmpdir) => tmpdir,
+            Err(error) => {
+                let message = format!("cannot create a temporary directory: {error}");
+                console.err(&format!("{}: {message}", self.name()));
+                return Outcome {
+                    status: 2,
+                    sink,
+                    error: Some(message),
+                    place: None,
+                };
+            }
+        };
+        let output = Output {
+            modes: Modes::new(self.debug),
+            merge_tool: "interactive".into(),
+            dir: String::new(),
+            base: self.base.clone(),
+            sink,
+            template: self.name(),
+        };
+        session::run(self, frontend, console, output, tmpdir.path().to_owned())
+    }
+}

@@ -1,0 +1,319 @@
+//! The methods of objects: what `$object method ?argument ...?` gives in a template.
+//!
+//! Everything but a filter given as a lambda is a pure function of the model and the current
+//! language; the Tcl side keeps such answers.
+
+use dotgen_analysis::model::{
+    CodelKind, CodelRef, ComponentKind, Owner, Param, ParamDir, ParamSource, Port, PortDir,
+    ServiceList, Spec, Src, TypeId,
+};
+
+use super::object::{Lookup, Object, ParamRef, Registry};
+use super::{Failure, tcl};
+use crate::lang::{Anchor, LangError, Language, MapObject, Mapper, Place, Places};
+
+mod codel;
+mod component;
+mod param;
+mod service;
+mod task;
+mod types;
+
+pub(crate) use codel::boolean;
+
+/// Evaluates a lambda of the template for an object, in the main interpreter.
+pub(crate) type Lambda<'f> = dyn FnMut(&str, &str) -> Result<String, Failure> + 'f;
+
+/// What answers are taken from.
+#[derive(Clone, Copy)]
+pub(crate) struct Model<'a> {
+    pub(crate) spec: &'a Spec,
+    pub(crate) places: &'a dyn Places,
+    pub(crate) registry: &'a Registry,
+    /// Name of the running template.
+    pub(crate) template: &'a str,
+    pub(crate) language: Language,
+}
+
+/// The answer to a question of the template.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Answer {
+    pub(crate) text: String,
+    /// The same question gets the same answer until more input is parsed.
+    pub(crate) pure: bool,
+}
+
+impl Answer {
+    pub(crate) fn pure(text: String) -> Answer {
+        Answer { text, pure: true }
+    }
+
+    pub(crate) fn volatile(text: String) -> Answer {
+        Answer { text, pure: false }
+    }
+}
+
+type Result_ = Result<Answer, Failure>;
+
+impl From<LangError> for Failure {
+    fn from(error: LangError) -> Failure {
+        if error.fatal {
+            Failure::Fatal(error.message)
+        } else {
+            Failure::Error(error.message)
+        }
+    }
+}
+
+impl<'a> Model<'a> {
+    pub(crate) fn mapper(&self) -> Mapper<'a> {
+        Mapper::new(self.spec, self.places, self.language)
+    }
+
+    /// Answers a method call. `words[0]` is the method, if any.
+    pub(crate) fn call(
+        &self,
+        object: &Object,
+        words: &[String],
+        lambda: &mut Lambda<'_>,
+    ) -> Result_ {
+        match object {
+            Object::Type(ty) => types::call(self, *ty, words, lambda),
+            Object::Component(index) => component::call(self, *index, words, lambda),
+            Object::Task(component, task) => task::task(self, *component, *task, words),
+            Object::Port(component, port) => task::port(self, *component, *port, words),
+            Object::Service(component, service) => {
+                service::service(self, *component, *service, words)
+            }
+            Object::Remote(component, remote) => service::remote(self, *component, *remote, words),
+            Object::Codel(component, codel) => codel::call(self, *component, *codel, words),
+            Object::Param(component, param) => param::param(self, *component, *param, words),
+            Object::Initializer(component, param, path) => {
+                param::initializer(self, *component, *param, path, words)
+            }
+        }
+    }
+
+    /// Methods without argument that cost little, answered together with the first question about
+    /// an object.
+    pub(crate) fn cheap_methods(object: &Object) -> &'static [&'static str] {
+        match object {
+            Object::Type(_) => types::CHEAP,
+            Object::Component(_) => component::CHEAP,
+            Object::Task(..) => task::TASK_METHODS,
+            Object::Port(..) => task::PORT_METHODS,
+            Object::Service(..) => service::CHEAP,
+            Object::Remote(..) => service::CHEAP_REMOTE,
+            Object::Codel(..) => codel::CHEAP,
+            Object::Param(..) => param::PARAM_METHODS,
+            Object::Initializer(..) => param::INITIALIZER_METHODS,
+        }
+    }
+
+    fn handle(&self, object: Object) -> Answer {
+        Answer::pure(self.registry.handle(&object))
+    }
+
+    fn type_handle(&self, ty: TypeId) -> Answer {
+        self.handle(Object::Type(ty))
+    }
+
+    fn list(&self, objects: impl IntoIterator<Item = Object>) -> Answer {
+        Answer::pure(tcl::list(self.registry.handles(objects)))
+    }
+
+    fn type_list(&self, types: impl IntoIterator<Item = TypeId>) -> Answer {
+        self.list(types.into_iter().map(Object::Type))
+    }
+
+    fn location(&self, src: Src, anchor: Anchor<'_>) -> Option<Answer> {
+        self.places.place(src, anchor).map(place_answer)
+    }
+
+    /// Parameters that pass a filter on their properties.
+    fn params<'p>(
+        &self,
+        component: u32,
+        params: &'p [Param],
+        reference: impl Fn(u32) -> ParamRef,
+        filters: &[String],
+        words: &[&str],
+        matches: impl Fn(&'p Param, &str) -> bool,
+    ) -> Result_ {
+        let mut kept = Vec::new();
+        for (index, param) in params.iter().enumerate() {
+            let mut keep = filters.is_empty();
+            for filter in filters {
+                if keep {
+                    break;
+                }
+                let word = words[find(words, filter, "direction")?];
+                keep = matches(param, word);
+            }
+            if keep {
+                kept.push(Object::Param(component, reference(index as u32)));
+            }
+        }
+        Ok(self.list(kept))
+    }
+
+    /// The states that reach a codel of an owner, or the codel of one state.
+    fn state_machine(&self, component: u32, owner: Owner, state: Option<&String>) -> Answer {
+        let it = self.spec.component(component);
+        let mut states: Vec<(&str, TypeId, CodelRef)> = Vec::new();
+        for (index, codel) in it.codels_of(owner).iter().enumerate() {
+            let at = CodelRef {
+                owner,
+                index: index as u32,
+            };
+            for trigger in codel
+                .triggers
+                .iter()
+                .filter(|_| codel.kind == CodelKind::Fsm)
+            {
+                if !states.iter().any(|(name, ..)| *name == trigger.name) {
+                    states.push((&trigger.name, trigger.event, at));
+                }
+            }
+        }
+        let Some(state) = state else {
+            return self.type_list(states.into_iter().map(|(_, event, _)| event));
+        };
+        let name = match self.registry.object(state) {
+            Some(Object::Type(ty)) => self.spec.ty(*ty).name.as_deref().unwrap_or_default(),
+            _ => state,
+        };
+        match states.iter().find(|(it, ..)| *it == name) {
+            Some((.., codel)) => self.handle(Object::Codel(component, *codel)),
+            None => Answer::pure(String::new()),
+        }
+    }
+
+    fn services(&self, component: u32, list: &ServiceList) -> Answer {
+        let all: Vec<u32> = (0..self.spec.component(component).services.len() as u32).collect();
+        let services = if list.all { &all } else { &list.services };
+        self.list(
+            services
+                .iter()
+                .map(|service| Object::Service(component, *service)),
+        )
+    }
+}
+
+/// `object types` and `object digest`.
+pub(crate) fn closure(
+    model: &Model<'_>,
+    what: &str,
+    object: &Object,
+    arguments: &[String],
+    lambda: &mut Lambda<'_>,
+) -> Result_ {
+    if what == "types" {
+        component::types(model, object, arguments, lambda)
+    } else {
+        component::digest(model, object, arguments, lambda)
+    }
+}
+
+/// A codel or type given as an object to a language procedure.
+pub(crate) fn map_object(object: &Object) -> Option<MapObject> {
+    match object {
+        Object::Type(ty) => Some(MapObject::Type(*ty)),
+        Object::Codel(component, codel) => Some(MapObject::Codel(*component, *codel)),
+        _ => None,
+    }
+}
+
+/// `class` of an object.
+pub(crate) fn class(spec: &Spec, object: &Object) -> &'static str {
+    match object {
+        Object::Type(_) => "type",
+        Object::Component(index) => match spec.component(*index).kind {
+            ComponentKind::Component => "component",
+            ComponentKind::Interface => "interface",
+        },
+        Object::Task(..) => "task",
+        Object::Port(..) => "port",
+        Object::Service(..) => "service",
+        Object::Remote(..) => "remote",
+        Object::Codel(..) => "codel",
+        Object::Param(..) => "parameter",
+        Object::Initializer(..) => "initializer",
+    }
+}
+
+/// `kind` of a port.
+pub(crate) fn port_kind(port: &Port) -> &'static str {
+    if port.multiple { "multiple" } else { "simple" }
+}
+
+fn port_dir(dir: PortDir) -> &'static str {
+    match dir {
+        PortDir::In => "in",
+        PortDir::Out => "out",
+    }
+}
+
+fn codel_kind_word(kind: CodelKind) -> &'static str {
+    match kind {
+        CodelKind::Validate => "validate",
+        CodelKind::Simple => "simple",
+        CodelKind::Fsm => "fsm",
+    }
+}
+
+const CODEL_KINDS: &[&str] = &["validate", "simple", "fsm"];
+
+fn dir_matches(param: &Param, word: &str) -> bool {
+    matches!(
+        (param.dir, word),
+        (ParamDir::Local, "local")
+            | (ParamDir::In, "in")
+            | (ParamDir::Out, "out")
+            | (ParamDir::Inout, "inout")
+    )
+}
+
+fn source_matches(param: &Param, word: &str) -> bool {
+    matches!(
+        (param.source, word),
+        (ParamSource::Ids, "ids")
+            | (ParamSource::Local(_), "local")
+            | (ParamSource::Port(_), "port")
+            | (ParamSource::Remote(_), "remote")
+    )
+}
+
+fn find(words: &[&str], wanted: &str, what: &str) -> Result<usize, Failure> {
+    tcl::find_word(words, wanted, what).map_err(Failure::Error)
+}
+
+/// The method called: the first word, or the default.
+fn method(
+    methods: &'static [&'static str],
+    words: &[String],
+    default: &'static str,
+) -> Result<&'static str, Failure> {
+    match words.first() {
+        Some(word) => Ok(methods[find(methods, word, "subcommand")?]),
+        None => Ok(default),
+    }
+}
+
+fn wrong_args(usage: &str) -> Failure {
+    Failure::Error(format!("wrong # args: should be \"{usage}\""))
+}
+
+fn undefined(method: &str) -> Failure {
+    Failure::Error(format!("undefined member \"{method}\""))
+}
+
+/// `{FILE LINE COLUMN}`.
+fn place_answer(place: Place) -> Answer {
+    let (line, column) = (place.line.to_string(), place.column.to_string());
+    Answer::pure(tcl::list([&place.file, &line, &column]))
+}
+
+fn text(value: &Option<String>) -> Option<Answer> {
+    value.clone().map(Answer::pure)
+}

@@ -1,0 +1,121 @@
+//! Methods of codels.
+
+use dotgen_analysis::model::{CodelRef, Owner};
+
+use super::{Answer, Model, Result_, dir_matches, method, source_matches, undefined, wrong_args};
+use crate::lang::Anchor;
+use crate::template::mutex::codel_mutex;
+use crate::template::object::{Lookup, Object, ParamRef};
+use crate::template::{Failure, tcl};
+
+const METHODS: &[&str] = &[
+    "name",
+    "kind",
+    "parameters",
+    "yields",
+    "triggers",
+    "task",
+    "service",
+    "mutex",
+    "cname",
+    "signature",
+    "invoke",
+    "loc",
+    "class",
+    "wcet",
+];
+
+pub(super) const CHEAP: &[&str] = &[
+    "name",
+    "kind",
+    "parameters",
+    "yields",
+    "triggers",
+    "task",
+    "service",
+    "cname",
+    "class",
+    "wcet",
+];
+
+const FILTERS: &[&str] = &["in", "out", "inout", "ids", "local", "port", "remote"];
+
+pub(super) fn call(model: &Model<'_>, component: u32, at: CodelRef, words: &[String]) -> Result_ {
+    let owner = model.spec.component(component);
+    let it = owner.codel(at);
+    let method = method(METHODS, words, "name")?;
+    let arguments = words.get(1..).unwrap_or_default();
+    let usage = |usage: &str| {
+        let handle = model.registry.handle(&Object::Codel(component, at));
+        wrong_args(&format!("{handle} {method} {usage}"))
+    };
+    match method {
+        "parameters" => {}
+        "signature" if arguments.len() > 2 => return Err(usage("?separator? ?location?")),
+        "signature" => {}
+        "invoke" if arguments.len() != 1 => return Err(usage("params")),
+        "invoke" => {}
+        _ if arguments.is_empty() => {}
+        _ => return Err(wrong_args("$codel subcommand")),
+    }
+    let mapper = model.mapper();
+    let answer = match method {
+        "name" => Some(Answer::pure(it.name.to_string())),
+        "kind" => Some(Answer::pure(
+            if it.is_async { "async" } else { "sync" }.into(),
+        )),
+        "parameters" => Some(model.params(
+            component,
+            &it.params,
+            |index| ParamRef::Codel(at, index),
+            arguments,
+            FILTERS,
+            |param, word| match word {
+                "in" | "out" | "inout" => dir_matches(param, word),
+                _ => source_matches(param, word),
+            },
+        )?),
+        "yields" => Some(model.type_list(it.yields.iter().map(|state| state.event))),
+        "triggers" => Some(model.type_list(it.triggers.iter().map(|state| state.event))),
+        "task" => {
+            let task = owner.task_of(at);
+            task.map(|task| model.handle(Object::Task(component, task)))
+        }
+        "service" => match at.owner {
+            Owner::Service(service) => Some(model.handle(Object::Service(component, service))),
+            Owner::Task(_) => None,
+        },
+        "mutex" => {
+            let (codels, services) = codel_mutex(model.spec, owner, at);
+            let codels = codels.into_iter().map(|at| Object::Codel(component, at));
+            let services = services.into_iter();
+            let services = services.map(|service| Object::Service(component, service));
+            Some(model.list(codels.chain(services)))
+        }
+        "cname" => Some(Answer::pure(mapper.cname(&it.name)?)),
+        "signature" => {
+            let separator = arguments.first().map_or(" ", String::as_str);
+            let location = match arguments.get(1) {
+                Some(text) => boolean(text)?,
+                None => false,
+            };
+            Some(Answer::pure(
+                mapper.signature(component, it, separator, location)?,
+            ))
+        }
+        "invoke" => {
+            let arguments = tcl::parse_list(&arguments[0]).map_err(Failure::Error)?;
+            Some(Answer::pure(mapper.invoke(component, it, &arguments)?))
+        }
+        "loc" => model.location(it.src, Anchor::First),
+        "wcet" => it.wcet.as_ref().map(|wcet| model.type_handle(wcet.ty)),
+        _ => Some(Answer::pure("codel".into())),
+    };
+    answer.ok_or_else(|| undefined(method))
+}
+
+/// The boolean argument of a language procedure.
+pub(crate) fn boolean(text: &str) -> Result<bool, Failure> {
+    super::component::truth(text)
+        .ok_or_else(|| Failure::Error(format!("expected boolean value but got \"{text}\"")))
+}

@@ -1,0 +1,110 @@
+//! Methods of tasks and ports.
+
+use dotgen_analysis::model::{CodelKind, CodelRef, Owner};
+
+use super::{Answer, Model, Result_, method, port_dir, port_kind, text, undefined, wrong_args};
+use crate::lang::Anchor;
+use crate::template::object::{Lookup, Object};
+use crate::template::throws::task_throws;
+
+pub(super) const TASK_METHODS: &[&str] = &[
+    "name",
+    "component",
+    "doc",
+    "period",
+    "delay",
+    "priority",
+    "scheduling",
+    "stack",
+    "services",
+    "codels",
+    "fsm",
+    "throws",
+    "loc",
+    "class",
+];
+
+pub(super) const PORT_METHODS: &[&str] = &[
+    "name",
+    "dir",
+    "kind",
+    "component",
+    "type",
+    "datatype",
+    "doc",
+    "throws",
+    "loc",
+    "class",
+];
+
+pub(super) fn task(model: &Model<'_>, component: u32, index: u32, words: &[String]) -> Result_ {
+    let it = model.spec.task(component, index);
+    let method = method(TASK_METHODS, words, "name")?;
+    let most = if method == "fsm" { 2 } else { 1 };
+    if words.len() > most {
+        return Err(wrong_args(if method == "fsm" {
+            "$task fsm event"
+        } else {
+            "$task subcommand"
+        }));
+    }
+    let quantity = |it: &Option<dotgen_analysis::model::Quantity>| {
+        it.as_ref().map(|it| model.type_handle(it.ty))
+    };
+    let answer = match method {
+        "name" => Some(Answer::pure(it.name.to_string())),
+        "component" => Some(model.handle(Object::Component(component))),
+        "doc" => text(&it.doc),
+        "period" => quantity(&it.period),
+        "delay" => quantity(&it.delay),
+        "priority" => quantity(&it.priority),
+        "scheduling" => it.real_time.then(|| Answer::pure("real-time".into())),
+        "stack" => quantity(&it.stack),
+        "services" => {
+            let services = model.spec.component(component).services.iter().enumerate();
+            let own = services.filter(|(_, service)| service.task == Some(index));
+            Some(model.list(own.map(|(at, _)| Object::Service(component, at as u32))))
+        }
+        "codels" => {
+            let codels = it.codels.iter().enumerate();
+            let listed = codels.filter(|(_, codel)| codel.kind != CodelKind::Validate);
+            Some(model.list(listed.map(|(at, _)| {
+                let owner = Owner::Task(index);
+                let index = at as u32;
+                Object::Codel(component, CodelRef { owner, index })
+            })))
+        }
+        "fsm" => Some(model.state_machine(component, Owner::Task(index), words.get(1))),
+        "throws" => {
+            let throws = task_throws(model.spec.component(component), it);
+            Some(model.type_list(throws))
+        }
+        "loc" => model.location(it.src, Anchor::Keyword("task")),
+        _ => Some(Answer::pure("task".into())),
+    };
+    answer.ok_or_else(|| undefined(method))
+}
+
+pub(super) fn port(model: &Model<'_>, component: u32, index: u32, words: &[String]) -> Result_ {
+    let it = model.spec.port(component, index);
+    if words.len() > 1 {
+        return Err(wrong_args("$port subcommand"));
+    }
+    let method = method(PORT_METHODS, words, "name")?;
+    let answer = match method {
+        "name" => Some(Answer::pure(it.name.to_string())),
+        "dir" => Some(Answer::pure(port_dir(it.dir).into())),
+        "kind" => Some(Answer::pure(port_kind(it).into())),
+        "component" => Some(model.handle(Object::Component(component))),
+        "type" => Some(model.type_handle(it.ty)),
+        "datatype" => Some(model.type_handle(it.data)),
+        "doc" => text(&it.doc),
+        "throws" => {
+            let throws = &model.spec.component(component).throws;
+            Some(model.type_list(throws.iter().copied()))
+        }
+        "loc" => model.location(it.src, Anchor::Keyword("port")),
+        _ => Some(Answer::pure("port".into())),
+    };
+    answer.ok_or_else(|| undefined(method))
+}

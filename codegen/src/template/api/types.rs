@@ -1,0 +1,209 @@
+//! Methods of types.
+
+use dotgen_analysis::model::{TypeId, TypeKind};
+
+use super::component::{digest, types};
+use super::{Answer, Lambda, Model, Result_, method, wrong_args};
+use crate::lang::{
+    Passing, kind_word, label_text, length_of, nested, scope_word, value_kind, value_text,
+};
+use crate::template::object::Object;
+use crate::template::{Failure, tcl};
+
+const METHODS: &[&str] = &[
+    "kind",
+    "name",
+    "fullname",
+    "scope",
+    "fixed",
+    "final",
+    "parent",
+    "nested",
+    "types",
+    "type",
+    "length",
+    "value",
+    "valuekind",
+    "members",
+    "discriminator",
+    "port",
+    "remote",
+    "cname",
+    "mangle",
+    "mapping",
+    "declarator",
+    "address",
+    "dereference",
+    "argument",
+    "return-value",
+    "pass",
+    "digest",
+    "masquerade",
+    "loc",
+    "class",
+];
+
+pub(super) const CHEAP: &[&str] = &[
+    "kind", "name", "fullname", "final", "type", "length", "members", "cname", "mangle", "class",
+];
+
+pub(super) fn call(
+    model: &Model<'_>,
+    ty: TypeId,
+    words: &[String],
+    lambda: &mut Lambda<'_>,
+) -> Result_ {
+    let method = method(METHODS, words, "fullname")?;
+    let arguments = words.get(1..).unwrap_or_default();
+    check_arguments(model, ty, method, arguments)?;
+    let spec = model.spec;
+    let it = spec.ty(ty);
+    let mapper = model.mapper();
+    let pure = |text: String| Some(Answer::pure(text));
+    let argument = |index: usize| arguments.get(index).map_or("", String::as_str);
+    let answer = match method {
+        "kind" => pure(kind_word(&it.kind).into()),
+        "name" => it.name.as_ref().and_then(|name| pure(name.to_string())),
+        "fullname" => spec.full_name(ty).map(Answer::pure),
+        "scope" => {
+            let scopes = it.scope.iter();
+            let scopes = scopes.map(|it| tcl::list([scope_word(it.kind), it.name.as_str()]));
+            pure(tcl::list(scopes))
+        }
+        "fixed" => pure(u8::from(fixed(model, ty, spec.types.len())).to_string()),
+        "final" => Some(model.type_handle(spec.resolve_alias(ty))),
+        "parent" => it.parent.map(|parent| model.type_handle(parent)),
+        "nested" => Some(model.type_list(nested(spec, ty))),
+        "types" => {
+            let mut words = vec!["public".to_owned()];
+            words.extend_from_slice(arguments);
+            return types(model, &Object::Type(ty), &words, lambda);
+        }
+        "type" => mapper.inner(ty).map(|inner| model.type_handle(inner)),
+        "length" => length_of(&it.kind).and_then(|length| pure(length.to_string())),
+        "value" => match &it.kind {
+            TypeKind::Const { value, .. } => pure(value_text(spec, value)),
+            TypeKind::UnionMember { labels, .. } => {
+                pure(tcl::list(labels.iter().map(|it| label_text(spec, it))))
+            }
+            _ => None,
+        },
+        "valuekind" => match &it.kind {
+            TypeKind::Const { value, .. } => pure(value_kind(value).into()),
+            _ => None,
+        },
+        "members" => {
+            let matches = |member: &TypeId| {
+                let name = spec.ty(*member).name.as_deref();
+                arguments
+                    .first()
+                    .zip(name)
+                    .is_none_or(|(glob, name)| tcl::glob_match(glob, name))
+            };
+            let members = mapper.members(spec.resolve_alias(ty)).iter().copied();
+            Some(model.type_list(members.filter(matches)))
+        }
+        "discriminator" => match it.kind {
+            TypeKind::Union { switch, .. } => Some(model.type_handle(switch)),
+            _ => None,
+        },
+        "port" => match it.kind {
+            TypeKind::Port { component, port } => Some(model.handle(Object::Port(component, port))),
+            _ => None,
+        },
+        "remote" => match it.kind {
+            TypeKind::Remote { component, remote } => {
+                Some(model.handle(Object::Remote(component, remote)))
+            }
+            _ => None,
+        },
+        "cname" => pure(mapper.type_cname(ty)?),
+        "mangle" => pure(mapper.mangle(ty)?),
+        "mapping" => {
+            let object = [crate::lang::MapObject::Type(ty)];
+            pure(mapper.mapping(&object, true)?)
+        }
+        "declarator" => pure(mapper.declarator(ty, argument(0))?),
+        "address" => pure(mapper.address(ty, argument(0))?),
+        "dereference" => {
+            let passing = Passing::from_name(argument(0));
+            // C++ passes by reference whatever the kind is called.
+            let passing = match (model.language, passing) {
+                (crate::lang::Language::Cxx, Err(_)) => Passing::Value,
+                (_, passing) => passing?,
+            };
+            pure(mapper.dereference(ty, passing, argument(1))?)
+        }
+        "argument" => {
+            let passing = Passing::from_name(argument(0))?;
+            pure(mapper.argument(ty, passing, argument(1))?)
+        }
+        "return-value" => {
+            if arguments.len() > 1 {
+                return Err(wrong_args("language::return-value type kind"));
+            }
+            let passing = Passing::from_name(argument(0))?;
+            pure(mapper.return_value(ty, passing)?)
+        }
+        "pass" => {
+            let passing = Passing::from_name(argument(0))?;
+            pure(mapper.pass(ty, passing, argument(1))?)
+        }
+        "digest" => return digest(model, &Object::Type(ty), &[], lambda),
+        "masquerade" => {
+            let template = arguments.first().map_or(model.template, String::as_str);
+            let pairs = it.masquerade.iter();
+            let found = pairs
+                .filter(|_| it.name.is_some())
+                .find(|it| it.0 == template);
+            found.map(|(_, data)| Answer::pure(data.clone()))
+        }
+        "loc" => mapper.type_place(ty).map(super::place_answer),
+        _ => pure("type".into()),
+    };
+    answer.ok_or_else(|| Failure::Error(format!("no such member \"{method}\"")))
+}
+
+fn check_arguments(
+    model: &Model<'_>,
+    ty: TypeId,
+    method: &str,
+    arguments: &[String],
+) -> Result<(), Failure> {
+    let (allowed, usage) = match method {
+        "members" => (0..=1, " ?pattern?"),
+        "types" => (0..=1, " ?filter?"),
+        "declarator" | "address" => (0..=1, " ?var?"),
+        "masquerade" => (0..=1, " ?template?"),
+        "argument" | "return-value" | "pass" | "dereference" => (1..=2, " kind ?var?"),
+        _ => (0..=0, ""),
+    };
+    if allowed.contains(&arguments.len()) {
+        return Ok(());
+    }
+    let handle = model.registry.handle(&Object::Type(ty));
+    Err(if usage.is_empty() {
+        wrong_args(&format!("{handle} subcommand"))
+    } else {
+        wrong_args(&format!("{handle} {method}{usage}"))
+    })
+}
+
+/// Whether values of the type have a constant size.
+fn fixed(model: &Model<'_>, ty: TypeId, depth: usize) -> bool {
+    let Some(depth) = depth.checked_sub(1) else {
+        return false;
+    };
+    let ty = model.spec.resolve_alias(ty);
+    match &model.spec.ty(ty).kind {
+        TypeKind::String { bound } => bound.is_some(),
+        TypeKind::Sequence { bound: None, .. } | TypeKind::Native => false,
+        TypeKind::Sequence { element, .. }
+        | TypeKind::Array { element, .. }
+        | TypeKind::Optional { element } => fixed(model, *element, depth),
+        TypeKind::Struct { members }
+        | TypeKind::Union { members, .. }
+        | TypeKind::Exception { members } => members.iter().all(|it| fixed(model, *it, depth)),
+        _ => true,
+    }
+}

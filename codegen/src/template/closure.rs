@@ -1,0 +1,320 @@
+//! The types an object needs, and digests of what it means to others.
+//!
+//! Both walk the model; a filter given by the template may leave objects out.
+
+use dotgen_analysis::model::{ComponentKind, Spec, TypeId, TypeKind};
+use md5::{Digest, Md5};
+use rustc_hash::FxHashMap;
+
+use super::object::{Lookup, Object, ParamRef};
+use super::throws::{remote_throws, service_throws, task_throws};
+use super::{Failure, api::Model};
+use crate::lang::{dir_word, kind_word, length_of, service_word};
+
+/// Says which objects take part.
+pub(crate) type Filter<'f> = dyn FnMut(&Object) -> Result<bool, Failure> + 'f;
+
+/// Which types of a component are asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Visibility {
+    Public,
+    Extern,
+    Private,
+}
+
+/// Nesting beyond this is a type that contains itself.
+const DEPTH: usize = 200;
+
+/// Types keyed by mangled name: a key stays at the place of its first type and keeps the last.
+#[derive(Default)]
+struct Types {
+    order: Vec<TypeId>,
+    places: FxHashMap<String, usize>,
+}
+
+impl Types {
+    fn set(&mut self, key: String, ty: TypeId) {
+        match self.places.get(&key) {
+            Some(place) => self.order[*place] = ty,
+            None => {
+                self.places.insert(key, self.order.len());
+                self.order.push(ty);
+            }
+        }
+    }
+}
+
+pub(crate) fn types_of_type(
+    model: &Model<'_>,
+    ty: TypeId,
+    filter: &mut Filter<'_>,
+) -> Result<Vec<TypeId>, Failure> {
+    let mut types = Types::default();
+    add_type(model, ty, filter, &mut types, DEPTH)?;
+    Ok(types.order)
+}
+
+pub(crate) fn types_of_component(
+    model: &Model<'_>,
+    index: u32,
+    visibility: Visibility,
+    filter: &mut Filter<'_>,
+) -> Result<Vec<TypeId>, Failure> {
+    let mut types = Types::default();
+    if !filter(&Object::Component(index))? {
+        return Ok(types.order);
+    }
+    let component = model.spec.component(index);
+    let private = visibility == Visibility::Private;
+    let mut wanted = Vec::new();
+    for port in &component.ports {
+        wanted.push(port.data);
+        if private {
+            wanted.push(port.ty);
+        }
+    }
+    for (at, service) in component.services.iter().enumerate() {
+        let local = |dir| dir == dotgen_analysis::model::ParamDir::Local;
+        let params = service.params.iter();
+        wanted.extend(
+            params
+                .filter(|it| private || !local(it.dir))
+                .map(|it| it.ty),
+        );
+        wanted.extend(service_throws(component, at as u32));
+    }
+    if visibility != Visibility::Public {
+        for remote in &component.remotes {
+            wanted.extend(remote.params.iter().map(|it| it.ty));
+            wanted.extend(remote_throws(component, remote));
+        }
+    }
+    if private {
+        for task in &component.tasks {
+            wanted.extend(task_throws(component, task));
+        }
+        wanted.extend(component.ids);
+    }
+    for ty in wanted {
+        add_type(model, ty, filter, &mut types, DEPTH)?;
+    }
+    Ok(types.order)
+}
+
+fn too_deep() -> Failure {
+    Failure::Error("too many nested evaluations (infinite loop?)".into())
+}
+
+fn add_type(
+    model: &Model<'_>,
+    ty: TypeId,
+    filter: &mut Filter<'_>,
+    types: &mut Types,
+    depth: usize,
+) -> Result<(), Failure> {
+    let depth = depth.checked_sub(1).ok_or_else(too_deep)?;
+    if !filter(&Object::Type(ty))? {
+        return Ok(());
+    }
+    let mut listed = true;
+    match model.spec.ty(ty).kind {
+        TypeKind::Array { element: inner, .. }
+        | TypeKind::Sequence { element: inner, .. }
+        | TypeKind::Optional { element: inner }
+        | TypeKind::Typedef { ty: inner } => add_type(model, inner, filter, types, depth)?,
+        TypeKind::StructMember { ty: inner } | TypeKind::UnionMember { ty: inner, .. } => {
+            add_type(model, inner, filter, types, depth)?;
+            listed = false;
+        }
+        TypeKind::Struct { ref members } | TypeKind::Exception { ref members } => {
+            for member in members {
+                add_type(model, *member, filter, types, depth)?;
+            }
+        }
+        TypeKind::Union {
+            switch,
+            ref members,
+        } => {
+            add_type(model, switch, filter, types, depth)?;
+            for member in members {
+                add_type(model, *member, filter, types, depth)?;
+            }
+        }
+        _ => {}
+    }
+    if listed {
+        types.set(model.mapper().mangle(ty)?, ty);
+    }
+    Ok(())
+}
+
+/// The digest of an object; that of nothing for classes that have none.
+pub(crate) fn digest(
+    model: &Model<'_>,
+    object: &Object,
+    filter: &mut Filter<'_>,
+) -> Result<String, Failure> {
+    let mut digest = Chunks(Md5::new());
+    match *object {
+        Object::Type(ty) => digest.type_(model.spec, ty, filter, DEPTH)?,
+        Object::Service(component, service) => {
+            digest.service(model.spec, component, service, filter)?;
+        }
+        Object::Remote(component, remote) => {
+            wanted(filter, object)?;
+            let it = model.spec.remote(component, remote);
+            let params = (0..it.params.len() as u32).map(|at| ParamRef::Remote(remote, at));
+            digest.params(model.spec, component, params, filter)?;
+            for ty in remote_throws(model.spec.component(component), it) {
+                digest.type_(model.spec, ty, filter, DEPTH)?;
+            }
+        }
+        Object::Component(index)
+            if model.spec.component(index).kind == ComponentKind::Component =>
+        {
+            wanted(filter, object)?;
+            digest.component(model.spec, index, filter)?;
+        }
+        _ => {}
+    }
+    Ok(digest.finish())
+}
+
+/// A rejected object that has no list around it ends the digest, in Tcl's words.
+fn wanted(filter: &mut Filter<'_>, object: &Object) -> Result<(), Failure> {
+    if filter(object)? {
+        Ok(())
+    } else {
+        Err(Failure::Error(
+            "invoked \"continue\" outside of a loop".into(),
+        ))
+    }
+}
+
+struct Chunks(Md5);
+
+impl Chunks {
+    fn push(&mut self, chunk: &str) {
+        self.0.update(chunk.as_bytes());
+        self.0.update(b"|");
+    }
+
+    /// Hexadecimal without leading zeros in each byte, as GenoM3 writes it.
+    fn finish(self) -> String {
+        let bytes = self.0.finalize();
+        bytes.iter().map(|byte| format!("{byte:x}")).collect()
+    }
+
+    fn component(
+        &mut self,
+        spec: &Spec,
+        index: u32,
+        filter: &mut Filter<'_>,
+    ) -> Result<(), Failure> {
+        let component = spec.component(index);
+        for (at, port) in component.ports.iter().enumerate() {
+            if !filter(&Object::Port(index, at as u32))? {
+                continue;
+            }
+            self.push("port");
+            self.push(super::api::port_kind(port));
+            self.push(&port.name);
+            self.type_(spec, port.data, filter, DEPTH)?;
+        }
+        for (at, service) in component.services.iter().enumerate() {
+            if !filter(&Object::Service(index, at as u32))? {
+                continue;
+            }
+            self.push(service_word(service.kind));
+            self.push(&service.name);
+            self.service(spec, index, at as u32, filter)?;
+        }
+        Ok(())
+    }
+
+    fn service(
+        &mut self,
+        spec: &Spec,
+        component: u32,
+        service: u32,
+        filter: &mut Filter<'_>,
+    ) -> Result<(), Failure> {
+        wanted(filter, &Object::Service(component, service))?;
+        let count = spec.service(component, service).params.len() as u32;
+        let params = (0..count).map(|at| ParamRef::Service(service, at));
+        self.params(spec, component, params, filter)?;
+        for ty in service_throws(spec.component(component), service) {
+            self.type_(spec, ty, filter, DEPTH)?;
+        }
+        Ok(())
+    }
+
+    fn params(
+        &mut self,
+        spec: &Spec,
+        component: u32,
+        params: impl Iterator<Item = ParamRef>,
+        filter: &mut Filter<'_>,
+    ) -> Result<(), Failure> {
+        for at in params {
+            if !filter(&Object::Param(component, at))? {
+                continue;
+            }
+            let param = spec.param(component, at);
+            self.push(dir_word(param.dir));
+            self.type_(spec, param.ty, filter, DEPTH)?;
+        }
+        Ok(())
+    }
+
+    fn type_(
+        &mut self,
+        spec: &Spec,
+        ty: TypeId,
+        filter: &mut Filter<'_>,
+        depth: usize,
+    ) -> Result<(), Failure> {
+        let depth = depth.checked_sub(1).ok_or_else(too_deep)?;
+        wanted(filter, &Object::Type(ty))?;
+        let kind = &spec.ty(ty).kind;
+        match kind {
+            TypeKind::String { .. } => {
+                self.push("string");
+                if let Some(length) = length_of(kind) {
+                    self.push(&length.to_string());
+                }
+            }
+            TypeKind::Const { ty: inner, .. }
+            | TypeKind::Typedef { ty: inner }
+            | TypeKind::StructMember { ty: inner }
+            | TypeKind::ForwardStruct {
+                definition: Some(inner),
+            }
+            | TypeKind::ForwardUnion {
+                definition: Some(inner),
+            } => self.type_(spec, *inner, filter, depth)?,
+            TypeKind::Array { element, .. }
+            | TypeKind::Sequence { element, .. }
+            | TypeKind::Optional { element } => {
+                self.push(kind_word(kind));
+                if let Some(length) = length_of(kind) {
+                    self.push(&length.to_string());
+                }
+                self.type_(spec, *element, filter, depth)?;
+            }
+            TypeKind::Enum {
+                enumerators: members,
+            }
+            | TypeKind::Struct { members }
+            | TypeKind::Union { members, .. }
+            | TypeKind::Exception { members } => {
+                for member in members {
+                    self.push(spec.ty(*member).name.as_deref().unwrap_or_default());
+                    self.type_(spec, *member, filter, depth)?;
+                }
+            }
+            other => self.push(kind_word(other)),
+        }
+        Ok(())
+    }
+}

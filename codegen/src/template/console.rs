@@ -1,0 +1,117 @@
+//! The standard channels of a template run.
+
+use std::io::{BufRead, Read, Write};
+
+/// Where a template prints and what it reads.
+pub trait Console {
+    /// Standard output.
+    fn out(&mut self, bytes: &[u8]);
+
+    /// A line for the error output, without its newline.
+    fn err(&mut self, line: &str);
+
+    /// At most `max` bytes of standard input; none at its end.
+    fn read(&mut self, max: usize) -> Vec<u8>;
+
+    /// A line of standard input without its newline; `None` at its end.
+    fn read_line(&mut self) -> Option<String>;
+
+    /// The interpreter's own error output is ours; else it is captured and given to
+    /// [`Console::err`].
+    fn is_terminal(&self) -> bool {
+        false
+    }
+}
+
+/// The standard channels of the process.
+#[derive(Debug, Default)]
+pub struct StdConsole;
+
+impl Console for StdConsole {
+    fn out(&mut self, bytes: &[u8]) {
+        // A reader that went away is no reason to stop.
+        let mut out = std::io::stdout().lock();
+        let _ = out.write_all(bytes).and_then(|()| out.flush());
+    }
+
+    fn err(&mut self, line: &str) {
+        let _ = writeln!(std::io::stderr().lock(), "{line}");
+    }
+
+    fn read(&mut self, max: usize) -> Vec<u8> {
+        let mut stdin = std::io::stdin().lock();
+        let mut bytes = match stdin.fill_buf() {
+            Ok(bytes) => bytes[..bytes.len().min(max)].to_vec(),
+            Err(_) => Vec::new(),
+        };
+        let _ = stdin.read_exact(&mut bytes);
+        bytes
+    }
+
+    fn read_line(&mut self) -> Option<String> {
+        let mut line = Vec::new();
+        match std::io::stdin().lock().read_until(b'\n', &mut line) {
+            Ok(length) if length > 0 => {}
+            _ => return None,
+        }
+        if line.ends_with(b"\n") {
+            line.pop();
+        }
+        Some(String::from_utf8_lossy(&line).into_owned())
+    }
+
+    fn is_terminal(&self) -> bool {
+        true
+    }
+}
+
+/// Keeps what is printed; standard input is a given text.
+#[derive(Debug, Default)]
+pub struct Captured {
+    /// Printed on standard output.
+    pub out: Vec<u8>,
+    /// Printed on the error output.
+    pub err: String,
+    /// The answer to every question at the end of the input.
+    pub answer: Option<String>,
+    input: std::io::Cursor<Vec<u8>>,
+}
+
+impl Captured {
+    /// A console whose standard input is a text.
+    pub fn with_input(input: &str) -> Captured {
+        Captured {
+            input: std::io::Cursor::new(input.as_bytes().to_vec()),
+            ..Captured::default()
+        }
+    }
+}
+
+impl Console for Captured {
+    fn out(&mut self, bytes: &[u8]) {
+        self.out.extend_from_slice(bytes);
+    }
+
+    fn err(&mut self, line: &str) {
+        self.err.push_str(line);
+        self.err.push('\n');
+    }
+
+    fn read(&mut self, max: usize) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let _ = (&mut self.input).take(max as u64).read_to_end(&mut bytes);
+        bytes
+    }
+
+    fn read_line(&mut self) -> Option<String> {
+        let mut line = String::new();
+        match self.input.read_line(&mut line) {
+            Ok(length) if length > 0 => {}
+            _ => return self.answer.clone(),
+        }
+        if line.ends_with('\n') {
+            line.pop();
+        }
+        Some(line)
+    }
+}

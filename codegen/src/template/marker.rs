@@ -1,0 +1,281 @@
+//! Translation of a template source into the Tcl program that prints its expansion.
+//!
+//! A source mixes literal text with `<' CODE '>` and `<" TEXT ">` markers. The program keeps the
+//! line breaks of the source, so that Tcl's line numbers are those of the source.
+
+/// The command that prints literal text and the word that ends its call.
+pub(crate) const LITERAL: (&str, &str) = ("\u{2}=", "=\u{3}");
+/// The command that prints a substituted text and the word that ends its call.
+pub(crate) const SUBSTITUTE: (&str, &str) = ("\u{2}?", "?\u{3}");
+
+/// Characters read at once; a text that is flushed at the end of a block takes no part in the
+/// newline rule of what follows.
+const BLOCK: usize = 4096;
+
+/// A source that cannot be translated.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct MarkerError {
+    /// Line where reading had arrived, from 1: that of the last complete marker before.
+    pub line: usize,
+    /// What is wrong.
+    pub message: String,
+}
+
+/// Translates a source.
+///
+/// # Errors
+/// A marker that is not closed, not opened, or closed with the other quote.
+pub(crate) fn translate(source: &str) -> Result<String, MarkerError> {
+    Translator::new(source).run()
+}
+
+struct Translator {
+    source: Vec<char>,
+    /// How much of the source has been read.
+    read: usize,
+    /// A read has met the end.
+    ended: bool,
+    /// What was read and not yet translated.
+    start: usize,
+    line: usize,
+    program: String,
+}
+
+/// A complete marker in a buffer: indexes of `<`, of the closing quote, and the two quotes.
+struct Found {
+    open: usize,
+    close: usize,
+    quotes: (char, char),
+}
+
+impl Translator {
+    fn new(source: &str) -> Translator {
+        Translator {
+            source: source.chars().collect(),
+            read: 0,
+            ended: false,
+            start: 0,
+            line: 1,
+            program: String::with_capacity(source.len() + source.len() / 4),
+        }
+    }
+
+    fn run(mut self) -> Result<String, MarkerError> {
+        while !self.ended {
+            self.read_block();
+            while let Some(found) = self.find_marker() {
+                self.translate_marker(&found)?;
+            }
+            if self.find_close(self.start, self.read).is_some() {
+                return Err(self.error("missing opening tag"));
+            }
+            if self.has_open() {
+                continue;
+            }
+            let rest = escape(&self.source[self.start..self.read]);
+            self.push_command(LITERAL, &rest);
+            self.start = self.read;
+        }
+        if self.start < self.read {
+            return Err(self.error("missing closing tag"));
+        }
+        Ok(self.program)
+    }
+
+    fn read_more(&mut self, count: usize) {
+        let until = self.read + count;
+        self.ended |= until > self.source.len();
+        self.read = until.min(self.source.len());
+    }
+
+    /// Reads a block, and on while it ends inside what may be a marker's delimiter.
+    fn read_block(&mut self) {
+        self.read_more(BLOCK);
+        loop {
+            let text = &self.source[self.start..self.read];
+            let tail = &text[text.len().saturating_sub(2)..];
+            let undecided = tail.contains(&'<') || tail.last() == Some(&'>');
+            if !undecided || self.ended {
+                return;
+            }
+            self.read_more(2);
+        }
+    }
+
+    fn find_marker(&self) -> Option<Found> {
+        let text = &self.source[..self.read];
+        let open = (self.start..text.len().saturating_sub(1))
+            .find(|&at| text[at] == '<' && is_quote(text[at + 1]))?;
+        let close = self.find_close(open + 2, self.read)?;
+        Some(Found {
+            open,
+            close,
+            quotes: (text[open + 1], text[close]),
+        })
+    }
+
+    fn find_close(&self, from: usize, until: usize) -> Option<usize> {
+        let text = &self.source[..until];
+        (from..until.saturating_sub(1)).find(|&at| is_quote(text[at]) && text[at + 1] == '>')
+    }
+
+    fn has_open(&self) -> bool {
+        let text = &self.source[self.start..self.read];
+        text.windows(2)
+            .any(|pair| pair[0] == '<' && is_quote(pair[1]))
+    }
+
+    fn translate_marker(&mut self, found: &Found) -> Result<(), MarkerError> {
+        if found.open > self.start {
+            if let Some(at) = self.find_close(self.start, found.open) {
+                self.line += newlines(&self.source[self.start..=at]);
+                return Err(self.error("missing opening tag"));
+            }
+            self.line += newlines(&self.source[self.start..found.open]);
+            // A line that holds nothing but code leaves no trace: one of its two newlines goes.
+            let after = found.close + 2;
+            let drop = found.quotes == ('\'', '\'')
+                && self.source[found.open - 1] == '\n'
+                && after < self.read
+                && self.source[after] == '\n';
+            let end = found.open - usize::from(drop);
+            if end > self.start {
+                let literal = escape(&self.source[self.start..end]);
+                self.push_command(LITERAL, &literal);
+            }
+            if drop {
+                self.program.push('\n');
+            }
+        }
+        let inside = &self.source[found.open + 2..found.close];
+        match found.quotes {
+            ('\'', '\'') => self.program.extend(inside),
+            ('"', '"') => {
+                let text = escape(inside);
+                self.push_command(SUBSTITUTE, &text);
+            }
+            (open, close) => {
+                return Err(self.error(&format!("unbalanced tags '<{open}' and '{close}>'")));
+            }
+        }
+        self.line += newlines(&self.source[found.open + 2..found.close]);
+        self.start = found.close + 2;
+        Ok(())
+    }
+
+    fn push_command(&mut self, command: (&str, &str), text: &str) {
+        let (name, end) = command;
+        self.program.push(';');
+        self.program.push_str(name);
+        self.program.push_str(" {");
+        self.program.push_str(text);
+        self.program.push_str("} ");
+        self.program.push_str(end);
+        self.program.push(';');
+    }
+
+    fn error(&self, message: &str) -> MarkerError {
+        MarkerError {
+            line: self.line,
+            message: message.to_owned(),
+        }
+    }
+}
+
+fn is_quote(c: char) -> bool {
+    matches!(c, '\'' | '"')
+}
+
+fn newlines(text: &[char]) -> usize {
+    text.iter().filter(|c| **c == '\n').count()
+}
+
+/// Text between braces that stays as it is, line breaks included; the printing command undoes it.
+fn escape(text: &[char]) -> String {
+    let mut out = String::with_capacity(text.len());
+    for &c in text {
+        if matches!(c, '{' | '}' | '\\') {
+            out.push('\\');
+        }
+        out.push(c);
+    }
+    out
+}
+
+/// Shows a command of a translated program as it was written, for error messages.
+pub(crate) fn restore(command: &str) -> String {
+    let mut out = command.to_owned();
+    for ((name, end), open, close) in [(LITERAL, "'>", "<'"), (SUBSTITUTE, "<\"", "\">")] {
+        for (from, to) in [
+            (format!(";{name} {{"), open),
+            (format!("{name} {{"), open),
+            (format!("}} {end};"), close),
+            (format!("}} {end}"), close),
+        ] {
+            out = out.replace(&from, to);
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The program with its printing commands written as `[=text]` and `["text]`.
+    fn shown(source: &str) -> String {
+        match translate(source) {
+            Ok(program) => program
+                .replace(";\u{2}= {", "[=")
+                .replace("} =\u{3};", "]")
+                .replace(";\u{2}? {", "[\"")
+                .replace("} ?\u{3};", "]"),
+            Err(error) => format!("{}: {}", error.line, error.message),
+        }
+    }
+
+    #[test]
+    fn literals_code_and_substitutions() {
+        assert_eq!(shown("a<'set x 1'>b<\"$x\">c"), "[=a]set x 1[=b][\"$x][=c]");
+        assert_eq!(shown(""), "[=]");
+        assert_eq!(shown("{ \\ }"), "[=\\{ \\\\ \\}]");
+        assert_eq!(shown("<'a'><'b'>"), "ab[=]");
+    }
+
+    #[test]
+    fn a_line_of_code_alone_disappears() {
+        assert_eq!(shown("a\n<'x'>\nb"), "[=a]\nx[=\nb]");
+        assert_eq!(shown("<'x'>\nb"), "x[=\nb]");
+        assert_eq!(shown("a\n<'x'> \nb"), "[=a\n]x[= \nb]");
+        assert_eq!(shown("a\n<\"x\">\nb"), "[=a\n][\"x][=\nb]");
+        assert_eq!(shown("\n<'x'>\n"), "\nx[=\n]");
+    }
+
+    #[test]
+    fn markers_must_match() {
+        assert_eq!(shown("one\ntwo\n<' x\nthree"), "1: missing closing tag");
+        assert_eq!(shown("one\ntwo '>\n"), "1: missing opening tag");
+        assert_eq!(shown("one\n<' x \">"), "2: unbalanced tags '<'' and '\">'");
+        assert_eq!(shown("a\nb'>c<'x'>"), "2: missing opening tag");
+        assert_eq!(shown("a < b > c ' \" <"), "[=a < b > c ' \" <]");
+    }
+
+    #[test]
+    fn a_newline_at_the_end_of_a_block_stays() {
+        let before = "x".repeat(BLOCK - 1);
+        let source = format!("{before}\n<'y'>\nz");
+        assert_eq!(shown(&source), format!("[={before}\n]y[=\nz]"));
+        let inside = "x".repeat(BLOCK - 2);
+        let source = format!("{inside}\n<'y'>\nz");
+        assert_eq!(shown(&source), format!("[={inside}]\ny[=\nz]"));
+    }
+
+    #[test]
+    fn commands_are_shown_as_written() {
+        let program = translate("<\"$nosuch\">").unwrap();
+        assert_eq!(
+            restore(program.split('\n').next().unwrap()),
+            "<\"$nosuch\">'><'"
+        );
+    }
+}

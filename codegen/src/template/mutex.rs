@@ -1,0 +1,137 @@
+//! Mutual exclusion: which codels and services may not run together.
+
+use dotgen_analysis::model::{
+    Codel, CodelKind, CodelRef, Component, Owner, Param, ParamDir, ParamSource, Spec,
+};
+use rustc_hash::FxHashSet;
+
+/// The other side of a comparison: a codel's parameters, or those a service gives and takes.
+#[derive(Clone, Copy, PartialEq)]
+enum Against {
+    Codel,
+    Service,
+}
+
+/// Codels, then services, that exclude a codel.
+pub(crate) fn codel_mutex(
+    spec: &Spec,
+    component: &Component,
+    at: CodelRef,
+) -> (Vec<CodelRef>, Vec<u32>) {
+    let codel = component.codel(at);
+    let task = component.task_of(at);
+    let service = match at.owner {
+        Owner::Service(service) => Some(service),
+        Owner::Task(_) => None,
+    };
+    let mut found = Found::new(component);
+    let conflict = |other: &Codel| conflicts(spec, &codel.params, &other.params, Against::Codel);
+    for other in (0..component.tasks.len() as u32).filter(|it| Some(*it) != task) {
+        found.add_state_machine(Owner::Task(other), conflict);
+    }
+    for (index, other) in component.services.iter().enumerate() {
+        let index = index as u32;
+        if task.is_some() {
+            found.add(Owner::Service(index), |it| {
+                it.kind != CodelKind::Fsm && conflict(it)
+            });
+        }
+        if other.task == task {
+            continue;
+        }
+        let interrupts = other.interrupts.all
+            || service.is_some_and(|it| other.interrupts.services.contains(&it));
+        if task.is_some() && interrupts {
+            continue;
+        }
+        found.add_state_machine(Owner::Service(index), conflict);
+    }
+    let services = component.services.iter().enumerate();
+    let services = services
+        .filter(|(_, other)| other.task != task)
+        .filter(|(_, other)| conflicts(spec, &codel.params, &other.params, Against::Service))
+        .map(|(index, _)| index as u32);
+    (found.codels, services.collect())
+}
+
+/// Codels that exclude a service.
+pub(crate) fn service_mutex(spec: &Spec, component: &Component, service: u32) -> Vec<CodelRef> {
+    let service = &component.services[service as usize];
+    let mut found = Found::new(component);
+    let conflict =
+        |other: &Codel| conflicts(spec, &other.params, &service.params, Against::Service);
+    for other in (0..component.tasks.len() as u32).filter(|it| Some(*it) != service.task) {
+        found.add_state_machine(Owner::Task(other), conflict);
+    }
+    for (index, other) in component.services.iter().enumerate() {
+        if other.task != service.task {
+            found.add_state_machine(Owner::Service(index as u32), conflict);
+        }
+    }
+    found.codels
+}
+
+/// Codels found so far, each once; a codel is known by task, service and name.
+struct Found<'a> {
+    component: &'a Component,
+    codels: Vec<CodelRef>,
+    seen: FxHashSet<(Option<u32>, Option<u32>, &'a str)>,
+}
+
+impl<'a> Found<'a> {
+    fn new(component: &'a Component) -> Found<'a> {
+        Found {
+            component,
+            codels: Vec::new(),
+            seen: FxHashSet::default(),
+        }
+    }
+
+    fn add(&mut self, owner: Owner, wanted: impl Fn(&Codel) -> bool) {
+        for (index, codel) in self.component.codels_of(owner).iter().enumerate() {
+            let at = CodelRef {
+                owner,
+                index: index as u32,
+            };
+            let service = match owner {
+                Owner::Service(service) => Some(service),
+                Owner::Task(_) => None,
+            };
+            let key = (self.component.task_of(at), service, codel.name.as_str());
+            if wanted(codel) && self.seen.insert(key) {
+                self.codels.push(at);
+            }
+        }
+    }
+
+    /// Codels that are reached by a state, in order of their first state.
+    fn add_state_machine(&mut self, owner: Owner, wanted: impl Fn(&Codel) -> bool) {
+        self.add(owner, |codel| {
+            codel.kind == CodelKind::Fsm && !codel.triggers.is_empty() && wanted(codel)
+        });
+    }
+}
+
+fn conflicts(spec: &Spec, left: &[Param], right: &[Param], against: Against) -> bool {
+    left.iter()
+        .any(|p| right.iter().any(|q| conflict(spec, p, q, against)))
+}
+
+fn conflict(spec: &Spec, p: &Param, q: &Param, against: Against) -> bool {
+    match (p.source, q.source) {
+        (ParamSource::Port(a), ParamSource::Port(b)) => return a == b,
+        (ParamSource::Remote(a), ParamSource::Remote(b)) if a == b => {}
+        (ParamSource::Ids, ParamSource::Ids)
+            if spec.resolve_alias(p.base) == spec.resolve_alias(q.base) => {}
+        _ => return false,
+    }
+    // What a service takes in, an attribute writes to the ids.
+    let harmless = match against {
+        Against::Codel => ParamDir::In,
+        Against::Service => ParamDir::Out,
+    };
+    if p.dir == ParamDir::In && q.dir == harmless {
+        return false;
+    }
+    p.path.iter().zip(&q.path).all(|(a, b)| a == b)
+}

@@ -1,0 +1,337 @@
+//! One run of a template: answers what the interpreter asks.
+
+mod questions;
+mod sources;
+
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use super::api::Answer;
+use super::blame::{self, Script};
+use super::console::Console;
+use super::host::Host;
+use super::object::Registry;
+use super::output::{Environment, Modes, Output, posix};
+use super::{Failure, Outcome, Run, tcl};
+use crate::frontend::{Compiled, Frontend};
+use crate::lang::Language;
+
+/// The state of a run.
+pub(super) struct Session<'a> {
+    run: &'a Run<'a>,
+    host: Host,
+    frontend: &'a mut dyn Frontend,
+    console: &'a mut dyn Console,
+    compiled: Compiled,
+    registry: Rc<Registry>,
+    /// Objects whose commands do not exist yet, because the parse that added them failed.
+    unannounced: Vec<String>,
+    output: Output,
+    tmpdir: PathBuf,
+    temporaries: u32,
+    scripts: Vec<Script>,
+    deps: Vec<String>,
+    notice: Option<String>,
+    printed: u64,
+    files: u64,
+}
+
+/// How the template ended, as the interpreter tells it.
+struct Done {
+    failed: bool,
+    status: i32,
+    message: String,
+    trace: String,
+}
+
+type Reply = Result<Answer, Failure>;
+
+pub(super) fn run(
+    run: &Run<'_>,
+    frontend: &mut dyn Frontend,
+    console: &mut dyn Console,
+    output: Output,
+    tmpdir: PathBuf,
+) -> Outcome {
+    let name = run.name();
+    let host = match Host::start(&run.limits, &run.base, !console.is_terminal()) {
+        Ok(host) => host,
+        Err(message) => {
+            console.err(&format!("{name}: {message}"));
+            return Outcome {
+                status: 2,
+                sink: output.sink,
+                error: Some(message),
+                place: None,
+            };
+        }
+    };
+    let mut session = Session {
+        run,
+        host,
+        frontend,
+        console,
+        compiled: Compiled::default(),
+        registry: Rc::new(Registry::default()),
+        unannounced: Vec::new(),
+        output,
+        tmpdir,
+        temporaries: 0,
+        scripts: Vec::new(),
+        deps: Vec::new(),
+        notice: None,
+        printed: 0,
+        files: 0,
+    };
+    let ended = session.serve();
+    let mut place = None;
+    let (status, error) = match ended {
+        Ok(done) => {
+            session.host.finish();
+            if done.failed {
+                place = blame::place(&run.dir, &done.message, &done.trace);
+            }
+            let shown = if run.verbose {
+                &done.trace
+            } else {
+                &done.message
+            };
+            let error = done.failed.then(|| shown.clone());
+            (done.status, error)
+        }
+        Err(message) => (2, Some(message)),
+    };
+    let captured = session.host.take_errors();
+    for line in String::from_utf8_lossy(&captured).lines() {
+        session.console.err(line);
+    }
+    if let Some(error) = &error {
+        session.console.err(&format!("{name}: {error}"));
+    }
+    Outcome {
+        status,
+        sink: session.output.sink,
+        error,
+        place,
+    }
+}
+
+impl Session<'_> {
+    /// Answers until the template has ended.
+    fn serve(&mut self) -> Result<Done, String> {
+        loop {
+            let words = self.host.receive()?;
+            if words.first().is_some_and(|it| it == b"done") {
+                let word = |index: usize| words.get(index).map(|it| String::from_utf8_lossy(it));
+                let word = |index: usize| word(index).unwrap_or_default().into_owned();
+                return Ok(Done {
+                    failed: word(1) != "0",
+                    status: word(2).parse().unwrap_or(2),
+                    message: word(3),
+                    trace: word(4),
+                });
+            }
+            self.answer(words)?;
+        }
+    }
+
+    /// Answers one message; `Err` when the run cannot go on.
+    fn answer(&mut self, words: Vec<Vec<u8>>) -> Result<(), String> {
+        match words.first().map(Vec::as_slice) {
+            Some(b"out") => {
+                let text = words.get(1).map_or(&[][..], Vec::as_slice);
+                self.printed += text.len() as u64;
+                self.check_output(self.printed)?;
+                self.console.out(text);
+                return Ok(());
+            }
+            Some(b"stdin") => {
+                let max = words.get(1).and_then(|it| std::str::from_utf8(it).ok());
+                let max = max.and_then(|it| it.parse().ok()).unwrap_or(4096);
+                let bytes = self.console.read(max);
+                return self.host.send(&[b"bytes", &bytes]);
+            }
+            _ => {}
+        }
+        let words: Vec<String> = words
+            .into_iter()
+            .map(|word| String::from_utf8(word).unwrap_or_else(|it| tcl::decode(it.as_bytes())))
+            .collect();
+        let mut more = String::new();
+        match self.dispatch(&words, &mut more) {
+            Ok(answer) => {
+                let pure: &[u8] = if answer.pure { b"1" } else { b"0" };
+                self.host
+                    .send(&[b"ok", answer.text.as_bytes(), pure, more.as_bytes()])
+            }
+            Err(Failure::Error(message)) => {
+                // Whether a question fails depends on the same things as its answer.
+                let pure: &[u8] = if words[0] == "query" { b"1" } else { b"0" };
+                self.host.send(&[b"error", message.as_bytes(), pure, b""])
+            }
+            Err(Failure::Fatal(message)) => {
+                self.host.send(&[b"fatal", message.as_bytes(), b"0", b""])
+            }
+            Err(Failure::Stop(message)) => Err(message),
+        }
+    }
+
+    fn check_output(&self, size: u64) -> Result<(), String> {
+        match self.run.limits.output {
+            Some(limit) if size > limit => Err(format!(
+                "stopped: the template printed or wrote more than {} MiB",
+                limit >> 20
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    fn dispatch(&mut self, words: &[String], more: &mut String) -> Reply {
+        let word = |index: usize| words.get(index).map_or("", String::as_str);
+        let rest = |from: usize| words.get(from..).unwrap_or_default();
+        let nothing = || Ok(Answer::volatile(String::new()));
+        match word(0) {
+            "hello" => self.hello(word(1)),
+            "query" => {
+                let language = Language::from_name(word(1)).unwrap_or_default();
+                self.query(language, word(2), rest(3), more)
+            }
+            "parse" => self.parse(word(1), rest(2)),
+            "marker" => self.translate(word(1), word(2)),
+            "done_source" => {
+                let name = self.scripts.iter().rev().find(|it| it.path == word(1));
+                let name = name.map(|it| it.name.clone()).unwrap_or_default();
+                // GenoM3 looks for the path as it is and adds it normalized: one with `..` is added
+                // each time.
+                let path = self.run.dir.join(&name);
+                if name != "<string>" && !self.deps.contains(&path.display().to_string()) {
+                    self.deps.push(normalize(&path));
+                }
+                nothing()
+            }
+            "dep" => {
+                let path = PathBuf::from(word(1));
+                self.scripts.push(Script {
+                    path: word(1).to_owned(),
+                    name: word(1).to_owned(),
+                    text: std::fs::read(&path)
+                        .map(|it| tcl::decode(&it))
+                        .unwrap_or_default(),
+                });
+                self.add_dep(&path);
+                nothing()
+            }
+            "deps" => {
+                let own = self.run.dir.join("template.tcl").display().to_string();
+                if !self.deps.contains(&own) {
+                    self.deps.push(own);
+                }
+                Ok(Answer::volatile(tcl::list(&self.deps)))
+            }
+            "message" => {
+                self.message(word(1));
+                nothing()
+            }
+            "blame" => self.blame(rest(1)),
+            "commit" => {
+                self.commit(word(1), word(2), word(3))?;
+                nothing()
+            }
+            "commit_file" => {
+                let text = std::fs::read(word(3)).map_err(|error| {
+                    Failure::Error(format!("couldn't open \"{}\": {}", word(3), posix(&error)))
+                })?;
+                self.commit(word(1), word(2), &tcl::decode(&text))?;
+                nothing()
+            }
+            "too_much" => Err(Failure::Stop(format!(
+                "stopped: a file grew beyond {} characters",
+                word(1)
+            ))),
+            "engine" => self.engine(word(1), rest(2)),
+            other => Err(Failure::Error(format!("unknown request {other}"))),
+        }
+    }
+
+    fn hello(&self, version: &str) -> Reply {
+        if !version.starts_with("8.6") && !version.starts_with("8.7") {
+            return Err(Failure::Stop(format!(
+                "templates need Tcl 8.6, and tclsh is version {version}: install Tcl 8.6, or set \
+                 DOTGEN_TCLSH to its tclsh"
+            )));
+        }
+        let confined = matches!(self.output.sink, super::OutputSink::Preview(_));
+        let limit = self.run.limits.output.unwrap_or(0);
+        Ok(Answer::volatile(tcl::list([
+            if confined { "1" } else { "0" },
+            &self.run.name(),
+            &self.run.dir.display().to_string(),
+            &self.tmpdir.display().to_string(),
+            &limit.to_string(),
+            &tcl::list(&self.run.args),
+        ])))
+    }
+
+    fn add_dep(&mut self, path: &Path) {
+        let path = normalize(path);
+        if !self.deps.contains(&path) {
+            self.deps.push(path);
+        }
+    }
+}
+
+fn empty_output() -> Output {
+    Output {
+        modes: Modes::new(false),
+        merge_tool: String::new(),
+        dir: String::new(),
+        base: PathBuf::new(),
+        sink: super::OutputSink::Direct,
+        template: String::new(),
+    }
+}
+
+impl Environment for Session<'_> {
+    fn print(&mut self, line: &str) {
+        self.console.out(format!("{line}\n").as_bytes());
+    }
+
+    fn prompt(&mut self, text: &str) {
+        self.console.out(text.as_bytes());
+    }
+
+    fn read_line(&mut self) -> Option<String> {
+        self.console.read_line()
+    }
+
+    fn temporary(&mut self) -> PathBuf {
+        self.temporaries += 1;
+        let name = format!("template{:04}{:04}", std::process::id(), self.temporaries);
+        self.tmpdir.join(name)
+    }
+
+    fn format_time(&mut self, time: SystemTime) -> String {
+        let seconds = time.duration_since(UNIX_EPOCH).unwrap_or_default();
+        let seconds = seconds.as_secs().to_string();
+        // Tcl knows the time zone and its words.
+        self.evaluate(&format!("clock format {seconds}"))
+            .unwrap_or(seconds)
+    }
+
+    fn message(&mut self, text: &str) {
+        if self.run.verbose {
+            self.console.err(&format!("{}: {text}", self.run.name()));
+        }
+    }
+}
+
+/// Absolute path with links resolved but for the last component, as Tcl's `file normalize`.
+fn normalize(path: &Path) -> String {
+    let path = super::discover::absolute(path);
+    let resolved = match (path.parent(), path.file_name()) {
+        (Some(dir), Some(name)) => dir.canonicalize().map(|dir| dir.join(name)).ok(),
+        _ => None,
+    };
+    resolved.unwrap_or(path).display().to_string()
+}

@@ -1,0 +1,118 @@
+//! Sources of templates, the places of their errors, and what the engine does with files.
+
+use super::{Reply, Session, empty_output};
+use crate::template::api::Answer;
+use crate::template::blame::{self, Frame, Script};
+use crate::template::output::{Environment, join, posix};
+use crate::template::{Failure, marker, tcl};
+
+impl Session<'_> {
+    /// Translates a source and puts the program in a file; returns its path.
+    pub(super) fn translate(&mut self, kind: &str, source: &str) -> Reply {
+        let (name, text) = if kind == "file" {
+            let path = join(&self.run.dir.display().to_string(), source);
+            self.message(&format!("reading {path}"));
+            let bytes = std::fs::read(&path).map_err(|error| {
+                Failure::Error(format!("couldn't open \"{path}\": {}", posix(&error)))
+            })?;
+            (source.to_owned(), tcl::decode(&bytes))
+        } else {
+            ("<string>".to_owned(), tcl::low_bytes(source))
+        };
+        let program = marker::translate(&text)
+            .map_err(|error| Failure::Error(format!("{name}:{}: {}", error.line, error.message)))?;
+        let path = self.temporary();
+        if self.output.modes.is_on("debug") && !self.output.modes.is_on("silent") {
+            self.print(&format!(
+                "generating template code for {name} in {}",
+                path.display()
+            ));
+        }
+        std::fs::write(&path, &program).map_err(|error| {
+            Failure::Error(format!(
+                "couldn't open \"{}\": {}",
+                path.display(),
+                posix(&error)
+            ))
+        })?;
+        let path = path.display().to_string();
+        self.scripts.push(Script {
+            path: path.clone(),
+            name,
+            text: program,
+        });
+        Ok(Answer::volatile(path))
+    }
+
+    pub(super) fn blame(&mut self, words: &[String]) -> Reply {
+        let [name, _program, message, trace, frames] = words else {
+            return Err(Failure::Error("malformed request".into()));
+        };
+        let words = tcl::parse_list(frames).unwrap_or_default();
+        let frames: Vec<Frame> = words
+            .chunks_exact(3)
+            .map(|it| Frame {
+                file: it[0].clone(),
+                line: it[1].parse().unwrap_or(1),
+                command: it[2].clone(),
+            })
+            .collect();
+        let scripts = std::mem::take(&mut self.scripts);
+        let text = blame::explain(name, message, trace, &frames, &scripts, |procedure| {
+            let body = tcl::list(["info", "body", procedure]);
+            self.evaluate(&tcl::list(["slave", "eval", &body])).ok()
+        });
+        self.scripts = scripts;
+        Ok(Answer::volatile(text))
+    }
+
+    pub(super) fn commit(
+        &mut self,
+        name: &str,
+        permissions: &str,
+        text: &str,
+    ) -> Result<(), Failure> {
+        self.files += text.len() as u64;
+        self.check_output(self.files).map_err(Failure::Stop)?;
+        let mut output = std::mem::replace(&mut self.output, empty_output());
+        let result = output.commit(name, permissions, text, self);
+        self.output = output;
+        result
+    }
+
+    pub(super) fn engine(&mut self, what: &str, words: &[String]) -> Reply {
+        let usage =
+            |usage: &str| Failure::Error(format!("wrong # args: should be \"engine {usage}\""));
+        let text = match (what, words) {
+            ("mode", []) => tcl::list(self.output.modes.show()),
+            ("mode", words) => {
+                for word in words {
+                    if let Some((name, on)) = self.output.modes.set(word)? {
+                        let value = if on { "on" } else { "off" };
+                        self.message(&format!("{name} mode {value}"));
+                    }
+                }
+                String::new()
+            }
+            ("merge-tool", [tool]) => {
+                self.output.merge_tool = tool.clone();
+                tool.clone()
+            }
+            ("merge-tool", _) => return Err(usage("merge-tool tool")),
+            ("chdir", [dir]) => {
+                if self.output.dir != *dir {
+                    self.output.dir = dir.clone();
+                    self.message(&format!("set output directory to '{dir}'"));
+                }
+                String::new()
+            }
+            ("chdir", _) => return Err(usage("chdir d")),
+            ("pwd", []) if self.output.dir.is_empty() => ".".into(),
+            ("pwd", []) => self.output.dir.clone(),
+            ("pwd", _) => return Err(usage("pwd")),
+            ("mktemp", []) => self.temporary().display().to_string(),
+            _ => return Err(usage("mktemp")),
+        };
+        Ok(Answer::volatile(text))
+    }
+}

@@ -1,0 +1,39 @@
+//! Exceptions an object may raise: its own after those of what it belongs to, each once.
+
+use dotgen_analysis::model::{Component, Remote, Task, TypeId};
+
+fn unique(lists: &[&[TypeId]]) -> Vec<TypeId> {
+    let mut out = Vec::new();
+    for ty in lists.iter().copied().flatten() {
+        if !out.contains(ty) {
+            out.push(*ty);
+        }
+    }
+    out
+}
+
+/// Of a component: its own, those of its tasks, those of its services.
+pub(crate) fn component_throws(component: &Component) -> Vec<TypeId> {
+    let mut lists: Vec<&[TypeId]> = vec![&component.throws];
+    lists.extend(component.tasks.iter().map(|it| it.throws.as_slice()));
+    lists.extend(component.services.iter().map(|it| it.throws.as_slice()));
+    unique(&lists)
+}
+
+/// Of a task.
+pub(crate) fn task_throws(component: &Component, task: &Task) -> Vec<TypeId> {
+    unique(&[&component.throws, &task.throws])
+}
+
+/// Of a service.
+pub(crate) fn service_throws(component: &Component, service: u32) -> Vec<TypeId> {
+    let service = &component.services[service as usize];
+    let task = service.task.map(|it| &component.tasks[it as usize]);
+    let task = task.map_or(&[][..], |it| it.throws.as_slice());
+    unique(&[&component.throws, task, &service.throws])
+}
+
+/// Of a remote: the using component's before those of the providing side.
+pub(crate) fn remote_throws(component: &Component, remote: &Remote) -> Vec<TypeId> {
+    unique(&[&component.throws, &remote.throws])
+}

@@ -1,0 +1,72 @@
+//! `examples/drift`: one drift of each kind, each found, nothing else, and all mended.
+
+use camino::Utf8PathBuf;
+use dotgen_codegen::codels::command::{Project, SyncOptions, check, headers, sync};
+use dotgen_codegen::codels::edit::unified_diff;
+use dotgen_codegen::codels::files::FilesConfig;
+use dotgen_codegen::codels::stub::StubOptions;
+
+use crate::support::{Disk, compile, compiler, host, temporary, workspace, write};
+
+fn root() -> Utf8PathBuf {
+    workspace().join("examples/drift/tank.gen")
+}
+
+fn stubs() -> StubOptions {
+    StubOptions {
+        use_parameters: true,
+        ..StubOptions::default()
+    }
+}
+
+#[test]
+fn every_seeded_drift_is_found_and_nothing_else() {
+    let mut host = host(Vec::new());
+    let mut project = Project::new(&mut host, &Disk, FilesConfig::default(), stubs());
+    let report = check(&mut project, &[root()]);
+    insta::assert_snapshot!(report.to_text(&workspace()));
+    assert_eq!(report.exit_code(), 1);
+    // Every kind is seeded.
+    assert_eq!(report.counts().len(), 7, "{:?}", report.counts());
+}
+
+#[test]
+fn fix_all_leaves_nothing_to_report_and_the_code_compiles() {
+    let mut host = host(Vec::new());
+    let mut project = Project::new(&mut host, &Disk, FilesConfig::default(), stubs());
+    let options = SyncOptions {
+        hints: true,
+        ..SyncOptions::default()
+    };
+    let report = sync(&mut project, &[root()], &options);
+    assert!(
+        report.left.findings.is_empty(),
+        "{}",
+        report.left.to_text(&workspace())
+    );
+    assert_eq!(report.left.exit_code(), 0);
+    let mut diff = String::new();
+    for change in &report.changes {
+        let path = change
+            .path
+            .strip_prefix(workspace())
+            .expect("inside the workspace");
+        diff += &unified_diff(path, change.before.as_deref(), &change.after);
+    }
+    insta::assert_snapshot!(diff);
+
+    let Some(cc) = compiler("cc") else { return };
+    let (_guard, folder) = temporary();
+    write(
+        &folder,
+        &headers(&mut project, &root(), &folder, &[]).expect("types have a mapping"),
+    );
+    for name in ["tank_codels.c", "tank_control_codels.c"] {
+        let path = root().with_file_name("codels").join(name);
+        let text = project.text(&path).expect("a source");
+        let copy = folder.join(name);
+        std::fs::write(&copy, &*text).expect("a temporary file");
+        // A parameter that is new is not used yet.
+        compile(cc, &folder, &copy, &["-Wno-unused-parameter"]).expect("the mended code compiles");
+    }
+}

@@ -1,0 +1,307 @@
+//! The template engine over templates of our own: what they print and write, and that the ones that
+//! misbehave do no harm.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use dotgen_codegen::compiler::Compiler;
+use dotgen_codegen::template::console::Captured;
+use dotgen_codegen::template::discover::SearchPath;
+use dotgen_codegen::template::{Limits, Outcome, OutputSink, Run, find_tclsh};
+
+#[path = "support/disk.rs"]
+mod disk;
+
+const SPECIFICATION: &str = r#"/*/ A lamp.
+ * Second line.
+ */
+struct colour { double hue; string<8> name; };
+component lamp {
+  version "1.2";
+  lang "c";
+  ids { colour now; sequence<double, 3> steps; };
+  exception e_burnt;
+  port out colour light;
+  task blink {
+    period 10 ms;
+    codel<start> lampStart(out ::ids, port out light) yield loop wcet 0.5 ms;
+    codel<loop> lampLoop(inout now.hue::hue, port out light) yield pause::loop;
+  };
+  attribute setColour(in now) { validate lampCheck(local in now); };
+  function reset() { codel lampReset(out steps); throw e_burnt; };
+};
+"#;
+
+/// Runs a template of ours; `None` when there is no Tcl.
+fn run(
+    template: &str,
+    args: &[&str],
+    sink: OutputSink,
+    limits: Limits,
+) -> Option<(Outcome, Captured)> {
+    if let Err(reason) = find_tclsh() {
+        eprintln!("SKIPPED: {reason}");
+        return None;
+    }
+    let templates = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/templates");
+    let search = SearchPath {
+        dirs: vec![templates],
+        builtin: None,
+    };
+    let run = Run {
+        dir: search.find(template).unwrap(),
+        args: args.iter().map(|it| (*it).to_owned()).collect(),
+        search: &search,
+        program: "/bin/dotgen".into(),
+        cmdline: String::new(),
+        verbose: false,
+        debug: false,
+        tmpdir: None,
+        limits,
+        base: PathBuf::new(),
+    };
+    let mut compiler = Compiler::new(Arc::new(disk::Disk), Vec::new(), Vec::new());
+    let mut console = Captured::default();
+    let outcome = run.execute(&mut compiler, &mut console, sink);
+    Some((outcome, console))
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+fn specification() -> (tempfile::TempDir, PathBuf) {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("lamp.gen");
+    std::fs::write(&path, SPECIFICATION).unwrap();
+    (dir, path)
+}
+
+#[test]
+fn templates_ask_about_the_model() {
+    let (_dir, path) = specification();
+    let path = path.to_str().unwrap();
+    let Some((outcome, console)) = run("report", &[path], OutputSink::preview(), Limits::default())
+    else {
+        return;
+    };
+    assert_eq!((outcome.status, console.err.as_str()), (0, ""));
+    insta::assert_snapshot!(text(&console.out));
+    let (outcome, console) = run(
+        "report",
+        &["--language=c++", path],
+        OutputSink::Direct,
+        Limits::default(),
+    )
+    .unwrap();
+    // An option written with `=` counts twice, so the file is left for the template all the same.
+    assert_eq!((outcome.status, console.err.as_str()), (0, ""));
+    assert!(
+        text(&console.out).contains("genom::event lampStart(lamp::ids &ids, lamp::light &light)")
+    );
+}
+
+#[test]
+fn a_preview_writes_nothing() {
+    let dir = tempfile::tempdir().unwrap();
+    let out = dir.path().join("out");
+    let out = out.to_str().unwrap();
+    let Some((outcome, console)) = run(
+        "files",
+        &["-C", out],
+        OutputSink::preview(),
+        Limits::preview(),
+    ) else {
+        return;
+    };
+    assert_eq!((outcome.status, console.err.as_str()), (0, ""));
+    assert!(!Path::new(out).exists());
+    let OutputSink::Preview(files) = outcome.sink else {
+        panic!("a preview stays a preview");
+    };
+    let shown: Vec<(String, String, Option<u32>)> = files
+        .iter()
+        .map(|(path, file)| {
+            let name = path.strip_prefix(out).unwrap().display().to_string();
+            (name, text(&file.after), file.mode)
+        })
+        .collect();
+    let file = |name: &str, text: &str, mode| (name.to_owned(), text.to_owned(), mode);
+    assert_eq!(
+        shown,
+        [
+            file("a/one.txt", "changed\n", None),
+            file("run.sh", "#!/bin/sh\necho files\n", Some(0o755)),
+        ]
+    );
+    let printed = text(&console.out).replace(out, "OUT");
+    assert_eq!(
+        printed,
+        "creating OUT/a/one.txt\nOUT/a/one.txt is up-to-date\ncreating OUT/run.sh\n\
+         refused: stop: file OUT/a/one.txt exists and would be overwritten.\n\
+         overwriting OUT/a/one.txt\ndeps template.tcl\n"
+    );
+}
+
+#[test]
+fn a_preview_reaches_nothing_outside() {
+    let dir = tempfile::tempdir().unwrap();
+    let kept = dir.path().join("kept.txt");
+    std::fs::write(&kept, "old\n").unwrap();
+    let Some((outcome, console)) = run(
+        "outside",
+        &[dir.path().to_str().unwrap()],
+        OutputSink::preview(),
+        Limits::preview(),
+    ) else {
+        return;
+    };
+    let printed = text(&console.out);
+    let refused = printed.lines().filter(|line| line.ends_with(": 1")).count();
+    assert_eq!(refused, 8, "{printed}");
+    // The last thing it does is to overwrite a file, which the engine refuses too.
+    assert_eq!(outcome.status, 2);
+    assert_eq!(std::fs::read_to_string(&kept).unwrap(), "old\n");
+    assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn endless_templates_are_stopped() {
+    let limits = Limits {
+        time: Some(Duration::from_millis(300)),
+        ..Limits::default()
+    };
+    let Some((outcome, console)) = run("loops", &[], OutputSink::preview(), limits) else {
+        return;
+    };
+    assert_eq!(outcome.status, 2);
+    assert_eq!(console.err, "loops: stopped: the template took too long\n");
+}
+
+#[test]
+fn templates_can_be_cancelled() {
+    let limits = Limits {
+        cancel: Some(Arc::new(AtomicBool::new(true))),
+        ..Limits::default()
+    };
+    let Some((outcome, console)) = run("loops", &[], OutputSink::preview(), limits) else {
+        return;
+    };
+    assert_eq!(
+        (outcome.status, console.err.as_str()),
+        (2, "loops: cancelled\n")
+    );
+}
+
+#[test]
+fn floods_are_stopped() {
+    let limits = Limits {
+        output: Some(1 << 20),
+        ..Limits::default()
+    };
+    let Some((outcome, console)) = run("prints", &[], OutputSink::preview(), limits) else {
+        return;
+    };
+    assert_eq!(outcome.status, 2);
+    assert_eq!(
+        console.err,
+        "prints: stopped: the template printed or wrote more than 1 MiB\n"
+    );
+    assert!(console.out.len() <= 1 << 20);
+}
+
+#[test]
+fn a_dead_interpreter_is_an_error() {
+    let Some((outcome, console)) = run("dies", &[], OutputSink::Direct, Limits::default()) else {
+        return;
+    };
+    assert_eq!(outcome.status, 2);
+    assert!(
+        console
+            .err
+            .starts_with("dies: the Tcl interpreter ended before the template did"),
+        "{}",
+        console.err
+    );
+}
+
+#[test]
+fn exit_gives_the_status() {
+    let Some((outcome, console)) = run("exits", &[], OutputSink::Direct, Limits::default()) else {
+        return;
+    };
+    assert_eq!(
+        (outcome.status, console.err.as_str()),
+        (7, "exits: exit 7\n")
+    );
+}
+
+#[test]
+fn errors_name_the_source_and_the_line() {
+    for (source, first) in [
+        ("procedure.txt", "fails: procedure.txt:4: no bread"),
+        (
+            "variable.txt",
+            "fails: variable.txt:2: can't read \"nosuch\": no such variable",
+        ),
+        ("unopened.txt", "fails: unopened.txt:1: missing opening tag"),
+        (
+            "adjacent.txt",
+            "fails: adjacent.txt:1: wrong # args: should be \"set varName ?newValue?\"",
+        ),
+    ] {
+        let args = ["-f", source];
+        let Some((outcome, console)) =
+            run("fails", &args, OutputSink::preview(), Limits::default())
+        else {
+            return;
+        };
+        assert_eq!(outcome.status, 2);
+        assert_eq!(console.err.lines().next(), Some(first));
+    }
+}
+
+#[test]
+fn a_preview_shows_what_a_run_writes() {
+    let (dir, path) = specification();
+    let Some(templates) = std::env::var_os("DOTGEN_TEST_TEMPLATES") else {
+        eprintln!("SKIPPED: DOTGEN_TEST_TEMPLATES names no directory of templates");
+        return;
+    };
+    let search = SearchPath {
+        dirs: vec![templates.into()],
+        builtin: None,
+    };
+    let run = |sink| {
+        let out = dir.path().join("out").display().to_string();
+        let run = Run {
+            dir: search.find("skeleton").unwrap(),
+            args: vec!["-C".into(), out, path.display().to_string()],
+            search: &search,
+            program: String::new(),
+            cmdline: String::new(),
+            verbose: false,
+            debug: false,
+            tmpdir: None,
+            limits: Limits::preview(),
+            base: PathBuf::new(),
+        };
+        let mut compiler = Compiler::new(Arc::new(disk::Disk), Vec::new(), Vec::new());
+        let mut console = Captured::default();
+        let outcome = run.execute(&mut compiler, &mut console, sink);
+        assert_eq!((outcome.status, console.err.as_str()), (0, ""));
+        (outcome.sink, console.out)
+    };
+    let (preview, shown) = run(OutputSink::preview());
+    let (_, printed) = run(OutputSink::Direct);
+    assert_eq!(text(&shown), text(&printed));
+    let OutputSink::Preview(files) = preview else {
+        panic!("a preview stays a preview");
+    };
+    assert!(files.len() > 5);
+    for (path, file) in files {
+        assert_eq!(text(&std::fs::read(&path).unwrap()), text(&file.after));
+    }
+}

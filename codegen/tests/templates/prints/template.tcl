@@ -1,0 +1,1 @@
+while 1 { puts [string repeat x 100000] }

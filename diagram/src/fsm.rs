@@ -1,0 +1,411 @@
+//! The state machine of a task or an activity.
+//!
+//! A node is a codel with the states that trigger it, so that a codel bound to several states is
+//! drawn once. `pause::` transitions are drawn differently because they wait for the next period.
+
+pub use dotgen_analysis::lint::duration;
+use dotgen_analysis::model::fsm;
+use dotgen_analysis::model::mutex;
+use dotgen_analysis::model::turn::Turn;
+use dotgen_analysis::model::{Codel, CodelRef, Component, Owner, Seconds, Spec, Src};
+use rustc_hash::{FxHashMap, FxHashSet};
+use serde::{Deserialize, Serialize};
+
+use crate::graph::{Direction, Edge, Graph, Line, LineStyle, Node, Origin, Shape};
+
+/// What to show besides states, codels and transitions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Options {
+    /// Execution times, and a shade by their share of the period.
+    pub wcet: bool,
+    /// Per state, the longest sum of execution times from there to the next pause or the end.
+    pub paths: bool,
+    /// Per codel, how many others it excludes.
+    pub locks: bool,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options {
+            wcet: true,
+            paths: false,
+            locks: false,
+        }
+    }
+}
+
+/// Tasks and activities of a component that have a machine, in order of declaration.
+pub fn owners(component: &Component) -> impl Iterator<Item = Owner> + '_ {
+    component.machines()
+}
+
+/// Name of a task or service.
+pub fn owner_name(component: &Component, owner: Owner) -> &str {
+    component.owner_name(owner)
+}
+
+/// Builds the graph of one machine. `None` when the owner has no codel with states.
+pub fn graph(spec: &Spec, component: &Component, owner: Owner, options: Options) -> Option<Graph> {
+    let model = fsm::Machine::new(component.codels_of(owner));
+    if model.is_empty() {
+        return None;
+    }
+    let task = match owner {
+        Owner::Task(i) => Some(i),
+        Owner::Service(i) => component.services[i as usize].task,
+    }
+    .and_then(|i| component.tasks.get(i as usize));
+    let mut machine = Machine {
+        graph: Graph {
+            title: format!("{}.{}", component.name, owner_name(component, owner)),
+            direction: Direction::Down,
+            ..Graph::default()
+        },
+        node_of: FxHashMap::default(),
+        reached: reached(&model),
+        model: &model,
+        locks: Locks {
+            spec,
+            component,
+            owner,
+        },
+        options,
+        period: task.and_then(|it| it.period.as_ref()).map(|p| p.value),
+    };
+    for &(index, codel) in &model.codels {
+        machine.codel(index, codel);
+    }
+    for &(_, codel) in &model.codels {
+        machine.yields(codel);
+    }
+    machine.entries();
+    machine.notes(owner, task);
+    Some(machine.graph)
+}
+
+/// States that are reached from an entry: `start`, and `stop`, which needs no transition.
+fn reached<'m>(model: &fsm::Machine<'m>) -> FxHashSet<&'m str> {
+    let mut reached = model.reachable("start");
+    reached.extend(model.reachable("stop"));
+    reached
+}
+
+/// Where the exclusions of a machine's codels are found.
+struct Locks<'a> {
+    spec: &'a Spec,
+    component: &'a Component,
+    owner: Owner,
+}
+
+impl Locks<'_> {
+    /// Names of what a codel excludes, each once.
+    fn of(&self, index: u32) -> Vec<String> {
+        let codel = CodelRef {
+            owner: self.owner,
+            index,
+        };
+        mutex::excluded_names(self.spec, self.component, codel)
+    }
+}
+
+struct Machine<'a> {
+    graph: Graph,
+    /// State name to node id.
+    node_of: FxHashMap<String, String>,
+    model: &'a fsm::Machine<'a>,
+    reached: FxHashSet<&'a str>,
+    locks: Locks<'a>,
+    options: Options,
+    period: Option<Seconds>,
+}
+
+impl Machine<'_> {
+    fn codel(&mut self, index: u32, codel: &Codel) {
+        let states: Vec<String> = codel.triggers.iter().map(|s| s.name.to_string()).collect();
+        let mut id = states.join("+");
+        if id.is_empty() || self.graph.nodes.iter().any(|n| n.id == id) {
+            id = format!("{id}#{index}");
+        }
+        for state in &states {
+            self.node_of
+                .entry(state.clone())
+                .or_insert_with(|| id.clone());
+        }
+        let mut lines = vec![
+            Line::new(LineStyle::Title, states.join(", ")),
+            Line::new(
+                LineStyle::Code,
+                format!(
+                    "{}{}",
+                    if codel.is_async { "async " } else { "" },
+                    codel.name
+                ),
+            ),
+        ];
+        let mut classes = vec!["state".to_owned()];
+        let mut description = format!("state {}, codel {}", states.join(", "), codel.name);
+        if codel.is_async {
+            classes.push("async".to_owned());
+            description.push_str(", asynchronous");
+        }
+        if let Some(wcet) = codel.wcet.as_ref().filter(|_| self.options.wcet) {
+            let shown = duration(wcet.value);
+            description.push_str(&format!(", at most {shown}"));
+            let mut text = format!("≤ {shown}");
+            if let Some(period) = self.period.filter(|p| p.numer() > &0) {
+                let share = wcet.value / period;
+                classes.extend(heat(share));
+                text.push_str(&format!(" · {}", percent(share)));
+            }
+            lines.push(Line::new(LineStyle::Detail, text));
+        }
+        if self.options.paths {
+            let several = states.len() > 1;
+            // A codel goes on the same way whatever state triggered it.
+            for state in states.iter().take(1) {
+                let of = if several { "each " } else { "" };
+                if let Some(text) = self.turn(state) {
+                    description.push_str(&format!(", {text}"));
+                    lines.push(Line::new(LineStyle::Detail, format!("{of}{text}")));
+                }
+            }
+        }
+        if self.options.locks {
+            let excluded = self.locks.of(index);
+            if !excluded.is_empty() {
+                let plural = if excluded.len() == 1 { "" } else { "s" };
+                lines.push(Line::new(
+                    LineStyle::Detail,
+                    format!("excludes {} codel{plural}", excluded.len()),
+                ));
+                description.push_str(&format!(", excludes {}", excluded.join(", ")));
+            }
+        }
+        if !states.iter().any(|s| self.reached.contains(s.as_str())) {
+            classes.push("unreachable".to_owned());
+            let named = states.join(", ");
+            let reason = if self.model.position("start").is_none() {
+                "there is no state start".to_owned()
+            } else {
+                format!("no transition leads from start or stop to {named}")
+            };
+            description.push_str(&format!(", unreachable: {reason}"));
+            lines.push(Line::new(LineStyle::Detail, "unreachable"));
+        }
+        self.graph.nodes.push(Node {
+            id,
+            shape: Shape::Box,
+            lines,
+            classes,
+            description,
+            origin: origin(codel.src),
+            names: states,
+            ..Node::default()
+        });
+    }
+
+    fn yields(&mut self, codel: &Codel) {
+        let Some(from) = codel
+            .triggers
+            .first()
+            .and_then(|s| self.node_of.get(s.name.as_str()))
+            .cloned()
+        else {
+            return;
+        };
+        for state in &codel.yields {
+            let to = self.target(&state.name, state.src);
+            let several = self
+                .graph
+                .nodes
+                .iter()
+                .any(|n| n.id == to && n.names.len() > 1);
+            let label = match (state.paused, several) {
+                (true, true) => format!("pause::{}", state.name),
+                (true, false) => "pause".to_owned(),
+                (false, true) => state.name.to_string(),
+                (false, false) => String::new(),
+            };
+            let wait = if state.paused {
+                " at the next period"
+            } else {
+                ""
+            };
+            let description = format!("{} yields {}{wait}", codel.name, state.name);
+            let mut classes = vec!["transition".to_owned()];
+            if state.paused {
+                classes.push("paused".to_owned());
+            }
+            self.graph.edges.push(Edge {
+                from: from.clone(),
+                to,
+                label,
+                classes,
+                description,
+                origin: origin(state.src),
+                both_ways: false,
+            });
+        }
+    }
+
+    /// The node of a state, made when no codel has it: the end, or an undefined state.
+    fn target(&mut self, state: &str, src: Src) -> String {
+        if let Some(id) = self.node_of.get(state) {
+            return id.clone();
+        }
+        let end = state == "ether";
+        self.node_of.insert(state.to_owned(), state.to_owned());
+        self.graph.nodes.push(Node {
+            id: state.to_owned(),
+            shape: if end { Shape::Final } else { Shape::Box },
+            lines: if end {
+                vec![Line::new(LineStyle::Title, state)]
+            } else {
+                vec![
+                    Line::new(LineStyle::Title, state),
+                    Line::new(LineStyle::Detail, "no codel"),
+                ]
+            },
+            classes: vec![if end { "end" } else { "undefined" }.to_owned()],
+            description: if end {
+                "ether: the machine ends".to_owned()
+            } else {
+                format!("state {state} has no codel")
+            },
+            origin: origin(src),
+            names: vec![state.to_owned()],
+            ..Node::default()
+        });
+        state.to_owned()
+    }
+
+    /// The longest turn from a state, in words.
+    fn turn(&self, state: &str) -> Option<String> {
+        Some(match self.model.longest_turn(state)? {
+            Turn::Bounded {
+                sum, incomplete, ..
+            } => {
+                let open = if incomplete { " + unknown" } else { "" };
+                format!("Σ ≤ {}{open} to pause or end", duration(sum))
+            }
+            Turn::Unbounded { .. } => "Σ unbounded: a cycle without pause".to_owned(),
+        })
+    }
+
+    /// What is said below the picture.
+    fn notes(&mut self, owner: Owner, task: Option<&dotgen_analysis::model::Task>) {
+        let Locks {
+            spec, component, ..
+        } = self.locks;
+        if let (Owner::Service(_), Some(task)) = (owner, task) {
+            let rate = match &task.period {
+                Some(period) => format!("every {}", duration(period.value)),
+                None => "aperiodic".to_owned(),
+            };
+            self.graph.notes.push(format!("task {}, {rate}", task.name));
+        } else if let Some(period) = self.period {
+            self.graph.notes.push(format!("every {}", duration(period)));
+        }
+        let mut thrown: Vec<&str> = Vec::new();
+        let service = match owner {
+            Owner::Service(i) => component.services[i as usize].throws.as_slice(),
+            Owner::Task(_) => &[],
+        };
+        let of_task = task.map_or(&[][..], |it| &it.throws);
+        for &id in component.throws.iter().chain(of_task).chain(service) {
+            let name = spec.ty(id).name.as_deref().unwrap_or_default();
+            if !name.is_empty() && !thrown.contains(&name) {
+                thrown.push(name);
+            }
+        }
+        if !thrown.is_empty() {
+            self.graph
+                .notes
+                .push(format!("may throw {}", thrown.join(", ")));
+        }
+    }
+
+    /// Where the machine begins, and where it goes when interrupted.
+    fn entries(&mut self) {
+        let entries = [
+            (
+                "start",
+                "(entry)",
+                Shape::Initial,
+                "",
+                "the machine begins here",
+            ),
+            (
+                "stop",
+                "(interrupt)",
+                Shape::Interrupt,
+                "interrupted",
+                "an interrupted machine goes on here",
+            ),
+        ];
+        for (state, id, shape, label, description) in entries {
+            let Some(to) = self.node_of.get(state).cloned() else {
+                continue;
+            };
+            self.graph.nodes.push(Node {
+                id: id.to_owned(),
+                shape,
+                classes: vec!["marker".to_owned()],
+                description: description.to_owned(),
+                ..Node::default()
+            });
+            self.graph.edges.push(Edge {
+                from: id.to_owned(),
+                to,
+                label: label.to_owned(),
+                classes: vec![
+                    "entry".to_owned(),
+                    if shape == Shape::Interrupt {
+                        "interrupt"
+                    } else {
+                        "begin"
+                    }
+                    .to_owned(),
+                ],
+                description: description.to_owned(),
+                ..Edge::default()
+            });
+        }
+        // Markers come first, so that a reader who tabs through the picture starts at the entry.
+        let markers = self
+            .graph
+            .nodes
+            .iter()
+            .filter(|n| n.classes == ["marker"])
+            .count();
+        self.graph.nodes.rotate_right(markers);
+    }
+}
+
+fn origin(src: Src) -> Option<Origin> {
+    Some(Origin { part: 0, src })
+}
+
+/// The shade for a share of the period: none below 5 %, five steps up to the whole period.
+fn heat(share: Seconds) -> Option<String> {
+    let share = *share.numer() as f64 / *share.denom() as f64;
+    let level = match share {
+        s if s < 0.05 => return None,
+        s if s < 0.15 => 1,
+        s if s < 0.3 => 2,
+        s if s < 0.6 => 3,
+        s if s < 1.0 => 4,
+        _ => 5,
+    };
+    Some(format!("heat-{level}"))
+}
+
+fn percent(share: Seconds) -> String {
+    let share = *share.numer() as f64 / *share.denom() as f64 * 100.0;
+    if share < 1.0 {
+        "<1 %".to_owned()
+    } else {
+        format!("{share:.0} %")
+    }
+}

@@ -1,0 +1,347 @@
+//! Gives every node, edge and label of a graph its place.
+//!
+//! The classic layered method (Sugiyama, Tagawa and Toda 1981), one module a step: make the graph
+//! acyclic, give nodes ranks, split long edges, order each rank to avoid crossings, assign
+//! coordinates. Edge labels and self loops are part of the problem, not an afterthought: a label
+//! is a node of a rank between its ends, a loop is part of the width of its node. Edges run straight
+//! through the ranks they cross and bend only between ranks, so they never pass behind a node.
+//!
+//! The method works top to bottom; pictures that read left to right are laid out on their side.
+
+mod acyclic;
+mod order;
+mod position;
+mod rank;
+mod ranked;
+mod route;
+mod size;
+
+use rustc_hash::FxHashMap;
+use serde::{Deserialize, Serialize};
+
+use crate::graph::{Direction, Graph};
+use crate::text;
+
+pub use size::{CARD_HEADER, LINE_PADDING, octagon};
+
+/// A point, in pixels, y downwards.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Point {
+    /// To the right.
+    pub x: f64,
+    /// Down.
+    pub y: f64,
+}
+
+impl Point {
+    fn transposed(self) -> Point {
+        Point {
+            x: self.y,
+            y: self.x,
+        }
+    }
+}
+
+/// An axis-parallel rectangle, in pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Rect {
+    /// Left.
+    pub x: f64,
+    /// Top.
+    pub y: f64,
+    /// Width.
+    pub width: f64,
+    /// Height.
+    pub height: f64,
+}
+
+impl Rect {
+    /// A rectangle around a centre.
+    pub fn centered(center: Point, width: f64, height: f64) -> Rect {
+        Rect {
+            x: center.x - width / 2.0,
+            y: center.y - height / 2.0,
+            width,
+            height,
+        }
+    }
+
+    /// Its centre.
+    pub fn center(self) -> Point {
+        Point {
+            x: self.x + self.width / 2.0,
+            y: self.y + self.height / 2.0,
+        }
+    }
+
+    /// The smallest rectangle around two.
+    pub fn union(self, other: Rect) -> Rect {
+        let (x, y) = (self.x.min(other.x), self.y.min(other.y));
+        Rect {
+            x,
+            y,
+            width: (self.x + self.width).max(other.x + other.width) - x,
+            height: (self.y + self.height).max(other.y + other.height) - y,
+        }
+    }
+
+    /// Whether two rectangles share more than a border.
+    pub fn overlaps(self, other: Rect) -> bool {
+        const SLACK: f64 = 0.01;
+        self.x + self.width > other.x + SLACK
+            && other.x + other.width > self.x + SLACK
+            && self.y + self.height > other.y + SLACK
+            && other.y + other.height > self.y + SLACK
+    }
+
+    /// Whether this rectangle lies inside another.
+    pub fn inside(self, outer: Rect) -> bool {
+        self.x >= outer.x
+            && self.y >= outer.y
+            && self.x + self.width <= outer.x + outer.width
+            && self.y + self.height <= outer.y + outer.height
+    }
+
+    fn transposed(self) -> Rect {
+        Rect {
+            x: self.y,
+            y: self.x,
+            width: self.height,
+            height: self.width,
+        }
+    }
+}
+
+/// Where everything of a graph is. Indexes are those of the graph.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Layout {
+    /// Width of the picture.
+    pub width: f64,
+    /// Height of the picture, notes included.
+    pub height: f64,
+    /// Outline of each node.
+    pub nodes: Vec<Rect>,
+    /// Each edge.
+    pub edges: Vec<EdgePath>,
+    /// Frames round groups of nodes.
+    pub frames: Vec<Frame>,
+    /// Top left corner of each note.
+    pub notes: Vec<Point>,
+}
+
+/// The frame round a group of nodes.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Frame {
+    /// What stands on top, inside.
+    pub name: String,
+    /// The outline.
+    pub rect: Rect,
+}
+
+/// Where an edge runs.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct EdgePath {
+    /// A chain of cubic Bézier curves: the first point, then three points for each curve. Empty for an
+    /// edge to a node that does not exist.
+    pub points: Vec<Point>,
+    /// Box of its label, when it has one.
+    pub label: Option<Rect>,
+}
+
+impl EdgePath {
+    /// Exchanges the coordinates.
+    fn transposed(self) -> EdgePath {
+        EdgePath {
+            points: self.points.into_iter().map(Point::transposed).collect(),
+            label: self.label.map(Rect::transposed),
+        }
+    }
+}
+
+/// Room between a frame and the nodes in it.
+const FRAME_PADDING: f64 = 8.0;
+/// Height of the name of a frame.
+pub const LABEL_HEIGHT: f64 = 20.0;
+
+/// Room around the drawing.
+const MARGIN: f64 = 12.0;
+
+/// Places a graph. Deterministic; total for any graph (edges to unknown nodes are left out).
+pub fn layout(graph: &Graph) -> Layout {
+    let sideways = graph.direction == Direction::Right;
+    let turn = |(w, h): (f64, f64)| if sideways { (h, w) } else { (w, h) };
+    let labels: Vec<(f64, f64)> = graph
+        .edges
+        .iter()
+        .map(|e| turn(size::label_size(&e.label)))
+        .collect();
+    let index: FxHashMap<&str, usize> = graph
+        .nodes
+        .iter()
+        .enumerate()
+        .map(|(i, node)| (node.id.as_str(), i))
+        .collect();
+    let ends: Vec<Option<(usize, usize)>> = graph
+        .edges
+        .iter()
+        .map(|e| Some((*index.get(e.from.as_str())?, *index.get(e.to.as_str())?)))
+        .collect();
+    let boxes: Vec<(f64, f64)> = size::node_sizes(graph, &ends)
+        .into_iter()
+        .map(turn)
+        .collect();
+    let loops = size::Loops::of(&ends, &labels);
+
+    let mut ranked = ranked::Ranked::new(graph, &ends, &boxes, &labels, &loops);
+    order::order(&mut ranked);
+    let mut places = position::positions(&ranked, if sideways { 18.0 } else { 26.0 });
+    position::pack_groups(&ranked, 14.0, &mut places);
+    // Columns are joined by many edges, which need room to fan out.
+    let gap = match (ranked.columns, sideways) {
+        (true, _) => 80.0,
+        (_, true) => 25.0,
+        (_, false) => 24.0,
+    };
+    let tops = route::rank_bands(&ranked, gap);
+
+    let nodes: Vec<Rect> = boxes
+        .iter()
+        .enumerate()
+        .map(|(i, &(w, h))| {
+            Rect::centered(
+                Point {
+                    x: places[i],
+                    y: tops.middle(ranked.rank[i]),
+                },
+                w,
+                h,
+            )
+        })
+        .collect();
+    let mut edges = route::edges(&ranked, &places, &tops, &nodes, &labels);
+    for (i, end) in ends.iter().enumerate() {
+        if let Some((from, to)) = end
+            && from == to
+        {
+            edges[i] = loops.path(i, nodes[*from], labels[i]);
+        }
+    }
+    let mut placed = Layout {
+        nodes,
+        edges,
+        ..Layout::default()
+    };
+    if sideways {
+        placed.nodes = placed.nodes.into_iter().map(Rect::transposed).collect();
+        placed.edges = placed.edges.into_iter().map(EdgePath::transposed).collect();
+    }
+    placed.frames = frames(graph, &placed.nodes);
+    finish(graph, placed)
+}
+
+/// A frame round the nodes of each group, wide enough for its name.
+fn frames(graph: &Graph, nodes: &[Rect]) -> Vec<Frame> {
+    let mut frames: Vec<Frame> = Vec::new();
+    for (node, rect) in graph.nodes.iter().zip(nodes) {
+        let Some(name) = &node.group else { continue };
+        match frames.iter_mut().find(|it| it.name == *name) {
+            Some(frame) => frame.rect = frame.rect.union(*rect),
+            None => frames.push(Frame {
+                name: name.clone(),
+                rect: *rect,
+            }),
+        }
+    }
+    for Frame { name, rect } in &mut frames {
+        let least = text::width(name, text::LABEL) - rect.width;
+        let aside = FRAME_PADDING.max(least / 2.0 + 2.0);
+        *rect = Rect {
+            x: rect.x - aside,
+            y: rect.y - LABEL_HEIGHT,
+            width: rect.width + 2.0 * aside,
+            height: rect.height + LABEL_HEIGHT + FRAME_PADDING,
+        };
+    }
+    frames
+}
+
+/// Moves everything to positive coordinates, measures the picture, and adds the notes.
+fn finish(graph: &Graph, mut layout: Layout) -> Layout {
+    let mut low = Point {
+        x: f64::MAX,
+        y: f64::MAX,
+    };
+    let mut high = Point {
+        x: f64::MIN,
+        y: f64::MIN,
+    };
+    let mut see = |p: Point| {
+        low = Point {
+            x: low.x.min(p.x),
+            y: low.y.min(p.y),
+        };
+        high = Point {
+            x: high.x.max(p.x),
+            y: high.y.max(p.y),
+        };
+    };
+    let rects = layout
+        .nodes
+        .iter()
+        .chain(layout.frames.iter().map(|it| &it.rect))
+        .chain(layout.edges.iter().filter_map(|e| e.label.as_ref()));
+    for rect in rects {
+        see(Point {
+            x: rect.x,
+            y: rect.y,
+        });
+        see(Point {
+            x: rect.x + rect.width,
+            y: rect.y + rect.height,
+        });
+    }
+    // A Bézier curve stays inside the hull of its control points.
+    layout
+        .edges
+        .iter()
+        .flat_map(|e| &e.points)
+        .copied()
+        .for_each(&mut see);
+    if layout.nodes.is_empty() {
+        (low, high) = (Point::default(), Point::default());
+    }
+    let (dx, dy) = (MARGIN - low.x, MARGIN - low.y);
+    let round = |v: f64| (v * 10.0).round() / 10.0;
+    for rect in layout
+        .nodes
+        .iter_mut()
+        .chain(layout.frames.iter_mut().map(|it| &mut it.rect))
+        .chain(layout.edges.iter_mut().filter_map(|e| e.label.as_mut()))
+    {
+        (rect.x, rect.y) = (round(rect.x + dx), round(rect.y + dy));
+        (rect.width, rect.height) = (round(rect.width), round(rect.height));
+    }
+    for point in layout.edges.iter_mut().flat_map(|e| &mut e.points) {
+        *point = Point {
+            x: round(point.x + dx),
+            y: round(point.y + dy),
+        };
+    }
+    layout.width = high.x - low.x + 2.0 * MARGIN;
+    layout.height = high.y - low.y + 2.0 * MARGIN;
+    for note in &graph.notes {
+        layout.notes.push(Point {
+            x: MARGIN,
+            y: round(layout.height),
+        });
+        layout.width = layout
+            .width
+            .max(text::width(note, text::NOTE) + 2.0 * MARGIN);
+        layout.height += text::NOTE.height;
+    }
+    if !graph.notes.is_empty() {
+        layout.height += MARGIN / 2.0;
+    }
+    (layout.width, layout.height) = (layout.width.ceil(), layout.height.ceil());
+    layout
+}

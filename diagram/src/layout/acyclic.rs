@@ -1,0 +1,80 @@
+//! Which edges to turn round so that no cycle is left.
+
+/// For each edge, whether it has to be turned round: the back edges of a depth-first walk.
+///
+/// When the graph has a beginning (`begins`), the walk starts where no edge enters, so that what people read as
+/// "back" is turned round. Otherwise (data that flows in circles) it starts at the node that leaves the
+/// fewest edges to turn, the first of them in the declared order.
+pub(super) fn back_edges(
+    nodes: usize,
+    edges: &[Option<(usize, usize)>],
+    begins: bool,
+) -> Vec<bool> {
+    /// More starts than this are not tried: the walk is linear, all of them together are not.
+    const STARTS: usize = 64;
+    let first = walk(nodes, edges, None);
+    let count = |it: &[bool]| it.iter().filter(|it| **it).count();
+    let mut best = (count(&first), first);
+    for start in (0..nodes).take(if begins { 0 } else { STARTS }) {
+        if best.0 <= 1 {
+            break;
+        }
+        let other = walk(nodes, edges, Some(start));
+        if count(&other) < best.0 {
+            best = (count(&other), other);
+        }
+    }
+    best.1
+}
+
+/// Back edges of the depth-first walk that begins at `start`, at the nodes without entering edges, and at
+/// the others in order.
+fn walk(nodes: usize, edges: &[Option<(usize, usize)>], start: Option<usize>) -> Vec<bool> {
+    let mut out = vec![Vec::new(); nodes];
+    let mut has_incoming = vec![false; nodes];
+    for (i, end) in edges.iter().enumerate() {
+        if let Some((from, to)) = *end
+            && from != to
+        {
+            out[from].push((i, to));
+            has_incoming[to] = true;
+        }
+    }
+    #[derive(Clone, Copy, PartialEq)]
+    enum Mark {
+        New,
+        Open,
+        Done,
+    }
+    let mut mark = vec![Mark::New; nodes];
+    let mut back = vec![false; edges.len()];
+    let roots = start
+        .into_iter()
+        .chain((0..nodes).filter(|&n| !has_incoming[n]))
+        .chain(0..nodes);
+    for root in roots {
+        if mark[root] != Mark::New {
+            continue;
+        }
+        mark[root] = Mark::Open;
+        let mut stack = vec![(root, 0)];
+        while let Some((node, next)) = stack.last_mut() {
+            let node = *node;
+            let Some(&(edge, to)) = out[node].get(*next) else {
+                mark[node] = Mark::Done;
+                stack.pop();
+                continue;
+            };
+            *next += 1;
+            match mark[to] {
+                Mark::New => {
+                    mark[to] = Mark::Open;
+                    stack.push((to, 0));
+                }
+                Mark::Open => back[edge] = true,
+                Mark::Done => {}
+            }
+        }
+    }
+    back
+}

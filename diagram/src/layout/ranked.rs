@@ -1,0 +1,221 @@
+//! The graph with ranks: real nodes, and one dummy for each rank a long edge crosses.
+
+use crate::graph::{Graph, Shape};
+
+use super::rank::{Arc, ranks};
+use super::{acyclic, size::Loops};
+
+/// Every edge spans an even number of ranks, so that its label has a rank of its own.
+const EDGE_LENGTH: usize = 2;
+
+/// A graph whose edges join neighbouring ranks only. Real nodes come first and keep their index.
+pub(super) struct Ranked {
+    /// Number of real nodes.
+    pub(super) real: usize,
+    /// Whether the ranks are the columns that the nodes say.
+    pub(super) columns: bool,
+    /// Rank of each vertex.
+    pub(super) rank: Vec<usize>,
+    /// Room left and right of the anchor of each vertex, and its height.
+    pub(super) extent: Vec<(f64, f64, f64)>,
+    /// Vertices of each rank, in order.
+    pub(super) layers: Vec<Vec<usize>>,
+    /// For each real node, the number of its group.
+    pub(super) group: Vec<Option<usize>>,
+    /// Neighbours on the next and previous rank.
+    pub(super) down: Vec<Vec<usize>>,
+    /// See [`Ranked::down`].
+    pub(super) up: Vec<Vec<usize>>,
+    /// For each edge of the graph, its vertices from the upper to the lower end (empty for self loops
+    /// and edges to nowhere).
+    pub(super) chains: Vec<Vec<usize>>,
+    /// Whether the edge was turned round.
+    pub(super) reversed: Vec<bool>,
+    /// For each edge, the vertex that holds its label.
+    pub(super) label_at: Vec<Option<usize>>,
+}
+
+impl Ranked {
+    pub(super) fn new(
+        graph: &Graph,
+        ends: &[Option<(usize, usize)>],
+        boxes: &[(f64, f64)],
+        labels: &[(f64, f64)],
+        loops: &Loops,
+    ) -> Ranked {
+        let real = boxes.len();
+        let columns = columns(graph, ends);
+        let begins = graph.nodes.iter().any(|it| it.shape == Shape::Initial);
+        let reversed = match &columns {
+            Some(column) => ends
+                .iter()
+                .map(|it| it.is_some_and(|(from, to)| column[from] > column[to]))
+                .collect(),
+            None => acyclic::back_edges(real, ends, begins),
+        };
+        let upper_lower = |i: usize| {
+            let (from, to) = ends[i].filter(|(from, to)| from != to)?;
+            Some(if reversed[i] { (to, from) } else { (from, to) })
+        };
+        let arcs: Vec<Arc> = (0..ends.len())
+            .filter_map(|i| {
+                let (upper, lower) = upper_lower(i)?;
+                // Markers sit right above the state they lead to.
+                let weight = if graph.edges[i].classes.iter().any(|c| c == "entry") {
+                    8
+                } else {
+                    1
+                };
+                Some((upper, lower, EDGE_LENGTH, weight))
+            })
+            .collect();
+        let mut it = Ranked {
+            real,
+            columns: columns.is_some(),
+            rank: match columns {
+                // Without labels there is no need of ranks for them.
+                Some(it) if labels.iter().all(|label| label.0 == 0.0) => it,
+                Some(it) => it.into_iter().map(|it| it * EDGE_LENGTH).collect(),
+                None => ranks(real, &arcs),
+            },
+            group: groups(graph),
+            extent: Vec::new(),
+            layers: Vec::new(),
+            down: Vec::new(),
+            up: Vec::new(),
+            chains: vec![Vec::new(); ends.len()],
+            label_at: vec![None; ends.len()],
+            reversed: Vec::new(),
+        };
+        for (i, &(width, height)) in boxes.iter().enumerate() {
+            let (left, right) = loops.reach(i);
+            it.extent
+                .push((width / 2.0 + left, width / 2.0 + right, height));
+        }
+        for (i, &label) in labels.iter().enumerate() {
+            let Some((upper, lower)) = upper_lower(i) else {
+                continue;
+            };
+            let (first, last) = (it.rank[upper], it.rank[lower]);
+            // The label sits in the middle, on one of the ranks between nodes.
+            let middle = first + ((last - first) / 2) / EDGE_LENGTH * EDGE_LENGTH;
+            let label_rank = if (middle - first).is_multiple_of(EDGE_LENGTH) {
+                middle + 1
+            } else {
+                middle
+            };
+            let label_rank = label_rank.min(last - 1);
+            let mut chain = vec![upper];
+            for rank in first + 1..last {
+                let vertex = it.rank.len();
+                it.rank.push(rank);
+                if rank == label_rank && label.0 > 0.0 {
+                    it.extent.push((
+                        labels[i].0 / 2.0 + 2.0,
+                        labels[i].0 / 2.0 + 2.0,
+                        labels[i].1,
+                    ));
+                    it.label_at[i] = Some(vertex);
+                } else {
+                    it.extent.push((1.0, 1.0, 0.0));
+                }
+                chain.push(vertex);
+            }
+            chain.push(lower);
+            it.chains[i] = chain;
+        }
+        it.reversed = reversed;
+        it.connect();
+        it
+    }
+
+    fn connect(&mut self) {
+        let vertices = self.rank.len();
+        self.down = vec![Vec::new(); vertices];
+        self.up = vec![Vec::new(); vertices];
+        for chain in &self.chains {
+            for pair in chain.windows(2) {
+                self.down[pair[0]].push(pair[1]);
+                self.up[pair[1]].push(pair[0]);
+            }
+        }
+        let ranks = self.rank.iter().max().map_or(0, |r| r + 1);
+        self.layers = vec![Vec::new(); ranks];
+        // First order: depth first from the top, which keeps branches together.
+        let mut seen = vec![false; vertices];
+        let mut roots: Vec<usize> = (0..vertices).collect();
+        roots.sort_by_key(|&v| (self.rank[v], v));
+        for root in roots {
+            let mut stack = vec![root];
+            while let Some(vertex) = stack.pop() {
+                if std::mem::replace(&mut seen[vertex], true) {
+                    continue;
+                }
+                self.layers[self.rank[vertex]].push(vertex);
+                stack.extend(self.down[vertex].iter().rev());
+            }
+        }
+    }
+
+    /// Brings the groups of a rank together, in the order of their places in it.
+    pub(super) fn gather(&mut self, rank: usize) {
+        let group = &self.group;
+        let layer = &mut self.layers[rank];
+        if !layer.iter().any(|&it| group_of(group, it).is_some()) {
+            return;
+        }
+        let mut sums: Vec<(usize, usize)> = vec![(0, 0); self.real];
+        for (i, &vertex) in layer.iter().enumerate() {
+            if let Some(it) = group_of(group, vertex) {
+                sums[it] = (sums[it].0 + i, sums[it].1 + 1);
+            }
+        }
+        let mut keyed: Vec<(f64, usize, usize, usize)> = layer
+            .iter()
+            .enumerate()
+            .map(|(i, &vertex)| match group_of(group, vertex) {
+                Some(it) => (sums[it].0 as f64 / sums[it].1 as f64, it + 1, i, vertex),
+                None => (i as f64, 0, i, vertex),
+            })
+            .collect();
+        keyed.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+        for (place, it) in layer.iter_mut().zip(keyed) {
+            *place = it.3;
+        }
+    }
+
+    /// The group of a vertex.
+    pub(super) fn group_of(&self, vertex: usize) -> Option<usize> {
+        group_of(&self.group, vertex)
+    }
+
+    /// Whether a vertex stands for a piece of an edge.
+    pub(super) fn is_dummy(&self, vertex: usize) -> bool {
+        vertex >= self.real
+    }
+}
+
+fn group_of(group: &[Option<usize>], vertex: usize) -> Option<usize> {
+    group.get(vertex).copied().flatten()
+}
+
+/// The columns of all nodes, if they can be the ranks.
+fn columns(graph: &Graph, ends: &[Option<(usize, usize)>]) -> Option<Vec<usize>> {
+    let columns: Option<Vec<usize>> = graph.nodes.iter().map(|it| it.column).collect();
+    let columns = columns.filter(|it| !it.is_empty())?;
+    let between = ends
+        .iter()
+        .flatten()
+        .all(|&(from, to)| columns[from] != columns[to]);
+    between.then_some(columns)
+}
+
+/// For each node, the number of its group: that of the first node in it.
+fn groups(graph: &Graph) -> Vec<Option<usize>> {
+    let first = |name: &str| {
+        let mut nodes = graph.nodes.iter();
+        nodes.position(|it| it.group.as_deref() == Some(name))
+    };
+    let groups = graph.nodes.iter().map(|it| first(it.group.as_deref()?));
+    groups.collect()
+}

@@ -1,0 +1,325 @@
+//! Which codels exclude which, and through what.
+//!
+//! Two codels that share a resource would need an edge each; ten codels of two tasks that share
+//! one, twenty-five. So the resource is a node of its own, and a codel has one edge to each resource
+//! that makes it wait. Codels of one task stand together; two of them never exclude each other.
+
+use dotgen_analysis::model::mutex::{self, Excluded, Shared};
+use dotgen_analysis::model::{
+    Codel, CodelKind, CodelRef, Component, Owner, Param, ParamDir, Spec, Src,
+};
+use rustc_hash::FxHashMap;
+
+use crate::fsm::owner_name;
+use crate::graph::{Direction, Edge, Graph, Line, LineStyle, Node, Origin, Shape};
+
+/// Who holds a lock: a codel, or a client that reads or sets an attribute.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+enum Holder {
+    Codel(CodelRef),
+    Attribute(u32),
+}
+
+/// One use of a resource.
+#[derive(Default)]
+struct Use {
+    reads: bool,
+    writes: bool,
+    src: Option<Src>,
+    excluded: Vec<String>,
+}
+
+/// Builds the graph of the mutual exclusions of a component, or of those that concern one task,
+/// service or its codels. Without any, it has a note only.
+pub fn graph(spec: &Spec, component: &Component, of: Option<Owner>) -> Graph {
+    let mut found = Exclusions {
+        component,
+        resources: Vec::new(),
+        uses: FxHashMap::default(),
+    };
+    for codel in component.all_codels() {
+        for exclusion in mutex::exclusions(spec, component, codel) {
+            let other = match exclusion.with {
+                Excluded::Codel(it) => Holder::Codel(it),
+                Excluded::Service(it) => Holder::Attribute(it),
+            };
+            let concerned = |it: Owner| {
+                codel.owner == it
+                    || match other {
+                        Holder::Codel(other) => other.owner == it,
+                        Holder::Attribute(other) => Owner::Service(other) == it,
+                    }
+            };
+            if of.is_some_and(|it| !concerned(it)) {
+                continue;
+            }
+            for through in &exclusion.through {
+                found.add(Holder::Codel(codel), other, &through.shared, through.own);
+                found.add(other, Holder::Codel(codel), &through.shared, through.other);
+            }
+        }
+    }
+    found.graph(of)
+}
+
+struct Exclusions<'a> {
+    component: &'a Component,
+    resources: Vec<Shared>,
+    /// By holder and index of the resource.
+    uses: FxHashMap<(Holder, usize), Use>,
+}
+
+impl Exclusions<'_> {
+    fn add(&mut self, holder: Holder, other: Holder, shared: &Shared, param: u32) {
+        let resource = match self.resources.iter().position(|it| it == shared) {
+            Some(known) => known,
+            None => {
+                self.resources.push(shared.clone());
+                self.resources.len() - 1
+            }
+        };
+        let component = self.component;
+        let entry = self.uses.entry((holder, resource)).or_default();
+        if let Some(param) = params(component, holder).get(param as usize) {
+            // An attribute's direction is seen from its client: what comes in is written.
+            let (reads, writes) = match (param.dir, holder) {
+                (ParamDir::In, Holder::Codel(_)) | (ParamDir::Out, Holder::Attribute(_)) => {
+                    (true, false)
+                }
+                (ParamDir::Out, Holder::Codel(_)) | (ParamDir::In, Holder::Attribute(_)) => {
+                    (false, true)
+                }
+                _ => (true, true),
+            };
+            entry.reads |= reads;
+            entry.writes |= writes;
+            entry.src.get_or_insert(param.src);
+        }
+        let name = holder_name(component, other);
+        if !entry.excluded.contains(&name) {
+            entry.excluded.push(name);
+        }
+    }
+
+    fn graph(mut self, of: Option<Owner>) -> Graph {
+        let component = self.component;
+        let of = of.map_or(String::new(), |it| {
+            format!(".{}", owner_name(component, it))
+        });
+        let mut graph = Graph {
+            title: format!("{}{of}: mutual exclusion", component.name),
+            direction: Direction::Right,
+            ..Graph::default()
+        };
+        if self.resources.is_empty() {
+            graph.notes.push(format!(
+                "No codel of {}{of} excludes another.",
+                component.name
+            ));
+            return graph;
+        }
+        let mut holders: Vec<Holder> = self.uses.keys().map(|it| it.0).collect();
+        // By task, so that what never excludes each other stands together; the control task first.
+        holders.sort_by_key(|it| (task(component, *it), *it));
+        holders.dedup();
+        // What is shared stands in the middle. The tasks, largest first, go to the side that has less.
+        let mut groups: Vec<&[Holder]> = holders
+            .chunk_by(|a, b| task(component, *a) == task(component, *b))
+            .collect();
+        groups.sort_by_key(|it| std::cmp::Reverse(it.len()));
+        let mut left = Vec::new();
+        let mut count = [0, 0];
+        for group in groups {
+            let side = usize::from(count[0] > count[1]);
+            if side == 0 {
+                left.push(task(component, group[0]));
+            }
+            count[side] += group.len();
+        }
+        for &holder in &holders {
+            let mut node = self.holder(holder);
+            let on_left = left.contains(&task(component, holder));
+            node.column = Some(if on_left { 0 } else { 2 });
+            node.group = Some(task_name(component, holder));
+            graph.nodes.push(node);
+        }
+        for shared in &self.resources {
+            graph.nodes.push(resource(component, shared));
+        }
+        let mut uses: Vec<_> = self.uses.drain().collect();
+        uses.sort_by_key(|it| it.0);
+        for ((holder, shared), used) in uses {
+            let text = match (used.reads, used.writes) {
+                (true, true) => "reads and writes",
+                (_, true) => "writes",
+                _ => "reads",
+            };
+            let codel = holder_id(component, holder);
+            let resource = resource_id(component, &self.resources[shared]);
+            let description = format!(
+                "{} {text} {resource}: excludes {}",
+                holder_name(component, holder),
+                used.excluded.join(", ")
+            );
+            // Arrows show where the data goes.
+            let (from, to) = if used.writes {
+                (codel, resource)
+            } else {
+                (resource, codel)
+            };
+            graph.edges.push(Edge {
+                from,
+                to,
+                label: String::new(),
+                classes: vec![
+                    "lock".to_owned(),
+                    if used.writes { "writes" } else { "reads" }.to_owned(),
+                ],
+                description,
+                origin: used.src.map(|src| Origin { part: 0, src }),
+                both_ways: used.reads && used.writes,
+            });
+        }
+        graph
+            .notes
+            .push("Arrows show data: into a codel it reads, out of a codel it writes.".to_owned());
+        graph.notes.push(
+            "Codels of different tasks exclude each other where they meet, unless both only read the IDS."
+                .to_owned(),
+        );
+        graph
+    }
+
+    fn holder(&self, holder: Holder) -> Node {
+        let component = self.component;
+        let name = holder_name(component, holder);
+        let task = task_name(component, holder);
+        let mut excluded: Vec<&str> = Vec::new();
+        for resource in 0..self.resources.len() {
+            if let Some(used) = self.uses.get(&(holder, resource)) {
+                for it in &used.excluded {
+                    if !excluded.contains(&it.as_str()) {
+                        excluded.push(it);
+                    }
+                }
+            }
+        }
+        let (what, of, src) = match holder {
+            Holder::Codel(it) => {
+                let codel = component.codel(it);
+                (
+                    "codel",
+                    format!("{} {}", owner_name(component, it.owner), states(codel)),
+                    codel.src,
+                )
+            }
+            Holder::Attribute(it) => (
+                "attribute",
+                "attribute".to_owned(),
+                component.services[it as usize].src,
+            ),
+        };
+        Node {
+            id: holder_id(component, holder),
+            shape: Shape::Box,
+            lines: vec![
+                Line::new(LineStyle::Title, of.trim()),
+                Line::new(LineStyle::Code, name.as_str()),
+            ],
+            classes: vec!["holder".to_owned()],
+            description: format!(
+                "{what} {name} of {}, {task}, excludes {}",
+                of.trim(),
+                excluded.join(", ")
+            ),
+            origin: Some(Origin { part: 0, src }),
+            names: vec![name],
+            ..Node::default()
+        }
+    }
+}
+
+fn task_name(component: &Component, holder: Holder) -> String {
+    match task(component, holder) {
+        Some(task) => format!("task {}", component.tasks[task as usize].name),
+        None => "control task".to_owned(),
+    }
+}
+
+fn states(codel: &Codel) -> String {
+    let states: Vec<&str> = codel.triggers.iter().map(|it| it.name.as_str()).collect();
+    match codel.kind {
+        CodelKind::Fsm => states.join(", "),
+        CodelKind::Validate => "validate".to_owned(),
+        CodelKind::Simple => String::new(),
+    }
+}
+
+fn params(component: &Component, holder: Holder) -> &[Param] {
+    match holder {
+        Holder::Codel(it) => &component.codel(it).params,
+        Holder::Attribute(it) => &component.services[it as usize].params,
+    }
+}
+
+/// The execution task; `None` for the control task.
+fn task(component: &Component, holder: Holder) -> Option<u32> {
+    match holder {
+        Holder::Codel(it) => component.task_of(it),
+        Holder::Attribute(_) => None,
+    }
+}
+
+fn holder_name(component: &Component, holder: Holder) -> String {
+    match holder {
+        Holder::Codel(it) => component.codel(it).name.to_string(),
+        Holder::Attribute(it) => component.services[it as usize].name.to_string(),
+    }
+}
+
+fn holder_id(component: &Component, holder: Holder) -> String {
+    match holder {
+        Holder::Codel(it) => format!("{}#{}", owner_name(component, it.owner), it.index),
+        Holder::Attribute(it) => component.services[it as usize].name.to_string(),
+    }
+}
+
+fn resource_id(component: &Component, shared: &Shared) -> String {
+    match shared {
+        Shared::Ids(path) if path.is_empty() => "ids".to_owned(),
+        Shared::Ids(path) => format!("ids.{}", mutex::path_text(path)),
+        Shared::Port(port) => component
+            .ports
+            .get(*port as usize)
+            .map_or_else(|| "port".to_owned(), |it| format!("port {}", it.name)),
+    }
+}
+
+fn resource(component: &Component, shared: &Shared) -> Node {
+    let id = resource_id(component, shared);
+    let src = match shared {
+        Shared::Port(port) => component.ports.get(*port as usize).map(|it| it.src),
+        Shared::Ids(_) => None,
+    };
+    Node {
+        shape: match shared {
+            Shared::Ids(_) => Shape::Pill,
+            Shared::Port(_) => Shape::Octagon,
+        },
+        lines: vec![Line::new(LineStyle::Title, id.as_str())],
+        classes: vec![
+            "resource".to_owned(),
+            match shared {
+                Shared::Ids(_) => "data",
+                Shared::Port(_) => "port",
+            }
+            .to_owned(),
+        ],
+        description: format!("shared: {}", shared.describe(component).replace('`', "")),
+        origin: src.map(|src| Origin { part: 0, src }),
+        names: vec![id.clone()],
+        column: Some(1),
+        group: None,
+        id,
+    }
+}

@@ -1,0 +1,5 @@
+//! Pictures: geometry, determinism, well-formed XML.
+
+mod geometry;
+mod handmade;
+mod specifications;

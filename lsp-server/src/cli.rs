@@ -1,0 +1,100 @@
+//! The command line: one file per subcommand, over the same analysis as the server.
+
+mod check;
+mod codels;
+mod diagram;
+mod fmt;
+mod generate;
+mod lsp;
+mod model;
+mod report;
+mod session;
+mod tree;
+mod verify;
+
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+
+/// Language server and tools for GenoM3 specifications.
+#[derive(Debug, Parser)]
+#[command(name = "dotgen", version, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Check(check::Arguments),
+    Codels(codels::Arguments),
+    Generate(generate::Arguments),
+    Diagram(diagram::Arguments),
+    Fmt(fmt::Arguments),
+    Tree(tree::Arguments),
+    Model(model::Arguments),
+    Verify(verify::Arguments),
+    Lsp(lsp::Arguments),
+}
+
+/// How specifications are read.
+#[derive(Debug, Clone, Default, Args)]
+struct Reading {
+    /// Search this directory for included files, before those of dotgen.toml
+    #[arg(short = 'I', value_name = "DIR", action = clap::ArgAction::Append)]
+    include_paths: Vec<String>,
+
+    /// Define a macro; its body is 1 when no VALUE is given
+    #[arg(short = 'D', value_name = "NAME[=VALUE]", action = clap::ArgAction::Append)]
+    defines: Vec<String>,
+}
+
+/// What a command comes to.
+enum Outcome {
+    /// Done, and nothing is wrong: exit status 0.
+    Fine,
+    /// Done, and the specification has errors, or is not in shape: 1.
+    Errors,
+    /// What was given has errors, so that nothing could be done; they are printed: 2.
+    Unusable,
+    /// Not finished within the limits: 3.
+    GaveUp,
+}
+
+/// Runs the program. Exit status 0: fine; 1: errors in a specification; 2: wrong usage, or a file
+/// that cannot be read or written.
+pub fn main() -> ExitCode {
+    if let Some(status) = generate::intercept() {
+        return status;
+    }
+    let cli = Cli::parse();
+    let result = match cli.command {
+        Command::Check(arguments) => check::run(&arguments),
+        Command::Codels(arguments) => codels::run(&arguments),
+        Command::Generate(arguments) => return generate::run_parsed(&arguments),
+        Command::Diagram(arguments) => diagram::run(&arguments),
+        Command::Fmt(arguments) => fmt::run(&arguments),
+        Command::Tree(arguments) => tree::run(&arguments),
+        Command::Model(arguments) => model::run(&arguments),
+        Command::Verify(arguments) => verify::run(&arguments),
+        Command::Lsp(_) => lsp::run(),
+    };
+    match result {
+        Ok(Outcome::Fine) => ExitCode::SUCCESS,
+        Ok(Outcome::Errors) => ExitCode::from(1),
+        Ok(Outcome::Unusable) => ExitCode::from(2),
+        Ok(Outcome::GaveUp) => ExitCode::from(3),
+        // Whoever reads our output has seen enough.
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            report::failure(&error);
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error
+        .downcast_ref::<std::io::Error>()
+        .is_some_and(|it| it.kind() == std::io::ErrorKind::BrokenPipe)
+}

@@ -1,0 +1,279 @@
+//! `dotgen codels`: specifications and their C/C++ codels, compared and kept in step.
+
+use anyhow::{Context, bail};
+use camino::{Utf8Path, Utf8PathBuf};
+use clap::{Args, Subcommand};
+use dotgen_analysis::diagnostic::Severity;
+use dotgen_codegen::codels::{
+    command::{self, FileChange, Project, Side, StubTarget, SyncOptions},
+    stub::StubOptions,
+};
+use std::io::Write as _;
+
+use super::report::{self, Format, Report};
+use super::session::{self, Session};
+use super::{Outcome, Reading};
+use crate::codels::Disk;
+use crate::convert::{Encoding, Lines};
+use crate::handlers::codels::headers::{FOLDER, IGNORED};
+use crate::vfs;
+
+/// Compare specifications with their codels, write stubs, keep both in step
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Check(Check),
+    Stub(Stub),
+    Sync(Sync),
+    Headers(Headers),
+}
+
+/// Report codels that do not fit their specification
+///
+/// Exit status: 0 when they do (hints do not count), 1 when not, 2 if something cannot be compared.
+#[derive(Debug, Args)]
+struct Check {
+    /// Specifications, and directories to search for .gen files
+    #[arg(value_name = "PATH", required = true)]
+    paths: Vec<Utf8PathBuf>,
+
+    /// How to print findings
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+
+    #[command(flatten)]
+    reading: Reading,
+}
+
+/// Write stubs for codels that have no function yet
+///
+/// Nothing that exists is changed but for functions added at the end of files.
+#[derive(Debug, Args)]
+struct Stub {
+    /// The specification
+    file: Utf8PathBuf,
+
+    /// Only this codel
+    #[arg(long, value_name = "NAME", conflicts_with = "service")]
+    codel: Option<String>,
+
+    /// Only the codels of this task or service
+    #[arg(long, value_name = "NAME")]
+    service: Option<String>,
+
+    /// Write nothing; print what would change
+    #[arg(long)]
+    dry_run: bool,
+
+    #[command(flatten)]
+    reading: Reading,
+}
+
+/// Mend what has one obvious repair: stubs, prototypes, comments, missing yields and throws
+#[derive(Debug, Args)]
+struct Sync {
+    /// Specifications, and directories to search for .gen files
+    #[arg(value_name = "PATH", required = true)]
+    paths: Vec<Utf8PathBuf>,
+
+    /// Write nothing; print what would change
+    #[arg(long)]
+    dry_run: bool,
+
+    /// Also take away yields that the code never returns
+    #[arg(long)]
+    hints: bool,
+
+    #[command(flatten)]
+    reading: Reading,
+}
+
+/// Write the headers that codels include, for completion without a build
+///
+/// Types, events and a compile_flags.txt go into a folder of their own; clangd then understands the
+/// codels of a fresh clone.
+#[derive(Debug, Args)]
+struct Headers {
+    /// The specification
+    file: Utf8PathBuf,
+
+    /// Where to write [default: .dotgen beside the specification]
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<Utf8PathBuf>,
+
+    #[command(flatten)]
+    reading: Reading,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    match &arguments.command {
+        Command::Check(it) => check(it),
+        Command::Stub(it) => stub(it),
+        Command::Sync(it) => sync(it),
+        Command::Headers(it) => headers(it),
+    }
+}
+
+fn project(session: &mut Session) -> Project<'_> {
+    let files = session.codels();
+    let stubs = StubOptions {
+        use_parameters: true,
+        ..StubOptions::default()
+    };
+    Project::new(session.host_mut(), &Disk, files, stubs)
+}
+
+fn roots(session: &Session) -> Vec<Utf8PathBuf> {
+    session.files.iter().map(|it| it.path.clone()).collect()
+}
+
+fn check(arguments: &Check) -> anyhow::Result<Outcome> {
+    let files = session::files(&arguments.paths)?;
+    let mut report = Report::default();
+    let mut errors = Vec::new();
+    for mut session in session::open(files, &arguments.reading)? {
+        let roots = roots(&session);
+        let mut project = project(&mut session);
+        for folder in project.folders(&roots, &mut errors) {
+            let found = project.findings(&folder, &folder.expected());
+            let found = command::diagnostics(&found, &*folder.unit.locations, Side::First);
+            for it in &found {
+                for path in std::iter::once(&it.path).chain(it.related.iter().map(|it| &it.path)) {
+                    let text = project.text(path).unwrap_or_default();
+                    report
+                        .texts
+                        .entry(path.clone())
+                        .or_insert_with(|| Lines::new(text, Encoding::Utf16));
+                }
+            }
+            report.diagnostics.extend(found);
+            report.checked += 1;
+        }
+    }
+    report.finish();
+    report::print(&report, arguments.format)?;
+    if let Some(first) = errors.first() {
+        bail!("{first}");
+    }
+    Ok(
+        match report
+            .diagnostics
+            .iter()
+            .all(|it| it.severity == Severity::Hint)
+        {
+            true => Outcome::Fine,
+            false => Outcome::Errors,
+        },
+    )
+}
+
+fn stub(arguments: &Stub) -> anyhow::Result<Outcome> {
+    let mut session = session::single(&arguments.file, &arguments.reading)?;
+    let root = roots(&session).pop().context("there is nothing to read")?;
+    let target = match (&arguments.codel, &arguments.service) {
+        (Some(name), _) => StubTarget::Codel(name.clone()),
+        (None, Some(name)) => StubTarget::Owner(name.clone()),
+        (None, None) => StubTarget::All,
+    };
+    let changes =
+        command::stub(&mut project(&mut session), &root, &target).map_err(anyhow::Error::msg)?;
+    write(&changes, arguments.dry_run)?;
+    Ok(Outcome::Fine)
+}
+
+fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
+    let files = session::files(&arguments.paths)?;
+    let options = SyncOptions {
+        hints: arguments.hints,
+        ..SyncOptions::default()
+    };
+    let mut outcome = Outcome::Fine;
+    for mut session in session::open(files, &arguments.reading)? {
+        let roots = roots(&session);
+        let done = command::sync(&mut project(&mut session), &roots, &options);
+        write(&done.changes, arguments.dry_run)?;
+        let mut out = anstream::stdout();
+        for title in &done.applied {
+            writeln!(out, "{title}")?;
+        }
+        let left = done
+            .left
+            .findings
+            .iter()
+            .filter(|it| it.severity != Severity::Hint)
+            .count();
+        if left > 0 {
+            writeln!(out, "{left} left, see `dotgen codels check`")?;
+            outcome = Outcome::Errors;
+        }
+        if let Some(error) = done.left.errors.first() {
+            bail!("{error}");
+        }
+    }
+    Ok(outcome)
+}
+
+fn headers(arguments: &Headers) -> anyhow::Result<Outcome> {
+    let mut session = session::single(&arguments.file, &arguments.reading)?;
+    let root = roots(&session).pop().context("there is nothing to read")?;
+    let beside = root.parent().unwrap_or(Utf8Path::new("."));
+    let output = match &arguments.output {
+        Some(output) => vfs::normalize(&camino::absolute_utf8(output)?),
+        None => beside.join(FOLDER),
+    };
+    let files = command::headers(&mut project(&mut session), &root, &output, &[])
+        .map_err(anyhow::Error::msg)?;
+    let mut changes: Vec<FileChange> = files
+        .into_iter()
+        .map(|file| {
+            let path = output.join(file.path);
+            let before = std::fs::read_to_string(&path).ok();
+            FileChange {
+                path,
+                before,
+                after: file.text,
+            }
+        })
+        .collect();
+    let ignored = output.join(".gitignore");
+    if arguments.output.is_none() && !ignored.exists() {
+        changes.push(FileChange {
+            path: ignored,
+            before: None,
+            after: IGNORED.to_owned(),
+        });
+    }
+    write(&changes, false)?;
+    Ok(Outcome::Fine)
+}
+
+/// Writes changes and names the files, or shows the differences.
+fn write(changes: &[FileChange], dry_run: bool) -> anyhow::Result<()> {
+    let mut out = anstream::stdout();
+    for change in changes
+        .iter()
+        .filter(|it| it.before.as_deref() != Some(&it.after))
+    {
+        if dry_run {
+            write!(out, "{}", change.diff())?;
+            continue;
+        }
+        if let Some(folder) = change.path.parent() {
+            std::fs::create_dir_all(folder).with_context(|| format!("cannot make `{folder}`"))?;
+        }
+        std::fs::write(&change.path, &change.after)
+            .with_context(|| format!("cannot write `{}`", change.path))?;
+        let did = if change.before.is_some() {
+            "changed"
+        } else {
+            "created"
+        };
+        writeln!(out, "{did} {}", session::display(&change.path))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,226 @@
+//! `dotgen diagram`
+
+use std::io::Write;
+
+use anyhow::{Context, bail};
+use camino::Utf8PathBuf;
+use clap::{Args, ValueEnum};
+use dotgen_diagram::render::png::png;
+use dotgen_diagram::theme::Theme;
+use serde_json::json;
+
+use super::{Outcome, Reading, report, session};
+use crate::pictures::{self, Form, Kind, Picture, Wish};
+
+/// Draw a specification
+///
+/// `fsm` draws the state machine of a task or activity, `system` the components with their ports,
+/// `locks` the codels that exclude each other. With several pictures, OUT is a directory, or
+/// several are written one after the other (text formats only). The same input gives the same bytes.
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// What to draw
+    kind: Kind,
+
+    /// Specifications
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<Utf8PathBuf>,
+
+    /// Only this component
+    #[arg(long, value_name = "NAME")]
+    component: Option<String>,
+
+    /// Only this activity
+    #[arg(long, value_name = "NAME", conflicts_with = "task")]
+    service: Option<String>,
+
+    /// Only the permanent activity of this task
+    #[arg(long, value_name = "NAME")]
+    task: Option<String>,
+
+    /// What to write
+    #[arg(long, value_enum, default_value_t = Format::Svg)]
+    format: Format,
+
+    /// Colours of SVG and PNG
+    #[arg(long, value_enum, default_value_t = Colours::Auto)]
+    theme: Colours,
+
+    /// Add the longest time from each state to the next pause
+    #[arg(long)]
+    paths: bool,
+
+    /// Add how many codels each codel excludes
+    #[arg(long)]
+    locks: bool,
+
+    /// Leave out execution times
+    #[arg(long)]
+    no_wcet: bool,
+
+    /// Add which services interrupt which, in a system
+    #[arg(long)]
+    interrupts: bool,
+
+    /// List at most so many services in a component, in a system
+    #[arg(long, value_name = "N", default_value_t = 6)]
+    services: usize,
+
+    /// File to write, or directory when there are several pictures; standard output if not given
+    #[arg(short, long, value_name = "OUT")]
+    output: Option<Utf8PathBuf>,
+
+    #[command(flatten)]
+    reading: Reading,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    Svg,
+    Png,
+    Dot,
+    Mermaid,
+    Json,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Colours {
+    /// Light, or dark where the viewer prefers it
+    Auto,
+    Light,
+    Dark,
+    /// Those of a VS Code webview
+    Editor,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    let mut units = Vec::new();
+    let mut connections = Vec::new();
+    let mut outcome = Outcome::Fine;
+    for session in session::open(session::files(&arguments.files)?, &arguments.reading)? {
+        for file in &session.files {
+            let unit = session.ask(&file.path, |it| it.root_unit(&file.path))?;
+            if !unit.accepted() {
+                let mut texts = session::Texts::default();
+                session.add_texts(&unit.diagnostics, &mut texts)?;
+                report::text::print_errors(&unit.diagnostics, &texts)?;
+                outcome = Outcome::Errors;
+            }
+            units.push(unit);
+        }
+        connections.extend_from_slice(session.connections());
+    }
+    let wish = Wish {
+        kind: arguments.kind,
+        component: arguments.component.clone(),
+        owner: arguments.service.clone().or(arguments.task.clone()),
+        wcet: !arguments.no_wcet,
+        paths: arguments.paths,
+        locks: arguments.locks,
+        services: arguments.services,
+        interrupts: arguments.interrupts,
+    };
+    let drawn = pictures::draw(&units, &connections, &wish);
+    if drawn.is_empty() {
+        bail!("{}", nothing(&wish));
+    }
+    if arguments.format == Format::Json {
+        let all = drawn.iter().map(|it| as_json(&units, it));
+        let mut text = serde_json::to_string_pretty(&all.collect::<Vec<_>>())?;
+        text.push('\n');
+        write(arguments.output.as_ref(), text.as_bytes())?;
+        return Ok(outcome);
+    }
+    let directory = match &arguments.output {
+        Some(output) if drawn.len() > 1 => {
+            std::fs::create_dir_all(output)
+                .with_context(|| format!("cannot make directory `{output}`"))?;
+            Some(output)
+        }
+        _ => None,
+    };
+    if drawn.len() > 1 && directory.is_none() && arguments.format == Format::Png {
+        bail!(
+            "there are {} pictures; name one with --service or --task, or a directory with -o",
+            drawn.len()
+        );
+    }
+    for picture in &drawn {
+        let bytes = bytes(picture, arguments)?;
+        let output = match directory {
+            Some(directory) => Some(directory.join(file_name(picture, arguments.format))),
+            None => arguments.output.clone(),
+        };
+        write(output.as_ref(), &bytes)?;
+    }
+    Ok(outcome)
+}
+
+fn nothing(wish: &Wish) -> String {
+    let what = match (wish.kind, &wish.owner) {
+        (Kind::Fsm, Some(owner)) => format!("no task or activity `{owner}` with a state machine"),
+        (Kind::Fsm, None) => "no task or activity with a state machine".to_owned(),
+        (_, Some(owner)) => format!("no task or service `{owner}`"),
+        _ => "no component".to_owned(),
+    };
+    match &wish.component {
+        Some(component) => format!("there is {what} in a component `{component}`"),
+        None => format!("there is {what} in these files"),
+    }
+}
+
+fn bytes(picture: &Picture, arguments: &Arguments) -> anyhow::Result<Vec<u8>> {
+    let theme = match arguments.theme {
+        Colours::Auto => Theme::Auto,
+        Colours::Light => Theme::Light,
+        Colours::Dark => Theme::Dark,
+        Colours::Editor => Theme::Editor,
+    };
+    let form = match arguments.format {
+        Format::Png => {
+            return png(&picture.graph, &picture.layout, theme).map_err(anyhow::Error::msg);
+        }
+        Format::Dot => Form::Dot,
+        Format::Mermaid => Form::Mermaid,
+        Format::Svg | Format::Json => Form::Svg,
+    };
+    Ok(picture.text(form, theme).into_bytes())
+}
+
+fn file_name(picture: &Picture, format: Format) -> String {
+    let extension = match format {
+        Format::Svg => "svg",
+        Format::Png => "png",
+        Format::Dot => "dot",
+        Format::Mermaid => "mmd",
+        Format::Json => "json",
+    };
+    let names = [&picture.component, &picture.owner];
+    let names: Vec<&str> = names.into_iter().flatten().map(String::as_str).collect();
+    format!("{}.{extension}", names.join("."))
+}
+
+fn as_json(units: &[dotgen_analysis::host::UnitResult], picture: &Picture) -> serde_json::Value {
+    let (nodes, edges) = pictures::data(units, picture, &|it| {
+        Some(json!({
+            "file": session::display(&it.path),
+            "line": it.start.line + 1,
+            "column": it.start.col + 1,
+        }))
+    });
+    json!({
+        "title": picture.graph.title,
+        "component": picture.component,
+        "owner": picture.owner,
+        "notes": picture.graph.notes,
+        "nodes": nodes,
+        "edges": edges,
+    })
+}
+
+fn write(output: Option<&Utf8PathBuf>, bytes: &[u8]) -> anyhow::Result<()> {
+    match output {
+        Some(path) => std::fs::write(path, bytes).with_context(|| format!("cannot write `{path}`")),
+        None => Ok(std::io::stdout().write_all(bytes)?),
+    }
+}

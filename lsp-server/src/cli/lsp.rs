@@ -1,0 +1,32 @@
+//! `dotgen lsp`
+
+use clap::Args;
+
+use super::Outcome;
+use crate::{logging, server};
+
+/// Serve an editor: the Language Server Protocol on standard input and output
+///
+/// The log goes to standard error; DOTGEN_LOG filters it (error, warn, info, debug, trace).
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// Accepted since many editors pass it; standard input and output are used in any case
+    #[arg(long, hide = true)]
+    stdio: bool,
+}
+
+pub(super) fn run() -> anyhow::Result<Outcome> {
+    logging::install("warn,dotgen_lsp_server=info");
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .worker_threads(2)
+        .thread_name("dotgen")
+        // Recursion in analysis follows the nesting of the text, which has a limit but not a small one.
+        .thread_stack_size(16 << 20)
+        .enable_all()
+        .build()?;
+    let shut_down = runtime.block_on(server::serve(tokio::io::stdin(), tokio::io::stdout()));
+    // A read of standard input, or a request nobody waits for, must not keep the process.
+    runtime.shutdown_background();
+    // "exit with 0 if the shutdown request has been received before, otherwise with 1" (LSP 3.17).
+    std::process::exit(i32::from(!shut_down));
+}

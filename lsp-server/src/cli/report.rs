@@ -1,0 +1,67 @@
+//! What a command found, and the formats it is printed in.
+
+pub(super) mod json;
+pub(super) mod sarif;
+pub(super) mod text;
+
+use std::collections::HashSet;
+
+use clap::ValueEnum;
+use dotgen_analysis::diagnostic::{Diagnostic, Severity};
+
+use super::session::Texts;
+
+/// Diagnostics of all files checked.
+#[derive(Default)]
+pub(super) struct Report {
+    pub(super) diagnostics: Vec<Diagnostic>,
+    /// The texts they talk about.
+    pub(super) texts: Texts,
+    /// Number of specifications.
+    pub(super) checked: usize,
+}
+
+impl Report {
+    /// What several units say about a file they share is said once.
+    pub(super) fn finish(&mut self) {
+        let mut seen = HashSet::new();
+        self.diagnostics.retain(|it| {
+            let place = (it.path.clone(), it.range.start, it.range.end);
+            seen.insert((place, it.code, it.message.clone()))
+        });
+    }
+
+    /// Number of diagnostics of a severity.
+    pub(super) fn count(&self, severity: Severity) -> usize {
+        let of = |it: &&Diagnostic| it.severity == severity;
+        self.diagnostics.iter().filter(of).count()
+    }
+}
+
+/// How diagnostics are printed.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(super) enum Format {
+    /// For people
+    Text,
+    /// For programs: positions as in the LSP (from 0, in UTF-16 units)
+    Json,
+    /// SARIF 2.1.0, for code scanning services
+    Sarif,
+}
+
+/// Prints a report.
+pub(super) fn print(report: &Report, format: Format) -> anyhow::Result<()> {
+    match format {
+        Format::Text => text::print(report),
+        Format::Json => json::print(report),
+        Format::Sarif => sarif::print(report),
+    }
+}
+
+/// Says on standard error why a command could not do its work.
+pub(super) fn failure(error: &anyhow::Error) {
+    use std::io::Write;
+    let style = clap::builder::styling::AnsiColor::Red.on_default().bold();
+    // There is nowhere left to complain if this fails.
+    let _ = writeln!(anstream::stderr(), "{style}error{style:#}: {error:#}");
+}

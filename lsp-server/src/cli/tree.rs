@@ -1,0 +1,30 @@
+//! `dotgen tree`
+
+use std::io::Write;
+
+use camino::Utf8PathBuf;
+use clap::Args;
+
+use super::{Outcome, Reading, session};
+
+/// Print the syntax tree of a file
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// The file
+    #[arg(value_name = "FILE")]
+    file: Utf8PathBuf,
+
+    #[command(flatten)]
+    reading: Reading,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    let session = session::single(&arguments.file, &arguments.reading)?;
+    for file in &session.files {
+        let tree = session
+            .ask(&file.path, |it| it.syntax_tree(&file.path))?
+            .unwrap_or_default();
+        std::io::stdout().write_all(tree.as_bytes())?;
+    }
+    Ok(Outcome::Fine)
+}

@@ -1,0 +1,308 @@
+//! `dotgen verify`
+
+mod json;
+mod text;
+
+use std::sync::atomic::AtomicBool;
+
+use anyhow::bail;
+use camino::{Utf8Path, Utf8PathBuf};
+use clap::{Args, ValueEnum};
+use dotgen_analysis::diagnostic::Diagnostic;
+use dotgen_analysis::host::FileContent;
+use dotgen_timing::derive::Sensitivity;
+use dotgen_timing::explore::Limits;
+use dotgen_timing::report::Report;
+use dotgen_timing::scn::ast::{Check, Durations, Policy};
+use dotgen_timing::scn::parse_check;
+use dotgen_timing::verify::{Options, settings};
+
+use super::session::{self, Session, Texts};
+use super::{Outcome, Reading, report};
+use crate::convert::{Encoding, Lines};
+use crate::verification::Problem;
+use crate::vfs;
+
+/// Verify real-time properties: deadlines, response times, bounded responses
+///
+/// A FILE.scn is a scenario: it names its specifications, platform, clients and checks. FILE.gen
+/// files are verified together as one system, with their permanent activities and a client that may
+/// send any request at any time. Options override what the scenario says.
+///
+/// Exit status: 0 if all checks hold, 1 if one fails, 3 if none fails but one was given up, 2 if
+/// nothing could be verified (wrong usage, a file that cannot be read or has errors).
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// Scenarios (.scn) and specifications (.gen)
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<Utf8PathBuf>,
+
+    /// Number of cores, or `free` for as many as there are tasks
+    #[arg(long, value_name = "N|free", value_parser = cores)]
+    cores: Option<Cores>,
+
+    /// Order in which waiting tasks get a core
+    #[arg(long, value_enum)]
+    policy: Option<PolicyName>,
+
+    /// How long codels take
+    #[arg(long, value_enum)]
+    durations: Option<DurationsName>,
+
+    /// Check this instead of what the scenario checks, as written there: "response arm.motion <= 5 ms"
+    #[arg(long = "check", value_name = "CHECK", action = clap::ArgAction::Append)]
+    checks: Vec<String>,
+
+    /// Give up a check at this number of states
+    #[arg(long, value_name = "N")]
+    max_states: Option<usize>,
+
+    /// Find the smallest number of cores, the largest WCET of each codel and the smallest period of each
+    /// task with which every deadline is met
+    #[arg(long)]
+    sensitivity: bool,
+
+    /// How to print the answers
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+
+    #[command(flatten)]
+    reading: Reading,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Format {
+    /// For people
+    Text,
+    /// For programs
+    Json,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Cores(Option<u32>);
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum PolicyName {
+    /// In order of release
+    Fifo,
+    /// Earliest deadline first
+    Edf,
+    /// Any waiting task
+    Any,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum DurationsName {
+    /// From nothing (or what the scenario says) to the WCET
+    Interval,
+    /// Always the WCET
+    Fixed,
+    /// More than nothing, up to the WCET
+    Open,
+}
+
+/// A problem and its answer.
+struct Answer {
+    problem: Problem,
+    options: Options,
+    report: Report,
+    sensitivity: Option<Sensitivity>,
+}
+
+fn cores(text: &str) -> Result<Cores, String> {
+    match text.parse::<u32>() {
+        _ if text == "free" => Ok(Cores(None)),
+        Ok(0) => Err("a system needs at least one core".to_owned()),
+        Ok(n) => Ok(Cores(Some(n))),
+        Err(_) => Err("give a number of cores, or `free`".to_owned()),
+    }
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    let checks: Vec<&str> = arguments.checks.iter().map(|it| body(it)).collect();
+    checks.iter().try_for_each(|it| check(it, 0).map(drop))?;
+    let mut answers = Vec::new();
+    for (session, problem) in problems(arguments)? {
+        if !problem.errors.is_empty() {
+            explain(&session, &problem, &problem.errors)?;
+            return Ok(Outcome::Unusable);
+        }
+        let options = arguments.options(&checks, problem.text.len())?;
+        let report = problem.verify(&options, &AtomicBool::new(false));
+        explain_report(&session, &problem, &report, &checks)?;
+        if report.has_errors() {
+            return Ok(Outcome::Unusable);
+        }
+        let sensitivity = match arguments.sensitivity {
+            // What is wrong with the scenario has been said.
+            true => problem.sensitivity(&options, &AtomicBool::new(false)).ok(),
+            false => None,
+        };
+        answers.push(Answer {
+            problem,
+            options,
+            report,
+            sensitivity,
+        });
+    }
+    match arguments.format {
+        Format::Text => text::print(&answers)?,
+        Format::Json => json::print(&answers)?,
+    }
+    Ok(if answers.iter().any(|it| it.report.refuted()) {
+        Outcome::Errors
+    } else if answers.iter().any(|it| it.report.unknown()) {
+        Outcome::GaveUp
+    } else {
+        Outcome::Fine
+    })
+}
+
+/// One per scenario, and one for all specifications named.
+fn problems(arguments: &Arguments) -> anyhow::Result<Vec<(Session, Problem)>> {
+    let mut out = Vec::new();
+    let mut specifications = Vec::new();
+    for file in session::files(&arguments.files)? {
+        match file.path.extension() {
+            Some("scn") => {
+                let text = match vfs::read(&file.path) {
+                    FileContent::Text(text) | FileContent::NotUtf8(text) => text,
+                    _ => bail!("cannot read `{}`", session::display(&file.path)),
+                };
+                let session = session::around(&file.path, Vec::new(), &arguments.reading);
+                let problem = session.ask(&file.path, |it| {
+                    Problem::from_scenario(&file.path, text.clone(), it, vfs::read)
+                })?;
+                out.push((session, problem));
+            }
+            Some("gen") => specifications.push(file),
+            _ => bail!(
+                "`{}` is neither a scenario (.scn) nor a specification (.gen)",
+                session::display(&file.path)
+            ),
+        }
+    }
+    if let Some(first) = specifications.first().map(|it| it.path.clone()) {
+        let session = session::around(&first, specifications, &arguments.reading);
+        let mut units = Vec::new();
+        for file in &session.files {
+            units.push(session.ask(&file.path, |it| it.root_unit(&file.path))?);
+        }
+        let names: Vec<String> = session
+            .files
+            .iter()
+            .map(|it| session::display(&it.path))
+            .collect();
+        let problem = Problem::by_default(&first, &names, units);
+        out.push((session, problem));
+    }
+    Ok(out)
+}
+
+/// Says on standard error why nothing can be verified.
+fn explain(session: &Session, problem: &Problem, found: &[Diagnostic]) -> anyhow::Result<()> {
+    let mut texts = Texts::default();
+    session.add_texts(found, &mut texts)?;
+    add_text(&mut texts, problem.path.clone(), &problem.text, problem);
+    report::text::print_to_stderr(found, &texts)
+}
+
+/// Says on standard error what the verifier has to say about the scenario, and about checks of the
+/// command line, whose places follow the text of the scenario.
+fn explain_report(
+    session: &Session,
+    problem: &Problem,
+    report: &Report,
+    checks: &[&str],
+) -> anyhow::Result<()> {
+    let mut texts = Texts::default();
+    let option = Utf8PathBuf::from("--check");
+    let lines = Lines::new(checks.join("\n").into(), Encoding::Utf16);
+    texts.insert(option.clone(), lines);
+    add_text(&mut texts, problem.path.clone(), &problem.text, problem);
+    let mut found = Vec::new();
+    for it in &report.diagnostics {
+        let mut diagnostic = problem.diagnostic(it);
+        let after = it.range.start.checked_sub(problem.text.len());
+        if let Some(start) = after.filter(|_| !checks.is_empty()) {
+            diagnostic.path = option.clone();
+            diagnostic.range = start..start + it.range.len();
+        }
+        if !texts.contains_key(&diagnostic.path) {
+            session.add_texts(std::slice::from_ref(&diagnostic), &mut texts)?;
+        }
+        found.push(diagnostic);
+    }
+    report::text::print_to_stderr(&found, &texts)
+}
+
+fn add_text(texts: &mut Texts, path: Utf8PathBuf, text: &str, problem: &Problem) {
+    if problem.is_written() {
+        texts.insert(path, Lines::new(text.into(), Encoding::Utf16));
+    }
+}
+
+impl Arguments {
+    /// Places in the checks follow a text of length `before`.
+    fn options(&self, checks: &[&str], before: usize) -> anyhow::Result<Options> {
+        let mut limits = Limits::default();
+        limits.states = self.max_states.unwrap_or(limits.states);
+        let mut at = before;
+        let mut parsed = Vec::new();
+        for body in checks {
+            parsed.push(check(body, at)?);
+            at += body.len() + 1;
+        }
+        Ok(Options {
+            cores: self.cores.map(|it| it.0),
+            policy: self.policy.map(|it| match it {
+                PolicyName::Fifo => Policy::Fifo,
+                PolicyName::Edf => Policy::Edf,
+                PolicyName::Any => Policy::Any,
+            }),
+            durations: self.durations.map(|it| match it {
+                DurationsName::Interval => Durations::Interval,
+                DurationsName::Fixed => Durations::Fixed,
+                DurationsName::Open => Durations::Open,
+            }),
+            checks: parsed,
+            limits,
+        })
+    }
+}
+
+/// A check of the command line; a `check` before it and a `;` after it are welcome.
+fn body(text: &str) -> &str {
+    let body = text.trim().trim_end_matches(';');
+    body.strip_prefix("check ").unwrap_or(body).trim()
+}
+
+/// Parses a check as if it stood at `at`.
+fn check(body: &str, at: usize) -> anyhow::Result<Check> {
+    match parse_check(&format!("{}{body}", " ".repeat(at))) {
+        Ok(check) => Ok(check),
+        Err(error) => {
+            let at = error.range.start.min(body.len());
+            let at = body.get(..at).map_or(0, |it| it.chars().count());
+            bail!(
+                "in `--check`: {}\n  {body}\n  {}^",
+                error.message,
+                " ".repeat(at)
+            )
+        }
+    }
+}
+
+impl Answer {
+    fn settings(&self) -> dotgen_timing::system::settings::Settings {
+        settings(&self.problem.scenario, &self.options)
+    }
+
+    fn file(&self) -> String {
+        display(&self.problem.path)
+    }
+}
+
+fn display(path: &Utf8Path) -> String {
+    session::display(path)
+}

@@ -1,0 +1,285 @@
+//! `--format text`: a table of checks, the runs that refute them, the assumptions.
+
+use std::io::Write;
+
+use clap::builder::styling::{AnsiColor, Style};
+use dotgen_timing::derive::Sensitivity;
+use dotgen_timing::explore::MomentKind;
+use dotgen_timing::report::{CheckReport, Event, Soundness, Value, Verdict};
+use dotgen_timing::scn::names::Names;
+
+use super::Answer;
+use crate::verification::summary::{self, Scale};
+
+const TITLE: Style = Style::new().bold();
+const FAINT: Style = Style::new().dimmed();
+
+pub(super) fn print(answers: &[Answer]) -> anyhow::Result<()> {
+    let mut out = anstream::AutoStream::auto(std::io::stdout().lock());
+    for (i, answer) in answers.iter().enumerate() {
+        if i > 0 {
+            writeln!(out)?;
+        }
+        print_one(&mut out, answer)?;
+    }
+    Ok(())
+}
+
+fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
+    let settings = answer.settings();
+    let scale = Scale::of(&settings);
+    let report = &answer.report;
+    writeln!(
+        out,
+        "{TITLE}{}{TITLE:#}: {} {FAINT}({}){FAINT:#}",
+        report.scenario,
+        summary::platform(&settings),
+        answer.file(),
+    )?;
+    let specs = answer.problem.specs();
+    let names = Names::new(&specs);
+    let rows: Vec<Row> = report
+        .checks
+        .iter()
+        .map(|it| Row::new(it, &names, scale))
+        .collect();
+    table(out, &rows)?;
+    for (row, check) in rows.iter().zip(&report.checks) {
+        if !check.counterexample.is_empty() {
+            let style = style(check.verdict);
+            writeln!(out, "\n{style}{}{style:#} {}", row.verdict, row.title())?;
+            run(out, &check.counterexample, check.cycle, scale)?;
+        }
+    }
+    if let Some(it) = &answer.sensitivity {
+        sensitivity(out, it, scale)?;
+    }
+    if !report.assumptions.is_empty() {
+        writeln!(out, "\n{TITLE}assuming{TITLE:#}")?;
+        for it in &report.assumptions {
+            writeln!(out, "  - {it}")?;
+        }
+    }
+    for it in &report.notes {
+        writeln!(out, "{TITLE}note{TITLE:#}: {it}")?;
+    }
+    let count = |verdict| {
+        report
+            .checks
+            .iter()
+            .filter(|it| it.verdict == verdict)
+            .count()
+    };
+    let counts: Vec<String> = [Verdict::Proved, Verdict::Refuted, Verdict::Unknown]
+        .into_iter()
+        .filter(|&it| count(it) > 0)
+        .map(|it| format!("{} {}", count(it), word(it)))
+        .collect();
+    let counts = match counts.is_empty() {
+        true => "nothing checked".to_owned(),
+        false => counts.join(", "),
+    };
+    writeln!(
+        out,
+        "\n{TITLE}{counts}{TITLE:#} {FAINT}({} states in {:.3} s, {:.1} MB){FAINT:#}",
+        report.states,
+        report.seconds,
+        report.memory as f64 / 1e6
+    )?;
+    Ok(())
+}
+
+/// What could change, and how far, with every deadline met.
+fn sensitivity(out: &mut impl Write, it: &Sensitivity, scale: Scale) -> anyhow::Result<()> {
+    writeln!(out, "\n{TITLE}with every deadline met{TITLE:#}")?;
+    match it.minimum_cores.cores {
+        Some(cores) => writeln!(out, "  smallest number of cores: {cores}")?,
+        None => writeln!(out, "  smallest number of cores: none was found")?,
+    }
+    let width = it.wcet.iter().chain(&it.period).map(|it| it.of.len()).max();
+    let width = width.unwrap_or_default();
+    for (what, all) in [("largest WCET", &it.wcet), ("smallest period", &it.period)] {
+        for it in all {
+            let extreme = match it.extreme {
+                Some(extreme) => scale.show_value(extreme),
+                None => "missed already".to_owned(),
+            };
+            let now = scale.show_value(it.now);
+            let remark = match (it.extreme, it.incomplete, it.exact) {
+                (Some(Value::Unbounded), ..) => ", tried up to the longest period",
+                (_, true, _) => ", given up there",
+                (_, false, false) => ", not known to be the limit",
+                (_, false, true) => "",
+            };
+            writeln!(
+                out,
+                "  {what:<15} {:<width$}  {extreme} {FAINT}(now {now}{remark}){FAINT:#}",
+                it.of
+            )?;
+        }
+    }
+    Ok(())
+}
+
+/// A line of the table.
+struct Row {
+    verdict: &'static str,
+    style: Style,
+    check: String,
+    of: String,
+    value: String,
+    limit: String,
+    slack: String,
+    remark: String,
+}
+
+impl Row {
+    fn new(check: &CheckReport, names: &Names, scale: Scale) -> Row {
+        let limit = summary::limit(check, names, scale);
+        let value = check.value.map(|it| match check.verdict {
+            Verdict::Unknown => format!("> {}", scale.show_value(it)),
+            _ => scale.show_value(it),
+        });
+        let slack = match (check.value, limit) {
+            (Some(Value::Time(value)), Some(limit)) if check.verdict != Verdict::Unknown => {
+                summary::percent(summary::slack(value, limit))
+            }
+            _ => String::new(),
+        };
+        let worth = match check.soundness {
+            Soundness::Exact => None,
+            Soundness::Safe => Some("safe: a failure may be a false alarm"),
+            Soundness::Under => Some("for worst-case durations only"),
+            Soundness::Neither => Some("for worst-case durations only, indicative"),
+        };
+        let remarks: Vec<&str> = check.note.as_deref().into_iter().chain(worth).collect();
+        Row {
+            verdict: word(check.verdict),
+            style: style(check.verdict),
+            check: match &check.name {
+                Some(name) => format!("{name}: {}", check.check),
+                None => check.check.to_owned(),
+            },
+            of: check.of.clone(),
+            value: value.unwrap_or_default(),
+            limit: limit.map_or(String::new(), |it| scale.show(it)),
+            slack,
+            remark: remarks.join("; "),
+        }
+    }
+
+    fn title(&self) -> String {
+        format!("{} {}", self.check, self.of)
+    }
+}
+
+fn word(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Proved => "proved",
+        Verdict::Refuted => "refuted",
+        Verdict::Unknown => "gave up",
+    }
+}
+
+fn style(verdict: Verdict) -> Style {
+    match verdict {
+        Verdict::Proved => AnsiColor::Green.on_default(),
+        Verdict::Refuted => AnsiColor::Red.on_default().bold(),
+        Verdict::Unknown => AnsiColor::Yellow.on_default().bold(),
+    }
+}
+
+fn table(out: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
+    if rows.is_empty() {
+        return Ok(());
+    }
+    let width = |head: &str, cell: fn(&Row) -> &String| {
+        let cells = rows.iter().map(|it| cell(it).chars().count());
+        cells
+            .max()
+            .map_or(0, |it| if it == 0 { 0 } else { it.max(head.len()) })
+    };
+    let (check, of) = (width("check", |it| &it.check), width("of", |it| &it.of));
+    let (value, limit) = (
+        width("value", |it| &it.value),
+        width("limit", |it| &it.limit),
+    );
+    let slack = width("slack", |it| &it.slack);
+    // Columns that are empty are left out.
+    let right = |text: &str, width: usize| match width {
+        0 => String::new(),
+        _ => format!("  {text:>width$}"),
+    };
+    let head = |text: &'static str, width| if width == 0 { "" } else { text };
+    let line = format!(
+        "  {:<7}  {:<check$}  {:<of$}{}{}{}",
+        "verdict",
+        "check",
+        "of",
+        right(head("value", value), value),
+        right(head("limit", limit), limit),
+        right(head("slack", slack), slack),
+    );
+    writeln!(out, "\n{FAINT}{}{FAINT:#}", line.trim_end())?;
+    for row in rows {
+        let style = row.style;
+        let mut rest = format!(
+            "  {:<check$}  {:<of$}{}{}{}",
+            row.check,
+            row.of,
+            right(&row.value, value),
+            right(&row.limit, limit),
+            right(&row.slack, slack),
+        );
+        if !row.remark.is_empty() {
+            rest.push_str(&format!("  ({})", row.remark));
+        }
+        writeln!(
+            out,
+            "  {style}{:<7}{style:#}{}",
+            row.verdict,
+            rest.trim_end()
+        )?;
+    }
+    Ok(())
+}
+
+/// A run as a list: times once each, who, what.
+fn run(
+    out: &mut impl Write,
+    events: &[Event],
+    cycle: Option<usize>,
+    scale: Scale,
+) -> std::io::Result<()> {
+    let who = |it: &Event| match &it.task {
+        Some(task) => format!("{}.{task}", it.component),
+        None => it.component.clone(),
+    };
+    let times: Vec<String> = events.iter().map(|it| scale.show(it.time)).collect();
+    let time_width = times.iter().map(String::len).max().unwrap_or(0);
+    let who_width = events.iter().map(|it| who(it).len()).max().unwrap_or(0);
+    let mut before = None;
+    for (i, it) in events.iter().enumerate() {
+        if cycle == Some(i) {
+            writeln!(out, "  {FAINT}from here on for ever:{FAINT:#}")?;
+        }
+        let time = if before == Some(it.time) {
+            ""
+        } else {
+            times[i].as_str()
+        };
+        before = Some(it.time);
+        let style = match it.kind {
+            MomentKind::Wait => AnsiColor::Yellow.on_default(),
+            MomentKind::Tick | MomentKind::Release | MomentKind::Grant => FAINT,
+            _ => Style::new(),
+        };
+        writeln!(
+            out,
+            "  {time:>time_width$}  {:<who_width$}  {style}{}{style:#}",
+            who(it),
+            it.what
+        )?;
+    }
+    Ok(())
+}

@@ -1,0 +1,205 @@
+//! Configuration: where settings come from and what they amount to.
+//!
+//! Sources, weakest first: built-in defaults, `dotgen.toml` in a workspace folder, the editor's
+//! settings, the command line. Each source is read into [`Settings`]; [`Settings::over`] stacks
+//! them; [`Config`] is the result with absolute paths, the only thing the rest of the server sees.
+
+mod read;
+pub mod schema;
+mod settings;
+
+use std::collections::BTreeMap;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::lint::LintConfig;
+use dotgen_codegen::codels::files::FilesConfig;
+use dotgen_diagram::system::Connection;
+
+use dotgen_analysis::ide::InlayConfig;
+pub use read::{Problem, ProblemKind, Read, from_editor, from_toml};
+pub use settings::{DefineValue, Generate, Level, Settings, Verification};
+
+/// Name of the configuration file of a workspace folder.
+pub const FILE_NAME: &str = "dotgen.toml";
+
+/// The settings in force, with absolute paths.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Config {
+    /// Directories searched for `#include`, in order.
+    pub include_paths: Vec<Utf8PathBuf>,
+    /// Macros defined before the first file: name and body.
+    pub defines: Vec<(String, String)>,
+    /// How packages of `#pragma requires` are found.
+    pub packages: PackageConfig,
+    /// Directories searched for templates.
+    pub template_paths: Vec<Utf8PathBuf>,
+    /// What was generated; the files are absolute paths.
+    pub generate: Vec<Generate>,
+    /// Severity by diagnostic code.
+    pub severity: BTreeMap<String, Level>,
+    /// Connections between components, for pictures.
+    pub connections: Vec<Connection>,
+    /// What the rules about time need to know.
+    pub lints: LintConfig,
+    /// Which inlay hints are shown.
+    pub inlay_hints: InlayConfig,
+    /// Whether code lenses are shown.
+    pub code_lens: bool,
+    /// Verification of open documents.
+    pub verification: Verification,
+    /// Which files hold codels; `None` if specifications are not compared with them.
+    pub codels: Option<FilesConfig>,
+}
+
+/// How packages of `#pragma requires` are found.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
+pub struct PackageConfig {
+    /// Directories with `.pc` files, searched before the system's.
+    pub paths: Vec<Utf8PathBuf>,
+    /// Whether the package tool may be run. Otherwise dotgen reads `.pc` files itself.
+    pub may_run: bool,
+}
+
+impl Config {
+    /// Settings to configuration. Relative paths start at `base`.
+    pub fn new(settings: &Settings, base: &Utf8Path, trusted: bool) -> Config {
+        let absolute = |paths: &[String]| -> Vec<Utf8PathBuf> {
+            paths.iter().map(|path| resolve(path, base)).collect()
+        };
+        Config {
+            include_paths: absolute(&settings.include_paths),
+            defines: settings
+                .defines
+                .iter()
+                .filter_map(|(name, value)| Some((name.clone(), value.body()?)))
+                .collect(),
+            packages: PackageConfig {
+                paths: absolute(&settings.package_paths),
+                may_run: trusted,
+            },
+            template_paths: absolute(&settings.template_paths),
+            generate: settings
+                .generate
+                .iter()
+                .map(|it| Generate {
+                    file: resolve(&it.file, base).into_string(),
+                    ..it.clone()
+                })
+                .collect(),
+            severity: settings.severity.clone(),
+            inlay_hints: settings.inlay_config(),
+            code_lens: settings.code_lens.unwrap_or(true),
+            connections: connections(settings),
+            verification: settings.verification.clone(),
+            lints: settings.timing.lints(),
+            codels: settings
+                .codels
+                .check
+                .unwrap_or(true)
+                .then(|| settings.codels.files()),
+        }
+    }
+
+    /// What analysis has to know of it.
+    pub fn for_analysis(&self) -> dotgen_analysis::host::Config {
+        dotgen_analysis::host::Config {
+            include_dirs: self.include_paths.clone(),
+            defines: self
+                .defines
+                .iter()
+                .map(|(name, body)| (name.into(), body.into()))
+                .collect(),
+            severities: self
+                .severity
+                .iter()
+                .map(|(code, level)| (code.clone(), level.severity()))
+                .collect(),
+            lints: self.lints.clone(),
+        }
+    }
+
+    /// The configuration of several workspace folders: paths of the earlier ones are searched
+    /// first, and what only one can say (a macro, a severity) the earlier one says.
+    pub fn join(mut self, other: Config) -> Config {
+        for path in other.include_paths {
+            if !self.include_paths.contains(&path) {
+                self.include_paths.push(path);
+            }
+        }
+        for path in other.template_paths {
+            if !self.template_paths.contains(&path) {
+                self.template_paths.push(path);
+            }
+        }
+        self.generate.extend(other.generate);
+        for path in other.packages.paths {
+            if !self.packages.paths.contains(&path) {
+                self.packages.paths.push(path);
+            }
+        }
+        for (name, body) in other.defines {
+            if self.defines.iter().all(|(known, _)| *known != name) {
+                self.defines.push((name, body));
+            }
+        }
+        for (code, level) in other.severity {
+            self.severity.entry(code).or_insert(level);
+        }
+        self.connections.extend(other.connections);
+        self.verification = self.verification.over(other.verification);
+        if self.lints == LintConfig::default() {
+            self.lints = other.lints;
+        }
+        if self.codels == Some(FilesConfig::default()) {
+            self.codels = other.codels;
+        }
+        self
+    }
+}
+
+/// Connections as pairs of ports; what is not `component.port` connects nothing.
+fn connections(settings: &Settings) -> Vec<Connection> {
+    let mut out = Vec::new();
+    for (reader, ports) in &settings.connections {
+        for (port, writers) in ports {
+            for writer in writers.all() {
+                if let Some((component, source)) = writer.split_once('.') {
+                    out.push(Connection {
+                        from: (component.to_owned(), source.to_owned()),
+                        to: (reader.clone(), port.clone()),
+                    });
+                }
+            }
+        }
+    }
+    out
+}
+
+/// The nearest directory around a file that has a `dotgen.toml`.
+pub fn nearest_directory(file: &Utf8Path) -> Option<Utf8PathBuf> {
+    let mut directories = file.ancestors().skip(1);
+    directories
+        .find(|it| it.join(FILE_NAME).is_file())
+        .map(Utf8Path::to_owned)
+}
+
+/// Makes a path of a setting absolute: `~/x`, `${workspaceFolder}/x`, `${env:NAME}/x`, or relative
+/// to `base`.
+fn resolve(path: &str, base: &Utf8Path) -> Utf8PathBuf {
+    let mut text = path.replace("${workspaceFolder}", base.as_str());
+    while let Some(start) = text.find("${env:") {
+        let Some(length) = text[start..].find('}') else {
+            break;
+        };
+        let name = &text[start + "${env:".len()..start + length];
+        let value = std::env::var(name).unwrap_or_default().replace("${", "$");
+        text.replace_range(start..=start + length, &value);
+    }
+    if let (Some(rest), Ok(home)) = (text.strip_prefix("~/"), std::env::var("HOME")) {
+        return crate::vfs::normalize(&Utf8Path::new(&home).join(rest));
+    }
+    crate::vfs::normalize(&base.join(text))
+}
+
+#[cfg(test)]
+mod tests;

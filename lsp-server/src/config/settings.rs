@@ -1,0 +1,438 @@
+//! What can be set, in the words of `dotgen.toml`. The JSON schema and the manual's table are
+//! generated from the doc comments here.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use dotgen_analysis::ide::{InlayConfig, InlayTypes};
+use dotgen_analysis::{diagnostic::Severity, lint::LintConfig};
+use dotgen_codegen::codels::files::FilesConfig;
+use dotgen_timing::explore::Limits;
+use dotgen_timing::scn::ast::Policy;
+use dotgen_timing::verify::Options;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Settings of dotgen, as written in `dotgen.toml` at the root of a workspace folder.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", default)]
+#[schemars(title = "dotgen settings")]
+pub struct Settings {
+    /// Directories searched for `#include`, in order, after the directory of the including file
+    /// (for the quoted form). Relative paths start at the directory of this file.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub include_paths: Vec<String>,
+    /// Macros defined before the first file: a string or number is the body, `true` stands for 1,
+    /// and `false` leaves the macro undefined.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub defines: BTreeMap<String, DefineValue>,
+    /// Directories with `.pc` files, searched for the packages of `#pragma requires` before those
+    /// of pkg-config. The program asked is that of the environment variable `PKG_CONFIG`, otherwise
+    /// `pkg-config`; when it is not installed dotgen reads `.pc` files itself.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub package_paths: Vec<String>,
+    /// Severity by diagnostic code, for example `pp-redefined = "off"`. What GenoM3 rejects stays an
+    /// error.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub severity: BTreeMap<String, Level>,
+    /// Which output port feeds which input port, for pictures of systems: by reading component, then
+    /// by its port, the writer as `component.port`. Ports that are not named here are connected by
+    /// type and name.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub connections: BTreeMap<String, BTreeMap<String, Writers>>,
+    /// Directories searched for templates, instead of those of the environment variable
+    /// `GENOM_TMPL_PATH`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub template_paths: Vec<String>,
+    /// What was generated, to be repeated by "Regenerate"; written by "Generate…".
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub generate: Vec<Generate>,
+    /// What the rules about time need to know.
+    #[serde(skip_serializing_if = "Timing::is_default")]
+    pub timing: Timing,
+    /// Real-time verification in the editor.
+    #[serde(skip_serializing_if = "Verification::is_default")]
+    pub verification: Verification,
+    /// Where the C and C++ sources of codels are.
+    #[serde(skip_serializing_if = "Codels::is_default")]
+    pub codels: Codels,
+    /// Show counts of references, links to state machines and loads of tasks above declarations.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub code_lens: Option<bool>,
+    /// Show the types of names that another component or interface declares.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inlay_hints_inherited_types: Option<bool>,
+    /// Show the types of all parameters that name data.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inlay_hints_all_types: Option<bool>,
+    /// Show where a state machine ends for lack of a codel for `stop`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inlay_hints_implicit_ether: Option<bool>,
+    /// Show the longest time from a state to the next pause.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inlay_hints_wcet: Option<bool>,
+    /// Show the share of its period that a task needs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inlay_hints_utilisation: Option<bool>,
+    /// Show the values of properties that are not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub inlay_hints_defaults: Option<bool>,
+}
+
+/// A template run on a specification.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub struct Generate {
+    /// The specification, relative to the directory of this file.
+    pub file: String,
+    /// Name of the template.
+    pub template: String,
+    /// Its options.
+    #[serde(default)]
+    pub arguments: Vec<String>,
+}
+
+/// Settings of real-time verification in the editor.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", default)]
+pub struct Verification {
+    /// Verify open scenarios, and open specifications with timing, after every edit; on by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub enable: Option<bool>,
+    /// Give a verification up after so many seconds; 10 by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_limit: Option<f64>,
+    /// Give a verification up at this number of states; 2000000 by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_states: Option<u32>,
+    /// Give a verification up at so many megabytes for its states; 1024 by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_memory: Option<u32>,
+    /// Who gets a free core when no scenario says it: `fifo` (the default), `edf` or `any`. The number
+    /// of cores is `timing.cores`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub policy: Option<CorePolicy>,
+}
+
+/// Order in which waiting tasks get a core.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum CorePolicy {
+    /// In order of release.
+    Fifo,
+    /// Earliest deadline first.
+    Edf,
+    /// Any waiting task.
+    Any,
+}
+
+impl Eq for Verification {}
+
+impl Verification {
+    fn is_default(&self) -> bool {
+        *self == Verification::default()
+    }
+
+    /// These settings on top of `weaker` ones.
+    pub(super) fn over(self, weaker: Verification) -> Verification {
+        Verification {
+            enable: self.enable.or(weaker.enable),
+            time_limit: self.time_limit.or(weaker.time_limit),
+            max_states: self.max_states.or(weaker.max_states),
+            max_memory: self.max_memory.or(weaker.max_memory),
+            policy: self.policy.or(weaker.policy),
+        }
+    }
+
+    /// Whether documents are verified on edit.
+    pub fn on_edit(&self) -> bool {
+        self.enable != Some(false)
+    }
+
+    /// After which a verification is given up.
+    pub fn time_limit(&self) -> Duration {
+        let seconds = self.time_limit.filter(|it| it.is_finite() && *it > 0.0);
+        Duration::from_secs_f64(seconds.unwrap_or(10.0).min(86_400.0))
+    }
+
+    /// What the verifier is told.
+    pub fn options(&self) -> Options {
+        Options {
+            limits: Limits {
+                states: self.max_states.unwrap_or(2_000_000) as usize,
+                bytes: (self.max_memory.unwrap_or(1024) as usize) << 20,
+            },
+            ..Options::default()
+        }
+    }
+
+    /// The policy of the default scenario.
+    pub fn policy(&self) -> Policy {
+        match self.policy {
+            None | Some(CorePolicy::Fifo) => Policy::Fifo,
+            Some(CorePolicy::Edf) => Policy::Edf,
+            Some(CorePolicy::Any) => Policy::Any,
+        }
+    }
+}
+
+/// Settings of the rules about time.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", default)]
+pub struct Timing {
+    /// Number of processor cores of the robot; without it the load is not compared with anything.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cores: Option<u32>,
+    /// Report codels without execution time even in components without any (otherwise only once
+    /// a component has some).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub require_wcet: Option<bool>,
+    /// Longest time, in milliseconds, that one function or attribute may keep the control task
+    /// from serving other requests; 10 by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub control_task_budget: Option<f64>,
+}
+
+impl Eq for Timing {}
+
+impl Timing {
+    fn is_default(&self) -> bool {
+        *self == Timing::default()
+    }
+
+    /// These settings on top of `weaker` ones.
+    fn over(self, weaker: Timing) -> Timing {
+        Timing {
+            cores: self.cores.or(weaker.cores),
+            require_wcet: self.require_wcet.or(weaker.require_wcet),
+            control_task_budget: self.control_task_budget.or(weaker.control_task_budget),
+        }
+    }
+
+    /// What the lints have to know of it.
+    pub(super) fn lints(&self) -> LintConfig {
+        let default = LintConfig::default();
+        LintConfig {
+            cores: self.cores,
+            always_missing_wcet: self.require_wcet.unwrap_or(default.always_missing_wcet),
+            control_task_budget: self
+                .control_task_budget
+                .and_then(LintConfig::milliseconds)
+                .unwrap_or(default.control_task_budget),
+        }
+    }
+}
+
+/// Settings of the sources of codels.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", default)]
+pub struct Codels {
+    /// Compare specifications with the sources of their codels; on by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub check: Option<bool>,
+    /// Folder of the sources, relative to the folder of the `.gen`; `codels` by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub folder: Option<String>,
+    /// Extensions of the sources, without dot; `c`, `cc`, `cpp` and `cxx` by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extensions: Option<Vec<String>>,
+    /// Read only the sources that the `Makefile.am` of the folder lists, if it lists any that are
+    /// there; on by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub makefile: Option<bool>,
+}
+
+impl Codels {
+    fn is_default(&self) -> bool {
+        *self == Codels::default()
+    }
+
+    /// These settings on top of `weaker` ones.
+    fn over(self, weaker: Codels) -> Codels {
+        Codels {
+            check: self.check.or(weaker.check),
+            folder: self.folder.or(weaker.folder),
+            extensions: self.extensions.or(weaker.extensions),
+            makefile: self.makefile.or(weaker.makefile),
+        }
+    }
+
+    /// Which files hold codels.
+    pub fn files(&self) -> FilesConfig {
+        let default = FilesConfig::default();
+        let folder = self.folder.as_deref().map(|it| it.trim_end_matches('/'));
+        FilesConfig {
+            folder: folder.map_or(default.folder, Into::into),
+            extensions: self.extensions.clone().unwrap_or(default.extensions),
+            makefile: self.makefile.unwrap_or(default.makefile),
+        }
+    }
+}
+
+/// Output ports that feed an input port, each as `component.port`.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Writers {
+    /// One.
+    One(String),
+    /// Several, for a `port multiple`.
+    Several(Vec<String>),
+}
+
+impl Writers {
+    /// The ports as written.
+    pub fn all(&self) -> &[String] {
+        match self {
+            Writers::One(one) => std::slice::from_ref(one),
+            Writers::Several(all) => all,
+        }
+    }
+}
+
+/// Value of a macro in the settings.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged)]
+pub enum DefineValue {
+    /// `true`: defined as 1. `false`: not defined.
+    Flag(bool),
+    /// The body, a number.
+    Number(i64),
+    /// The body.
+    Text(String),
+}
+
+/// Severity of a diagnostic code.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Level {
+    /// Rejects the specification: `dotgen check` fails.
+    Error,
+    /// Probably wrong.
+    Warning,
+    /// Worth knowing.
+    Information,
+    /// Shown discreetly.
+    Hint,
+    /// Not reported.
+    Off,
+}
+
+impl DefineValue {
+    /// Body of the macro; `None` if it is not to be defined.
+    pub fn body(&self) -> Option<String> {
+        match self {
+            DefineValue::Flag(true) => Some("1".to_owned()),
+            DefineValue::Flag(false) => None,
+            DefineValue::Number(number) => Some(number.to_string()),
+            DefineValue::Text(text) => Some(text.clone()),
+        }
+    }
+}
+
+impl Settings {
+    /// These settings on top of `weaker` ones: lists are joined (these first), tables are joined
+    /// by key (these win).
+    ///
+    /// Lists are joined since editors send an empty list for a setting nobody touched.
+    pub fn over(mut self, weaker: Settings) -> Settings {
+        self.code_lens = self.code_lens.or(weaker.code_lens);
+        let hints = weaker.inlay_hints();
+        for (own, weaker) in self.inlay_hints_mut().into_iter().zip(hints) {
+            *own = own.or(weaker);
+        }
+        self.template_paths.extend(weaker.template_paths);
+        self.generate.extend(weaker.generate);
+        self.include_paths.extend(weaker.include_paths);
+        self.package_paths.extend(weaker.package_paths);
+        for (name, value) in weaker.defines {
+            self.defines.entry(name).or_insert(value);
+        }
+        for (code, level) in weaker.severity {
+            self.severity.entry(code).or_insert(level);
+        }
+        for (component, ports) in weaker.connections {
+            let known = self.connections.entry(component).or_default();
+            for (port, writers) in ports {
+                known.entry(port).or_insert(writers);
+            }
+        }
+        self.timing = self.timing.over(weaker.timing);
+        self.verification = self.verification.over(weaker.verification);
+        self.codels = self.codels.over(weaker.codels);
+        self
+    }
+
+    fn inlay_hints(&self) -> [Option<bool>; 6] {
+        [
+            self.inlay_hints_inherited_types,
+            self.inlay_hints_all_types,
+            self.inlay_hints_implicit_ether,
+            self.inlay_hints_wcet,
+            self.inlay_hints_utilisation,
+            self.inlay_hints_defaults,
+        ]
+    }
+
+    fn inlay_hints_mut(&mut self) -> [&mut Option<bool>; 6] {
+        [
+            &mut self.inlay_hints_inherited_types,
+            &mut self.inlay_hints_all_types,
+            &mut self.inlay_hints_implicit_ether,
+            &mut self.inlay_hints_wcet,
+            &mut self.inlay_hints_utilisation,
+            &mut self.inlay_hints_defaults,
+        ]
+    }
+
+    /// The inlay hints to show: all, unless switched off; types only where they are inherited,
+    /// unless all are wanted.
+    pub fn inlay_config(&self) -> InlayConfig {
+        let on = |it: Option<bool>| it.unwrap_or(true);
+        InlayConfig {
+            types: match (
+                self.inlay_hints_all_types.unwrap_or(false),
+                on(self.inlay_hints_inherited_types),
+            ) {
+                (true, _) => InlayTypes::All,
+                (_, true) => InlayTypes::Inherited,
+                _ => InlayTypes::Off,
+            },
+            implicit_ether: on(self.inlay_hints_implicit_ether),
+            wcet: on(self.inlay_hints_wcet),
+            utilisation: on(self.inlay_hints_utilisation),
+            defaults: on(self.inlay_hints_defaults),
+        }
+    }
+
+    /// Adds a `NAME` or `NAME=VALUE` of the command line.
+    pub fn define(&mut self, argument: &str) {
+        let (name, value) = match argument.split_once('=') {
+            Some((name, value)) => (name, DefineValue::Text(value.to_owned())),
+            None => (argument, DefineValue::Flag(true)),
+        };
+        self.defines.insert(name.to_owned(), value);
+    }
+
+    /// Turns relative directories into ones below `base`, so that layers with different bases can
+    /// be stacked.
+    pub fn anchored(mut self, base: &camino::Utf8Path) -> Settings {
+        let paths = self.include_paths.iter_mut().chain(&mut self.package_paths);
+        for path in paths.chain(&mut self.template_paths) {
+            *path = super::resolve(path, base).into_string();
+        }
+        self
+    }
+}
+
+impl Level {
+    /// The severity it stands for; `None` for off.
+    pub fn severity(self) -> Option<Severity> {
+        match self {
+            Level::Error => Some(Severity::Error),
+            Level::Warning => Some(Severity::Warning),
+            Level::Information => Some(Severity::Information),
+            Level::Hint => Some(Severity::Hint),
+            Level::Off => None,
+        }
+    }
+}

@@ -1,0 +1,160 @@
+use serde_json::json;
+
+use super::*;
+
+fn problems(read: &Read, text: &str) -> Vec<String> {
+    let show = |it: &Problem| {
+        let at = it.range.clone().map_or("-", |range| &text[range]);
+        format!("{} `{at}`: {}", it.kind.code(), it.message)
+    };
+    read.problems.iter().map(show).collect()
+}
+
+#[test]
+fn a_file_is_read_whole() {
+    let read = from_toml(
+        r#"
+include-paths = ["idl", "/opt/robots/idl"]
+package-paths = ["~/lib/pkgconfig"]
+
+[defines]
+ROBOT = "\"arm\""
+AXES = 6
+DEBUG = true
+NDEBUG = false
+
+[severity]
+pp-redefined = "off"
+list-duplicate-string = "error"
+"#,
+    );
+    assert_eq!(read.problems, []);
+    let config = Config::new(&read.settings, Utf8Path::new("/work/arm"), true);
+    assert_eq!(config.include_paths, ["/work/arm/idl", "/opt/robots/idl"]);
+    let defines: Vec<_> = config.defines.iter().map(|(n, b)| (&**n, &**b)).collect();
+    assert_eq!(
+        defines,
+        [("AXES", "6"), ("DEBUG", "1"), ("ROBOT", "\"arm\"")]
+    );
+    assert_eq!(config.severity["pp-redefined"], Level::Off);
+    assert!(config.packages.paths[0].is_absolute(), "the home directory");
+}
+
+#[test]
+fn what_is_wrong_is_said_where_it_stands_and_the_rest_counts() {
+    let text = r#"
+include-path = ["a"]
+package-paths = "b"
+colour = 1
+
+[defines]
+GOOD = 1
+BAD = [1]
+
+[severity]
+syntax = "fatal"
+unknown-type = "hint"
+"fsm/busy-lop" = "error"
+"codel/orphan" = "off"
+"timing/deadline-miss" = "error"
+"#;
+    let read = from_toml(text);
+    expect_test::expect![[r#"
+        config-unknown-key `include-path`: unknown setting `include-path`; did you mean `include-paths`?
+        config-bad-value `"b"`: bad value for `package-paths`: expected a list of directories
+        config-unknown-key `colour`: unknown setting `colour`
+        config-bad-value `[1]`: bad value for `defines.BAD`: expected a string, a number, `true` or `false`
+        config-bad-value `"fatal"`: bad value for `severity.syntax`: expected "error", "warning", "information", "hint" or "off"
+        config-unknown-key `"fsm/busy-lop"`: there is no diagnostic `fsm/busy-lop`; did you mean `fsm/busy-loop`?"#]].assert_eq(&problems(&read, text).join("\n"));
+    assert_eq!(read.settings.defines["GOOD"], DefineValue::Number(1));
+    assert_eq!(read.settings.severity["unknown-type"], Level::Hint);
+}
+
+#[test]
+fn a_file_that_is_no_toml_says_so() {
+    let text = "include-paths = [\n";
+    let read = from_toml(text);
+    assert_eq!(read.settings, Settings::default());
+    assert_eq!(read.problems.len(), 1);
+    assert_eq!(read.problems[0].kind, ProblemKind::Syntax);
+    assert!(
+        read.problems[0]
+            .message
+            .starts_with("not a valid TOML file: ")
+    );
+}
+
+#[test]
+fn every_shape_that_editors_send_is_read() {
+    let expected = Settings {
+        include_paths: vec!["idl".to_owned()],
+        severity: BTreeMap::from([("syntax".to_owned(), Level::Warning)]),
+        ..Settings::default()
+    };
+    for value in [
+        // workspace/configuration with a section, VS Code
+        json!({ "includePaths": ["idl"], "severity": { "syntax": "warning" }, "defines": {},
+                "server": { "path": "" }, "trace": { "server": "off" } }),
+        // didChangeConfiguration, most clients
+        json!({ "dotgen": { "includePaths": ["idl"], "severity": { "syntax": "warning" } } }),
+        // in the words of dotgen.toml
+        json!({ "include-paths": ["idl"], "severity": { "syntax": "warning" } }),
+        json!({ "include_paths": ["idl"], "severity": { "syntax": "warning" }, "defines": null }),
+        // flattened
+        json!({ "dotgen.includePaths": ["idl"], "dotgen.severity": { "syntax": "warning" },
+                "editor.tabSize": 4 }),
+        json!({ "dotgen.includePaths": ["idl"], "dotgen.severity.syntax": "warning" }),
+    ] {
+        let read = from_editor(&value);
+        assert_eq!(read.problems, [], "{value}");
+        assert_eq!(read.settings, expected, "{value}");
+    }
+    for nothing in [
+        json!(null),
+        json!([]),
+        json!("x"),
+        json!({}),
+        json!({ "dotgen": null }),
+    ] {
+        assert_eq!(from_editor(&nothing), Read::default(), "{nothing}");
+    }
+}
+
+#[test]
+fn stronger_sources_win_and_lists_are_joined() {
+    let file = from_toml("include-paths = ['a']\n[defines]\nX = 1\nY = 1\n").settings;
+    let editor = from_editor(&json!({ "includePaths": [], "defines": { "X": 2 } })).settings;
+    let mut line = Settings {
+        include_paths: vec!["c".to_owned()],
+        ..Settings::default()
+    };
+    line.define("X=3=4");
+    line.define("Z");
+    let all = line.over(editor).over(file);
+    assert_eq!(all.include_paths, ["c", "a"]);
+    let config = Config::new(&all, Utf8Path::new("/"), false);
+    let defines: Vec<_> = config.defines.iter().map(|(n, b)| (&**n, &**b)).collect();
+    assert_eq!(defines, [("X", "3=4"), ("Y", "1"), ("Z", "1")]);
+}
+
+#[test]
+fn folders_are_joined_in_their_order() {
+    let config = |text, base| Config::new(&from_toml(text).settings, Utf8Path::new(base), true);
+    let first = config("include-paths = ['idl']\n[defines]\nX = 1\n", "/one");
+    let second = config(
+        "include-paths = ['idl', '/one/idl']\n[defines]\nX = 2\n",
+        "/two",
+    );
+    let both = first.join(second);
+    assert_eq!(both.include_paths, ["/one/idl", "/two/idl"]);
+    assert_eq!(both.defines, [("X".to_owned(), "1".to_owned())]);
+}
+
+#[test]
+fn placeholders_in_paths_are_replaced() {
+    let base = Utf8Path::new("/work/arm");
+    assert_eq!(resolve("../idl/./x", base), "/work/idl/x");
+    assert_eq!(resolve("${workspaceFolder}/idl", base), "/work/arm/idl");
+    assert_eq!(resolve("/x${env:DOTGEN_NO_SUCH_VARIABLE}/y", base), "/x/y");
+    assert_eq!(resolve("/${env:unclosed", base), "/${env:unclosed");
+}

@@ -1,0 +1,215 @@
+//! `textDocument/codeAction`: the fixes that diagnostics bring along, and refactorings.
+
+use dotgen_analysis::diagnostic::{Diagnostic, FileEdit};
+use dotgen_analysis::host::Cancellable;
+use dotgen_analysis::ide::AssistKind;
+
+use super::codels::actions;
+use crate::convert::diagnostic;
+use crate::convert::edit::workspace_edit;
+use crate::proto::*;
+use crate::snapshot::{Snapshot, Subject};
+
+/// Files are generated from a component.
+pub(crate) const GENERATE: CodeActionKind = CodeActionKind::new("source.generate");
+
+pub(crate) fn handle(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &CodeActionParams,
+) -> Cancellable<Option<CodeActionResponse>> {
+    let wanted = |kind: &CodeActionKind| {
+        let only = params.context.only.as_deref();
+        only.is_none_or(|only| only.iter().any(|it| kind.as_str().starts_with(it.as_str())))
+    };
+    let Some(lines) = snapshot.lines(&subject.path)? else {
+        return Ok(None);
+    };
+    let Some(range) = lines.bytes(params.range) else {
+        return Ok(None);
+    };
+    let mut actions = Vec::new();
+    // What changes every file is not offered in passing.
+    let codels = |kind: &CodeActionKind| {
+        wanted(kind) && (*kind != actions::SYNC || params.context.only.is_some())
+    };
+    if snapshot.is_code(&subject.path) {
+        actions::actions(snapshot, subject, &range, &codels, &mut actions)?;
+        return Ok(Some(actions));
+    }
+    let all = snapshot.analysis.diagnostics(&subject.path)?;
+    // Only on request: it changes the whole file.
+    if params.context.only.is_some()
+        && wanted(&CodeActionKind::SOURCE_FIX_ALL)
+        && let Some(it) = fix_all(snapshot, "Fix all that has a fix", &all, |_| true)?
+    {
+        actions.push(CodeActionOrCommand::CodeAction(CodeAction {
+            kind: Some(CodeActionKind::SOURCE_FIX_ALL),
+            ..it
+        }));
+    }
+    for it in super::verification::actions(snapshot, subject, &range)? {
+        if it.kind.as_ref().is_none_or(wanted) {
+            actions.push(CodeActionOrCommand::CodeAction(it));
+        }
+    }
+    actions::actions(snapshot, subject, &range, &codels, &mut actions)?;
+    if !wanted(&CodeActionKind::QUICKFIX) {
+        generate(snapshot, subject, &range, params, &mut actions)?;
+        refactorings(snapshot, subject, &range, params, &mut actions)?;
+        return Ok(Some(actions));
+    }
+    let mut codes: Vec<&str> = Vec::new();
+    for it in &all {
+        if it.range.start > range.end || it.range.end < range.start {
+            continue;
+        }
+        for (rank, fix) in it.fixes.iter().enumerate() {
+            let Some(edit) = workspace_edit(snapshot, &fix.edits)? else {
+                continue;
+            };
+            actions.push(CodeActionOrCommand::CodeAction(CodeAction {
+                title: fix.title.clone(),
+                kind: Some(CodeActionKind::QUICKFIX),
+                diagnostics: diagnostic::to_proto(snapshot, it)?.map(|it| vec![it]),
+                edit: Some(edit),
+                is_preferred: Some(rank == 0),
+                ..CodeAction::default()
+            }));
+        }
+        if !it.fixes.is_empty() && !codes.contains(&it.code) {
+            codes.push(it.code);
+        }
+    }
+    for code in codes {
+        let alike = all
+            .iter()
+            .filter(|it| it.code == code && !it.fixes.is_empty());
+        if alike.count() > 1 {
+            let title = format!("Fix all `{code}` in this file");
+            let action = fix_all(snapshot, &title, &all, |it| it.code == code)?;
+            actions.extend(action.map(CodeActionOrCommand::CodeAction));
+        }
+    }
+    refactorings(snapshot, subject, &range, params, &mut actions)?;
+    generate(snapshot, subject, &range, params, &mut actions)?;
+    Ok(Some(actions))
+}
+
+/// Refactorings of the selection, and what changes the whole file when it is asked for.
+fn refactorings(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    range: &std::ops::Range<usize>,
+    params: &CodeActionParams,
+    actions: &mut Vec<CodeActionOrCommand>,
+) -> Cancellable<()> {
+    let only = params.context.only.as_deref();
+    let wanted = |kind: &CodeActionKind| {
+        only.is_none_or(|only| only.iter().any(|it| kind.as_str().starts_with(it.as_str())))
+    };
+    let organize = CodeActionKind::SOURCE_ORGANIZE_IMPORTS;
+    let mut assists = Vec::new();
+    // A client that asks on every move of the cursor for fixes alone does not pay for these.
+    let asked = |it: &CodeActionKind| it.as_str().split('.').next() == Some("refactor");
+    if only.is_none_or(|only| only.iter().any(asked) || only.contains(&CodeActionKind::EMPTY)) {
+        assists = snapshot.analysis.assists(&subject.path, range.clone())?;
+    }
+    if only.is_some() && wanted(&organize) {
+        assists.extend(snapshot.analysis.organize_includes(&subject.path)?);
+    }
+    for it in assists {
+        let kind = match it.kind {
+            AssistKind::Extract => CodeActionKind::REFACTOR_EXTRACT,
+            AssistKind::Inline => CodeActionKind::REFACTOR_INLINE,
+            AssistKind::Move => CodeActionKind::new("refactor.move"),
+            AssistKind::Rewrite => CodeActionKind::REFACTOR_REWRITE,
+            AssistKind::OrganizeIncludes => organize.clone(),
+        };
+        if wanted(&kind)
+            && let Some(edit) = workspace_edit(snapshot, &it.edits)?
+        {
+            actions.push(CodeActionOrCommand::CodeAction(CodeAction {
+                title: it.title,
+                kind: Some(kind),
+                edit: Some(edit),
+                ..CodeAction::default()
+            }));
+        }
+    }
+    Ok(())
+}
+
+/// "Generate…" and "Regenerate": at the name of a component, and anywhere on request. Editors hide
+/// `source` actions unless they are asked for; at a component they are of no kind, so that they show.
+fn generate(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    range: &std::ops::Range<usize>,
+    params: &CodeActionParams,
+    actions: &mut Vec<CodeActionOrCommand>,
+) -> Cancellable<()> {
+    let only = params.context.only.as_deref().unwrap_or_default();
+    let asked = |it: &CodeActionKind| GENERATE.as_str().starts_with(it.as_str());
+    let kind = if only.is_empty() || only.contains(&CodeActionKind::EMPTY) {
+        let symbols = snapshot.analysis.document_symbols(&subject.path)?;
+        let here = symbols.iter().any(|it| {
+            it.kind == dotgen_analysis::ide::SymbolKind::Component
+                && it.selection_range.start <= range.end
+                && range.start <= it.selection_range.end
+        });
+        if !here {
+            return Ok(());
+        }
+        CodeActionKind::EMPTY
+    } else if only.iter().any(asked) {
+        GENERATE
+    } else {
+        return Ok(());
+    };
+    let path = subject.path.as_str();
+    let remembered = snapshot.config.generate.iter().any(|it| it.file == path);
+    for (title, command) in crate::generation::actions(&subject.uri, remembered) {
+        actions.push(CodeActionOrCommand::CodeAction(CodeAction {
+            title,
+            kind: Some(kind.clone()),
+            command: Some(command),
+            ..CodeAction::default()
+        }));
+    }
+    Ok(())
+}
+
+/// One action that applies the first fix of each diagnostic, where they do not touch each other.
+fn fix_all(
+    snapshot: &Snapshot,
+    title: &str,
+    all: &[Diagnostic],
+    which: impl Fn(&Diagnostic) -> bool,
+) -> Cancellable<Option<CodeAction>> {
+    let mut edits: Vec<FileEdit> = Vec::new();
+    for it in all.iter().filter(|it| which(it)) {
+        let Some(fix) = it.fixes.first() else {
+            continue;
+        };
+        let apart = |a: &FileEdit, b: &FileEdit| {
+            a.path != b.path || a.range.end < b.range.start || b.range.end < a.range.start
+        };
+        if fix
+            .edits
+            .iter()
+            .all(|new| edits.iter().all(|old| apart(old, new)))
+        {
+            edits.extend(fix.edits.iter().cloned());
+        }
+    }
+    if edits.is_empty() {
+        return Ok(None);
+    }
+    Ok(workspace_edit(snapshot, &edits)?.map(|edit| CodeAction {
+        title: title.to_owned(),
+        kind: Some(CodeActionKind::QUICKFIX),
+        edit: Some(edit),
+        ..CodeAction::default()
+    }))
+}

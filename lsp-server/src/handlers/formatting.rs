@@ -1,0 +1,51 @@
+//! `textDocument/formatting`, `rangeFormatting` and `onTypeFormatting`
+
+use dotgen_analysis::host::Cancellable;
+
+use super::scenario;
+use crate::convert::edit::text_edits;
+use crate::proto::*;
+use crate::snapshot::{Snapshot, Subject};
+
+pub(crate) fn document(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    _: &DocumentFormattingParams,
+) -> Cancellable<Option<Vec<TextEdit>>> {
+    if scenario::is(&subject.path) {
+        return scenario::format(snapshot, subject);
+    }
+    let edits = snapshot.analysis.format(&subject.path, None)?;
+    text_edits(snapshot, &subject.path, &edits)
+}
+
+pub(crate) fn range(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &DocumentRangeFormattingParams,
+) -> Cancellable<Option<Vec<TextEdit>>> {
+    let Some(lines) = snapshot.lines(&subject.path)? else {
+        return Ok(None);
+    };
+    let Some(range) = lines.bytes(params.range) else {
+        return Ok(None);
+    };
+    let edits = snapshot.analysis.format(&subject.path, Some(range))?;
+    text_edits(snapshot, &subject.path, &edits)
+}
+
+pub(crate) fn on_type(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &DocumentOnTypeFormattingParams,
+) -> Cancellable<Option<Vec<TextEdit>>> {
+    let position = params.text_document_position.position;
+    let (Some(at), Some(typed)) = (
+        snapshot.cursor(subject, position)?,
+        params.ch.chars().next(),
+    ) else {
+        return Ok(None);
+    };
+    let edits = snapshot.analysis.format_on_type(&at, typed)?;
+    text_edits(snapshot, &subject.path, &edits)
+}

@@ -1,0 +1,188 @@
+//! What verification shows in documents: lenses on tasks, diagnostics, code actions, and
+//! `dotgen/verification` with everything in one answer.
+
+mod answer;
+mod diagnostics;
+mod lens;
+
+use std::ops::Range;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::host::Cancellable;
+use dotgen_analysis::source_map::Locations;
+use dotgen_timing::report::CheckReport;
+use dotgen_timing::scn::ast::{Check, CheckKind, Path, Scenario};
+use serde_json::{Value, json};
+
+use crate::proto::*;
+use crate::snapshot::{Snapshot, Subject};
+use crate::verification::{Problem, problem};
+
+pub(crate) use answer::{Question, VerificationParams, VerificationResult, prepare, present};
+pub(crate) use diagnostics::{in_scenario, in_specification};
+pub(crate) use lens::{lenses, scenario_lenses};
+
+/// Client command that shows a verification; argument `{ uri, check }`.
+const SHOW: &str = "dotgen.showVerification";
+
+/// A task of a document: its name and the place of it.
+struct TaskAt {
+    /// `component.task`
+    name: String,
+    range: Range<usize>,
+}
+
+/// The tasks that a file of a problem declares.
+fn tasks(problem: &Problem, path: &Utf8Path) -> Vec<TaskAt> {
+    let mut out: Vec<TaskAt> = Vec::new();
+    for unit in &problem.units {
+        for component in problem::components(&unit.spec) {
+            for task in &component.tasks {
+                let place = unit.locations.locate(task.src);
+                if let Some(place) = place.filter(|it| it.path == path) {
+                    let name = format!("{}.{}", component.name, task.name);
+                    out.push(TaskAt {
+                        name,
+                        range: place.range,
+                    });
+                }
+            }
+        }
+    }
+    out
+}
+
+/// The place of something in the specifications of a problem.
+fn place(
+    problem: &Problem,
+    src: Option<(usize, dotgen_analysis::model::Src)>,
+) -> Option<(Utf8PathBuf, Range<usize>)> {
+    let (spec, src) = src?;
+    let at = problem.units.get(spec)?.locations.locate(src)?;
+    Some((at.path, at.range))
+}
+
+/// The check of a scenario that a report answers.
+fn check_of<'s>(scenario: &'s Scenario, report: &CheckReport) -> Option<&'s Check> {
+    use dotgen_timing::scn::ast::Item;
+    let task = |kind: &str, path: &Option<Path>| {
+        report.check == kind && path.as_ref().is_none_or(|it| it.text() == report.of)
+    };
+    let is = |kind: &str, of: String| report.check == kind && of == report.of;
+    let mut checks = scenario.items.iter().filter_map(|it| match it {
+        Item::Check(check) => Some(check),
+        _ => None,
+    });
+    checks.find(|it| {
+        it.name.as_ref().map(|it| it.value.as_str()) == report.name.as_deref()
+            && match &it.kind {
+                CheckKind::Schedulable(path) => task("schedulable", path),
+                CheckKind::NoOverdue(path) => task("no-overdue", path),
+                CheckKind::Response(path, bound) => {
+                    task("response", path) && bound.is_some() == report.bound.is_some()
+                }
+                CheckKind::Within(p, q, bound) => {
+                    is("within", format!("{} => {}", p.text(), q.text()))
+                        && bound.is_some() == report.bound.is_some()
+                }
+                CheckKind::LeadsTo(p, q) => is("leadsto", format!("{} => {}", p.text(), q.text())),
+                CheckKind::Eventually(p) => is("eventually", p.text()),
+                CheckKind::Always(p) => is("always", p.text()),
+                CheckKind::Reachable(p) => is("reachable", p.text()),
+                CheckKind::Deadlock => report.check == "deadlock",
+            }
+    })
+}
+
+/// The argument of [`SHOW`].
+fn argument(uri: &Uri, check: Option<usize>) -> Value {
+    json!({ "uri": uri, "check": check })
+}
+
+/// Code actions: open the run that a diagnostic is about; write the default scenario out.
+pub(crate) fn actions(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    range: &Range<usize>,
+) -> Cancellable<Vec<CodeAction>> {
+    let mut out = Vec::new();
+    if snapshot.client.verification_status {
+        for (uri, found) in diagnostics::at(snapshot, &subject.path, range)? {
+            let diagnostic = crate::convert::diagnostic::to_proto(snapshot, &found.diagnostic)?;
+            let arguments = Some(vec![argument(&uri, Some(found.check))]);
+            out.push(CodeAction {
+                title: "Show the timeline of the run".to_owned(),
+                kind: Some(CodeActionKind::QUICKFIX),
+                diagnostics: diagnostic.map(|it| vec![it]),
+                command: Some(Command::new(
+                    "Show the timeline of the run".to_owned(),
+                    SHOW.to_owned(),
+                    arguments,
+                )),
+                ..CodeAction::default()
+            });
+        }
+    }
+    out.extend(write_out(snapshot, subject, range)?);
+    Ok(out)
+}
+
+/// The default scenario as a file beside the specification, offered on the heading of a component.
+fn write_out(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    range: &Range<usize>,
+) -> Cancellable<Option<CodeAction>> {
+    let path = &subject.path;
+    if !snapshot.client.creates_files || path.extension() != Some("gen") {
+        return Ok(None);
+    }
+    let unit = snapshot.analysis.root_unit(path)?;
+    let heading = problem::components(&unit.spec).any(|it| {
+        let place = unit.locations.locate(it.src);
+        place.is_some_and(|it| {
+            it.path == *path && it.range.start <= range.end && range.start <= it.range.end
+        })
+    });
+    let target = path.with_extension(problem::EXTENSION);
+    if !heading || target.exists() || snapshot.open.contains_key(&target) {
+        return Ok(None);
+    }
+    let (Some(problem), Some(uri)) = (
+        crate::verifier::problem_of(snapshot, path)?,
+        snapshot.uri(&target),
+    ) else {
+        return Ok(None);
+    };
+    if !problem.errors.is_empty() {
+        return Ok(None);
+    }
+    let file = target.file_name().unwrap_or_default();
+    let create = CreateFile {
+        uri: uri.clone(),
+        options: Some(CreateFileOptions {
+            overwrite: Some(false),
+            ignore_if_exists: Some(false),
+        }),
+        annotation_id: None,
+    };
+    let fill = TextDocumentEdit {
+        text_document: OptionalVersionedTextDocumentIdentifier { uri, version: None },
+        edits: vec![OneOf::Left(TextEdit::new(
+            crate::proto::Range::default(),
+            problem.text,
+        ))],
+    };
+    Ok(Some(CodeAction {
+        title: format!("Write the verification scenario to {file}"),
+        kind: Some(CodeActionKind::new("refactor.rewrite")),
+        edit: Some(WorkspaceEdit {
+            document_changes: Some(DocumentChanges::Operations(vec![
+                DocumentChangeOperation::Op(ResourceOp::Create(create)),
+                DocumentChangeOperation::Edit(fill),
+            ])),
+            ..WorkspaceEdit::default()
+        }),
+        ..CodeAction::default()
+    }))
+}

@@ -1,0 +1,495 @@
+//! `dotgen/verification`: all that is known about the verification of a document, or about a
+//! variation of it. `docs/protocol.md` describes it for clients.
+
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use dotgen_analysis::host::Cancellable;
+use dotgen_diagram::theme::Theme;
+use dotgen_diagram::timeline::{self, Timeline};
+use dotgen_timing::report::{CheckReport, Event, Soundness, Verdict};
+use dotgen_timing::scn::names::Names;
+use dotgen_timing::verify::{Options, settings};
+use serde::{Deserialize, Serialize};
+use tokio::runtime::Handle;
+
+use super::{check_of, place};
+use crate::proto::{Location, TextDocumentIdentifier, Uri};
+use crate::snapshot::{Snapshot, Subject};
+use crate::verification::blocking::{self, CodelAt};
+use crate::verification::summary;
+use crate::verification::timeline::{Ending, of_run};
+use crate::verification::what_if::WhatIf;
+use crate::verification::{Problem, TaskBound};
+use crate::verifier::{self, Answer, Cancel, Found, Status, about};
+
+/// Parameters of `dotgen/verification`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct VerificationParams {
+    /// A scenario or a specification.
+    pub(crate) text_document: TextDocumentIdentifier,
+    /// Number of the check whose run is wanted; the first refuted one if it is not given.
+    #[serde(default)]
+    check: Option<usize>,
+    /// A variation.
+    #[serde(default)]
+    what_if: WhatIf,
+    /// Colours of the timeline.
+    #[serde(default)]
+    theme: Theme,
+}
+
+/// Answer of `dotgen/verification`.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct VerificationResult {
+    /// The scenario, or the specification that is verified without one.
+    uri: Option<Uri>,
+    /// Version of the document it holds for.
+    version: Option<i32>,
+    status: Option<Status>,
+    scenario: String,
+    /// Whether the scenario is written in a file.
+    written: bool,
+    /// Cores, policy, durations in words.
+    platform: String,
+    cores: Option<u32>,
+    policy: String,
+    durations: String,
+    /// Why there is no answer.
+    errors: Vec<String>,
+    checks: Vec<CheckShown>,
+    /// Quick bounds by task.
+    bounds: Vec<BoundShown>,
+    minimum_cores: Option<u32>,
+    assumptions: Vec<String>,
+    notes: Vec<String>,
+    blocking: Vec<BlockedShown>,
+    codels: Vec<CodelShown>,
+    timeline: Option<TimelineShown>,
+    states: usize,
+    seconds: f64,
+    /// Whether this is the answer to a variation.
+    what_if: bool,
+}
+
+/// A check and its answer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct CheckShown {
+    name: Option<String>,
+    check: String,
+    of: String,
+    verdict: String,
+    /// What the verdict is worth, if it is not exact.
+    worth: Option<String>,
+    value: Option<String>,
+    limit: Option<String>,
+    slack: Option<String>,
+    note: Option<String>,
+    has_run: bool,
+    location: Option<Location>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct BoundShown {
+    task: String,
+    bound: String,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct BlockedShown {
+    codel: String,
+    location: Option<Location>,
+    by: Vec<BlockerShown>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct BlockerShown {
+    codel: String,
+    location: Option<Location>,
+    /// Longest time it keeps the lock.
+    time: String,
+    through: String,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct CodelShown {
+    path: String,
+    /// Longest execution time in microseconds; none if it has no end.
+    wcet: Option<f64>,
+    location: Option<Location>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct TimelineShown {
+    check: usize,
+    title: String,
+    /// Elements with a `data-link` lead to that one of `links`.
+    svg: String,
+    timeline: Timeline,
+    links: Vec<Option<Location>>,
+    /// The run as text, one line per event.
+    events: Vec<String>,
+}
+
+/// What a document's verification knows, taken out of a snapshot.
+pub(crate) struct Prepared {
+    uri: Option<Uri>,
+    version: Option<i32>,
+    status: Status,
+    problem: Arc<Problem>,
+    places: Arc<Problem>,
+    bounds: Arc<Vec<TaskBound>>,
+    /// `None`: to be worked out here.
+    known: Option<Option<Arc<Answer>>>,
+    what_if: WhatIf,
+    options: Options,
+    limit: Duration,
+}
+
+/// Finds the verification of a document.
+pub(crate) fn prepare(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &VerificationParams,
+) -> Cancellable<Option<Prepared>> {
+    let settings = &snapshot.config.verification;
+    let found = about(snapshot, &subject.path).into_iter().next();
+    let blank = |problem: Problem| {
+        let problem = Arc::new(problem);
+        Prepared {
+            uri: Some(subject.uri.clone()),
+            version: subject.version,
+            status: Status::Running,
+            places: problem.clone(),
+            problem,
+            bounds: Arc::default(),
+            known: None,
+            what_if: params.what_if.clone(),
+            options: settings.options(),
+            limit: settings.time_limit(),
+        }
+    };
+    let Some((path, entry)) = found else {
+        // Verification on edit is off, or nothing here is timed: on request all the same.
+        let problem = verifier::problem_of(snapshot, &subject.path)?;
+        return Ok(problem.map(blank));
+    };
+    let known = params.what_if.is_nothing();
+    Ok(Some(Prepared {
+        uri: snapshot.uri(path),
+        version: entry.version,
+        status: entry.status,
+        problem: entry.problem.clone(),
+        places: entry.places().clone(),
+        bounds: entry.bounds.clone(),
+        known: known.then(|| entry.answer.clone()),
+        ..blank((*entry.problem).clone())
+    }))
+}
+
+/// Something to be shown.
+pub(crate) struct Shown {
+    prepared: Prepared,
+    answer: Option<Arc<Answer>>,
+    errors: Vec<String>,
+}
+
+struct CancelOnDrop(Arc<Cancel>);
+
+impl Drop for CancelOnDrop {
+    fn drop(&mut self) {
+        self.0.cancel();
+    }
+}
+
+impl Prepared {
+    /// Verifies if that has to be done. Dropping the future ends the work.
+    pub(crate) async fn answer(mut self) -> Shown {
+        let errors = self.problem.errors.iter();
+        let mut failures: Vec<String> = errors.map(|it| it.message.clone()).collect();
+        if let Some(answer) = self.known.clone() {
+            return Shown {
+                prepared: self,
+                answer,
+                errors: failures,
+            };
+        }
+        let varied = self.what_if.apply(&self.problem);
+        let options = self.what_if.options(self.options.clone());
+        let (problem, options) = match (varied, options) {
+            (Ok(problem), Ok(options)) => (problem, options),
+            (Err(why), _) | (_, Err(why)) => {
+                failures.push(why);
+                (Problem::clone(&self.problem), self.options.clone())
+            }
+        };
+        if !failures.is_empty() {
+            self.status = Status::Blocked;
+            return Shown {
+                prepared: self,
+                answer: None,
+                errors: failures,
+            };
+        }
+        let cancel = Arc::new(Cancel::default());
+        let _guard = CancelOnDrop(cancel.clone());
+        let (problem, limit, timer) = (Arc::new(problem), self.limit, Handle::current());
+        let work = tokio::task::spawn_blocking(move || {
+            let last: Mutex<Option<Arc<Answer>>> = Mutex::default();
+            let tell = |found: Found| {
+                if let Found::Answer(answer) = found {
+                    *last.lock().unwrap_or_else(PoisonError::into_inner) = Some(answer);
+                }
+            };
+            verifier::run(problem, options, limit, &cancel, &timer, tell);
+            last.into_inner().unwrap_or_else(PoisonError::into_inner)
+        });
+        let answer = match work.await {
+            Ok(answer) => answer,
+            Err(error) => {
+                tracing::error!("verification panicked: {error}");
+                None
+            }
+        };
+        if let Some(answer) = &answer {
+            self.status = answer.status();
+            self.places = answer.problem.clone();
+            self.bounds = answer.bounds.clone();
+        }
+        Shown {
+            prepared: self,
+            answer,
+            errors: Vec::new(),
+        }
+    }
+}
+
+/// What to show, and of which document.
+pub(crate) struct Question {
+    /// What was found.
+    pub(crate) shown: Shown,
+    /// What was asked.
+    pub(crate) params: VerificationParams,
+}
+
+/// The answer for a client.
+pub(crate) fn present(
+    snapshot: &Snapshot,
+    _: &Subject,
+    question: &Question,
+) -> Cancellable<Option<VerificationResult>> {
+    let Question { shown, params } = question;
+    let Shown {
+        prepared,
+        answer,
+        errors,
+    } = shown;
+    let options = answer.as_ref().map_or(&prepared.options, |it| &it.options);
+    let problem = answer.as_ref().map_or(&prepared.problem, |it| &it.problem);
+    let settings = settings(&problem.scenario, options);
+    let scale = summary::Scale::of(&settings);
+    let location = |at: &CodelAt| locate(snapshot, &prepared.places, at.src);
+    let table = blocking::table(problem, options);
+    let mut blocked = Vec::new();
+    let mut codels = Vec::new();
+    for row in &table {
+        codels.push(CodelShown {
+            path: row.codel.path.clone(),
+            wcet: row.codel.micros,
+            location: location(&row.codel)?,
+        });
+        let mut by = Vec::new();
+        for it in &row.by {
+            by.push(BlockerShown {
+                codel: it.codel.path.clone(),
+                location: location(&it.codel)?,
+                time: it
+                    .codel
+                    .upper
+                    .map_or("no end".to_owned(), |it| scale.show(it)),
+                through: it.through.join(", "),
+            });
+        }
+        if !by.is_empty() {
+            blocked.push(BlockedShown {
+                codel: row.codel.path.clone(),
+                location: location(&row.codel)?,
+                by,
+            });
+        }
+    }
+    let mut out = VerificationResult {
+        uri: prepared.uri.clone(),
+        version: prepared.version,
+        status: Some(prepared.status),
+        scenario: problem.scenario.name.clone(),
+        written: prepared.problem.is_written(),
+        platform: summary::platform(&settings),
+        cores: settings.cores,
+        policy: settings.policy.name().to_owned(),
+        durations: settings.durations.name().to_owned(),
+        errors: errors.clone(),
+        bounds: (prepared.bounds.iter())
+            .map(|it| BoundShown {
+                task: it.task.clone(),
+                bound: scale.show(it.bound),
+            })
+            .collect(),
+        blocking: blocked,
+        codels,
+        what_if: !params.what_if.is_nothing(),
+        ..VerificationResult::default()
+    };
+    let Some(answer) = answer else {
+        return Ok(Some(out));
+    };
+    let report = &answer.report;
+    let of_report = report.diagnostics.iter();
+    out.errors.extend(of_report.map(|it| it.message.clone()));
+    out.minimum_cores = answer.cores.as_ref().and_then(|it| it.cores);
+    out.assumptions.clone_from(&report.assumptions);
+    out.notes.clone_from(&report.notes);
+    out.states = report.states;
+    out.seconds = report.seconds;
+    let specs = problem.specs();
+    let names = Names::new(&specs);
+    for check in &report.checks {
+        out.checks
+            .push(shown_check(snapshot, prepared, check, &names, scale)?);
+    }
+    let has_run = |it: &CheckReport| !run(it).is_empty();
+    let refuted = || {
+        let mut all = report.checks.iter();
+        all.position(|it| it.verdict == Verdict::Refuted && has_run(it))
+    };
+    let wanted = params
+        .check
+        .filter(|&it| report.checks.get(it).is_some_and(has_run));
+    let chosen = wanted
+        .or_else(refuted)
+        .or_else(|| report.checks.iter().position(has_run));
+    if let Some(chosen) = chosen {
+        out.timeline = Some(shown_run(snapshot, prepared, answer, chosen, params.theme)?);
+    }
+    Ok(Some(out))
+}
+
+fn locate(
+    snapshot: &Snapshot,
+    places: &Problem,
+    src: Option<(usize, dotgen_analysis::model::Src)>,
+) -> Cancellable<Option<Location>> {
+    match place(places, src) {
+        Some((path, range)) => snapshot.location(&path, &range),
+        None => Ok(None),
+    }
+}
+
+/// The run that a check has to show.
+fn run(check: &CheckReport) -> &[Event] {
+    match check.counterexample.is_empty() {
+        true => &check.witness,
+        false => &check.counterexample,
+    }
+}
+
+fn shown_check(
+    snapshot: &Snapshot,
+    prepared: &Prepared,
+    check: &CheckReport,
+    names: &Names,
+    scale: summary::Scale,
+) -> Cancellable<CheckShown> {
+    use dotgen_timing::report::Value;
+    let limit = summary::limit(check, names, scale);
+    let at_least = match check.verdict {
+        Verdict::Unknown => "at least ",
+        _ => "",
+    };
+    let slack = match (check.value, limit) {
+        (Some(Value::Time(value)), Some(limit)) if check.verdict != Verdict::Unknown => {
+            Some(summary::percent(summary::slack(value, limit)))
+        }
+        _ => None,
+    };
+    let written = check_of(&prepared.places.scenario, check);
+    let location = match written.filter(|_| prepared.places.is_written()) {
+        Some(it) => snapshot.location(&prepared.places.path, &it.range)?,
+        None => None,
+    };
+    Ok(CheckShown {
+        name: check.name.clone(),
+        check: check.check.to_owned(),
+        of: check.of.clone(),
+        verdict: match check.verdict {
+            Verdict::Proved => "proved",
+            Verdict::Refuted => "refuted",
+            Verdict::Unknown => "gave up",
+        }
+        .to_owned(),
+        worth: match check.soundness {
+            Soundness::Exact => None,
+            Soundness::Safe => Some("safe: may be a false alarm, never misses".to_owned()),
+            Soundness::Under => Some("for worst-case durations only".to_owned()),
+            Soundness::Neither => Some("for worst-case durations only, indicative".to_owned()),
+        },
+        value: check
+            .value
+            .map(|it| format!("{at_least}{}", scale.show_value(it))),
+        limit: limit.map(|it| scale.show(it)),
+        slack,
+        note: check.note.clone(),
+        has_run: !run(check).is_empty(),
+        location,
+    })
+}
+
+fn shown_run(
+    snapshot: &Snapshot,
+    prepared: &Prepared,
+    answer: &Answer,
+    number: usize,
+    theme: Theme,
+) -> Cancellable<TimelineShown> {
+    let check = &answer.report.checks[number];
+    let events = run(check);
+    let refuted = check.verdict == Verdict::Refuted;
+    let what = match (refuted, check.check) {
+        (true, _) => "a run that refutes it",
+        (false, "response" | "within") => "the longest run found",
+        (false, _) => "a run that shows it",
+    };
+    let title = format!("{} {}: {what}", check.check, check.of);
+    let ending = match refuted && matches!(check.check, "schedulable" | "no-overdue" | "response") {
+        true => Ending::Miss(&check.of),
+        false => Ending::Fine,
+    };
+    let picture = of_run(title.clone(), &answer.report.unit, events, ending);
+    let mut links = Vec::new();
+    let mut lines = Vec::new();
+    let scale = answer.scale();
+    for event in events {
+        links.push(locate(snapshot, &prepared.places, event.src)?);
+        let who = match &event.task {
+            Some(task) => format!("{}.{task}", event.component),
+            None => event.component.clone(),
+        };
+        lines.push(format!("{}  {who}  {}", scale.show(event.time), event.what));
+    }
+    Ok(TimelineShown {
+        check: number,
+        title,
+        svg: timeline::svg(&picture, theme),
+        timeline: picture,
+        links,
+        events: lines,
+    })
+}

@@ -1,0 +1,227 @@
+//! Diagnostics of verifications: at the task in the specification, at the check in the scenario.
+
+use std::ops::Range;
+
+use camino::Utf8Path;
+use dotgen_analysis::codes;
+use dotgen_analysis::diagnostic::{Diagnostic, Related, Severity};
+use dotgen_analysis::host::Cancellable;
+use dotgen_timing::explore::MomentKind;
+use dotgen_timing::report::{CheckReport, Value, Verdict};
+
+use super::{check_of, place, tasks};
+use crate::config::Level;
+use crate::proto::Uri;
+use crate::snapshot::Snapshot;
+use crate::verification::problem::{self, EXTENSION};
+use crate::verifier::{Answer, Entry, about};
+
+const MISS: &str = "timing/deadline-miss";
+const EXCEEDED: &str = "timing/response-exceeded";
+const FAILED: &str = "timing/check-failed";
+const GAVE_UP: &str = "timing/gave-up";
+
+/// Places of a run that a diagnostic leads to; the last ones say most.
+const RELATED: usize = 8;
+
+/// A diagnostic and the check it is about.
+pub(super) struct Found {
+    pub(super) diagnostic: Diagnostic,
+    pub(super) check: usize,
+}
+
+/// What is found at a place, with the document whose verification found it.
+pub(super) fn at(
+    snapshot: &Snapshot,
+    path: &Utf8Path,
+    range: &Range<usize>,
+) -> Cancellable<Vec<(Uri, Found)>> {
+    let mut out = Vec::new();
+    let touches = |it: &Found| {
+        it.diagnostic.range.start <= range.end && range.start <= it.diagnostic.range.end
+    };
+    for (of, entry) in about(snapshot, path) {
+        let found = match path.extension() == Some(EXTENSION) {
+            true => scenario(snapshot, entry, path),
+            false => specification(snapshot, entry, path),
+        };
+        if let Some(uri) = snapshot.uri(of) {
+            let here = found.into_iter().filter(touches);
+            out.extend(here.map(|it| (uri.clone(), it)));
+        }
+    }
+    Ok(out)
+}
+
+/// Missed deadlines and exceeded bounds, at the tasks of a specification.
+pub(crate) fn in_specification(
+    snapshot: &Snapshot,
+    path: &Utf8Path,
+) -> Cancellable<Vec<Diagnostic>> {
+    let mut out = Vec::new();
+    for (_, entry) in about(snapshot, path) {
+        let found = specification(snapshot, entry, path);
+        out.extend(found.into_iter().map(|it| it.diagnostic));
+    }
+    Ok(out)
+}
+
+fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Found> {
+    // What was found in an earlier version says nothing about this one.
+    let Some(answer) = entry.settled() else {
+        return Vec::new();
+    };
+    let mut out = Vec::new();
+    for task in tasks(&entry.problem, path) {
+        for (check, report) in answer.report.checks.iter().enumerate() {
+            let asked = match report.check {
+                "schedulable" => true,
+                "response" => report.bound.is_some(),
+                _ => false,
+            };
+            if asked && report.of == task.name && report.verdict == Verdict::Refuted {
+                let found = diagnostic(snapshot, entry, answer, report, path, &task.range);
+                out.extend(found.map(|diagnostic| Found { diagnostic, check }));
+            }
+        }
+    }
+    out
+}
+
+/// What the verifier says about a scenario, at its checks and names.
+pub(crate) fn in_scenario(snapshot: &Snapshot, path: &Utf8Path) -> Vec<Diagnostic> {
+    let Some(entry) = snapshot.verification.get(path) else {
+        return Vec::new();
+    };
+    let mut out: Vec<Diagnostic> = Vec::new();
+    if let Some(answer) = entry.settled() {
+        let of_model = answer.report.diagnostics.iter();
+        out.extend(of_model.map(|it| {
+            let mut it = problem::diagnostic(it, path);
+            if it.range.is_empty() {
+                it.range = entry.problem.scenario.name_range.clone();
+            }
+            it
+        }));
+    }
+    let checks = scenario(snapshot, entry, path).into_iter();
+    out.extend(checks.map(|it| it.diagnostic));
+    out
+}
+
+fn scenario(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Found> {
+    let Some(answer) = entry.settled() else {
+        return Vec::new();
+    };
+    let mut out = Vec::new();
+    for (check, report) in answer.report.checks.iter().enumerate() {
+        if report.verdict == Verdict::Proved {
+            continue;
+        }
+        let Some(written) = check_of(&entry.problem.scenario, report) else {
+            continue;
+        };
+        let found = diagnostic(snapshot, entry, answer, report, path, &written.range);
+        out.extend(found.map(|diagnostic| Found { diagnostic, check }));
+    }
+    out
+}
+
+fn diagnostic(
+    snapshot: &Snapshot,
+    entry: &Entry,
+    answer: &Answer,
+    check: &CheckReport,
+    path: &Utf8Path,
+    range: &Range<usize>,
+) -> Option<Diagnostic> {
+    let scale = answer.scale();
+    let (code, mut message) = match (check.verdict, check.check, check.value) {
+        (Verdict::Proved, ..) => return None,
+        (Verdict::Unknown, ..) => (
+            GAVE_UP,
+            format!(
+                "`{} {}` is neither proved nor refuted: {}; raise the limits of verification in the \
+                 settings, or make the scenario smaller",
+                check.check,
+                check.of,
+                check.note.as_deref().unwrap_or("gave up")
+            ),
+        ),
+        (_, "schedulable", _) => {
+            let last = check.counterexample.last()?;
+            (
+                MISS,
+                format!(
+                    "`{}` can miss its deadline: at {} its next period begins before the job has \
+                     ended",
+                    check.of,
+                    scale.show(last.time)
+                ),
+            )
+        }
+        (_, "response" | "within", Some(value)) => {
+            let what = match check.check {
+                "response" => format!("the response time of `{}`", check.of),
+                _ => format!("the time of `{}`", check.of),
+            };
+            let message = match (value, check.bound) {
+                (Value::Unbounded, _) => format!("{what} has no bound"),
+                (_, Some(bound)) => format!(
+                    "{what} can be {}, more than {}",
+                    scale.show_value(value),
+                    scale.show_value(bound)
+                ),
+                (_, None) => return None,
+            };
+            (EXCEEDED, message)
+        }
+        (_, kind, _) => (FAILED, format!("`{kind} {}` does not hold", check.of)),
+    };
+    if path.extension() != Some(EXTENSION) {
+        message += &match entry.problem.is_written() {
+            true => format!(" (scenario `{}`)", answer.report.scenario),
+            false => " (no scenario: any client, at any time)".to_owned(),
+        };
+    }
+    Some(Diagnostic {
+        code,
+        severity: severity(snapshot, code)?,
+        message,
+        path: path.to_owned(),
+        range: range.clone(),
+        related: related(entry, answer, check),
+        tags: Vec::new(),
+        fixes: Vec::new(),
+    })
+}
+
+/// As configured; `None` for off.
+fn severity(snapshot: &Snapshot, code: &str) -> Option<Severity> {
+    if let Some(level) = snapshot.config.severity.get(code) {
+        return Level::severity(*level);
+    }
+    let known = codes::all().find(|it| it.id == code);
+    Some(known.map_or(Severity::Warning, |it| it.severity))
+}
+
+/// The last places of the run.
+fn related(entry: &Entry, answer: &Answer, check: &CheckReport) -> Vec<Related> {
+    let scale = answer.scale();
+    let mut related: Vec<Related> = Vec::new();
+    for event in check.counterexample.iter().rev() {
+        if related.len() < RELATED
+            && matches!(event.kind, MomentKind::Wait | MomentKind::Begin)
+            && let Some((path, range)) = place(entry.places(), event.src)
+        {
+            let message = format!("{}: {}", scale.show(event.time), event.what);
+            related.push(Related {
+                path,
+                range,
+                message,
+            });
+        }
+    }
+    related.reverse();
+    related
+}

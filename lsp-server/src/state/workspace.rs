@@ -1,0 +1,215 @@
+//! Workspace folders, their files, and the layers of configuration.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::host::FileContent;
+use serde_json::Value;
+
+use crate::config::{self, Config, Problem, Settings};
+use crate::convert::{Encoding, Lines, diagnostic, uri};
+use crate::proto::{
+    self, Diagnostic, DiagnosticSeverity, InitializeParams, NumberOrString, Uri,
+    WorkspaceFoldersChangeEvent,
+};
+use crate::vfs;
+
+/// See the module.
+#[derive(Default)]
+pub(super) struct Workspace {
+    folders: Vec<Folder>,
+    /// `.gen` files below the folders.
+    pub(super) files: BTreeSet<Utf8PathBuf>,
+    /// `.scn` files below the folders.
+    pub(super) scenarios: Arc<BTreeSet<Utf8PathBuf>>,
+    /// Settings of the editor that hold for every folder.
+    editor: Settings,
+    trusted: bool,
+}
+
+struct Folder {
+    /// As the client spells it; `None` for the directory of a file opened without a workspace.
+    uri: Option<Uri>,
+    path: Utf8PathBuf,
+    file: ConfigFile,
+    /// Settings of the editor for this folder alone.
+    editor: Option<Settings>,
+}
+
+/// The `dotgen.toml` of a folder.
+#[derive(Default)]
+struct ConfigFile {
+    text: String,
+    settings: Settings,
+    problems: Vec<Problem>,
+}
+
+impl Folder {
+    fn new(uri: Option<Uri>, path: Utf8PathBuf) -> Folder {
+        let file = ConfigFile::read(&path);
+        Folder {
+            uri,
+            path,
+            file,
+            editor: None,
+        }
+    }
+}
+
+impl ConfigFile {
+    fn read(folder: &Utf8Path) -> ConfigFile {
+        match vfs::read(&folder.join(config::FILE_NAME)) {
+            FileContent::Text(text) => {
+                let read = config::from_toml(&text);
+                ConfigFile {
+                    text,
+                    settings: read.settings,
+                    problems: read.problems,
+                }
+            }
+            FileContent::Missing => ConfigFile::default(),
+            _ => ConfigFile {
+                problems: vec![Problem::unreadable()],
+                ..ConfigFile::default()
+            },
+        }
+    }
+}
+
+impl Workspace {
+    /// Folders, trust and settings of `initialize`.
+    pub(super) fn initialize(&mut self, params: &InitializeParams) -> BTreeSet<String> {
+        let options = params.initialization_options.as_ref();
+        let option = |name: &str| options.and_then(|it| it.get(name));
+        self.trusted = option("trusted").and_then(Value::as_bool).unwrap_or(false);
+        let problems = match option("settings") {
+            Some(settings) => self.set_editor_settings(std::slice::from_ref(settings)),
+            None => BTreeSet::new(),
+        };
+        let folders = params.workspace_folders.clone().unwrap_or_default();
+        let mut uris: Vec<Uri> = folders.into_iter().map(|it| it.uri).collect();
+        if uris.is_empty() {
+            #[allow(deprecated, reason = "older clients send nothing else")]
+            uris.extend(params.root_uri.clone());
+        }
+        for uri in uris {
+            self.add(uri);
+        }
+        problems
+    }
+
+    fn add(&mut self, uri: Uri) {
+        let path = uri::to_path(&uri);
+        if self.folders.iter().all(|it| it.path != path) {
+            self.folders.push(Folder::new(Some(uri), path));
+        }
+    }
+
+    /// `didChangeWorkspaceFolders`
+    pub(super) fn change_folders(&mut self, event: &WorkspaceFoldersChangeEvent) {
+        let removed: Vec<_> = event
+            .removed
+            .iter()
+            .map(|it| uri::to_path(&it.uri))
+            .collect();
+        self.folders.retain(|it| !removed.contains(&it.path));
+        self.files
+            .retain(|file| !removed.iter().any(|folder| file.starts_with(folder)));
+        for folder in &event.added {
+            self.add(folder.uri.clone());
+        }
+    }
+
+    /// Without workspace folders, the nearest directory around the first file opened that has a
+    /// `dotgen.toml` configures; its files are not listed. Whether the configuration may differ.
+    pub(super) fn adopt(&mut self, file: &Utf8Path) -> bool {
+        if !self.folders.is_empty() || uri::is_virtual(file) {
+            return false;
+        }
+        let Some(directory) = config::nearest_directory(file) else {
+            return false;
+        };
+        self.folders.push(Folder::new(None, directory));
+        true
+    }
+
+    /// Settings for every folder, then those of each folder in turn. What is wrong with them.
+    pub(super) fn set_editor_settings(&mut self, values: &[Value]) -> BTreeSet<String> {
+        let mut problems = BTreeSet::new();
+        let mut values = values.iter().map(|value| {
+            let read = config::from_editor(value);
+            problems.extend(read.problems.into_iter().map(|it| it.message));
+            read.settings
+        });
+        self.editor = values.next().unwrap_or_default();
+        let folders = self.folders.iter_mut().filter(|it| it.uri.is_some());
+        for folder in folders {
+            folder.editor = values.next();
+        }
+        problems
+    }
+
+    /// Reads the configuration files again.
+    pub(super) fn reload_files(&mut self) {
+        for folder in &mut self.folders {
+            folder.file = ConfigFile::read(&folder.path);
+        }
+    }
+
+    /// The configuration in force.
+    pub(super) fn config(&self) -> Config {
+        let of = |folder: &Folder| {
+            // A folder's own settings already contain those for all: that is how clients answer.
+            let editor = folder.editor.clone().unwrap_or_else(|| self.editor.clone());
+            let settings = editor.over(folder.file.settings.clone());
+            Config::new(&settings, &folder.path, self.trusted)
+        };
+        self.folders
+            .iter()
+            .map(of)
+            .reduce(Config::join)
+            .unwrap_or_else(|| Config::new(&self.editor, Utf8Path::new("/"), self.trusted))
+    }
+
+    /// What is wrong with the configuration files, by file; those in order are left out.
+    pub(super) fn problems(&self, encoding: Encoding) -> Vec<(Utf8PathBuf, Vec<Diagnostic>)> {
+        let of = |folder: &Folder| {
+            let lines = Lines::new(folder.file.text.as_str().into(), encoding);
+            let diagnostics = folder.file.problems.iter().map(|problem| Diagnostic {
+                range: lines.range(&problem.range.clone().unwrap_or(0..0)),
+                severity: Some(match problem.kind.is_error() {
+                    true => DiagnosticSeverity::ERROR,
+                    false => DiagnosticSeverity::WARNING,
+                }),
+                code: Some(NumberOrString::String(problem.kind.code().to_owned())),
+                source: Some(diagnostic::SOURCE.to_owned()),
+                message: problem.message.clone(),
+                ..proto::Diagnostic::default()
+            });
+            (folder.path.join(config::FILE_NAME), diagnostics.collect())
+        };
+        let with_problems = self
+            .folders
+            .iter()
+            .filter(|it| !it.file.problems.is_empty());
+        with_problems.map(of).collect()
+    }
+
+    /// The folders of the client.
+    pub(super) fn folder_uris(&self) -> impl Iterator<Item = Uri> {
+        self.folders.iter().filter_map(|it| it.uri.clone())
+    }
+
+    /// The folders whose files belong to the workspace.
+    pub(super) fn scanned_folders(&self) -> Vec<Utf8PathBuf> {
+        let folders = self.folders.iter().filter(|it| it.uri.is_some());
+        folders.map(|it| it.path.clone()).collect()
+    }
+
+    /// Whether a path is below a folder of the client.
+    pub(super) fn contains(&self, path: &Utf8Path) -> bool {
+        let mut folders = self.folders.iter().filter(|it| it.uri.is_some());
+        folders.any(|it| path.starts_with(&it.path))
+    }
+}

@@ -1,0 +1,83 @@
+//! The server as a client sees it: real JSON through an in-memory pipe, against a client that fails
+//! on messages nobody expected. No test sleeps; each waits for messages.
+
+mod client;
+mod codels;
+mod configuration;
+mod diagnostics;
+mod editing;
+mod features;
+mod generate;
+mod lifecycle;
+mod ordering;
+mod pictures;
+mod random;
+mod scenario;
+mod verification;
+
+use dotgen_analysis::host::Cancellable;
+use tower_lsp::LspServiceBuilder;
+
+use crate::backend::Backend;
+use crate::ext::DocumentParams;
+use crate::proto::Result;
+use crate::snapshot::{Snapshot, Subject};
+
+/// Requests that make the server do what no real one does.
+pub(crate) fn custom_methods(builder: LspServiceBuilder<Backend>) -> LspServiceBuilder<Backend> {
+    builder
+        .custom_method("test/text", Backend::test_text)
+        .custom_method("test/panic", Backend::test_panic)
+        .custom_method("test/forever", Backend::test_forever)
+        .custom_method("test/second", Backend::test_second)
+}
+
+impl Backend {
+    /// The text of a document as analysis sees it.
+    async fn test_text(&self, params: DocumentParams) -> Result<Option<String>> {
+        fn handle(
+            snapshot: &Snapshot,
+            subject: &Subject,
+            _: &DocumentParams,
+        ) -> Cancellable<Option<String>> {
+            let text = snapshot.analysis.text(&subject.path)?;
+            Ok(text.map(|it| it.to_string()))
+        }
+        let uri = params.text_document.uri.clone();
+        self.dispatch.document(uri, params, handle).await
+    }
+
+    /// Panics.
+    async fn test_panic(&self, params: DocumentParams) -> Result<()> {
+        fn handle(_: &Snapshot, _: &Subject, _: &DocumentParams) -> Cancellable<()> {
+            panic!("on purpose")
+        }
+        let uri = params.text_document.uri.clone();
+        self.dispatch.document(uri, params, handle).await
+    }
+
+    /// Works until it is cancelled.
+    async fn test_forever(&self, params: DocumentParams) -> Result<()> {
+        fn handle(snapshot: &Snapshot, subject: &Subject, _: &DocumentParams) -> Cancellable<()> {
+            loop {
+                snapshot.analysis.line_index(&subject.path)?;
+                std::thread::yield_now();
+            }
+        }
+        let uri = params.text_document.uri.clone();
+        self.dispatch.document(uri, params, handle).await
+    }
+
+    /// Works until it is cancelled as long as some document has its first version.
+    async fn test_second(&self, params: DocumentParams) -> Result<bool> {
+        fn handle(snapshot: &Snapshot, subject: &Subject, _: &DocumentParams) -> Cancellable<bool> {
+            while snapshot.open.values().any(|it| it.version == 1) {
+                snapshot.analysis.line_index(&subject.path)?;
+                std::thread::yield_now();
+            }
+            Ok(true)
+        }
+        let uri = params.text_document.uri.clone();
+        self.dispatch.document(uri, params, handle).await
+    }
+}

@@ -1,0 +1,323 @@
+//! Completion, rename, formatting, hints, lenses, signatures and call hierarchy over the protocol.
+
+use serde_json::{Value, json};
+
+use super::client::{Client, Folder, document, pulling};
+
+const ARM: &str = r#"#include "pose.idl"
+
+component arm {
+  ids { pose goal; };
+  port out pose state;
+  task motion {
+    period 10 ms;
+    codel<start> init(out ::ids) wcet 1 ms yield go;
+    codel<go> move(in goal, port out state) wcet 2 ms yield pause::go, ether;
+  };
+  function  stop() { interrupt stop; };
+};
+"#;
+
+async fn start(capabilities: Value) -> (Client, Folder, String) {
+    let folder = Folder::new(&[
+        ("pose.idl", "struct pose { double x; };\n"),
+        ("arm.gen", ARM),
+    ]);
+    let mut all = pulling();
+    for (key, value) in capabilities.as_object().cloned().unwrap_or_default() {
+        all["textDocument"][key] = value;
+    }
+    let mut client = Client::start(folder.params(all)).await;
+    let uri = folder.uri("arm.gen");
+    client.open(&uri, ARM).await;
+    (client, folder, uri)
+}
+
+/// A request about the n-th occurrence of a text.
+fn at(uri: &str, what: &str, nth: usize) -> Value {
+    let (offset, _) = ARM.match_indices(what).nth(nth).expect("it occurs");
+    let line = ARM[..offset].matches('\n').count();
+    let start = ARM[..offset].rfind('\n').map_or(0, |it| it + 1);
+    let mut params = document(uri);
+    params["position"] = json!({ "line": line, "character": offset - start });
+    params
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn completion_with_and_without_snippets() {
+    let snippets = json!({ "completion": { "completionItem": { "snippetSupport": true } } });
+    for (capabilities, has_snippets) in [(snippets, true), (json!({}), false)] {
+        let (mut client, _folder, uri) = start(capabilities).await;
+        let list = client
+            .ok("textDocument/completion", at(&uri, "function", 0))
+            .await;
+        let items = list["items"].as_array().expect("a list");
+        let task = items.iter().find(|it| it["label"] == "task").expect("task");
+        assert_eq!(task["insertTextFormat"], if has_snippets { 2 } else { 1 });
+        let text = task["textEdit"]["newText"].as_str().expect("a text");
+        assert_eq!(text.contains("${1:main}"), has_snippets, "{text}");
+
+        let list = client
+            .ok("textDocument/completion", at(&uri, "pose goal", 0))
+            .await;
+        let items = list["items"].as_array().expect("a list");
+        let pose = items.iter().find(|it| it["label"] == "pose").expect("pose");
+        let resolved = client.ok("completionItem/resolve", pose.clone()).await;
+        let doc = resolved["documentation"]["value"].as_str().expect("text");
+        assert!(doc.contains("double x"), "{doc}");
+
+        let list = client
+            .ok("textDocument/completion", at(&uri, "pose.idl", 0))
+            .await;
+        assert_eq!(list["items"][0]["label"], "pose.idl", "{list}");
+        client.finish().await;
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn rename_across_files_and_its_refusals() {
+    let (mut client, folder, uri) = start(json!({})).await;
+    let prepared = client
+        .ok("textDocument/prepareRename", at(&uri, "pose goal", 0))
+        .await;
+    assert_eq!(prepared["placeholder"], "pose");
+    let mut params = at(&uri, "pose goal", 0);
+    params["newName"] = json!("position");
+    let edit = client.ok("textDocument/rename", params.clone()).await;
+    let changes = edit["changes"].as_object().expect("changes");
+    assert_eq!(changes.len(), 2, "{edit}");
+    assert_eq!(changes[&folder.uri("pose.idl")][0]["newText"], "position");
+    assert_eq!(changes[&uri].as_array().map(Vec::len), Some(2));
+
+    params["newName"] = json!("struct");
+    let error = client.request("textDocument/rename", params).await;
+    let error = error.expect_err("refused");
+    assert_eq!(error["code"], -32803);
+    assert!(
+        error["message"]
+            .as_str()
+            .is_some_and(|it| it.contains("reserved")),
+        "{error}"
+    );
+    let nothing = client
+        .request("textDocument/prepareRename", at(&uri, "period", 0))
+        .await;
+    nothing.expect_err("a keyword has no name");
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn includes_follow_renamed_files() {
+    let (mut client, folder, uri) = start(json!({})).await;
+    let files = json!([{ "oldUri": folder.uri("pose.idl"), "newUri": folder.uri("types.idl") }]);
+    let edit = client
+        .ok("workspace/willRenameFiles", json!({ "files": files }))
+        .await;
+    assert_eq!(edit["changes"][&uri][0]["newText"], "types.idl", "{edit}");
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn formatting_whole_in_part_and_while_typing() {
+    let (mut client, _folder, uri) = start(json!({})).await;
+    let options = json!({ "tabSize": 2, "insertSpaces": true });
+    let mut params = document(&uri);
+    params["options"] = options.clone();
+    let edits = client.ok("textDocument/formatting", params.clone()).await;
+    let edits = edits.as_array().expect("edits");
+    assert!(
+        edits.iter().any(|it| it["range"]["start"]["line"] == 10),
+        "{edits:?}"
+    );
+    params["range"] = json!({ "start": { "line": 0, "character": 0 },
+                              "end": { "line": 1, "character": 0 } });
+    let part = client.ok("textDocument/rangeFormatting", params).await;
+    assert_eq!(part, json!([]));
+    let mut params = at(&uri, "\n};", 0);
+    params["options"] = options;
+    params["ch"] = json!(";");
+    let typed = client.ok("textDocument/onTypeFormatting", params).await;
+    let typed = typed.as_array().expect("edits");
+    assert!(
+        typed
+            .iter()
+            .all(|it| it["range"]["start"]["line"].as_u64() >= Some(9)),
+        "{typed:?}"
+    );
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn lenses_are_resolved_one_by_one() {
+    let (mut client, _folder, uri) = start(json!({})).await;
+    let lenses = client.ok("textDocument/codeLens", document(&uri)).await;
+    let mut titles = Vec::new();
+    let mut commands = Vec::new();
+    for lens in lenses.as_array().expect("lenses") {
+        assert_eq!(lens.get("command"), None, "resolved too early");
+        let lens = client.ok("codeLens/resolve", lens.clone()).await;
+        titles.push(
+            lens["command"]["title"]
+                .as_str()
+                .expect("a title")
+                .to_owned(),
+        );
+        commands.push(lens["command"].clone());
+    }
+    assert!(titles.contains(&"state machine".to_owned()), "{titles:?}");
+    assert!(
+        titles.contains(&"load 20 % of 10 ms".to_owned()),
+        "{titles:?}"
+    );
+    let diagram = commands
+        .iter()
+        .find(|it| it["command"] == "dotgen.showDiagram");
+    let argument = &diagram.expect("a diagram")["arguments"][0];
+    assert_eq!(
+        *argument,
+        json!({ "uri": uri, "component": "arm", "owner": "motion" })
+    );
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn hints_signatures_implementations_and_calls() {
+    let (mut client, _folder, uri) = start(json!({})).await;
+    let mut params = document(&uri);
+    params["range"] = json!({ "start": { "line": 0, "character": 0 },
+                              "end": { "line": 12, "character": 0 } });
+    let hints = client.ok("textDocument/inlayHint", params).await;
+    let labels: Vec<&str> = hints
+        .as_array()
+        .expect("hints")
+        .iter()
+        .filter_map(|it| it["label"].as_str())
+        .collect();
+    assert!(labels.contains(&": 20 %"), "{labels:?}");
+
+    let help = client
+        .ok("textDocument/signatureHelp", at(&uri, "in goal", 0))
+        .await;
+    assert_eq!(help["activeParameter"], 0);
+    assert_eq!(
+        help["signatures"][0]["label"],
+        "move(ids in pose goal, port out pose state)"
+    );
+
+    let none = client
+        .ok("textDocument/implementation", at(&uri, "motion", 0))
+        .await;
+    assert_eq!(none, Value::Null);
+
+    let items = client
+        .ok("textDocument/prepareCallHierarchy", at(&uri, "go>", 0))
+        .await;
+    assert_eq!(items[0]["name"], "go");
+    let item = json!({ "item": items[0] });
+    let incoming = client.ok("callHierarchy/incomingCalls", item.clone()).await;
+    let from: Vec<_> = incoming
+        .as_array()
+        .expect("calls")
+        .iter()
+        .map(|it| it["from"]["name"].as_str().expect("a name").to_owned())
+        .collect();
+    assert_eq!(from, ["start", "go"]);
+    let outgoing = client.ok("callHierarchy/outgoingCalls", item).await;
+    assert_eq!(outgoing.as_array().map(Vec::len), Some(2));
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn refactorings_are_code_actions() {
+    let literals = json!({ "codeAction": { "codeActionLiteralSupport":
+        { "codeActionKind": { "valueSet": ["refactor"] } } } });
+    let (mut client, _folder, uri) = start(literals).await;
+    let place = at(&uri, "goal; }", 0)["position"].clone();
+    let mut params = document(&uri);
+    params["range"] = json!({ "start": place, "end": place });
+    params["context"] = json!({ "diagnostics": [], "only": ["refactor.extract"] });
+    let actions = client.ok("textDocument/codeAction", params.clone()).await;
+    let actions = actions.as_array().expect("actions");
+    let titles: Vec<&str> = actions
+        .iter()
+        .filter_map(|it| it["title"].as_str())
+        .collect();
+    assert_eq!(titles, ["Extract struct from members of the ids"]);
+    assert_eq!(actions[0]["kind"], "refactor.extract");
+    assert!(
+        actions[0]["edit"]["changes"][&uri].is_array(),
+        "{actions:?}"
+    );
+    params["context"]["only"] = json!(["quickfix"]);
+    assert_eq!(
+        client.ok("textDocument/codeAction", params).await,
+        json!([])
+    );
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_included_file_can_be_shown_in_another_unit() {
+    let files = [
+        ("a.gen", "#define T long\n#include \"t.idl\"\n"),
+        ("b.gen", "#define T short\n#include \"t.idl\"\n"),
+        ("t.idl", "// shared\ntypedef T t;\n"),
+    ];
+    let folder = Folder::new(&files);
+    let mut client = Client::start(folder.params(pulling())).await;
+    let uri = folder.uri("t.idl");
+    client.open(&uri, files[2].1).await;
+    let expected = [folder.uri("a.gen"), folder.uri("b.gen")];
+    // The folder is searched beside the first requests.
+    let mut roots = Value::Null;
+    for _ in 0..10_000 {
+        roots = client.ok("dotgen/includingRoots", document(&uri)).await;
+        if roots["roots"].as_array().is_some_and(|it| it.len() == 2) {
+            break;
+        }
+    }
+    assert_eq!(roots, json!({ "current": expected[0], "roots": expected }));
+    let mut hover = document(&uri);
+    hover["position"] = json!({ "line": 0, "character": 0 });
+    let shown = client.ok("textDocument/hover", hover.clone()).await;
+    let text = |it: &Value| {
+        it["contents"]["value"]
+            .as_str()
+            .unwrap_or_default()
+            .to_owned()
+    };
+    assert!(text(&shown).contains("included by `a.gen`"), "{shown}");
+    let choice = json!({ "command": "dotgen.chooseRoot",
+                         "arguments": [{ "uri": uri, "root": expected[1] }] });
+    client.ok("workspace/executeCommand", choice).await;
+    let shown = client.ok("textDocument/hover", hover).await;
+    assert!(text(&shown).contains("included by `b.gen`"), "{shown}");
+    let unknown = json!({ "command": "rm", "arguments": [] });
+    let error = client.request("workspace/executeCommand", unknown).await;
+    assert_eq!(error.expect_err("unknown")["code"], -32602);
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn documents_without_a_file_or_a_folder() {
+    let elsewhere = Folder::new(&[("loose.gen", "typedef long t;\ntypedef t u;\n")]);
+    let (mut client, _folder, _) = start(json!({})).await;
+    let text = "typedef long t;\ntypedef t u;\n";
+    for uri in ["untitled:Untitled-1".to_owned(), elsewhere.uri("loose.gen")] {
+        client.open(&uri, text).await;
+        let mut params = document(&uri);
+        params["position"] = json!({ "line": 1, "character": 8 });
+        let found = client.ok("textDocument/definition", params.clone()).await;
+        assert_eq!(found[0]["uri"], json!(uri));
+        let items = client.ok("textDocument/completion", params.clone()).await;
+        assert!(items["items"].as_array().is_some_and(|it| !it.is_empty()));
+        params["newName"] = json!("v");
+        let edit = client.ok("textDocument/rename", params).await;
+        assert_eq!(
+            edit["changes"][&uri].as_array().map(Vec::len),
+            Some(2),
+            "{edit}"
+        );
+    }
+    client.finish().await;
+}

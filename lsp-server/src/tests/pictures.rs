@@ -1,0 +1,294 @@
+//! `dotgen/diagram`, pictures as text, and the lenses that lead to them.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::client::{Client, Folder, document, pulling};
+
+const LIFT: &str = r#"component lift {
+  ids { double height; };
+  port in height_s wanted;
+  task move {
+    period 10 ms;
+    codel<start> init(out height) wcet 1 ms yield up;
+    codel<up> raise(inout height) wcet 2 ms yield pause::up, ether;
+  };
+  activity go() {
+    task move;
+    codel<start> look(in height) yield ether;
+  };
+  attribute get(out height);
+};
+"#;
+
+fn text() -> String {
+    format!("struct height_s {{ double h; }};\n{LIFT}")
+}
+
+async fn start(options: Value) -> (Client, Folder, String) {
+    start_beside(options, &[]).await
+}
+
+/// Starts with further files in the folder.
+async fn start_beside(options: Value, files: &[(&str, &str)]) -> (Client, Folder, String) {
+    let text = text();
+    let mut all = vec![("lift.gen", text.as_str())];
+    all.extend_from_slice(files);
+    let folder = Folder::new(&all);
+    let mut params = folder.params(pulling());
+    params["initializationOptions"] = options;
+    let mut client = Client::start(params).await;
+    let uri = folder.uri("lift.gen");
+    client.open(&uri, &text).await;
+    (client, folder, uri)
+}
+
+async fn draw(client: &mut Client, uri: &str, more: Value) -> Value {
+    let mut params = document(uri);
+    for (key, value) in more.as_object().cloned().unwrap_or_default() {
+        params[key] = value;
+    }
+    client.ok("dotgen/diagram", params).await
+}
+
+/// Where a text begins.
+fn position(of: &str) -> Value {
+    let text = text();
+    let offset = text.find(of).expect("it occurs");
+    let start = text[..offset].rfind('\n').map_or(0, |it| it + 1);
+    json!({ "line": text[..offset].matches('\n').count(), "character": offset - start })
+}
+
+fn ids(answer: &Value) -> Vec<&str> {
+    let nodes = answer["nodes"].as_array().expect("nodes");
+    nodes.iter().filter_map(|it| it["id"].as_str()).collect()
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_machine_at_a_place_or_of_a_name() {
+    let (mut client, _folder, uri) = start(json!({})).await;
+    let at = draw(&mut client, &uri, json!({ "position": position("raise") })).await;
+    assert_eq!(at["owner"], "move");
+    assert_eq!(at["component"], "lift");
+    assert!(ids(&at).contains(&"up"), "{at}");
+    let named = draw(
+        &mut client,
+        &uri,
+        json!({ "component": "lift", "owner": "move" }),
+    )
+    .await;
+    assert_eq!(at["picture"], named["picture"]);
+    assert_eq!(at["place"]["selectionRange"]["start"], position("move {"));
+
+    let go = draw(
+        &mut client,
+        &uri,
+        json!({ "position": position("look"), "component": "lift", "owner": "move" }),
+    )
+    .await;
+    assert_eq!(go["owner"], "go", "what is at the place wins over the name");
+    let nothing = draw(&mut client, &uri, json!({ "owner": "nobody" })).await;
+    assert_eq!(nothing, Value::Null);
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_node_knows_its_place_and_its_codel() {
+    let (mut client, _folder, uri) = start(json!({})).await;
+    let answer = draw(&mut client, &uri, json!({ "owner": "move" })).await;
+    let nodes = answer["nodes"].as_array().expect("nodes");
+    let up = nodes.iter().find(|it| it["id"] == "up").expect("the state");
+    assert_eq!(up["place"]["uri"], uri.as_str());
+    assert_eq!(
+        up["place"]["selectionRange"]["start"],
+        position("raise"),
+        "{up}"
+    );
+    assert_eq!(up["place"]["range"]["start"], position("codel<up>"), "{up}");
+    assert_eq!(
+        up["codel"],
+        json!({
+            "name": "raise",
+            "states": ["up"],
+            "async": false,
+            "params": ["inout ids height"],
+            "wcet": "2 ms",
+            "excludes": ["get (through height of the ids)"],
+        })
+    );
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_broken_text_keeps_the_last_picture() {
+    let (mut client, _folder, uri) = start(json!({})).await;
+    let wish = json!({ "component": "lift", "owner": "move" });
+    let good = draw(&mut client, &uri, wish.clone()).await;
+    assert_eq!(good["stale"], Value::Null);
+
+    let broken = text().replace("yield pause::up, ether;", "yield pause::, ,;");
+    client.change(&uri, 2, json!([{ "text": broken }])).await;
+    let stale = draw(&mut client, &uri, wish.clone()).await;
+    assert_eq!(stale["picture"], good["picture"]);
+    let reason = stale["stale"].as_str().expect("a reason");
+    assert!(reason.starts_with("line 8: "), "{reason}");
+    // What was never drawn before is drawn as far as it goes.
+    let wish_for_paths = json!({ "component": "lift", "owner": "move", "paths": true });
+    let incomplete = draw(&mut client, &uri, wish_for_paths).await;
+    assert!(incomplete["incomplete"].is_string(), "{incomplete}");
+
+    let other = text().replace("pause::up, ether", "pause::up, start, ether");
+    client.change(&uri, 3, json!([{ "text": other }])).await;
+    let now = draw(&mut client, &uri, wish).await;
+    assert_eq!(now["stale"], Value::Null);
+    assert_ne!(now["picture"], good["picture"]);
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn systems_and_locks() {
+    let (mut client, _folder, uri) = start(json!({})).await;
+    let locks = draw(&mut client, &uri, json!({ "kind": "locks" })).await;
+    assert!(ids(&locks).contains(&"ids.height"), "{locks}");
+    let alone = draw(&mut client, &uri, json!({ "kind": "system" })).await;
+    let unconnected = |answer: &Value| {
+        let nodes = answer["nodes"].as_array().expect("nodes").clone();
+        let is = |it: &Value| {
+            let classes = it["classes"].as_array().expect("classes");
+            classes.contains(&json!("unconnected"))
+        };
+        nodes.iter().any(is)
+    };
+    assert!(unconnected(&alone), "{alone}");
+    client.finish().await;
+
+    // Of two writers, dotgen.toml says which.
+    let writer = |name: &str| {
+        format!(
+            "struct height_s {{ double h; }};\n\
+             component {name} {{ port out height_s p; }};\n"
+        )
+    };
+    let files = [
+        ("a.gen", &*writer("a")),
+        ("b.gen", &*writer("b")),
+        ("dotgen.toml", "[connections]\nlift.wanted = \"b.p\"\n"),
+    ];
+    let (mut client, _folder, uri) = start_beside(json!({}), &files).await;
+    let system = draw(&mut client, &uri, json!({ "kind": "system" })).await;
+    let edges = system["edges"].as_array().expect("edges");
+    let into: Vec<&Value> = edges.iter().filter(|it| it["to"] == "lift").collect();
+    assert_eq!(into.len(), 1, "{system}");
+    assert_eq!(into[0]["from"], "b.p");
+    assert!(!unconnected(&system));
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_editor_shows_the_bytes_of_the_command_line() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let read = |path: &str| std::fs::read_to_string(root.join(path)).expect(path);
+    let names = [
+        "maneuver.gen",
+        "dotgen.toml",
+        "idl/or/pose/pose_estimator.gen",
+        "idl/or/pose/t3d.idl",
+        "idl/or/time/time.idl",
+    ];
+    let texts: Vec<(&str, String)> = names
+        .iter()
+        .map(|it| (*it, read(&format!("examples/maneuver/{it}"))))
+        .collect();
+    let files: Vec<(&str, &str)> = texts.iter().map(|it| (it.0, it.1.as_str())).collect();
+    let folder = Folder::new(&files);
+    let mut client = Client::start(folder.params(pulling())).await;
+    let uri = folder.uri("maneuver.gen");
+    client.open(&uri, &texts[0].1).await;
+    // What `dotgen diagram` writes is what is committed: `lsp-server/tests/pictures.rs`.
+    for (file, wish) in [
+        ("goto.svg", json!({ "owner": "goto" })),
+        ("exec.svg", json!({ "owner": "exec", "paths": true })),
+        ("locks.svg", json!({ "kind": "locks" })),
+    ] {
+        let mut wish = wish;
+        wish["theme"] = json!("auto");
+        let answer = draw(&mut client, &uri, wish).await;
+        let committed = read(&format!("docs/pictures/{file}"));
+        assert!(answer["picture"] == committed.as_str(), "{file}");
+    }
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn pictures_as_text_for_editors_without_webviews() {
+    let (mut client, _folder, uri) = start(json!({})).await;
+    for (command, beginning) in [
+        ("dotgen.diagram.mermaid", "flowchart TD\n"),
+        ("dotgen.diagram.dot", "digraph \"lift.move\" {\n"),
+    ] {
+        let mut argument = document(&uri);
+        argument["owner"] = json!("move");
+        let params = json!({ "command": command, "arguments": [argument] });
+        let text = client.ok("workspace/executeCommand", params).await;
+        let text = text.as_str().expect("a text");
+        assert!(text.starts_with(beginning), "{text}");
+    }
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn hovers_show_the_machine_where_images_can_be_shown() {
+    for shown in [true, false] {
+        let (mut client, _folder, uri) = start(json!({ "hoverImages": shown })).await;
+        let mut params = document(&uri);
+        params["position"] = position("move {");
+        let hover = client.ok("textDocument/hover", params).await;
+        let text = hover["contents"]["value"].as_str().expect("Markdown");
+        assert_eq!(text.contains("](data:image/svg+xml;base64,"), shown);
+        client.finish().await;
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_lens_for_pictures_between_the_lines_is_for_those_that_can() {
+    for able in [true, false] {
+        let (mut client, _folder, uri) = start(json!({ "inlineDiagrams": able })).await;
+        let lenses = client.ok("textDocument/codeLens", document(&uri)).await;
+        let mut commands = Vec::new();
+        for lens in lenses.as_array().expect("lenses") {
+            let lens = client.ok("codeLens/resolve", lens.clone()).await;
+            commands.push(lens["command"]["command"].clone());
+        }
+        let toggle = json!("dotgen.toggleInlineDiagram");
+        assert_eq!(commands.contains(&toggle), able, "{commands:?}");
+        client.finish().await;
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_hover_over_a_codel_tells_what_it_is_in_both_languages() {
+    let (mut client, _folder, uri) = start(json!({})).await;
+    let mut params = document(&uri);
+    params["position"] = position("raise(inout");
+    let hover = client.ok("textDocument/hover", params).await;
+    let text = hover["contents"]["value"].as_str().expect("Markdown");
+    expect_test::expect![[r#"
+        ```genom
+        codel<up> raise(inout height) wcet 2 ms yield pause::up, ether;
+        ```
+
+        * task `move`: called from `init`, `raise`, after a pause
+        * at most 2 ms, 20 % of the period of 10 ms
+        * excludes attribute `get` (`height` of the ids)
+
+        ```c
+        genom_event raise(double *height, const genom_context self);
+        ```
+
+        ```cpp
+        genom::event raise(double &height);
+        ```"#]]
+    .assert_eq(text);
+    client.finish().await;
+}

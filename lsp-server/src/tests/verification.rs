@@ -1,0 +1,342 @@
+//! Verification on edit, as a client sees it.
+
+use serde_json::{Value, json};
+
+use super::client::{Client, Folder, document, pulling};
+
+const STATUS: &str = "dotgen/verificationStatus";
+
+/// Two tasks that share data: `slow` can keep `fast` waiting.
+fn pump(slow: &str) -> String {
+    format!(
+        "component pump {{\n  ids {{ double level; }};\n  task fast {{ period 10 ms;\n    codel<start> watch(in level) yield pause::main;\n    codel<main> more(in level) yield pause::main;\n  }};\n  task t {{ period 10 ms;\n    codel<start> init(out level) yield pause::main wcet 1 ms;\n    codel<main> control(inout level) yield pause::main wcet {slow};\n  }};\n}};\n"
+    )
+}
+
+const SCENARIO: &str = "scenario tank {\n  use \"pump.gen\";\n  cores 2;\n  check schedulable *;\n  check limit: response pump.t <= 8 ms;\n}\n";
+
+fn telling(folder: &Folder) -> Value {
+    let mut params = folder.params(pulling());
+    params["initializationOptions"] = json!({ "verificationStatus": true });
+    params
+}
+
+/// Waits until the verification of a document has the wanted status for a version.
+async fn until(client: &mut Client, uri: &str, version: i64, status: &str) {
+    let mut seen = Vec::new();
+    loop {
+        let it = client.notification(STATUS).await;
+        if it["uri"] == uri && it["version"] == version && it["status"] == status {
+            return;
+        }
+        let settled = ["proved", "refuted", "gave-up", "blocked"].map(Value::from);
+        assert!(
+            it["uri"] != uri || it["version"] != version || !settled.contains(&it["status"]),
+            "{it} after {seen:?}"
+        );
+        seen.push(it);
+    }
+}
+
+async fn lenses(client: &mut Client, uri: &str) -> Vec<String> {
+    let lenses = client.ok("textDocument/codeLens", document(uri)).await;
+    let lenses = lenses.as_array().cloned().unwrap_or_default();
+    let title = |it: &Value| it["command"]["title"].as_str().map(str::to_owned);
+    lenses.iter().filter_map(title).collect()
+}
+
+async fn timing(client: &mut Client, uri: &str) -> Vec<String> {
+    let all = client.pulled(uri).await;
+    let verified = [
+        "timing/deadline-miss",
+        "timing/response-exceeded",
+        "timing/check-failed",
+        "timing/gave-up",
+    ];
+    all.into_iter()
+        .filter(|it| verified.contains(&it.as_str()))
+        .collect()
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_longer_codel_misses_the_deadline_until_it_is_shorter_again() {
+    let folder = Folder::new(&[]);
+    let mut client = Client::start(telling(&folder)).await;
+    let uri = folder.uri("pump.gen");
+    client.open(&uri, &pump("4 ms")).await;
+    until(&mut client, &uri, 1, "proved").await;
+    assert_eq!(timing(&mut client, &uri).await, [""; 0]);
+
+    client
+        .change(&uri, 2, json!([{ "text": pump("12 ms") }]))
+        .await;
+    until(&mut client, &uri, 2, "refuted").await;
+    let report = client.ok("textDocument/diagnostic", document(&uri)).await;
+    let miss = report["items"].as_array().expect("a list").iter();
+    let miss = miss.filter(|it| it["code"] == "timing/deadline-miss");
+    // `fast` waits for `t` for too long, and misses its deadline as well.
+    let miss: Vec<&Value> = miss
+        .filter(|it| it["range"]["start"]["line"] == 6)
+        .collect();
+    assert_eq!(miss.len(), 1, "{report}");
+    let message = miss[0]["message"].as_str().expect("text");
+    assert!(
+        message.contains("`pump.t`") && message.contains("20 ms"),
+        "{message}"
+    );
+    let related = miss[0]["relatedInformation"].as_array().expect("places");
+    assert!(!related.is_empty() && related[0]["location"]["uri"] == uri.as_str());
+
+    client
+        .change(&uri, 3, json!([{ "text": pump("4 ms") }]))
+        .await;
+    until(&mut client, &uri, 3, "proved").await;
+    assert_eq!(timing(&mut client, &uri).await, [""; 0]);
+    client.finish_ignoring(STATUS).await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn lenses_say_what_was_computed() {
+    let folder = Folder::new(&[("pump.gen", &pump("4 ms"))]);
+    let mut client = Client::start(telling(&folder)).await;
+    let (gen_uri, scn) = (folder.uri("pump.gen"), folder.uri("pump.scn"));
+    client.open(&scn, SCENARIO).await;
+    // The number of cores comes last.
+    while client.notification(STATUS).await["minimumCores"] != 1 {}
+    let titles = lenses(&mut client, &scn).await;
+    assert!(titles[0].starts_with("proved · "), "{titles:?}");
+    assert_eq!(
+        titles[1..],
+        ["pump.fast proved | pump.t proved", "4 ms · proved"]
+    );
+    client.open(&gen_uri, &pump("4 ms")).await;
+    until(&mut client, &scn, 1, "proved").await;
+    let titles = lenses(&mut client, &gen_uri).await;
+    assert!(
+        titles.contains(&"R 4 ms of 8 ms · slack 50 % · proved, ≥ 1 core".to_owned()),
+        "{titles:?}"
+    );
+    client.finish_ignoring(STATUS).await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_edit_of_what_a_scenario_uses_makes_its_answer_stale_at_once() {
+    let folder = Folder::new(&[("pump.gen", &pump("4 ms"))]);
+    let mut client = Client::start(telling(&folder)).await;
+    let (gen_uri, scn) = (folder.uri("pump.gen"), folder.uri("pump.scn"));
+    client.open(&scn, SCENARIO).await;
+    until(&mut client, &scn, 1, "proved").await;
+    client.open(&gen_uri, &pump("4 ms")).await;
+    until(&mut client, &scn, 1, "proved").await;
+    client
+        .change(&gen_uri, 2, json!([{ "text": pump("9 ms") }]))
+        .await;
+    // The number of cores of the first version may come in between.
+    let mut seen = Vec::new();
+    loop {
+        let it = client.notification(STATUS).await;
+        if it["status"] == "proved" {
+            continue;
+        }
+        assert_eq!(it["uri"], scn.as_str(), "the specification has a scenario");
+        seen.push(it["status"].as_str().expect("a word").to_owned());
+        if it["status"] == "refuted" {
+            break;
+        }
+    }
+    // What was known of the first version is not repeated for the second.
+    assert_eq!(seen, ["stale", "running", "refuted"]);
+    assert_eq!(
+        timing(&mut client, &scn).await,
+        ["timing/response-exceeded"]
+    );
+    assert_eq!(
+        timing(&mut client, &gen_uri).await,
+        ["timing/response-exceeded"]
+    );
+
+    // A comment changes nothing, so nothing is computed again.
+    let commented = format!("// é\n{}", pump("9 ms"));
+    client
+        .change(&gen_uri, 3, json!([{ "text": commented }]))
+        .await;
+    while client.notification(STATUS).await["status"] != "stale" {}
+    assert_eq!(client.notification(STATUS).await["status"], "refuted");
+    let report = client
+        .ok("textDocument/diagnostic", document(&gen_uri))
+        .await;
+    let items = report["items"].as_array().expect("a list");
+    let found = items
+        .iter()
+        .find(|it| it["code"] == "timing/response-exceeded");
+    assert_eq!(
+        found.expect("it is there")["range"]["start"]["line"],
+        7,
+        "it has moved"
+    );
+    client.finish_ignoring(STATUS).await;
+}
+
+/// Any client of three components that share nothing to tell them apart by: more states than can be
+/// visited in the time of a test.
+fn endless() -> String {
+    let service = |i: usize| {
+        format!(
+            "  activity a{i}() {{ task u;\n    codel<start> s{i}(inout level) yield pause::start, ether wcet {} us;\n  }};\n",
+            1000 + 7 * i
+        )
+    };
+    let services: String = (0..8).map(service).collect();
+    pump("4 ms").replace(
+        "  task t {",
+        &format!("  task u {{ period 7 ms; codel<start> w(inout level) yield pause::start wcet 1301 us; }};\n{services}  task t {{"),
+    )
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_verification_is_cancelled_by_an_edit_and_limited_by_the_settings() {
+    let folder = Folder::new(&[]);
+    let mut client = Client::start(telling(&folder)).await;
+    let uri = folder.uri("pump.gen");
+    let patient =
+        json!({ "time-limit": 3600, "max-states": 4_000_000_000_u32, "max-memory": 4096 });
+    let patient = json!({ "settings": { "dotgen": { "verification": patient } } });
+    client
+        .notify("workspace/didChangeConfiguration", patient)
+        .await;
+    client.open(&uri, &endless()).await;
+    while client.notification(STATUS).await["status"] != "running" {}
+    // The next does not wait for the end of the first, which is far away.
+    client
+        .change(&uri, 2, json!([{ "text": pump("4 ms") }]))
+        .await;
+    until(&mut client, &uri, 2, "proved").await;
+
+    // The text is the same, the answer is not: it is not taken from memory.
+    let limits = json!({ "settings": { "dotgen": { "verification": { "max-states": 3 } } } });
+    client
+        .notify("workspace/didChangeConfiguration", limits)
+        .await;
+    // The number of cores may still be told before.
+    while client.notification(STATUS).await["status"] != "gave-up" {}
+    let titles = lenses(&mut client, &uri).await;
+    assert!(
+        titles.iter().any(|it| it.contains("gave up at ")),
+        "{titles:?}"
+    );
+    client.finish_ignoring(STATUS).await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn one_answer_has_everything_a_panel_needs() {
+    let folder = Folder::new(&[("pump.gen", &pump("4 ms"))]);
+    let mut client = Client::start(telling(&folder)).await;
+    let scn = folder.uri("pump.scn");
+    client.open(&scn, SCENARIO).await;
+    until(&mut client, &scn, 1, "proved").await;
+    let answer = client.ok("dotgen/verification", document(&scn)).await;
+    assert_eq!(answer["status"], "proved");
+    assert_eq!(answer["written"], true);
+    assert_eq!(
+        answer["platform"],
+        "2 cores, policy fifo, durations interval"
+    );
+    let checks = answer["checks"].as_array().expect("a list");
+    assert_eq!(checks.len(), 3);
+    assert_eq!(checks[2]["value"], "4 ms");
+    assert_eq!(checks[2]["slack"], "50 %");
+    assert_eq!(checks[2]["location"]["range"]["start"]["line"], 4);
+    let blocking = answer["blocking"].as_array().expect("a list");
+    let of = |codel: &str| blocking.iter().find(|it| it["codel"] == codel);
+    let by = &of("pump.fast.start").expect("it shares data")["by"][0];
+    assert_eq!(by["through"], "`level` of the ids");
+    let timeline = &answer["timeline"];
+    assert!(
+        timeline["svg"]
+            .as_str()
+            .expect("a picture")
+            .contains("data-link")
+    );
+    let links = timeline["links"].as_array().expect("a list");
+    assert!(links.iter().any(|it| it["uri"] == folder.uri("pump.gen")));
+
+    // A longer codel, for the question only.
+    let mut question = document(&scn);
+    question["whatIf"] = json!({ "cores": 1, "wcet": { "pump.t.main": 12000.0 } });
+    question["check"] = json!(1);
+    let answer = client.ok("dotgen/verification", question.clone()).await;
+    assert_eq!(
+        (&answer["status"], &answer["whatIf"]),
+        (&json!("refuted"), &json!(true))
+    );
+    assert_eq!(
+        answer["platform"],
+        "1 core, policy fifo, durations interval"
+    );
+    assert_eq!(answer["timeline"]["check"], 1);
+    assert_eq!(
+        timing(&mut client, &scn).await,
+        [""; 0],
+        "the text is as it was"
+    );
+    question["whatIf"]["cores"] = json!("many");
+    let answer = client.ok("dotgen/verification", question).await;
+    assert_eq!(answer["status"], "blocked");
+    assert!(
+        answer["errors"][0]
+            .as_str()
+            .expect("why")
+            .contains("`many`")
+    );
+    client.finish_ignoring(STATUS).await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_default_scenario_can_be_written_out() {
+    let folder = Folder::new(&[]);
+    let mut params = telling(&folder);
+    params["capabilities"]["workspace"]["workspaceEdit"] =
+        json!({ "documentChanges": true, "resourceOperations": ["create"] });
+    params["capabilities"]["textDocument"]["codeAction"] =
+        json!({ "codeActionLiteralSupport": { "codeActionKind": { "valueSet": [] } } });
+    let mut client = Client::start(params).await;
+    let uri = folder.uri("pump.gen");
+    client.open(&uri, &pump("4 ms")).await;
+    until(&mut client, &uri, 1, "proved").await;
+    let answer = client.ok("dotgen/verification", document(&uri)).await;
+    assert_eq!(answer["written"], false);
+    let mut question = document(&uri);
+    let place = json!({ "line": 0, "character": 12 });
+    question["range"] = json!({ "start": place, "end": place });
+    question["context"] = json!({ "diagnostics": [] });
+    let actions = client.ok("textDocument/codeAction", question).await;
+    let mut actions = actions.as_array().expect("a list").iter();
+    let write = actions.find(|it| it["title"] == "Write the verification scenario to pump.scn");
+    let edits = &write.expect("it is offered")["edit"]["documentChanges"];
+    assert_eq!(edits[0]["kind"], "create");
+    let text = edits[1]["edits"][0]["newText"].as_str().expect("text");
+    assert!(
+        text.starts_with("scenario pump {\n  use \"pump.gen\";\n"),
+        "{text}"
+    );
+    let scn = folder.uri("pump.scn");
+    client.open(&scn, text).await;
+    until(&mut client, &scn, 1, "proved").await;
+    client.finish_ignoring(STATUS).await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn verification_can_be_switched_off() {
+    let folder = Folder::new(&[]);
+    let mut client = Client::start(telling(&folder)).await;
+    let uri = folder.uri("pump.gen");
+    client.open(&uri, &pump("12 ms")).await;
+    until(&mut client, &uri, 1, "refuted").await;
+    let off = json!({ "settings": { "dotgen": { "verification": { "enable": false } } } });
+    client.notify("workspace/didChangeConfiguration", off).await;
+    assert_eq!(timing(&mut client, &uri).await, [""; 0]);
+    // On request it is verified all the same.
+    let answer = client.ok("dotgen/verification", document(&uri)).await;
+    assert_eq!(answer["status"], "refuted");
+    client.finish_ignoring(STATUS).await;
+}

@@ -1,0 +1,14 @@
+//! Real-time verification: what the command line and the editor share.
+//!
+//! A [`Problem`] is a scenario and the specifications it uses; `dotgen_timing` answers it; [`summary`]
+//! turns the answer into what people look at. Nothing here does I/O or knows the protocol.
+
+pub(crate) mod blocking;
+pub mod problem;
+pub(crate) mod quick;
+pub mod summary;
+pub(crate) mod timeline;
+pub(crate) mod what_if;
+
+pub use problem::Problem;
+pub(crate) use quick::{TaskBound, quick_bounds};

@@ -1,0 +1,102 @@
+//! Which codel can keep which waiting, for how long, and through what.
+
+use dotgen_analysis::model::Src;
+use dotgen_analysis::model::mutex::collisions;
+use dotgen_timing::scn::names::Names;
+use dotgen_timing::system::build::build;
+use dotgen_timing::system::{Codel, FOREVER};
+use dotgen_timing::verify::{Options, settings};
+use num_rational::Ratio;
+
+use super::Problem;
+use super::summary::Scale;
+
+/// A codel, and what can keep it waiting.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Row {
+    /// The codel.
+    pub(crate) codel: CodelAt,
+    /// The codels that exclude it, in order of declaration.
+    pub(crate) by: Vec<Blocker>,
+}
+
+/// See [`Row`].
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Blocker {
+    /// The codel.
+    pub(crate) codel: CodelAt,
+    /// What both use, in words.
+    pub(crate) through: Vec<String>,
+}
+
+/// A codel of the system.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct CodelAt {
+    /// `component.owner.state`
+    pub(crate) path: String,
+    /// Longest time it executes, in the unit of the report; `None`: without end.
+    pub(crate) upper: Option<f64>,
+    /// The same in microseconds, for what-if fields.
+    pub(crate) micros: Option<f64>,
+    /// Number of the specification, and place.
+    pub(crate) src: Option<(usize, Src)>,
+}
+
+/// All codels of the system in order, each with what excludes it.
+pub(crate) fn table(problem: &Problem, options: &Options) -> Vec<Row> {
+    let specs = problem.specs();
+    let names = Names::new(&specs);
+    let settings = settings(&problem.scenario, options);
+    let built = build(&names, &settings, &|_| true);
+    if built.has_errors() {
+        return Vec::new();
+    }
+    let (scale, system) = (Scale::of(&settings), &built.system);
+    let at = |codel: &Codel| {
+        let time = system.unit * Ratio::from_integer(i128::from(codel.upper));
+        let finite = codel.upper != FOREVER;
+        CodelAt {
+            path: codel.path.clone(),
+            upper: finite.then(|| scale.from_seconds(time)),
+            micros: finite.then(|| *time.numer() as f64 / *time.denom() as f64 * 1e6),
+            src: codel
+                .site
+                .and_then(|(c, _)| Some((names.components[c].spec_index, codel.src?))),
+        }
+    };
+    let through = |one: &Codel, other: &Codel| -> Vec<String> {
+        let (Some((c, a)), Some((d, b))) = (one.site, other.site) else {
+            return vec!["an attribute".to_owned()];
+        };
+        let (member, other) = (names.components[c], names.components[d]);
+        if c != d {
+            return vec!["a connected port".to_owned()];
+        }
+        let found = collisions(
+            member.spec,
+            member.component.codel(a),
+            other.component.codel(b),
+        );
+        let mut words: Vec<String> = Vec::new();
+        for it in found {
+            let word = it.shared.describe(member.component);
+            if !words.contains(&word) {
+                words.push(word);
+            }
+        }
+        words
+    };
+    let row = |codel: &Codel| Row {
+        codel: at(codel),
+        by: codel
+            .conflicts
+            .iter()
+            .map(|it| &system.codels[it])
+            .map(|other| Blocker {
+                codel: at(other),
+                through: through(codel, other),
+            })
+            .collect(),
+    };
+    system.codels.iter().map(row).collect()
+}

@@ -1,0 +1,290 @@
+//! What is verified.
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::diagnostic::{Diagnostic, Severity};
+use dotgen_analysis::host::{Analysis, BatchInput, Cancellable, FileContent, Input, UnitResult};
+use dotgen_analysis::model::{Component, ComponentKind, Spec};
+use dotgen_timing::derive::{Sensitivity, sensitivity};
+use dotgen_timing::report::Report;
+use dotgen_timing::scn::ast::{Item, Policy, Scenario, Spanned};
+use dotgen_timing::scn::{self, default_text_on};
+use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
+
+use crate::vfs;
+
+/// Extension of scenario files.
+pub const EXTENSION: &str = "scn";
+
+/// Code of `#pragma requires` with a package that is not installed.
+const UNRESOLVED_PACKAGE: &str = "pp-requires-unresolved";
+
+/// A scenario and the specifications it uses.
+#[derive(Clone)]
+pub struct Problem {
+    /// The file of the scenario; for the default scenario, that of the specification.
+    pub path: Utf8PathBuf,
+    /// Text of the scenario.
+    pub text: String,
+    /// The scenario.
+    pub scenario: Scenario,
+    /// Its specifications, in the order of `use`.
+    pub units: Vec<UnitResult>,
+    /// What prevents a verification: errors of syntax, files that cannot be read, errors in the
+    /// specifications. Warnings are left to the specifications' own reports.
+    pub errors: Vec<Diagnostic>,
+}
+
+/// What the default scenario runs on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Platform {
+    /// Number of cores; `None`: as many as there are tasks.
+    pub cores: Option<u32>,
+    /// Order in which waiting tasks get one.
+    pub policy: Policy,
+}
+
+/// A file that a scenario uses.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Used {
+    /// Its absolute path.
+    pub path: Utf8PathBuf,
+    /// The string in the scenario.
+    pub range: std::ops::Range<usize>,
+}
+
+/// The files that a scenario uses; relative paths start at its directory.
+pub fn used(scenario: &Scenario, path: &Utf8Path) -> Vec<Used> {
+    let directory = path.parent().unwrap_or(path);
+    let file = |it: &Spanned<String>| Used {
+        path: vfs::normalize(&directory.join(&it.value)),
+        range: it.range.clone(),
+    };
+    let files = scenario.items.iter().filter_map(|it| match it {
+        Item::Use(name) => Some(file(name)),
+        _ => None,
+    });
+    files.collect()
+}
+
+/// A diagnostic of the scenario language as all front ends show it.
+pub fn diagnostic(it: &scn::Diagnostic, path: &Utf8Path) -> Diagnostic {
+    let severity = match it.severity {
+        scn::Severity::Error => Severity::Error,
+        scn::Severity::Warning => Severity::Warning,
+    };
+    Diagnostic {
+        code: it.code,
+        severity,
+        message: it.message.clone(),
+        path: path.to_owned(),
+        range: it.range.clone(),
+        related: Vec::new(),
+        tags: Vec::new(),
+        fixes: Vec::new(),
+    }
+}
+
+/// The unit of a file for a scenario in `directory`, which is searched for includes after the
+/// configured directories.
+pub fn unit_for(
+    analysis: &Analysis,
+    file: &Utf8Path,
+    directory: &Utf8Path,
+) -> Cancellable<UnitResult> {
+    let unit = analysis.root_unit(file)?;
+    if prevents(&unit).next().is_none() {
+        return Ok(unit);
+    }
+    let with_directory = analysis.batch(&BatchInput {
+        inputs: vec![Input::File(file.to_owned())],
+        include_dirs: vec![directory.to_owned()],
+        defines: Vec::new(),
+    })?;
+    let better = prevents(&with_directory).next().is_none();
+    Ok(if better { with_directory } else { unit })
+}
+
+/// The components (not interfaces) of a specification.
+pub fn components(spec: &Spec) -> impl Iterator<Item = &Component> {
+    let all = spec.components.iter();
+    all.filter(|it| it.kind == ComponentKind::Component)
+}
+
+impl Problem {
+    /// Reads a scenario and what it uses.
+    pub fn from_scenario(
+        path: &Utf8Path,
+        text: String,
+        analysis: &Analysis,
+        exists: impl Fn(&Utf8Path) -> FileContent,
+    ) -> Cancellable<Problem> {
+        let parsed = scn::parse(&text);
+        let directory = path.parent().unwrap_or(path);
+        let mut errors: Vec<Diagnostic> = parsed
+            .errors
+            .iter()
+            .map(|it| diagnostic(it, path))
+            .collect();
+        let mut units = Vec::new();
+        let files = used(&parsed.scenario, path);
+        if files.is_empty() && errors.is_empty() {
+            let message = "the scenario uses no specification; add `use \"FILE.gen\";`".to_owned();
+            let range = parsed.scenario.name_range.clone();
+            errors.push(error("scn-no-use", path, range, message));
+        }
+        for file in files {
+            let why = match exists(&file.path) {
+                FileContent::Text(_) | FileContent::NotUtf8(_) => {
+                    let unit = unit_for(analysis, &file.path, directory)?;
+                    add_errors_of(&unit, &mut errors);
+                    units.push(unit);
+                    continue;
+                }
+                FileContent::Missing => "there is no such file".to_owned(),
+                FileContent::Directory => "it is a directory".to_owned(),
+                FileContent::Unreadable(why) => why,
+            };
+            let message = format!(
+                "cannot read `{}`: {why}; paths start at the directory of the scenario",
+                text[file.range.clone()].trim_matches('"')
+            );
+            errors.push(error("scn-use-not-found", path, file.range, message));
+        }
+        Ok(Problem {
+            path: path.to_owned(),
+            text,
+            scenario: parsed.scenario,
+            units,
+            errors,
+        })
+    }
+
+    /// The scenario that stands for none, over some specifications.
+    pub fn by_default(path: &Utf8Path, files: &[String], units: Vec<UnitResult>) -> Problem {
+        Problem::by_default_on(Platform::default(), path, files, units)
+    }
+
+    /// Likewise, on a platform.
+    pub fn by_default_on(
+        platform: Platform,
+        path: &Utf8Path,
+        files: &[String],
+        units: Vec<UnitResult>,
+    ) -> Problem {
+        let mut errors = Vec::new();
+        units.iter().for_each(|it| add_errors_of(it, &mut errors));
+        let members: Vec<&Component> = units.iter().flat_map(|it| components(&it.spec)).collect();
+        let text = default_text_on(&members, files, platform.cores, platform.policy);
+        if members.is_empty() && errors.is_empty() {
+            let message = "this specification has no component, so there is nothing to verify";
+            errors.push(error("scn-no-component", path, 0..0, message.to_owned()));
+        }
+        let scenario = scn::parse(&text).scenario;
+        Problem {
+            path: path.to_owned(),
+            text,
+            scenario,
+            units,
+            errors,
+        }
+    }
+
+    /// Whether a file is one of those it was read from.
+    pub fn reads(&self, file: &Utf8Path) -> bool {
+        self.path == file
+            || (self.units.iter()).any(|it| it.files.iter().any(|it| it == file))
+            || self.uses(file)
+    }
+
+    /// Whether the scenario names a file.
+    pub fn uses(&self, file: &Utf8Path) -> bool {
+        used(&self.scenario, &self.path)
+            .iter()
+            .any(|it| it.path == file)
+    }
+
+    /// Whether the answer is the same: the same scenario over the same models. Comments and layout
+    /// of specifications do not count as long as nothing moves.
+    pub fn is_same(&self, other: &Problem) -> bool {
+        self.path == other.path
+            && self.text == other.text
+            && self.errors == other.errors
+            && self.units.len() == other.units.len()
+            && (self.units.iter().zip(&other.units)).all(|(a, b)| a.spec == b.spec)
+    }
+
+    /// The specifications, as the verifier takes them.
+    pub fn specs(&self) -> Vec<&Spec> {
+        self.units.iter().map(|it| &*it.spec).collect()
+    }
+
+    /// What the verifier says about the scenario, with a place in the file.
+    pub fn diagnostic(&self, it: &scn::Diagnostic) -> Diagnostic {
+        let mut out = diagnostic(it, &self.path);
+        if !self.is_written() {
+            out.range = 0..0;
+        }
+        out
+    }
+
+    /// Whether the scenario stands in a file; the default scenario does not.
+    pub fn is_written(&self) -> bool {
+        self.path.extension() == Some(EXTENSION)
+    }
+
+    /// How far the system is from missing deadlines, or from meeting them. Only sensible without
+    /// [`Problem::errors`].
+    ///
+    /// # Errors
+    /// What is wrong with the scenario.
+    pub fn sensitivity(
+        &self,
+        options: &Options,
+        cancel: &Cancel,
+    ) -> Result<Sensitivity, Vec<scn::Diagnostic>> {
+        let input = SystemInput {
+            specs: self.specs(),
+        };
+        sensitivity(&input, &self.scenario, options, cancel)
+    }
+
+    /// Verifies. Only sensible without [`Problem::errors`].
+    pub fn verify(&self, options: &Options, cancel: &Cancel) -> Report {
+        let input = SystemInput {
+            specs: self.specs(),
+        };
+        verify(&input, &self.scenario, options, cancel)
+    }
+}
+
+/// Errors of a specification that leave nothing to verify. A package that is not installed is none:
+/// if something in it is missed, that is an error of its own.
+fn prevents(unit: &UnitResult) -> impl Iterator<Item = &Diagnostic> {
+    let errors = unit
+        .diagnostics
+        .iter()
+        .filter(|it| it.severity == Severity::Error);
+    errors.filter(|it| it.code != UNRESOLVED_PACKAGE)
+}
+
+fn add_errors_of(unit: &UnitResult, errors: &mut Vec<Diagnostic>) {
+    errors.extend(prevents(unit).cloned());
+}
+
+fn error(
+    code: &'static str,
+    path: &Utf8Path,
+    range: std::ops::Range<usize>,
+    message: String,
+) -> Diagnostic {
+    Diagnostic {
+        code,
+        severity: Severity::Error,
+        message,
+        path: path.to_owned(),
+        range,
+        related: Vec::new(),
+        tags: Vec::new(),
+        fixes: Vec::new(),
+    }
+}

@@ -1,0 +1,49 @@
+//! Quick bounds on response times, there before the exact answer.
+
+use dotgen_analysis::model::Seconds;
+use dotgen_timing::analytic::response_bounds;
+use dotgen_timing::scn::names::Names;
+use dotgen_timing::system::build::build;
+use dotgen_timing::verify::{Options, settings};
+use num_rational::Ratio;
+
+use super::Problem;
+use super::summary::Scale;
+
+/// A bound on the response time of a task: never below the exact value.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct TaskBound {
+    /// `component.task`
+    pub(crate) task: String,
+    /// In the unit of the report.
+    pub(crate) bound: f64,
+}
+
+/// Response-time analysis with blocking, for the tasks it finds a bound for.
+pub(crate) fn quick_bounds(problem: &Problem, options: &Options) -> Vec<TaskBound> {
+    let specs = problem.specs();
+    let names = Names::new(&specs);
+    let settings = settings(&problem.scenario, options);
+    let built = build(&names, &settings, &|_| true);
+    if built.has_errors() {
+        return Vec::new();
+    }
+    let (scale, system) = (Scale::of(&settings), &built.system);
+    let bounds = response_bounds(system);
+    let of_task = |(task, bound): (_, Option<u32>)| {
+        let task: &dotgen_timing::system::Task = task;
+        let bound: Seconds = system.unit * Ratio::from_integer(i128::from(bound?));
+        Some(TaskBound {
+            task: format!("{}.{}", system.components[task.component].name, task.name),
+            bound: scale.from_seconds(bound),
+        })
+    };
+    let mut out: Vec<TaskBound> = system
+        .tasks
+        .iter()
+        .zip(bounds)
+        .filter_map(of_task)
+        .collect();
+    out.sort_by(|a, b| a.task.cmp(&b.task));
+    out
+}

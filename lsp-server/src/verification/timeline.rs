@@ -1,0 +1,233 @@
+//! Runs as timelines: a lane per core when cores are granted, then one per task, with bars for what
+//! executes and what waits.
+
+use std::collections::BTreeMap;
+
+use dotgen_diagram::timeline::{Bar, BarKind, Lane, Mark, MarkKind, Timeline};
+use dotgen_timing::explore::MomentKind;
+use dotgen_timing::report::Event;
+
+/// How a run ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Ending<'t> {
+    /// With this task (`component.task`) too late.
+    Miss(&'t str),
+    /// As it may.
+    Fine,
+}
+
+/// A run as a timeline. Links are indices into `events`.
+pub(crate) fn of_run(title: String, unit: &str, events: &[Event], ending: Ending) -> Timeline {
+    let (unit, factor) = drawn_in(unit, events);
+    let at = |time: f64| (time * factor).round() as u64;
+    let end = events.last().map_or(0, |it| at(it.time));
+    let mut tasks = Lanes::default();
+    let mut cores = Lanes::default();
+    for (i, event) in events.iter().enumerate() {
+        let now = at(event.time);
+        let name = lane_of(event);
+        let lane = tasks.lane(&name);
+        let next = match event.kind {
+            MomentKind::Begin => Some(BarKind::Run),
+            MomentKind::Wait => Some(BarKind::WaitLock),
+            MomentKind::Release if event.what.contains("core") => Some(BarKind::WaitCore),
+            _ => None,
+        };
+        let ends = matches!(
+            event.kind,
+            MomentKind::End | MomentKind::Grant | MomentKind::Complete
+        );
+        if next.is_some() || ends {
+            tasks.close(lane, now, events);
+        }
+        if let Some(kind) = next {
+            let label = event.codel.as_deref().map_or(String::new(), last_name);
+            tasks.open.insert(lane, (now, kind, label, i));
+        }
+        match event.kind {
+            MomentKind::Grant => {
+                let core = cores.free();
+                cores.holders.insert(name.clone(), core);
+                let what = (now, BarKind::Run, last_name(&name), i);
+                cores.open.insert(core, what);
+            }
+            MomentKind::Complete => {
+                if let Some(core) = cores.holders.remove(&name) {
+                    cores.close(core, now, events);
+                }
+            }
+            _ => {}
+        }
+        let mark = match event.kind {
+            MomentKind::Tick => Some(MarkKind::Tick),
+            MomentKind::Request => Some(MarkKind::Request),
+            MomentKind::Complete => Some(MarkKind::End),
+            _ => None,
+        };
+        if let Some(kind) = mark {
+            tasks.lanes[lane].marks.push(Mark {
+                at: now,
+                description: format!("{now} {unit}: {name}: {}", event.what),
+                kind,
+                link: event.src.is_some().then(|| i.to_string()),
+            });
+        }
+    }
+    tasks.finish(end, events);
+    cores.finish(end, events);
+    if let Ending::Miss(task) = ending {
+        let lane = tasks.lane(task);
+        tasks.lanes[lane].marks.push(Mark {
+            at: end,
+            description: format!("{task} is too late"),
+            kind: MarkKind::Miss,
+            link: None,
+        });
+    }
+    tasks.lanes.sort_by(|a, b| a.name.cmp(&b.name));
+    cores.lanes.extend(tasks.lanes);
+    Timeline {
+        title,
+        unit: unit.to_owned(),
+        end,
+        lanes: cores.lanes,
+        notes: Vec::new(),
+    }
+}
+
+/// The unit of a picture of times in the unit of a report (`ms`, `10 us`), in which they are whole, and how
+/// many of it there are in that.
+fn drawn_in<'u>(unit: &'u str, events: &[Event]) -> (&'u str, f64) {
+    let (count, unit) = match unit.split_once(' ') {
+        Some((count, unit)) => (count.parse().unwrap_or(1.0), unit),
+        None => (1.0, unit),
+    };
+    let whole = |it: &Event| {
+        let time = it.time * count;
+        (time - time.round()).abs() < 1e-6
+    };
+    match unit {
+        "s" if !events.iter().all(whole) => ("ms", count * 1000.0),
+        "ms" if !events.iter().all(whole) => ("us", count * 1000.0),
+        _ => (unit, count),
+    }
+}
+
+fn lane_of(event: &Event) -> String {
+    match &event.task {
+        Some(task) => format!("{}.{task}", event.component),
+        None => event.component.clone(),
+    }
+}
+
+fn last_name(path: &str) -> String {
+    path.rsplit('.').next().unwrap_or_default().to_owned()
+}
+
+/// Begin, kind, label, event.
+type Open = (u64, BarKind, String, usize);
+
+#[derive(Default)]
+struct Lanes {
+    lanes: Vec<Lane>,
+    /// What goes on in each lane.
+    open: BTreeMap<usize, Open>,
+    /// For cores: who has which.
+    holders: BTreeMap<String, usize>,
+}
+
+impl Lanes {
+    fn lane(&mut self, name: &str) -> usize {
+        let found = self.lanes.iter().position(|it| it.name == name);
+        found.unwrap_or_else(|| {
+            self.lanes.push(Lane {
+                name: name.to_owned(),
+                ..Lane::default()
+            });
+            self.lanes.len() - 1
+        })
+    }
+
+    /// The first core nobody has. Which core it is makes no difference to the system.
+    fn free(&mut self) -> usize {
+        let core = (0..).find(|it| !self.holders.values().any(|held| held == it));
+        self.lane(&format!("core {}", core.unwrap_or(0) + 1))
+    }
+
+    fn close(&mut self, lane: usize, now: u64, events: &[Event]) {
+        if let Some(it) = self.open.remove(&lane) {
+            self.lanes[lane].bars.extend(bar(it, now, events));
+        }
+    }
+
+    fn finish(&mut self, end: u64, events: &[Event]) {
+        for (lane, it) in std::mem::take(&mut self.open) {
+            self.lanes[lane].bars.extend(bar(it, end, events));
+        }
+    }
+}
+
+fn bar((from, kind, label, event): Open, to: u64, events: &[Event]) -> Option<Bar> {
+    let it = &events[event];
+    // What executes without taking time is drawn, waiting without time is not worth it.
+    (to > from || kind == BarKind::Run).then(|| Bar {
+        from,
+        to,
+        label,
+        description: format!("{}: {} ({from} to {to})", lane_of(it), it.what),
+        kind,
+        link: it.src.is_some().then(|| event.to_string()),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn event(time: f64, task: &str, kind: MomentKind, what: &str) -> Event {
+        Event {
+            time,
+            component: "a".to_owned(),
+            task: Some(task.to_owned()),
+            what: what.to_owned(),
+            kind,
+            codel: None,
+            src: None,
+        }
+    }
+
+    #[test]
+    fn bars_say_who_ran_who_waited_and_on_which_core() {
+        use MomentKind::*;
+        let events = [
+            event(0.0, "t", Release, "released, asks for a core"),
+            event(0.0, "t", Grant, "gets a core"),
+            event(0.0, "t", Begin, "a.t.main begins"),
+            event(0.0, "u", Release, "released, asks for a core"),
+            event(1.5, "t", End, "a.t.main ends, yields ether"),
+            event(1.5, "t", Complete, "job complete"),
+            event(1.5, "u", Grant, "gets a core"),
+            event(1.5, "u", Wait, "a.u.main waits for a.v.main"),
+            event(2.0, "u", Tick, "tick before the job has ended"),
+        ];
+        let timeline = of_run("x".to_owned(), "ms", &events, Ending::Miss("a.u"));
+        let mut text = format!("{} {}\n", timeline.unit, timeline.end);
+        for lane in &timeline.lanes {
+            text += &format!("{}:", lane.name);
+            for it in &lane.bars {
+                text += &format!(" {}-{} {:?}", it.from, it.to, it.kind);
+            }
+            for it in &lane.marks {
+                text += &format!(" {:?}@{}", it.kind, it.at);
+            }
+            text += "\n";
+        }
+        assert_eq!(
+            text,
+            "us 2000\n\
+             core 1: 0-1500 Run 1500-2000 Run\n\
+             a.t: 0-1500 Run End@1500\n\
+             a.u: 0-1500 WaitCore 1500-2000 WaitLock Tick@2000 Miss@2000\n"
+        );
+    }
+}

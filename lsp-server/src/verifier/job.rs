@@ -1,0 +1,180 @@
+//! The work itself: quick bounds, the exact answer, then the number of cores.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use camino::Utf8PathBuf;
+use dotgen_timing::derive::minimum_cores;
+use dotgen_timing::report::Verdict;
+use dotgen_timing::verify::{Options, SystemInput};
+use tokio::runtime::Handle;
+use tokio::sync::mpsc::UnboundedSender;
+
+use super::Answer;
+use crate::panic;
+use crate::state::Event;
+use crate::verification::{Problem, TaskBound, quick_bounds};
+
+/// The number of cores is only asked for when the verification itself took at most so long: every
+/// number is a verification of its own.
+const QUICK_SECONDS: f64 = 1.0;
+
+/// One verification at a time: they are after the same memory, and the editor wants the other cores.
+static TURN: Mutex<()> = Mutex::new(());
+
+/// Ends a verification, for a reason.
+#[derive(Debug, Default)]
+pub(crate) struct Cancel {
+    /// What the explorer looks at.
+    flag: AtomicBool,
+    /// Nobody wants the answer any more; otherwise time is up.
+    abandoned: AtomicBool,
+}
+
+impl Cancel {
+    /// Nobody wants the answer any more.
+    pub(crate) fn cancel(&self) {
+        self.abandoned.store(true, Ordering::Release);
+        self.flag.store(true, Ordering::Release);
+    }
+
+    /// Time is up: what was found counts.
+    fn time_out(&self) {
+        self.flag.store(true, Ordering::Release);
+    }
+
+    /// Whether nobody wants the answer any more.
+    pub(crate) fn is_abandoned(&self) -> bool {
+        self.abandoned.load(Ordering::Acquire)
+    }
+
+    fn is_over(&self) -> bool {
+        self.flag.load(Ordering::Acquire)
+    }
+}
+
+/// What was found on the way.
+pub(crate) enum Found {
+    /// Quick bounds.
+    Bounds(Arc<Vec<TaskBound>>),
+    /// The exact answer; again when the number of cores has come.
+    Answer(Arc<Answer>),
+}
+
+/// News of a job.
+pub(crate) struct Verified {
+    pub(crate) path: Utf8PathBuf,
+    pub(crate) number: u64,
+    pub(crate) found: Found,
+}
+
+pub(super) struct Job {
+    pub(super) path: Utf8PathBuf,
+    pub(super) number: u64,
+    pub(super) problem: Arc<Problem>,
+    pub(super) options: Options,
+    pub(super) limit: Duration,
+}
+
+impl Job {
+    pub(super) fn spawn(
+        self,
+        cancel: Arc<Cancel>,
+        events: UnboundedSender<Event>,
+        runtime: &Handle,
+    ) {
+        let timer = runtime.clone();
+        // The writer goes when its queue is dropped: a job must not keep it.
+        let events = events.downgrade();
+        runtime.spawn_blocking(move || {
+            let Job {
+                path,
+                number,
+                problem,
+                options,
+                limit,
+            } = self;
+            let tell = |found: Found| {
+                if let Some(events) = events.upgrade() {
+                    let path = path.clone();
+                    let it = Verified {
+                        path,
+                        number,
+                        found,
+                    };
+                    let _ = events.send(Event::Verified(Box::new(it)));
+                }
+            };
+            if let Err(message) =
+                panic::isolate(|| run(problem, options, limit, &cancel, &timer, tell))
+            {
+                tracing::error!(%path, "verification panicked: {message}");
+            }
+        });
+    }
+}
+
+/// Verifies within a time limit and tells what it finds. Tells nothing more once cancelled.
+pub(crate) fn run(
+    problem: Arc<Problem>,
+    options: Options,
+    limit: Duration,
+    cancel: &Arc<Cancel>,
+    timer: &Handle,
+    tell: impl Fn(Found),
+) {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    if cancel.is_abandoned() {
+        return;
+    }
+    let time_up = {
+        let cancel = cancel.clone();
+        timer.spawn(async move {
+            tokio::time::sleep(limit).await;
+            cancel.time_out();
+        })
+    };
+    let bounds = Arc::new(quick_bounds(&problem, &options));
+    tell(Found::Bounds(bounds.clone()));
+    let mut report = problem.verify(&options, &cancel.flag);
+    if cancel.is_abandoned() {
+        return time_up.abort();
+    }
+    if cancel.is_over() {
+        let late = report.checks.iter_mut();
+        for check in late.filter(|it| it.verdict == Verdict::Unknown) {
+            let (seconds, states) = (limit.as_secs_f64(), report.states);
+            check.note = Some(format!("gave up after {seconds} s and {states} states"));
+        }
+    }
+    let answer = |report, cores| {
+        Found::Answer(Arc::new(Answer {
+            problem: problem.clone(),
+            options: options.clone(),
+            report,
+            bounds: bounds.clone(),
+            cores,
+        }))
+    };
+    tell(answer(report.clone(), None));
+    let deadlines = || report.checks.iter().filter(|it| it.check == "schedulable");
+    let worth_it = report.seconds < QUICK_SECONDS
+        && deadlines().next().is_some()
+        && deadlines().all(|it| it.verdict == Verdict::Proved);
+    if worth_it && !cancel.is_over() {
+        let input = SystemInput {
+            specs: problem.specs(),
+        };
+        let cores = minimum_cores(&input, &problem.scenario, &options, &cancel.flag);
+        let decided = |it: &dotgen_timing::derive::MinimumCores| {
+            it.cores.is_some() && it.tried.iter().all(|it| it.1 != Verdict::Unknown)
+        };
+        if let Some(cores) = cores.ok().filter(decided)
+            && !cancel.is_abandoned()
+        {
+            tell(answer(report, Some(cores)));
+        }
+    }
+    time_up.abort();
+}

@@ -1,0 +1,176 @@
+//! Files as analysis sees them, and packages.
+//!
+//! All input and output of the analysis goes through [`Vfs`], which implements its `Loader`.
+
+mod pkg_config;
+mod pkg_file;
+
+use std::io::ErrorKind;
+use std::sync::{PoisonError, RwLock};
+
+use camino::{Utf8Component, Utf8Path, Utf8PathBuf};
+use dotgen_analysis::host::{DirEntry, FileContent, Loader, PackageFlags};
+
+use crate::config::PackageConfig;
+
+pub use pkg_config::query;
+
+/// Makes a path comparable: no `.`, no `..` that can be taken away by looking at the text alone.
+pub fn normalize(path: &Utf8Path) -> Utf8PathBuf {
+    let mut out = Utf8PathBuf::new();
+    for component in path.components() {
+        match component {
+            Utf8Component::CurDir => {}
+            Utf8Component::ParentDir => match out.components().next_back() {
+                Some(Utf8Component::Normal(_)) => {
+                    out.pop();
+                }
+                Some(Utf8Component::RootDir) => {}
+                _ => out.push(".."),
+            },
+            other => out.push(other),
+        }
+    }
+    out
+}
+
+/// The disk and the package tool, as analysis asks for them.
+///
+/// Open documents need no overlay here: their text is set on the host, which asks the loader only
+/// for what nobody has set.
+#[derive(Debug, Default)]
+pub struct Vfs {
+    packages: RwLock<PackageConfig>,
+}
+
+impl Vfs {
+    /// Looks packages up as `packages` says.
+    pub fn new(packages: PackageConfig) -> Vfs {
+        Vfs {
+            packages: RwLock::new(packages),
+        }
+    }
+
+    /// Changes how packages are looked up; whether anything changed.
+    pub fn set_packages(&self, packages: &PackageConfig) -> bool {
+        let mut current = self
+            .packages
+            .write()
+            .unwrap_or_else(PoisonError::into_inner);
+        let changed = *current != *packages;
+        if changed {
+            packages.clone_into(&mut current);
+        }
+        changed
+    }
+}
+
+impl Loader for Vfs {
+    fn read(&self, path: &Utf8Path) -> FileContent {
+        read(path)
+    }
+
+    fn packages(&self, arguments: &[String]) -> Result<PackageFlags, String> {
+        let config = self
+            .packages
+            .read()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone();
+        let _span = tracing::info_span!("packages", ?arguments).entered();
+        query(&config, arguments)
+    }
+
+    fn list_dir(&self, path: &Utf8Path) -> Vec<DirEntry> {
+        let entries = path.read_dir_utf8().into_iter().flatten();
+        let entries = entries.filter_map(Result::ok).take(MAX_ENTRIES);
+        let convert = entries.map(|it| DirEntry {
+            name: it.file_name().to_owned(),
+            is_dir: it.path().is_dir(),
+        });
+        convert.collect()
+    }
+
+    fn package_names(&self) -> Vec<String> {
+        let config = self
+            .packages
+            .read()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone();
+        pkg_file::names(&config.paths)
+    }
+}
+
+/// More entries of a directory than anybody chooses from.
+const MAX_ENTRIES: usize = 2_000;
+
+/// Reads a file from the disk.
+pub fn read(path: &Utf8Path) -> FileContent {
+    match std::fs::metadata(path) {
+        Ok(metadata) if metadata.is_dir() => return FileContent::Directory,
+        // A pipe or device might never end.
+        Ok(metadata) if !metadata.is_file() => {
+            return FileContent::Unreadable("it is not a regular file".to_owned());
+        }
+        Ok(_) => {}
+        Err(error) if missing(&error) => return FileContent::Missing,
+        Err(error) => return FileContent::Unreadable(reason(&error)),
+    }
+    match std::fs::read(path) {
+        Ok(bytes) => match String::from_utf8(bytes) {
+            Ok(text) => FileContent::Text(text),
+            Err(error) => {
+                FileContent::NotUtf8(String::from_utf8_lossy(error.as_bytes()).into_owned())
+            }
+        },
+        Err(error) if missing(&error) => FileContent::Missing,
+        Err(error) => FileContent::Unreadable(reason(&error)),
+    }
+}
+
+fn missing(error: &std::io::Error) -> bool {
+    matches!(
+        error.kind(),
+        ErrorKind::NotFound | ErrorKind::NotADirectory | ErrorKind::InvalidFilename
+    )
+}
+
+/// "permission denied", without the number of the operating system.
+pub fn reason(error: &std::io::Error) -> String {
+    let text = error.to_string();
+    match text.split_once(" (os error") {
+        Some((text, _)) => text.to_lowercase(),
+        None => text,
+    }
+}
+
+/// The `.gen` files of a directory, not of those below it, sorted.
+pub fn specifications_in(directory: &Utf8Path) -> Vec<Utf8PathBuf> {
+    let entries = directory.read_dir_utf8().into_iter().flatten().flatten();
+    let paths = entries.map(|it| directory.join(it.file_name()));
+    let mut out: Vec<_> = paths
+        .filter(|it| it.extension() == Some("gen") && it.is_file())
+        .collect();
+    out.sort();
+    out
+}
+
+/// Every file below `directory` with one of the extensions, sorted. Hidden directories, `build`
+/// results of other tools and links to directories are left alone.
+pub fn files_below(directory: &Utf8Path, extensions: &[&str]) -> Vec<Utf8PathBuf> {
+    let visible = |entry: &walkdir::DirEntry| {
+        let name = entry.file_name().to_string_lossy();
+        entry.depth() == 0
+            || !(entry.file_type().is_dir()
+                && (name.starts_with('.') || matches!(&*name, "node_modules" | "target")))
+    };
+    let mut files: Vec<Utf8PathBuf> = walkdir::WalkDir::new(directory)
+        .into_iter()
+        .filter_entry(visible)
+        .filter_map(Result::ok)
+        .filter(|entry| entry.path().is_file())
+        .filter_map(|entry| Utf8PathBuf::from_path_buf(entry.into_path()).ok())
+        .filter(|path| path.extension().is_some_and(|it| extensions.contains(&it)))
+        .collect();
+    files.sort();
+    files
+}

@@ -1,0 +1,157 @@
+//! Compiler flags of packages: asks pkg-config when that may be run and is installed, otherwise
+//! reads `.pc` files (`pkg_file`).
+
+use std::io::{ErrorKind, Read};
+use std::process::{Command, Stdio};
+use std::sync::mpsc;
+use std::time::Duration;
+
+use camino::{Utf8Path, Utf8PathBuf};
+
+use dotgen_analysis::host::PackageFlags;
+
+use super::pkg_file;
+use crate::config::PackageConfig;
+
+/// How long pkg-config may take before it is given up.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// PackageFlags for all `arguments` (each `package`, or `package op version`) in one query.
+///
+/// # Errors
+/// A message for the user: which package is missing, or why none could be looked up.
+pub fn query(config: &PackageConfig, arguments: &[String]) -> Result<PackageFlags, String> {
+    if config.may_run {
+        let program = std::env::var("PKG_CONFIG")
+            .ok()
+            .filter(|it| !it.is_empty())
+            .unwrap_or_else(|| "pkg-config".to_owned());
+        match run(&program, &config.paths, arguments) {
+            Err(Failure::NotInstalled) => {}
+            Err(Failure::Said(message)) => return Err(message),
+            Ok(output) => return Ok(parse_flags(&output)),
+        }
+    }
+    let directories = pkg_file::search_path(&config.paths);
+    pkg_file::cflags(&directories, arguments).map(|words| flags_of(&words))
+}
+
+enum Failure {
+    NotInstalled,
+    Said(String),
+}
+
+fn run(program: &str, paths: &[Utf8PathBuf], arguments: &[String]) -> Result<String, Failure> {
+    let mut command = Command::new(program);
+    command
+        .args(["--cflags", "--print-errors", "--"])
+        .args(arguments)
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    if !paths.is_empty() {
+        let mut path: Vec<String> = paths.iter().map(|it| it.to_string()).collect();
+        path.extend(std::env::var("PKG_CONFIG_PATH").ok());
+        command.env("PKG_CONFIG_PATH", path.join(":"));
+    }
+    let mut child = command.spawn().map_err(|error| match error.kind() {
+        ErrorKind::NotFound => Failure::NotInstalled,
+        _ => Failure::Said(format!("cannot run `{program}`: {error}")),
+    })?;
+
+    // Both pipes are drained on threads: a full one would block the child for ever.
+    let (done, finished) = mpsc::channel();
+    let drain = |pipe: Option<Box<dyn Read + Send>>| {
+        let done = done.clone();
+        std::thread::spawn(move || {
+            let mut bytes = Vec::new();
+            if let Some(mut pipe) = pipe {
+                // A broken pipe ends the output; what came before still counts.
+                let _ = pipe.read_to_end(&mut bytes);
+            }
+            let _ = done.send(());
+            String::from_utf8_lossy(&bytes).into_owned()
+        })
+    };
+    let stdout = drain(
+        child
+            .stdout
+            .take()
+            .map(|it| Box::new(it) as Box<dyn Read + Send>),
+    );
+    let stderr = drain(
+        child
+            .stderr
+            .take()
+            .map(|it| Box::new(it) as Box<dyn Read + Send>),
+    );
+    for _ in 0..2 {
+        if finished.recv_timeout(PATIENCE).is_err() {
+            let _ = child.kill();
+            let _ = child.wait();
+            let seconds = PATIENCE.as_secs();
+            return Err(Failure::Said(format!(
+                "`{program}` gave no answer within {seconds} s"
+            )));
+        }
+    }
+    let status = child
+        .wait()
+        .map_err(|error| Failure::Said(format!("`{program}` was lost: {error}")))?;
+    let text = |thread: std::thread::JoinHandle<String>| thread.join().unwrap_or_default();
+    if status.success() {
+        return Ok(text(stdout));
+    }
+    let message = text(stderr);
+    Err(Failure::Said(match first_line(&message) {
+        Some(line) => line.to_owned(),
+        None => format!("`{program}` failed ({status})"),
+    }))
+}
+
+fn first_line(text: &str) -> Option<&str> {
+    text.lines().map(str::trim).find(|line| !line.is_empty())
+}
+
+fn parse_flags(output: &str) -> PackageFlags {
+    let words = shlex::split(output)
+        .unwrap_or_else(|| output.split_whitespace().map(str::to_owned).collect());
+    flags_of(&words)
+}
+
+fn flags_of(words: &[String]) -> PackageFlags {
+    let mut flags = PackageFlags::default();
+    let mut words = words.iter();
+    while let Some(word) = words.next() {
+        let mut argument = |flag: &str| -> Option<String> {
+            let attached = word.strip_prefix(flag)?;
+            if attached.is_empty() {
+                words.next().cloned()
+            } else {
+                Some(attached.to_owned())
+            }
+        };
+        if let Some(directory) = argument("-I") {
+            flags
+                .include_dirs
+                .push(super::normalize(Utf8Path::new(&directory)));
+        } else if let Some(define) = argument("-D") {
+            let (name, body) = define.split_once('=').unwrap_or((&define, "1"));
+            flags.defines.push((name.into(), body.into()));
+        }
+    }
+    flags
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flags_may_be_attached_detached_and_quoted() {
+        let flags = parse_flags(r#"-I/a -I /b/../c -DX -D Y=2 -DZ='"q r"' -pthread "-I/d e""#);
+        assert_eq!(flags.include_dirs, ["/a", "/c", "/d e"]);
+        let defines: Vec<_> = flags.defines.iter().map(|(n, b)| (&**n, &**b)).collect();
+        assert_eq!(defines, [("X", "1"), ("Y", "2"), ("Z", "\"q r\"")]);
+    }
+}

@@ -1,0 +1,309 @@
+//! The built program, run as users and scripts run it.
+
+use std::process::Command;
+
+use serde_json::{Value, json};
+
+#[path = "support/directory.rs"]
+mod directory;
+
+use directory::{Directory, status, stderr, stdout};
+
+const POSE: &str = "struct pose {\n  double x, y, theta;\n};\n";
+
+const ARM: &str = "\
+#include <pose.idl>
+
+component arm {
+  version \"1.0\";
+  port in pose goal;
+  ids { pose state; };
+
+  task motion {
+    period 5 ms;
+    codel<start> init(port in gaol, out ::ids) yield ether;
+  };
+
+  attribute set_state(in state);
+  attribute set_state2(in sate);
+};
+";
+
+#[test]
+fn a_specification_in_order() {
+    let it = Directory::new(&[("arm.gen", "#include \"pose.idl\"\n"), ("pose.idl", POSE)]);
+    let output = it.run(&["check", "arm.gen"]);
+    assert_eq!(stdout(&output), "checked 1 file: no problems\n");
+    assert_eq!(stderr(&output), "");
+    assert_eq!(status(&output), 0);
+}
+
+#[test]
+fn errors_as_text() {
+    let it = Directory::new(&[("arm.gen", ARM), ("idl/pose.idl", POSE)]);
+    let output = it.run(&["check", "-Iidl", "arm.gen"]);
+    assert_eq!(status(&output), 1);
+    insta::assert_snapshot!(stdout(&output));
+}
+
+#[test]
+fn errors_as_json_count_as_the_lsp_does() {
+    let text = "/* é😀 */ const long a = 1; const long a = 2;\n";
+    let it = Directory::new(&[("arm.gen", text)]);
+    let output = it.run(&["check", "--format", "json", "arm.gen"]);
+    assert_eq!(status(&output), 1);
+    let document: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    let diagnostics = document["diagnostics"].as_array().expect("a list");
+    assert_eq!(diagnostics.len(), 1);
+    let found = &diagnostics[0];
+    let range = |start: u32, end: u32| json!({ "start": { "line": 0, "character": start }, "end": { "line": 0, "character": end } });
+    assert_eq!(found["file"], "arm.gen");
+    assert_eq!(found["severity"], "error");
+    assert_eq!(found["code"], "name-clash");
+    assert_eq!(found["range"], range(39, 40));
+    assert_eq!(found["related"][0]["file"], "arm.gen");
+    assert_eq!(found["related"][0]["range"], range(21, 22));
+    assert!(found["message"].is_string() && found["related"][0]["message"].is_string());
+}
+
+#[test]
+fn errors_as_sarif() {
+    let it = Directory::new(&[("a dir/arm.gen", "const long a = 1;\nconst long a = 2;\n")]);
+    let output = it.run(&["check", "--format=sarif", "a dir"]);
+    assert_eq!(status(&output), 1);
+    let document: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    assert_eq!(document["version"], "2.1.0");
+    let run = &document["runs"][0];
+    assert_eq!(run["tool"]["driver"]["rules"][0]["id"], "name-clash");
+    let result = &run["results"][0];
+    assert_eq!(result["level"], "error");
+    let place = &result["locations"][0]["physicalLocation"];
+    assert_eq!(place["artifactLocation"]["uri"], "a%20dir/arm.gen");
+    assert_eq!(place["region"]["startLine"], 2);
+    assert_eq!(place["region"]["startColumn"], 12);
+    assert!(result["relatedLocations"][0]["message"]["text"].is_string());
+}
+
+#[test]
+fn a_directory_stands_for_its_specifications() {
+    let it = Directory::new(&[
+        ("a/arm.gen", "#include \"part.gen\"\n"),
+        // Makes sense only where it is included.
+        (
+            "a/part.gen",
+            "#ifndef OK\n#define OK\n#endif\nconst long a = 1;\n",
+        ),
+        ("b/leg.gen", "const long a = 1;\n"),
+        ("b/not.idl", "const long a = 1\n"),
+        (".git/x.gen", "const long a = 1\n"),
+    ]);
+    let output = it.run(&["check", "."]);
+    assert_eq!(stdout(&output), "checked 2 files: no problems\n");
+    let output = it.run(&["check", "a/part.gen", "a", "a/arm.gen"]);
+    assert_eq!(stdout(&output), "checked 2 files: no problems\n");
+}
+
+#[test]
+fn a_fault_in_a_shared_file_is_told_once() {
+    let it = Directory::new(&[
+        ("a.gen", "#include \"pose.idl\"\n"),
+        ("b.gen", "#include \"pose.idl\"\n"),
+        ("pose.idl", "const long a = 1;\nconst long a = 1;\n"),
+    ]);
+    let output = it.run(&["check", "."]);
+    let text = stdout(&output);
+    assert_eq!(text.matches("error[name-clash]").count(), 1, "{text}");
+    assert!(text.ends_with("checked 2 files: 1 error\n"), "{text}");
+}
+
+#[test]
+fn macros_and_include_directories_come_attached_or_not() {
+    let text =
+        "#include <pose.idl>\n#if N != 3 || !defined(FLAG) || FLAG != 1\n#error no\n#endif\n";
+    let it = Directory::new(&[("arm.gen", text), ("idl/pose.idl", POSE)]);
+    for arguments in [
+        &["check", "-Iidl", "-DN=3", "-DFLAG", "arm.gen"][..],
+        &["check", "-I", "idl", "-D", "N=3", "-D", "FLAG", "arm.gen"],
+        &[
+            "check", "arm.gen", "-I", "nowhere", "-Iidl", "-DN=2", "-DN=3", "-DFLAG=1",
+        ],
+    ] {
+        let output = it.run(arguments);
+        assert_eq!(status(&output), 0, "{arguments:?}: {}", stdout(&output));
+    }
+    assert_eq!(status(&it.run(&["check", "arm.gen"])), 1);
+}
+
+#[test]
+fn the_configuration_file_counts_below_the_command_line() {
+    let text = "#include <pose.idl>\n#if N != 3\n#error no\n#endif\n";
+    let it = Directory::new(&[
+        ("robot/arm/arm.gen", text),
+        ("robot/idl/pose.idl", POSE),
+        (
+            "robot/dotgen.toml",
+            "include-paths = ['idl']\ndefines = { N = 3 }\n",
+        ),
+    ]);
+    assert_eq!(status(&it.run(&["check", "robot/arm/arm.gen"])), 0);
+    assert_eq!(status(&it.run(&["check", "-DN=4", "robot"])), 1);
+
+    it.write(
+        "robot/dotgen.toml",
+        b"include-paths = ['idl']\ndefine = { N = 3 }\n",
+    );
+    let output = it.run(&["check", "robot"]);
+    assert_eq!(status(&output), 1);
+    insta::assert_snapshot!(stdout(&output));
+}
+
+#[test]
+fn packages_are_found_by_the_program_or_without_it() {
+    let it = Directory::new(&[
+        (
+            "arm.gen",
+            "#pragma requires \"pose-idl >= 1\"\n#include <pose.idl>\n",
+        ),
+        ("inc/pose.idl", POSE),
+        (
+            "pc/pose-idl.pc",
+            "Name: pose\nDescription: Poses\nVersion: 1.2\nCflags: -I${pcfiledir}/../inc\n",
+        ),
+    ]);
+    let path = it.path().join("pc");
+    for program in ["pkg-config", "/no/such/program"] {
+        let mut command = it.command(&["check", "arm.gen"]);
+        command
+            .env("PKG_CONFIG", program)
+            .env("PKG_CONFIG_PATH", &path);
+        let output = command.output().expect("the program runs");
+        assert_eq!(status(&output), 0, "{program}: {}", stdout(&output));
+    }
+    let mut command = it.command(&["check", "arm.gen"]);
+    let output = command.env("PKG_CONFIG", "false").output();
+    let text = stdout(&output.expect("the program runs"));
+    assert!(text.contains("error[pp-requires-unresolved]"), "{text}");
+}
+
+#[test]
+fn wrong_usage_and_files_that_cannot_be_read() {
+    let it = Directory::new(&[("empty/readme", "")]);
+    it.write("latin.gen", b"// caf\xe9\n");
+    for (arguments, message) in [
+        (&["check"][..], "required arguments were not provided"),
+        (
+            &["check", "--format", "xml", "x.gen"],
+            "invalid value 'xml'",
+        ),
+        (&["chekc", "x.gen"], "unrecognized subcommand"),
+        (
+            &["check", "missing.gen"],
+            "cannot read `missing.gen`: no such file or directory",
+        ),
+        (&["check", "empty"], "no .gen file below `empty`"),
+        (&["tree", "empty"], "`empty` is a directory; name a file"),
+        (&["model", "missing.gen"], "cannot read `missing.gen`"),
+    ] {
+        let output = it.run(arguments);
+        assert_eq!(status(&output), 2, "{arguments:?}");
+        let text = stderr(&output);
+        assert!(text.contains(message), "{arguments:?}: {text}");
+        assert_eq!(stdout(&output), "");
+    }
+    // It is there, but no UTF-8: a diagnostic.
+    let text = stdout(&it.run(&["check", "latin.gen"]));
+    assert!(text.contains("latin.gen:1:"), "{text}");
+}
+
+#[test]
+fn includes_that_are_no_files_are_diagnostics() {
+    let it = Directory::new(&[
+        ("arm.gen", "#include \"dir\"\n"),
+        ("dir/x.idl", ""),
+        ("self.gen", "#include \"self.gen\"\n"),
+    ]);
+    for file in ["arm.gen", "self.gen"] {
+        let output = it.run(&["check", file]);
+        assert_eq!(status(&output), 1, "{}", stdout(&output));
+        assert!(
+            stdout(&output).contains("error[pp-include-"),
+            "{}",
+            stdout(&output)
+        );
+    }
+}
+
+#[test]
+fn colours_only_where_they_are_wanted() {
+    let it = Directory::new(&[("arm.gen", "const long a = 1\n")]);
+    let coloured = |command: &mut Command| {
+        let output = command.output().expect("the program runs");
+        stdout(&output).contains('\u{1b}')
+    };
+    assert!(!coloured(&mut it.command(&["check", "arm.gen"])), "a pipe");
+    let mut forced = it.command(&["check", "arm.gen"]);
+    assert!(coloured(forced.env("CLICOLOR_FORCE", "1")), "asked for");
+    let mut refused = it.command(&["check", "arm.gen"]);
+    refused.env("CLICOLOR_FORCE", "1").env("NO_COLOR", "1");
+    assert!(!coloured(&mut refused), "refused");
+}
+
+#[test]
+fn tree_and_model_are_printed() {
+    let it = Directory::new(&[("pose.gen", POSE), ("bad.gen", "struct s { nope x; };\n")]);
+    let output = it.run(&["tree", "pose.gen"]);
+    assert_eq!(status(&output), 0);
+    assert!(stdout(&output).contains("STRUCT"), "{}", stdout(&output));
+    let output = it.run(&["model", "pose.gen"]);
+    assert_eq!(status(&output), 0);
+    let model: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    assert!(model["types"].is_array() || model["types"].is_object());
+    let output = it.run(&["model", "bad.gen"]);
+    assert_eq!(status(&output), 1);
+    assert!(stderr(&output).contains("error[unknown-type]"));
+    assert!(serde_json::from_str::<Value>(&stdout(&output)).is_ok());
+}
+
+#[test]
+fn the_version_is_known() {
+    let it = Directory::new(&[]);
+    let output = it.run(&["--version"]);
+    let expected = format!("dotgen {}\n", env!("CARGO_PKG_VERSION"));
+    assert_eq!((stdout(&output), status(&output)), (expected, 0));
+}
+
+#[test]
+fn formatting_in_place_and_as_a_check() {
+    let ugly = "struct  a { long x ; } ;\n";
+    let it = Directory::new(&[("a.gen", ugly), ("sub/b.idl", "typedef  long t;\n")]);
+    let check = it.run(&["fmt", "--check"]);
+    assert_eq!(status(&check), 1, "{}", stderr(&check));
+    let diff = stdout(&check);
+    assert!(diff.contains("--- a.gen\n+++ a.gen\n@@"), "{diff}");
+    assert!(
+        diff.contains("-typedef  long t;\n+typedef long t;\n"),
+        "{diff}"
+    );
+    let read = |name: &str| std::fs::read_to_string(it.path().join(name)).expect("a file");
+    assert_eq!(read("a.gen"), ugly, "--check changes nothing");
+
+    let done = it.run(&["fmt", "a.gen", "sub"]);
+    assert_eq!((status(&done), stdout(&done).as_str()), (0, ""));
+    assert_eq!(read("sub/b.idl"), "typedef long t;\n");
+    assert_ne!(read("a.gen"), ugly);
+    assert_eq!(status(&it.run(&["fmt", "--check"])), 0);
+}
+
+#[test]
+fn formatting_what_cannot_be_formatted() {
+    let broken = "struct  a { long ; };\n";
+    let it = Directory::new(&[("a.gen", broken)]);
+    it.write("b.gen", b"typedef  long t; // \xe9\n");
+    assert_eq!(status(&it.run(&["fmt", "a.gen"])), 0);
+    let text = std::fs::read_to_string(it.path().join("a.gen")).expect("a file");
+    assert_eq!(text, broken, "what does not parse stays");
+    let output = it.run(&["fmt", "b.gen"]);
+    assert_eq!(status(&output), 2);
+    assert!(stderr(&output).contains("not UTF-8"), "{}", stderr(&output));
+    assert_eq!(status(&it.run(&["fmt", "missing.gen"])), 2);
+}

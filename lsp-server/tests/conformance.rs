@@ -1,0 +1,28 @@
+//! The conformance suite, when it is beside the project: `dotgen check --format json` must accept
+//! and reject as expected, errors on the expected lines.
+
+use std::path::Path;
+use std::process::Command;
+
+#[test]
+fn every_case_of_the_suite_passes() {
+    let suite = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/conformance/run");
+    if !suite.is_file() {
+        eprintln!("SKIPPED: no conformance suite at ../shared/conformance");
+        return;
+    }
+    let output = Command::new(&suite)
+        .args(["--warnings", "--", env!("CARGO_BIN_EXE_dotgen")])
+        .args(["check", "--format", "json"])
+        .output();
+    let output = match output {
+        Ok(output) => output,
+        Err(error) => {
+            eprintln!("SKIPPED: the conformance suite does not run: {error}");
+            return;
+        }
+    };
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{text}");
+    assert!(text.contains(" passed, 0 failed"), "{text}");
+}

@@ -1,0 +1,59 @@
+//! A directory with files, and the program run in it.
+
+#![allow(dead_code, reason = "no test file needs all of it")]
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// A directory with files, in which the program runs.
+pub(crate) struct Directory(tempfile::TempDir);
+
+impl Directory {
+    pub(crate) fn new(files: &[(&str, &str)]) -> Directory {
+        let directory = Directory(tempfile::tempdir().expect("a directory"));
+        for (name, text) in files {
+            directory.write(name, text.as_bytes());
+        }
+        directory
+    }
+
+    pub(crate) fn write(&self, name: &str, bytes: &[u8]) {
+        let path = self.0.path().join(name);
+        std::fs::create_dir_all(path.parent().expect("it has one")).expect("a directory");
+        std::fs::write(path, bytes).expect("a file");
+    }
+
+    pub(crate) fn run(&self, arguments: &[&str]) -> Output {
+        self.command(arguments).output().expect("the program runs")
+    }
+
+    pub(crate) fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_dotgen"));
+        command.args(arguments).current_dir(self.0.path());
+        for variable in [
+            "PKG_CONFIG",
+            "PKG_CONFIG_PATH",
+            "PKG_CONFIG_LIBDIR",
+            "NO_COLOR",
+        ] {
+            command.env_remove(variable);
+        }
+        command
+    }
+
+    pub(crate) fn path(&self) -> &Path {
+        self.0.path()
+    }
+}
+
+pub(crate) fn stdout(output: &Output) -> String {
+    String::from_utf8(output.stdout.clone()).expect("UTF-8")
+}
+
+pub(crate) fn stderr(output: &Output) -> String {
+    String::from_utf8(output.stderr.clone()).expect("UTF-8")
+}
+
+pub(crate) fn status(output: &Output) -> i32 {
+    output.status.code().expect("it exits")
+}

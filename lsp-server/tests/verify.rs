@@ -1,0 +1,275 @@
+//! `dotgen verify`, run as users and scripts run it.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+#[path = "support/directory.rs"]
+mod directory;
+
+use directory::{Directory, status, stderr, stdout};
+
+/// `sense` has to wait while `steer` executes.
+const LIFT: &str = "\
+component lift {
+  version \"1.0\";
+  ids { long position; };
+
+  task sense {
+    period 10 ms;
+    codel<start> read(out position) yield pause::start wcet 2 ms;
+  };
+  task move {
+    period 20 ms;
+    codel<start> steer(in position) yield pause::start wcet WCET;
+  };
+};
+";
+
+const SCENARIO: &str = "\
+scenario ride {
+  use \"../spec/lift.gen\";
+  unit 1 ms;
+  cores 2;
+  policy edf;
+  durations fixed;
+
+  check schedulable *;
+  check quick: response lift.sense <= 8 ms;
+  check always not (lift.sense.start.exec and lift.move.start.exec);
+}
+";
+
+fn lift(wcet: &str) -> Directory {
+    Directory::new(&[
+        ("spec/lift.gen", &LIFT.replace("WCET", wcet)),
+        ("scenarios/ride.scn", SCENARIO),
+    ])
+}
+
+/// Without times and sizes of the run itself.
+fn stable(text: &str) -> String {
+    let lines = text
+        .lines()
+        .map(|line| match line.split_once(" states in ") {
+            Some((before, _)) => {
+                let (before, _) = before.rsplit_once('(').expect("in brackets");
+                format!("{before}(…)")
+            }
+            None => line.to_owned(),
+        });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+fn json(output: &Output) -> Value {
+    serde_json::from_str(&stdout(output)).expect("one JSON document")
+}
+
+#[test]
+fn a_scenario_that_holds() {
+    let it = lift("5 ms");
+    let output = it.run(&["verify", "scenarios/ride.scn"]);
+    assert_eq!(stderr(&output), "");
+    assert_eq!(status(&output), 0);
+    insta::assert_snapshot!(stable(&stdout(&output)));
+}
+
+#[test]
+fn a_missed_deadline_is_told_as_a_timeline() {
+    let it = lift("17 ms");
+    let output = it.run(&[
+        "verify",
+        "--check",
+        "check schedulable lift.sense;",
+        "scenarios/ride.scn",
+    ]);
+    assert_eq!(stderr(&output), "");
+    assert_eq!(status(&output), 1);
+    insta::assert_snapshot!(stable(&stdout(&output)));
+}
+
+#[test]
+fn json_has_the_promised_shape() {
+    let it = lift("17 ms");
+    let output = it.run(&["verify", "--format", "json", "scenarios/ride.scn"]);
+    assert_eq!(status(&output), 1);
+    let mut document = json(&output);
+    assert!(document["states"].as_u64() > Some(0));
+    assert!(document["seconds"].is_f64());
+    for measured in ["states", "steps", "memory", "seconds"] {
+        document[measured] = Value::from(0);
+    }
+    insta::assert_json_snapshot!(document);
+}
+
+#[test]
+fn options_override_the_scenario() {
+    let it = lift("5 ms");
+    let response = ["--check", "check response lift.sense;", "--format", "json"];
+    let run = |more: &[&str]| {
+        let arguments = [&["verify", "scenarios/ride.scn"], &response[..], more].concat();
+        let document = json(&it.run(&arguments));
+        assert_eq!(document["checks"].as_array().map(Vec::len), Some(1));
+        document["checks"][0]["value"].clone()
+    };
+    assert_eq!(run(&[]), 2);
+    assert_eq!(run(&["--durations", "interval"]), 7);
+    assert_eq!(run(&["--durations", "open", "--cores", "free"]), 7);
+    assert_eq!(
+        run(&["--durations", "interval", "--cores", "1", "--policy", "any"]),
+        7
+    );
+}
+
+#[test]
+fn without_a_scenario_a_client_may_do_anything() {
+    let it = lift("5 ms");
+    let output = it.run(&["verify", "spec/lift.gen"]);
+    assert_eq!(stderr(&output), "");
+    assert_eq!(status(&output), 0);
+    insta::assert_snapshot!(stable(&stdout(&output)));
+}
+
+#[test]
+fn giving_up_is_an_answer_of_its_own() {
+    let it = lift("5 ms");
+    let output = it.run(&[
+        "verify",
+        "--durations",
+        "interval",
+        "--max-states",
+        "1",
+        "scenarios/ride.scn",
+    ]);
+    assert_eq!(status(&output), 3);
+    assert!(
+        stdout(&output).contains("gave up at "),
+        "{}",
+        stdout(&output)
+    );
+}
+
+#[test]
+fn what_cannot_be_verified_is_explained() {
+    let it = lift("5 ms");
+    it.write(
+        "broken.scn",
+        b"scenario s {\n  use \"lost.gen\";\n  coers 4;\n}\n",
+    );
+    it.write(
+        "bad.gen",
+        b"component c { task t { period 1 ms; codel<start> f( yield; }; };\n",
+    );
+    it.write(
+        "bad.scn",
+        b"scenario s { use \"bad.gen\"; check schedulable *; }\n",
+    );
+    let mut told = String::new();
+    for arguments in [
+        &["broken.scn"][..],
+        &["bad.scn"],
+        &["scenarios/ride.scn", "--check", "response lift.sence"],
+        &["scenarios/ride.scn", "--check", "respons lift.sense"],
+        &["scenarios/ride.scn", "--cores", "0"],
+        &["nowhere.scn"],
+        &["ride.txt"],
+    ] {
+        let output = it.run(&[&["verify"], arguments].concat());
+        assert_eq!(status(&output), 2, "{arguments:?}");
+        assert_eq!(stdout(&output), "", "{arguments:?}");
+        told.push_str(&format!(
+            "$ dotgen verify {}\n{}\n",
+            arguments.join(" "),
+            stderr(&output)
+        ));
+    }
+    insta::assert_snapshot!(told);
+}
+
+/// Published and computed results, through the program that people run.
+#[test]
+fn ground_truth() {
+    let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
+    let Ok(truth) = std::fs::read_to_string(shared.join("ground-truth.json")) else {
+        eprintln!("SKIPPED: {} has no ground-truth.json", shared.display());
+        return;
+    };
+    let truth: Value = serde_json::from_str(&truth).expect("JSON");
+    let mut compared = 0;
+    for case in truth["cases"].as_array().expect("a list of cases") {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_dotgen"));
+        command
+            .args(["verify", "--format", "json"])
+            .current_dir(&shared);
+        command.arg(case["scenario"].as_str().expect("a path"));
+        for (option, value) in case["with"].as_object().expect("options") {
+            let value = value.as_str().map_or(value.to_string(), str::to_owned);
+            command.args([format!("--{option}"), value]);
+        }
+        let output = command.output().expect("the program runs");
+        let document = json(&output);
+        let checks = document["checks"].as_array().expect("a list");
+        for key in ["schedulable", "no_overdue", "response"] {
+            for (task, expected) in case[key].as_object().into_iter().flatten() {
+                let kind = key.replace('_', "-");
+                let check = checks
+                    .iter()
+                    .find(|it| it["check"] == kind && it["of"] == **task);
+                let check = check.unwrap_or_else(|| panic!("{}: no {kind} {task}", case["id"]));
+                let found = match expected {
+                    Value::Bool(_) => Value::from(check["verdict"] == "proved"),
+                    _ => check["value"].clone(),
+                };
+                assert_eq!(found, *expected, "{}: {kind} {task}: {check}", case["id"]);
+                assert_ne!(check["verdict"], "unknown");
+                compared += 1;
+            }
+        }
+    }
+    assert!(compared > 20, "only {compared} results compared");
+}
+
+#[test]
+fn how_far_a_system_is_from_missing_a_deadline() {
+    let it = lift("3 ms");
+    let output = it.run(&["verify", "--sensitivity", "scenarios/ride.scn"]);
+    let text = stdout(&output);
+    let start = text.find("with every deadline met").expect("the table");
+    let table = text[start..].split("\n\n").next().unwrap_or_default();
+    expect_test::expect![[r#"
+        with every deadline met
+          smallest number of cores: 1
+          largest WCET    lift.sense.start  8 ms (now 2 ms, not known to be the limit)
+          largest WCET    lift.move.start   15 ms (now 3 ms, not known to be the limit)
+          smallest period lift.sense        4 ms (now 10 ms, not known to be the limit)
+          smallest period lift.move         5 ms (now 20 ms, not known to be the limit)"#]]
+    .assert_eq(table);
+
+    let output = it.run(&[
+        "verify",
+        "--sensitivity",
+        "--format",
+        "json",
+        "scenarios/ride.scn",
+    ]);
+    let answer: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    let sensitivity = &answer["sensitivity"];
+    assert_eq!(sensitivity["minimum-cores"]["cores"], 1);
+    let steer = &sensitivity["wcet"][1];
+    assert_eq!(steer["of"], "lift.move.start");
+    // A value that the verifier itself accepts, and a little more that it refuses.
+    let most = steer["extreme"].as_f64().expect("a time");
+    for (wcet, verdict) in [(most, "proved"), (most + 0.5, "refuted")] {
+        let it = lift(&format!("{} us", (wcet * 1000.0).round()));
+        let arguments = ["verify", "--format", "json", "--check", "schedulable *"];
+        let output = it.run(&[&arguments[..], &["scenarios/ride.scn"]].concat());
+        let answer: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+        let refuted = answer["checks"]
+            .as_array()
+            .expect("checks")
+            .iter()
+            .any(|it| it["verdict"] == "refuted");
+        assert_eq!(refuted, verdict == "refuted", "{wcet} ms: {answer:#}");
+    }
+}

@@ -1,0 +1,16 @@
+//! Typed view of the tree.
+//!
+//! Every accessor returns an `Option` or an iterator, since any part may be missing while someone is
+//! typing. The nodes are generated from `genom.ungram`; [`ext`] adds what the grammar file cannot
+//! say. A token that came out of a macro has no text in the tree: read texts through the
+//! [`ExpansionMap`](crate::ExpansionMap) of the tree, as the methods with a `map` parameter do.
+
+mod ext;
+mod generated;
+#[cfg(test)]
+mod generator;
+mod traits;
+
+pub use ext::*;
+pub use generated::*;
+pub use traits::{AstChildren, AstNode, HasBody, HasName, support};

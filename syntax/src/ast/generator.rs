@@ -1,0 +1,300 @@
+//! Writes `generated.rs` from `genom.ungram`.
+//!
+//! Runs as a test: it rewrites the file when it is stale and then fails, so that the change gets
+//! looked at and committed.
+
+use std::{
+    collections::HashMap,
+    fmt::Write as _,
+    io::Write as _,
+    path::Path,
+    process::{Command, Stdio},
+};
+
+use ungrammar::{Grammar, Node, Rule};
+
+use crate::kind::SyntaxKind;
+
+#[test]
+fn generated_ast_is_up_to_date() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let source = std::fs::read_to_string(root.join("genom.ungram")).expect("genom.ungram");
+    let grammar: Grammar = source.parse().expect("genom.ungram parses");
+    let new = rustfmt(&generate(&grammar));
+    let target = root.join("src/ast/generated.rs");
+    let old = std::fs::read_to_string(&target).unwrap_or_default();
+    if old != new {
+        std::fs::write(&target, new).expect("write generated.rs");
+        panic!(
+            "src/ast/generated.rs was not up to date; it is now: look at the change and commit it"
+        );
+    }
+}
+
+/// One accessor of a node.
+struct Field {
+    name: String,
+    shape: Shape,
+}
+
+#[derive(PartialEq)]
+enum Shape {
+    /// First token of this kind.
+    Token(SyntaxKind),
+    /// First child of this type.
+    Child(String),
+    /// All children of this type.
+    Children(String),
+}
+
+fn generate(grammar: &Grammar) -> String {
+    let mut out = String::from(
+        "//! Typed nodes. Generated from `genom.ungram` by `ast/generator.rs`; do not edit.\n\n\
+         #![allow(missing_docs, reason = \"the names are those of the grammar\")]\n\n\
+         use crate::{SyntaxKind::{self, *}, SyntaxNode, SyntaxToken, ast::traits::{AstChildren, AstNode, support}};\n",
+    );
+    let enums: HashMap<Node, Vec<String>> = grammar
+        .iter()
+        .filter_map(|node| Some((node, enum_variants(grammar, node)?)))
+        .collect();
+    for node in grammar.iter() {
+        let name = &grammar[node].name;
+        match enums.get(&node) {
+            Some(variants) => generate_enum(&mut out, grammar, name, variants, &enums),
+            None => {
+                let mut fields = Vec::new();
+                collect(grammar, &grammar[node].rule, None, false, &mut fields);
+                generate_struct(&mut out, name, &fields);
+            }
+        }
+    }
+    out
+}
+
+/// The alternatives of a rule that is nothing but a choice between nodes.
+fn enum_variants(grammar: &Grammar, node: Node) -> Option<Vec<String>> {
+    let Rule::Alt(alternatives) = &grammar[node].rule else {
+        return None;
+    };
+    alternatives
+        .iter()
+        .map(|it| match it {
+            Rule::Node(node) => Some(grammar[*node].name.clone()),
+            _ => None,
+        })
+        .collect()
+}
+
+fn collect(grammar: &Grammar, rule: &Rule, label: Option<&str>, many: bool, acc: &mut Vec<Field>) {
+    match rule {
+        Rule::Labeled { label, rule } => collect(grammar, rule, Some(label), many, acc),
+        Rule::Node(node) => {
+            let ty = grammar[*node].name.clone();
+            let default = snake(&ty);
+            let (name, shape) = if many {
+                let name = label.map_or_else(|| plural(&default), str::to_owned);
+                (name, Shape::Children(ty))
+            } else {
+                (label.map_or(default, str::to_owned), Shape::Child(ty))
+            };
+            push(acc, Field { name, shape });
+        }
+        Rule::Token(token) => {
+            let text = grammar[*token].name.as_str();
+            if let Some(kind) = token_kind(text) {
+                let name = format!("{}_token", format!("{kind:?}").to_lowercase());
+                let name = name.replace("_kw_token", "_token");
+                push(
+                    acc,
+                    Field {
+                        name,
+                        shape: Shape::Token(kind),
+                    },
+                );
+            }
+        }
+        Rule::Seq(rules) => {
+            // `A (',' A)*` is a list of `A`.
+            if let [Rule::Node(first), Rule::Rep(rest)] = rules.as_slice()
+                && let Rule::Seq(rest) = &**rest
+                && let [Rule::Token(_), Rule::Node(next)] = rest.as_slice()
+                && first == next
+            {
+                collect(grammar, &rules[0], label, true, acc);
+                return;
+            }
+            for rule in rules {
+                collect(grammar, rule, label, many, acc);
+            }
+        }
+        Rule::Alt(rules) => {
+            for rule in rules {
+                collect(grammar, rule, label, many, acc);
+            }
+        }
+        Rule::Opt(rule) => collect(grammar, rule, label, many, acc),
+        Rule::Rep(rule) => collect(grammar, rule, label, true, acc),
+    }
+}
+
+fn push(acc: &mut Vec<Field>, field: Field) {
+    match acc.iter().find(|it| it.name == field.name) {
+        Some(old) => assert!(old.shape == field.shape, "two meanings of {}", field.name),
+        None => acc.push(field),
+    }
+}
+
+fn token_kind(text: &str) -> Option<SyntaxKind> {
+    match text {
+        "#ident" => Some(SyntaxKind::IDENT),
+        "#text" => None,
+        _ => {
+            let found = SyntaxKind::spellings().iter().find(|(_, it)| *it == text);
+            Some(found.unwrap_or_else(|| panic!("unknown token {text}")).0)
+        }
+    }
+}
+
+fn generate_struct(out: &mut String, name: &str, fields: &[Field]) {
+    let kind = snake(name).to_uppercase();
+    let _ = write!(
+        out,
+        "
+        #[derive(Debug, Clone, PartialEq, Eq, Hash)]
+        pub struct {name} {{ syntax: SyntaxNode }}
+        impl AstNode for {name} {{
+            fn can_cast(kind: SyntaxKind) -> bool {{ kind == {kind} }}
+            fn cast(syntax: SyntaxNode) -> Option<Self> {{
+                Self::can_cast(syntax.kind()).then_some(Self {{ syntax }})
+            }}
+            fn syntax(&self) -> &SyntaxNode {{ &self.syntax }}
+        }}
+        "
+    );
+    if fields.is_empty() {
+        return;
+    }
+    let _ = writeln!(out, "impl {name} {{");
+    for Field { name, shape } in fields {
+        let _ = match shape {
+            Shape::Token(kind) => writeln!(
+                out,
+                "pub fn {name}(&self) -> Option<SyntaxToken> {{ support::token(&self.syntax, {kind:?}) }}"
+            ),
+            Shape::Child(ty) => writeln!(
+                out,
+                "pub fn {name}(&self) -> Option<{ty}> {{ support::child(&self.syntax) }}"
+            ),
+            Shape::Children(ty) => writeln!(
+                out,
+                "pub fn {name}(&self) -> AstChildren<{ty}> {{ support::children(&self.syntax) }}"
+            ),
+        };
+    }
+    out.push_str("}\n");
+}
+
+fn generate_enum(
+    out: &mut String,
+    grammar: &Grammar,
+    name: &str,
+    variants: &[String],
+    enums: &HashMap<Node, Vec<String>>,
+) {
+    let nested = |variant: &str| {
+        grammar
+            .iter()
+            .find(|it| grammar[*it].name == variant)
+            .is_some_and(|it| enums.contains_key(&it))
+    };
+    let _ = writeln!(
+        out,
+        "\n#[derive(Debug, Clone, PartialEq, Eq, Hash)]\npub enum {name} {{"
+    );
+    for it in variants {
+        let _ = writeln!(out, "{it}({it}),");
+    }
+    let _ = writeln!(out, "}}\nimpl AstNode for {name} {{");
+    let tests: Vec<String> = variants
+        .iter()
+        .map(|it| {
+            if nested(it) {
+                format!("{it}::can_cast(kind)")
+            } else {
+                format!("kind == {}", snake(it).to_uppercase())
+            }
+        })
+        .collect();
+    let _ = writeln!(
+        out,
+        "fn can_cast(kind: SyntaxKind) -> bool {{ {} }}",
+        tests.join(" || ")
+    );
+    out.push_str("fn cast(syntax: SyntaxNode) -> Option<Self> { match syntax.kind() {\n");
+    for it in variants {
+        let _ = if nested(it) {
+            writeln!(
+                out,
+                "kind if {it}::can_cast(kind) => {it}::cast(syntax).map({name}::{it}),"
+            )
+        } else {
+            let kind = snake(it).to_uppercase();
+            writeln!(out, "{kind} => {it}::cast(syntax).map({name}::{it}),")
+        };
+    }
+    out.push_str("_ => None,\n} }\nfn syntax(&self) -> &SyntaxNode { match self {\n");
+    for it in variants {
+        let _ = writeln!(out, "{name}::{it}(it) => it.syntax(),");
+    }
+    out.push_str("} }\n}\n");
+    for it in variants {
+        let _ = writeln!(
+            out,
+            "impl From<{it}> for {name} {{ fn from(node: {it}) -> {name} {{ {name}::{it}(node) }} }}"
+        );
+    }
+}
+
+fn snake(name: &str) -> String {
+    let mut out = String::new();
+    for (index, c) in name.char_indices() {
+        if c.is_uppercase() && index > 0 {
+            out.push('_');
+        }
+        out.push(c.to_ascii_lowercase());
+    }
+    out
+}
+
+fn plural(name: &str) -> String {
+    match name.strip_suffix('y') {
+        Some(stem) => format!("{stem}ies"),
+        None => format!("{name}s"),
+    }
+}
+
+fn rustfmt(text: &str) -> String {
+    let mut child = Command::new("rustfmt")
+        .args([
+            "--edition",
+            "2024",
+            "--config",
+            "use_field_init_shorthand=true",
+        ])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("rustfmt runs (rustup component add rustfmt)");
+    child
+        .stdin
+        .take()
+        .expect("piped")
+        .write_all(text.as_bytes())
+        .expect("rustfmt reads");
+    let output = child.wait_with_output().expect("rustfmt ends");
+    assert!(
+        output.status.success(),
+        "rustfmt rejects the generated text:\n{text}"
+    );
+    String::from_utf8(output.stdout).expect("UTF-8")
+}

@@ -1,0 +1,81 @@
+//! What all typed nodes have in common.
+
+use std::marker::PhantomData;
+
+use crate::{
+    SyntaxKind, SyntaxNode,
+    ast::{Body, Item, Name},
+};
+
+/// A node of a known kind: a thin wrapper that costs nothing to make.
+pub trait AstNode: Sized {
+    /// Whether a node of this kind can be wrapped.
+    fn can_cast(kind: SyntaxKind) -> bool;
+    /// Wraps a node of the right kind.
+    fn cast(syntax: SyntaxNode) -> Option<Self>;
+    /// The node itself.
+    fn syntax(&self) -> &SyntaxNode;
+}
+
+/// The children of one type, in text order.
+#[derive(Debug, Clone)]
+pub struct AstChildren<N> {
+    inner: rowan::SyntaxNodeChildren<crate::GenomLanguage>,
+    marker: PhantomData<N>,
+}
+
+impl<N: AstNode> Iterator for AstChildren<N> {
+    type Item = N;
+
+    fn next(&mut self) -> Option<N> {
+        self.inner.by_ref().find_map(N::cast)
+    }
+}
+
+/// A declaration with a name of its own.
+pub trait HasName: AstNode {
+    /// The declared name; absent when it is missing in the text.
+    fn name(&self) -> Option<Name> {
+        support::child(self.syntax())
+    }
+}
+
+/// A declaration whose body holds items (declarations, properties, members or cases).
+pub trait HasBody: AstNode {
+    /// The braces and what is between them.
+    fn body(&self) -> Option<Body> {
+        support::child(self.syntax())
+    }
+
+    /// What is between the braces, directives included; nothing without braces.
+    fn items(&self) -> impl Iterator<Item = Item> {
+        self.body().into_iter().flat_map(|body| body.items())
+    }
+}
+
+/// Look-ups shared by the generated accessors.
+pub mod support {
+    use super::{AstChildren, AstNode, PhantomData};
+    use crate::{SyntaxKind, SyntaxNode, SyntaxToken};
+
+    /// First child of a type.
+    pub fn child<N: AstNode>(parent: &SyntaxNode) -> Option<N> {
+        parent.children().find_map(N::cast)
+    }
+
+    /// All children of a type.
+    pub fn children<N: AstNode>(parent: &SyntaxNode) -> AstChildren<N> {
+        AstChildren {
+            inner: parent.children(),
+            marker: PhantomData,
+        }
+    }
+
+    /// First token of a kind directly below a node.
+    pub fn token(parent: &SyntaxNode, kind: SyntaxKind) -> Option<SyntaxToken> {
+        parent
+            .children_with_tokens()
+            .filter_map(|it| it.into_token())
+            .find(|it| it.kind() == kind)
+    }
+}

@@ -1,0 +1,45 @@
+//! Text to tree: lexer, preprocessor, lossless syntax tree and typed AST of GenoM3 specifications.
+
+pub mod ast;
+pub mod codes;
+pub mod directive;
+mod dump;
+mod expansion;
+pub mod format;
+pub mod kind;
+pub mod lexer;
+pub mod line_index;
+pub mod parser;
+pub mod preproc;
+mod sink;
+
+pub use dump::dump;
+pub use expansion::ExpansionMap;
+pub use kind::SyntaxKind;
+pub use parser::{Fragment, Parse, Severity, SyntaxError, parse, parse_text};
+pub use rowan::{
+    GreenNode, GreenNodeData, NodeOrToken, TextRange, TextSize, TokenAtOffset, WalkEvent,
+};
+
+/// The language tag of our trees.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum GenomLanguage {}
+
+impl rowan::Language for GenomLanguage {
+    type Kind = SyntaxKind;
+
+    fn kind_from_raw(raw: rowan::SyntaxKind) -> SyntaxKind {
+        SyntaxKind::from_raw(raw.0)
+    }
+
+    fn kind_to_raw(kind: SyntaxKind) -> rowan::SyntaxKind {
+        kind.into()
+    }
+}
+
+/// A node of the tree.
+pub type SyntaxNode = rowan::SyntaxNode<GenomLanguage>;
+/// A leaf of the tree.
+pub type SyntaxToken = rowan::SyntaxToken<GenomLanguage>;
+/// A node or a leaf.
+pub type SyntaxElement = rowan::SyntaxElement<GenomLanguage>;

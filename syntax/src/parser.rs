@@ -1,0 +1,473 @@
+//! From tokens to a tree.
+//!
+//! The grammar (`grammar`) reads the kinds of the real and virtual tokens of a file (`input`) and
+//! says what tree they make as a list of events (`event`); [`crate::sink`] builds it, with all text
+//! that the grammar never saw put back. Parsing never fails: the result is a tree that holds the
+//! whole text, and errors.
+//!
+//! Keywords are contextual: [`Parser::at`] answers for both readings of a word, and the one that
+//! the grammar bumps is the one that goes into the tree.
+
+mod event;
+mod grammar;
+mod input;
+mod marker;
+mod token_set;
+
+use std::cell::Cell;
+
+use rowan::GreenNode;
+
+pub(crate) use self::{
+    event::Event,
+    input::{Input, is_read},
+};
+use self::{
+    marker::{CompletedMarker, Marker},
+    token_set::TokenSet,
+};
+pub use crate::preproc::Severity;
+use crate::{
+    ExpansionMap, SyntaxNode, TextRange,
+    ast::{AstNode, SourceFile},
+    directive::DirectiveKind,
+    kind::SyntaxKind::{self, *},
+    lexer::{self, RawTokens},
+    preproc::{Element, MacroEnv, NoIncludes, Preprocessed, preprocess},
+    sink,
+};
+
+/// How deep declarations, types, expressions and initializers may nest. Trees are walked and dropped
+/// recursively; nobody writes a tenth of this.
+const MAX_DEPTH: u32 = 128;
+
+/// Errors kept for one file. A file with more is not a specification.
+const MAX_ERRORS: usize = 500;
+
+/// What a text holds: a whole specification, or the inside of one kind of body, when the file is
+/// included there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Fragment {
+    /// A whole specification.
+    Specification,
+    /// The body of a module.
+    Module,
+    /// The body of a component or interface.
+    Component,
+    /// The body of a struct, an exception or `ids`.
+    Members,
+    /// The body of a union.
+    Cases,
+    /// The properties of a task, port or service.
+    Properties,
+}
+
+/// Something wrong with the text.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct SyntaxError {
+    /// The Id of the table in section 19 of the language reference, such as `missing-semicolon`.
+    pub code: &'static str,
+    /// Error, or warning.
+    pub severity: Severity,
+    /// What was found, what was expected and what to do.
+    pub message: String,
+    /// Where, in bytes of this file.
+    pub range: TextRange,
+}
+
+/// The result of parsing one file: always a tree whose text is the text of the file, and the errors.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Parse {
+    /// The tree.
+    pub green: GreenNode,
+    /// In text order.
+    pub errors: Vec<SyntaxError>,
+    /// Texts of the tokens that come out of macros.
+    pub expansion: ExpansionMap,
+}
+
+impl Parse {
+    /// The root of the tree, of kind [`SOURCE_FILE`].
+    pub fn syntax(&self) -> SyntaxNode {
+        SyntaxNode::new_root(self.green.clone())
+    }
+
+    /// The root as a typed node.
+    pub fn tree(&self) -> SourceFile {
+        SourceFile::cast(self.syntax()).expect("every parse makes a SOURCE_FILE")
+    }
+}
+
+/// Parses one file from its raw tokens and what the preprocessor made of them.
+///
+/// `raw` and `pre` have to be of this `text`. The errors of the preprocessor are not repeated.
+pub fn parse(text: &str, raw: &RawTokens, pre: &Preprocessed, fragment: Fragment) -> Parse {
+    let is_include = |index: u32| {
+        pre.directives
+            .get(index as usize)
+            .is_some_and(|it| matches!(it.kind, DirectiveKind::Include(_)))
+    };
+    let input = Input::new(text, raw, &pre.elements, is_include);
+    let mut p = Parser::new(&input);
+    grammar::fragment(&mut p, fragment);
+    let (events, errors) = p.finish();
+    let mut errors = locate(&input, errors);
+    let (green, expansion, of_directives) = sink::build(text, raw, pre, events);
+    if !of_directives.is_empty() {
+        errors.extend(of_directives);
+        errors.sort_by_key(|it| it.range.start());
+    }
+    Parse {
+        green,
+        errors,
+        expansion,
+    }
+}
+
+/// Parses a text on its own: its includes are not followed, and no macro is predefined beyond the
+/// standard ones. For tests and simple tools; the errors of the preprocessor are left out.
+pub fn parse_text(text: &str) -> Parse {
+    let raw = lexer::lex(text);
+    let pre = preprocess(&"".into(), text, &raw, MacroEnv::default(), &mut NoIncludes);
+    parse(text, &raw, &pre, Fragment::Specification)
+}
+
+/// Reads the words of a `#pragma wcet` after `wcet`: the name of a codel and a duration. What is
+/// missing is left to those who read the tree; what is too much is reported.
+pub(crate) fn parse_wcet_pragma(
+    text: &str,
+    raw: &RawTokens,
+    elements: &[Element],
+) -> (Vec<Event>, Vec<SyntaxError>) {
+    let input = Input::new(text, raw, elements, |_| false);
+    let mut p = Parser::new(&input);
+    grammar::wcet_pragma(&mut p);
+    let (events, mut errors) = p.finish();
+    errors.retain(|it| it.code == "wcet-pragma");
+    (events, locate(&input, errors))
+}
+
+/// Puts errors where they belong. What a macro call expands to is wrong once, at the call.
+fn locate(input: &Input<'_>, errors: Vec<RawError>) -> Vec<SyntaxError> {
+    let mut located: Vec<SyntaxError> = Vec::with_capacity(errors.len());
+    let mut last_call = None;
+    for error in errors {
+        let range = input.range(error.token);
+        if input.macro_name(error.token).is_some() {
+            if last_call == Some(range) {
+                continue;
+            }
+            last_call = Some(range);
+        }
+        let mut message = error.message;
+        if let Some(name) = input.macro_name(error.token) {
+            message.push_str(&format!(" (in what the macro `{name}` expands to)"));
+        }
+        located.push(SyntaxError {
+            code: error.code,
+            severity: Severity::Error,
+            message,
+            range,
+        });
+    }
+    located.sort_by_key(|it| it.range.start());
+    located
+}
+
+/// An error at a token of the input.
+struct RawError {
+    code: &'static str,
+    message: String,
+    token: usize,
+}
+
+/// The state of the grammar: a position in the input and what has been said so far.
+pub(crate) struct Parser<'i> {
+    input: &'i Input<'i>,
+    pos: usize,
+    events: Vec<Event>,
+    errors: Vec<RawError>,
+    /// Token of the last error: what follows from it is not reported again.
+    last_error: Option<usize>,
+    /// Open constructs that may nest.
+    depth: u32,
+    /// Bodies that were ended without their `}`; as many `}` too many follow from them.
+    unclosed: u32,
+    /// Inside `< >` of a type, where `>>` may be two closing brackets.
+    in_angles: bool,
+    /// Look-aheads since the last token was consumed.
+    fuel: Cell<u32>,
+}
+
+impl<'i> Parser<'i> {
+    fn new(input: &'i Input<'i>) -> Parser<'i> {
+        Parser {
+            input,
+            pos: 0,
+            events: Vec::with_capacity(input.len() * 3),
+            errors: Vec::new(),
+            last_error: None,
+            depth: 0,
+            unclosed: 0,
+            in_angles: false,
+            fuel: Cell::new(0),
+        }
+    }
+
+    fn finish(self) -> (Vec<Event>, Vec<RawError>) {
+        (self.events, self.errors)
+    }
+
+    /// Kind of the current token; words are identifiers.
+    pub(crate) fn current(&self) -> SyntaxKind {
+        self.nth(0)
+    }
+
+    /// Kind of the token `n` further on; words are identifiers.
+    pub(crate) fn nth(&self, n: usize) -> SyntaxKind {
+        self.burn();
+        self.input.kind(self.pos + n)
+    }
+
+    /// The current token as a keyword, if it is a word that may be one; else its kind.
+    pub(crate) fn current_contextual(&self) -> SyntaxKind {
+        self.burn();
+        self.input.contextual(self.pos)
+    }
+
+    /// Whether the current token is, or may be read as, this kind.
+    pub(crate) fn at(&self, kind: SyntaxKind) -> bool {
+        self.nth_at(0, kind)
+    }
+
+    /// Whether the token `n` further on is, or may be read as, this kind.
+    pub(crate) fn nth_at(&self, n: usize, kind: SyntaxKind) -> bool {
+        self.burn();
+        self.input.kind(self.pos + n) == kind || self.input.contextual(self.pos + n) == kind
+    }
+
+    /// Whether the current token is, or may be read as, one of these kinds.
+    pub(crate) fn at_ts(&self, kinds: TokenSet) -> bool {
+        self.nth_at_ts(0, kinds)
+    }
+
+    /// Whether the token `n` further on is, or may be read as, one of these kinds.
+    pub(crate) fn nth_at_ts(&self, n: usize, kinds: TokenSet) -> bool {
+        self.burn();
+        kinds.contains(self.input.kind(self.pos + n))
+            || kinds.contains(self.input.contextual(self.pos + n))
+    }
+
+    /// Whether an `#include` stands right before the current token, so that what is missing here may
+    /// come from another file.
+    pub(crate) fn is_after_include(&self) -> bool {
+        self.input.is_after_include(self.pos)
+    }
+
+    /// Begins a node.
+    pub(crate) fn start(&mut self) -> Marker {
+        let position = self.events.len() as u32;
+        self.events.push(Event::tombstone());
+        Marker::new(position)
+    }
+
+    /// Consumes the current token under this kind, if it is or may be read as it.
+    pub(crate) fn eat(&mut self, kind: SyntaxKind) -> bool {
+        let found = self.at(kind);
+        if found {
+            self.advance(kind);
+        }
+        found
+    }
+
+    /// Consumes the current token, known to be or to be readable as this kind.
+    pub(crate) fn bump(&mut self, kind: SyntaxKind) {
+        let found = self.eat(kind);
+        debug_assert!(found, "not at {kind:?}");
+    }
+
+    /// Consumes the current token; words become identifiers.
+    pub(crate) fn bump_any(&mut self) {
+        let kind = self.current();
+        if kind != EOF {
+            self.advance(kind);
+        }
+    }
+
+    /// Consumes the current token; words that may be keywords become keywords.
+    pub(crate) fn bump_contextual(&mut self) {
+        let kind = self.current_contextual();
+        if kind != EOF {
+            self.advance(kind);
+        }
+    }
+
+    fn advance(&mut self, kind: SyntaxKind) {
+        self.pos += 1;
+        self.fuel.set(0);
+        self.events.push(Event::Token { kind });
+    }
+
+    /// Consumes a token of this kind or reports that it is missing.
+    pub(crate) fn expect(&mut self, kind: SyntaxKind) -> bool {
+        let found = self.eat(kind);
+        if !found {
+            self.expected(&quoted(kind));
+        }
+        found
+    }
+
+    /// Reports the current token: something else was expected.
+    pub(crate) fn expected(&mut self, what: &str) {
+        self.expected_because(what, "");
+    }
+
+    /// Reports the current token: something else was expected, with a sentence that helps.
+    pub(crate) fn expected_because(&mut self, what: &str, help: &str) {
+        let found = self.describe_current();
+        let message = if help.is_empty() {
+            format!("expected {what}, found {found}")
+        } else {
+            format!("expected {what}, found {found}; {help}")
+        };
+        self.error_here(message);
+    }
+
+    /// Reports the current token with a message of its own, as `syntax` or `syntax-eof`.
+    pub(crate) fn error_here(&mut self, message: String) {
+        let code = if self.at(EOF) { "syntax-eof" } else { "syntax" };
+        self.error_at(code, self.pos, message);
+    }
+
+    /// Reports a token, unless it was the last one reported.
+    pub(crate) fn error_at(&mut self, code: &'static str, token: usize, message: String) {
+        if self.last_error.is_some_and(|last| last >= token) {
+            return;
+        }
+        self.last_error = Some(token);
+        self.push_error(code, token, message);
+    }
+
+    /// Reports a token that the grammar goes on from as if nothing was wrong.
+    pub(crate) fn push_error(&mut self, code: &'static str, token: usize, message: String) {
+        if self.errors.len() < MAX_ERRORS {
+            self.errors.push(RawError {
+                code,
+                message,
+                token,
+            });
+        } else if self.errors.len() == MAX_ERRORS {
+            self.errors.push(RawError {
+                code: "syntax",
+                message: "too many syntax errors; those further down are not listed".to_owned(),
+                token,
+            });
+        }
+    }
+
+    /// Index of the current token, for [`Parser::error_at`].
+    pub(crate) fn position(&self) -> usize {
+        self.pos
+    }
+
+    /// Has the current token taken for reported, since an error before covers it.
+    pub(crate) fn mark_reported(&mut self) {
+        self.last_error = self.last_error.max(Some(self.pos));
+    }
+
+    /// Whether the current token has been reported already.
+    pub(crate) fn is_reported(&self) -> bool {
+        self.last_error.is_some_and(|last| last >= self.pos)
+    }
+
+    /// Enters a construct that may nest. Too deep, it is reported and its text is passed without
+    /// structure; the caller then leaves at once.
+    pub(crate) fn enter(&mut self) -> bool {
+        if self.depth < MAX_DEPTH {
+            self.depth += 1;
+            return true;
+        }
+        self.error_here(format!(
+            "this is nested more than {MAX_DEPTH} levels deep; declare parts of it separately"
+        ));
+        self.swallow();
+        false
+    }
+
+    /// Leaves a construct that was entered.
+    pub(crate) fn leave(&mut self) {
+        self.depth -= 1;
+    }
+
+    /// Passes tokens into one flat `ERROR` node, up to the end of the construct around.
+    pub(crate) fn swallow(&mut self) {
+        let (m, start) = (self.start(), self.pos);
+        let (mut open, mut braces) = (0u32, 0u32);
+        loop {
+            match self.current() {
+                EOF => break,
+                L_PAREN | L_BRACK => open += 1,
+                L_CURLY => {
+                    open += 1;
+                    braces += 1;
+                }
+                R_PAREN | R_BRACK | R_CURLY if open == 0 => break,
+                R_PAREN | R_BRACK => open -= 1,
+                R_CURLY => {
+                    open -= 1;
+                    braces = braces.saturating_sub(1);
+                }
+                SEMICOLON if braces == 0 => break,
+                _ => {}
+            }
+            self.bump_any();
+        }
+        let passed = self.pos > start;
+        m.complete_unless_empty(self, passed, ERROR);
+    }
+
+    /// What the current token is, for messages.
+    pub(crate) fn describe_current(&self) -> String {
+        let kind = self.current();
+        match kind {
+            EOF => "the end of the file".to_owned(),
+            OPEN_STRING => "a string without end".to_owned(),
+            _ => {
+                let text = self.input.text(self.pos);
+                let line = text.lines().next().unwrap_or_default();
+                let shown: String = line.chars().take(40).collect();
+                let dots = if shown.len() < text.len() { "…" } else { "" };
+                let what = if kind.is_reserved_word() {
+                    "the reserved word "
+                } else {
+                    ""
+                };
+                format!("{what}`{shown}{dots}`")
+            }
+        }
+    }
+
+    /// Whether the token before the current one is a literal that goes over a line end.
+    pub(crate) fn is_after_long_literal(&self) -> bool {
+        self.pos.checked_sub(1).is_some_and(|before| {
+            self.input.kind(before) == STRING && self.input.text(before).contains(['\n', '\r'])
+        })
+    }
+
+    /// Text of the current token.
+    pub(crate) fn current_text(&self) -> String {
+        self.input.text(self.pos).into_owned()
+    }
+
+    /// Catches grammar loops that do not advance.
+    fn burn(&self) {
+        let burnt = self.fuel.get() + 1;
+        self.fuel.set(burnt);
+        debug_assert!(burnt < 10_000, "the parser is stuck at token {}", self.pos);
+    }
+}
+
+/// The spelling of a token between back quotes.
+fn quoted(kind: SyntaxKind) -> String {
+    format!("`{}`", kind.spelling().unwrap_or("?"))
+}

@@ -1,0 +1,35 @@
+//! What the parser says about the tree, as a flat list.
+//!
+//! Events keep the parser apart from the tree: it neither knows about trivia, directives and macro
+//! calls nor allocates nodes. [`crate::sink`] reads them.
+
+use crate::kind::SyntaxKind;
+
+/// One step of building the tree.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Event {
+    /// A node begins.
+    Start {
+        /// `TOMBSTONE` while the node is open and for nodes that were given up.
+        kind: SyntaxKind,
+        /// Distance to the `Start` of a node that was found out later to begin here too, around this
+        /// one (see `CompletedMarker::precede`); 0 if there is none.
+        forward_parent: u32,
+    },
+    /// The last node begun ends.
+    Finish,
+    /// The next token of the input, under this kind.
+    Token {
+        /// Its kind: a contextual keyword has become one here.
+        kind: SyntaxKind,
+    },
+}
+
+impl Event {
+    pub(crate) fn tombstone() -> Event {
+        Event::Start {
+            kind: SyntaxKind::TOMBSTONE,
+            forward_parent: 0,
+        }
+    }
+}

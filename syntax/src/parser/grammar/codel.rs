@@ -1,0 +1,157 @@
+//! Codels: functions of the implementation, with the states they serve.
+
+use super::*;
+
+/// Which codels may stand at a place.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Form {
+    /// Without states.
+    Simple,
+    /// With or without.
+    Any,
+}
+
+/// What follows the word `codel` or `validate`. Returns what else could follow it, for the message about
+/// a missing `;`.
+// test codel
+// component c {
+//   activity a() {
+//     validate v(in x) wcet 3 us;
+//     codel simple();
+//     codel<start, step> f(in x) yield pause::step, ether;
+//     codel<ether> g() wcet N * 2 ms yields ether;
+//     codel<stop> h() yield wcet wcet 1.5 ms;
+//     async codel<other> i() yield ether wcet 26us;
+//   };
+// };
+pub(super) fn codel(p: &mut Parser<'_>, form: Form) -> &'static str {
+    let m = p.start();
+    let has_triggers = p.at(L_ANGLE);
+    if has_triggers {
+        if form == Form::Simple {
+            p.error_here("a `validate` codel has no states: remove them".to_owned());
+        }
+        triggers(p);
+    }
+    let name_at = p.position();
+    if !name(p) {
+        m.complete_unless_empty(p, has_triggers, CODEL);
+        return "";
+    }
+    param::param_list(p, param::Params::Codel);
+    wcet(p);
+    let mut others = "";
+    if p.at(YIELDS_KW) && !has_triggers {
+        let extra = p.start();
+        p.error_here(
+            "a codel without `<states>` yields nothing: remove this list, or say which states it \
+             serves"
+                .to_owned(),
+        );
+        yields(p);
+        extra.complete(p, ERROR);
+    } else if p.at(YIELDS_KW) {
+        others = yields(p);
+    } else if has_triggers && form == Form::Any && !p.is_reported() {
+        let found = p.describe_current();
+        p.push_error(
+            "missing-yield",
+            name_at,
+            format!(
+                "this codel has states but no `yield` list (found {found}); add `yield STATE, …`"
+            ),
+        );
+        if !p.at(SEMICOLON) {
+            p.mark_reported();
+        }
+    }
+    bare_wcet(p);
+    wcet(p);
+    m.complete(p, CODEL);
+    others
+}
+
+/// Whether a codel property begins here, also where one is not expected.
+pub(super) fn at_codel(p: &Parser<'_>) -> bool {
+    const AFTER: TokenSet = TokenSet::new(&[L_ANGLE, IDENT]);
+    p.at(CODEL_KW) && p.nth_at_ts(1, AFTER)
+}
+
+fn triggers(p: &mut Parser<'_>) {
+    let m = p.start();
+    p.bump(L_ANGLE);
+    comma_list(p, state);
+    if !p.eat(R_ANGLE) {
+        p.expected("`,` or `>`");
+        // Pass what cannot be a state, as far as the `>` is near.
+        if !p.at(IDENT) && !p.at_item_end() && !p.at(L_PAREN) {
+            let bad = p.start();
+            while !p.at(R_ANGLE) && !p.at_item_end() && !p.at(L_PAREN) {
+                p.bump_any();
+            }
+            bad.complete(p, ERROR);
+            p.eat(R_ANGLE);
+        }
+    }
+    m.complete(p, TRIGGERS);
+}
+
+fn yields(p: &mut Parser<'_>) -> &'static str {
+    let m = p.start();
+    p.bump(YIELDS_KW);
+    comma_list(p, state);
+    m.complete(p, YIELDS);
+    " (or `,` and another state)"
+}
+
+// test state
+// component c { task t { codel<pause, pause::pause> f() yield pause::wcet, pause, yield; }; };
+fn state(p: &mut Parser<'_>) -> bool {
+    if !p.at(IDENT) {
+        p.expected("the name of a state");
+        return false;
+    }
+    let m = p.start();
+    if p.at(PAUSE_KW) && p.nth(1) == COLON2 {
+        p.bump(PAUSE_KW);
+        p.bump(COLON2);
+    }
+    name_ref(p);
+    m.complete(p, STATE);
+    true
+}
+
+/// `wcet D [unit]`, any number of times: which is one too many is said with the model at hand.
+fn wcet(p: &mut Parser<'_>) {
+    while p.at(WCET_KW) {
+        let m = p.start();
+        p.bump(WCET_KW);
+        // A missing value is an error of the clause, not of the text (`wcet-value`).
+        if !p.at(SEMICOLON) && !p.at(YIELDS_KW) {
+            property::quantity(p, property::TIME_UNITS);
+        }
+        m.complete(p, WCET);
+    }
+}
+
+/// A duration after the yield list without the word `wcet`.
+// test bare_wcet
+// component c { task t { codel<start> f() yield ether 2487us; }; };
+fn bare_wcet(p: &mut Parser<'_>) {
+    if !p.at(INT) && !p.at(FLOAT) {
+        return;
+    }
+    let at = p.position();
+    let m = p.start();
+    if property::quantity(p, property::TIME_UNITS) {
+        // Warned about with the model at hand (`wcet-bare`), together with its fix.
+        m.complete(p, WCET);
+    } else {
+        p.error_at(
+            "syntax",
+            at,
+            "a number cannot stand here; an execution time is written `wcet 10 us`".to_owned(),
+        );
+        m.complete(p, ERROR);
+    }
+}

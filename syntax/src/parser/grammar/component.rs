@@ -1,0 +1,77 @@
+//! Components, interfaces and what only they hold.
+
+use super::*;
+
+// test component
+// component c;
+// component c { };
+// interface i { doc "an interface"; };
+// component component { task task; port in port port; };
+pub(super) fn component(p: &mut Parser<'_>) -> bool {
+    if !p.at(COMPONENT_KW) && !p.at(INTERFACE_KW) {
+        return false;
+    }
+    let m = p.start();
+    let what = if p.at(INTERFACE_KW) {
+        "this interface"
+    } else {
+        "this component"
+    };
+    p.bump_contextual();
+    if name(p) {
+        if p.at(L_CURLY) {
+            spec::body(p, Fragment::Component, true, what);
+        } else if !p.at_item_end() {
+            p.expected("`{` or `;`");
+        }
+    }
+    semicolon(p, what);
+    m.complete(p, COMPONENT);
+    true
+}
+
+/// Ids, tasks, ports and services.
+pub(super) fn export(p: &mut Parser<'_>) -> bool {
+    match p.current_contextual() {
+        IDS_KW => ids(p),
+        TASK_KW => task::task(p),
+        PORT_KW => port(p),
+        ATTRIBUTE_KW | FUNCTION_KW | ACTIVITY_KW => service::service(p),
+        _ => return false,
+    }
+    true
+}
+
+// test ids
+// component c { ids { long x; m::t y[3], z; }; };
+fn ids(p: &mut Parser<'_>) {
+    let m = p.start();
+    p.bump(IDS_KW);
+    if p.at(L_CURLY) {
+        spec::body(p, Fragment::Members, false, "the ids");
+    } else {
+        p.expected("`{`");
+    }
+    semicolon(p, "the ids");
+    m.complete(p, IDS);
+}
+
+// test port
+// component c {
+//   port in t p;
+//   port multiple out m::t period { doc "text"; };
+//   port out in in;
+// };
+fn port(p: &mut Parser<'_>) {
+    let m = p.start();
+    p.bump(PORT_KW);
+    p.eat(MULTIPLE_KW);
+    if !p.eat(IN_KW) && !p.eat(OUT_KW) {
+        p.expected("the direction of the port, `in` or `out`");
+    } else if types::type_spec(p, types::Allow::Constructed) {
+        name(p);
+    }
+    property::properties(p);
+    semicolon(p, "this port");
+    m.complete(p, PORT);
+}

@@ -1,0 +1,186 @@
+//! Properties of components, tasks, ports and services. Grammatically any may stand in any list.
+
+use super::*;
+
+/// Words that begin a property. `local` and `task` need a look at what follows them.
+const PROPERTY_FIRST: TokenSet = TokenSet::new(&[
+    DOC_KW,
+    VERSION_KW,
+    LANG_KW,
+    EMAIL_KW,
+    REQUIRES_KW,
+    CODELS_REQUIRES_KW,
+    CLOCK_RATE_KW,
+    PROVIDES_KW,
+    USES_KW,
+    EXTENDS_KW,
+    THROWS_KW,
+    PERIOD_KW,
+    DELAY_KW,
+    PRIORITY_KW,
+    SCHEDULING_KW,
+    STACK_KW,
+    TASK_KW,
+    INTERRUPTS_KW,
+    BEFORE_KW,
+    AFTER_KW,
+    VALIDATE_KW,
+    LOCAL_KW,
+    ASYNC_KW,
+    CODEL_KW,
+]);
+
+/// Units of durations.
+pub(super) const TIME_UNITS: TokenSet = TokenSet::new(&[S_KW, MS_KW, US_KW]);
+/// Units of stack sizes.
+const SIZE_UNITS: TokenSet = TokenSet::new(&[K_KW, M_KW]);
+
+pub(super) fn at_property(p: &Parser<'_>) -> bool {
+    p.at_ts(PROPERTY_FIRST)
+}
+
+/// Whether what begins here can only be a property, judged by what follows the keyword. Broken text
+/// is passed up to it.
+pub(super) fn at_certain_property(p: &Parser<'_>) -> bool {
+    const NAME: TokenSet = TokenSet::new(&[IDENT]);
+    const TEXT: TokenSet = TokenSet::new(&[STRING, OPEN_STRING]);
+    const NUMBER: TokenSet = TokenSet::new(&[INT, FLOAT]);
+    const LIST: TokenSet = TokenSet::new(&[COMMA, SEMICOLON]);
+    match p.current_contextual() {
+        CODEL_KW => codel::at_codel(p),
+        ASYNC_KW => p.nth_at(1, CODEL_KW),
+        VALIDATE_KW => p.nth_at_ts(1, NAME) && p.nth_at(2, L_PAREN),
+        SCHEDULING_KW => p.nth_at(1, REAL_TIME_KW),
+        DOC_KW | VERSION_KW | LANG_KW | EMAIL_KW | REQUIRES_KW | CODELS_REQUIRES_KW => {
+            p.nth_at_ts(1, TEXT)
+        }
+        PERIOD_KW | DELAY_KW | CLOCK_RATE_KW | PRIORITY_KW | STACK_KW => p.nth_at_ts(1, NUMBER),
+        THROWS_KW | PROVIDES_KW | USES_KW | EXTENDS_KW | INTERRUPTS_KW | BEFORE_KW | AFTER_KW
+        | TASK_KW => p.nth_at_ts(1, NAME) && p.nth_at_ts(2, LIST),
+        _ => false,
+    }
+}
+
+/// `{ … }`, if there.
+pub(super) fn properties(p: &mut Parser<'_>) {
+    if p.at(L_CURLY) {
+        spec::body(p, Fragment::Properties, true, "this list of properties");
+    }
+}
+
+/// A property, if one begins here.
+// test property
+// component c {
+//   doc "a" "b"; version "1"; lang "c"; email "x@y";
+//   require "p >= 1", "q"; requires "r"; codels-require "s"; codels-requires "t";
+//   clock-rate 1 ms; provides i, j; use k; extend l;
+//   throw e, ::m::f;
+//   task t { period 5; delay 0.5 s; priority 10; scheduling real-time; stack 4 k; stack 1M; };
+//   activity a() {
+//     task t; interrupts a, all; before b; after c;
+//     validate v(in x); local long l, m[2];
+//     codel f(in x); async codel<start, main> g(in x) yields pause::main, ether;
+//   };
+// };
+pub(super) fn property(p: &mut Parser<'_>) -> bool {
+    if !at_property(p) {
+        return false;
+    }
+    let m = p.start();
+    let word = p.current_text();
+    let what = format!("the property `{word}`");
+    let mut others = "";
+    let keyword = p.current_contextual();
+    if keyword == ASYNC_KW {
+        p.bump(ASYNC_KW);
+        if p.eat(CODEL_KW) {
+            others = codel::codel(p, codel::Form::Any);
+        } else {
+            p.expected_because("`codel`", "only codels are asynchronous");
+        }
+        semicolon_or(p, "this codel", others);
+        m.complete(p, CODEL_PROPERTY);
+        return true;
+    }
+    p.bump(keyword);
+    let kind = match keyword {
+        DOC_KW | VERSION_KW | LANG_KW | EMAIL_KW => {
+            strings(p);
+            STRING_PROPERTY
+        }
+        REQUIRES_KW | CODELS_REQUIRES_KW => {
+            comma_list(p, strings);
+            REQUIRES_PROPERTY
+        }
+        CLOCK_RATE_KW | PERIOD_KW | DELAY_KW => {
+            if !quantity(p, TIME_UNITS) {
+                others = " (or a unit: `s`, `ms` or `us`)";
+            }
+            DURATION_PROPERTY
+        }
+        PROVIDES_KW | USES_KW | EXTENDS_KW => {
+            comma_list(p, name_ref);
+            INTERFACES_PROPERTY
+        }
+        THROWS_KW => {
+            comma_list(p, path);
+            THROWS_PROPERTY
+        }
+        PRIORITY_KW => {
+            expr::expr(p);
+            PRIORITY_PROPERTY
+        }
+        SCHEDULING_KW => {
+            if !p.eat(REAL_TIME_KW) {
+                p.expected("`real-time`");
+            }
+            SCHEDULING_PROPERTY
+        }
+        STACK_KW => {
+            if !quantity(p, SIZE_UNITS) {
+                others = " (or a unit: `k` or `M`)";
+            }
+            STACK_PROPERTY
+        }
+        TASK_KW => {
+            name_ref(p);
+            TASK_PROPERTY
+        }
+        INTERRUPTS_KW | BEFORE_KW | AFTER_KW => {
+            comma_list(p, name_ref);
+            SERVICES_PROPERTY
+        }
+        VALIDATE_KW => {
+            others = codel::codel(p, codel::Form::Simple);
+            VALIDATE_PROPERTY
+        }
+        LOCAL_KW => {
+            if types::type_spec(p, types::Allow::Constructed) {
+                comma_list(p, types::declarator);
+            }
+            LOCAL_PROPERTY
+        }
+        _ => {
+            others = codel::codel(p, codel::Form::Any);
+            CODEL_PROPERTY
+        }
+    };
+    semicolon_or(p, &what, others);
+    m.complete(p, kind);
+    true
+}
+
+/// A number with an optional unit; says whether it has one.
+pub(super) fn quantity(p: &mut Parser<'_>, units: TokenSet) -> bool {
+    let m = p.start();
+    if !expr::expr_or(p, "a number") {
+        m.abandon(p);
+        return false;
+    }
+    let unit = p.at_ts(units);
+    if unit {
+        p.bump_contextual();
+    }
+    m.complete(p, QUANTITY);
+    unit
+}

@@ -1,0 +1,246 @@
+//! Lists of items: files, modules, bodies.
+
+use super::*;
+
+/// Words that begin a declaration and never anything else.
+const RESERVED_STARTS: TokenSet = TokenSet::new(&[
+    MODULE_KW, CONST_KW, TYPEDEF_KW, STRUCT_KW, UNION_KW, ENUM_KW,
+]);
+
+/// Items until the end of the file or the closing brace.
+pub(super) fn items(p: &mut Parser<'_>, fragment: Fragment, place: Place) {
+    loop {
+        let before = p.position();
+        match p.current() {
+            EOF => break,
+            R_CURLY if place == Place::Braces => break,
+            R_CURLY => extra_brace(p),
+            _ if place == Place::Braces && leaves_body(p, fragment) => break,
+            _ => item(p, fragment),
+        }
+        debug_assert!(p.position() > before, "no progress");
+        if p.position() == before {
+            p.bump_any();
+        }
+    }
+}
+
+/// `{ … }` around items.
+// test body_with_every_item
+// module m { const long a = 1; };
+// component c { ids { long x; }; task t; version "1"; };
+pub(super) fn body(p: &mut Parser<'_>, fragment: Fragment, may_be_empty: bool, owner: &str) {
+    let m = p.start();
+    p.bump(L_CURLY);
+    if p.at(R_CURLY) && !may_be_empty && !p.is_after_include() {
+        p.error_here(format!(
+            "{owner} cannot be empty; declare something between the braces"
+        ));
+    }
+    items(p, fragment, Place::Braces);
+    if !p.eat(R_CURLY) {
+        let found = p.describe_current();
+        let message =
+            format!("missing `}}` at the end of {owner}: found {found}; add `}};` before it");
+        let message = if p.at(EOF) {
+            format!("missing `}}` at the end of {owner}: the file ends here; add `}};`")
+        } else {
+            message
+        };
+        p.error_here(message);
+        p.unclosed += 1;
+    }
+    m.complete(p, BODY);
+}
+
+/// One item, whatever is there; passes at least one token.
+fn item(p: &mut Parser<'_>, fragment: Fragment) {
+    let start = p.position();
+    let done = match fragment {
+        Fragment::Members => types::member(p),
+        Fragment::Cases => types::case(p),
+        Fragment::Properties => property::property(p),
+        Fragment::Module => declaration(p),
+        Fragment::Specification => component::component(p) || declaration(p),
+        Fragment::Component => declaration(p) || component::export(p) || property::property(p),
+    };
+    if !done || p.position() == start {
+        bad_item(p, fragment);
+    }
+}
+
+/// Modules, constants, types: what may stand nearly everywhere.
+fn declaration(p: &mut Parser<'_>) -> bool {
+    match p.current_contextual() {
+        MODULE_KW => module(p),
+        CONST_KW => types::const_decl(p),
+        TYPEDEF_KW => types::typedef_decl(p),
+        NATIVE_KW => types::native_decl(p),
+        EXCEPTION_KW => types::exception_decl(p),
+        STRUCT_KW | UNION_KW | ENUM_KW => types::type_decl(p),
+        _ => return false,
+    }
+    true
+}
+
+// test module
+// module m { module n { typedef long t; }; };
+// module empty { };
+fn module(p: &mut Parser<'_>) {
+    let m = p.start();
+    p.bump(MODULE_KW);
+    name(p);
+    if p.at(L_CURLY) {
+        if p.enter() {
+            body(p, Fragment::Module, true, "this module");
+            p.leave();
+        }
+    } else {
+        p.expected_because("`{`", "a module has a body");
+    }
+    semicolon(p, "this module");
+    m.complete(p, MODULE);
+}
+
+/// Whether something begins here that only a declaration outside the current item can be. Words
+/// that are also identifiers count when what follows fits.
+pub(super) fn at_declaration(p: &Parser<'_>) -> bool {
+    if p.at_ts(RESERVED_STARTS) {
+        return true;
+    }
+    let follows = |n: usize, kinds: TokenSet| p.nth_at_ts(n, kinds);
+    const NAME: TokenSet = TokenSet::new(&[IDENT]);
+    const AFTER_NAME: TokenSet = TokenSet::new(&[L_CURLY, SEMICOLON]);
+    const BRACE: TokenSet = TokenSet::new(&[L_CURLY]);
+    const PAREN: TokenSet = TokenSet::new(&[L_PAREN]);
+    const DIRECTION: TokenSet = TokenSet::new(&[IN_KW, OUT_KW, MULTIPLE_KW]);
+    match p.current_contextual() {
+        COMPONENT_KW | INTERFACE_KW | TASK_KW => follows(1, NAME) && follows(2, AFTER_NAME),
+        EXCEPTION_KW => follows(1, NAME),
+        IDS_KW => follows(1, BRACE),
+        ATTRIBUTE_KW | FUNCTION_KW | ACTIVITY_KW => follows(1, NAME) && follows(2, PAREN),
+        PORT_KW => follows(1, DIRECTION),
+        _ => false,
+    }
+}
+
+/// Whether a declaration or property certainly begins here: broken text ends before it.
+pub(super) fn at_item(p: &Parser<'_>) -> bool {
+    at_declaration(p) || property::at_certain_property(p)
+}
+
+/// Whether what begins here cannot belong to the current body, so that its `}` must be missing.
+fn leaves_body(p: &Parser<'_>, fragment: Fragment) -> bool {
+    const NAME: TokenSet = TokenSet::new(&[IDENT]);
+    const NAMED_BLOCK: TokenSet = TokenSet::new(&[L_CURLY]);
+    let component = p.at_ts(TokenSet::new(&[COMPONENT_KW, INTERFACE_KW]))
+        && p.nth_at_ts(1, NAME)
+        && p.nth_at_ts(2, NAMED_BLOCK);
+    match fragment {
+        Fragment::Specification => false,
+        Fragment::Module | Fragment::Component => component,
+        Fragment::Members => {
+            component
+                || p.at_ts(TokenSet::new(&[MODULE_KW, CONST_KW, TYPEDEF_KW]))
+                || (at_declaration(p)
+                    && !p.at_ts(RESERVED_STARTS)
+                    && !p.nth_at_ts(2, TokenSet::new(&[SEMICOLON])))
+        }
+        Fragment::Cases => at_declaration(p),
+        Fragment::Properties => {
+            // `task t;` is the property of a service.
+            at_declaration(p) && !(p.at(TASK_KW) && p.nth_at_ts(2, TokenSet::new(&[SEMICOLON])))
+        }
+    }
+}
+
+/// Something that is no item here. A declaration that belongs elsewhere is read all the same, so
+/// that what is inside it is not reported as well.
+fn bad_item(p: &mut Parser<'_>, fragment: Fragment) {
+    let m = p.start();
+    if p.at(SEMICOLON) {
+        p.error_here("unexpected `;`: remove it".to_owned());
+        p.bump(SEMICOLON);
+        m.complete(p, ERROR);
+        return;
+    }
+    let (what, help) = match fragment {
+        Fragment::Specification => (
+            "a component, interface, module, constant or type",
+            "declarations begin with a keyword such as `component` or `typedef`",
+        ),
+        Fragment::Module => (
+            "a module, constant or type",
+            "components stand outside modules",
+        ),
+        Fragment::Component => (
+            "a declaration or property of a component",
+            "such as `ids`, `task`, `port`, `function`, `activity` or `doc`",
+        ),
+        Fragment::Members => ("a member", "write `TYPE NAME;`"),
+        Fragment::Cases => ("`case` or `default`", "write `case VALUE: TYPE NAME;`"),
+        Fragment::Properties => (
+            "a property",
+            "such as `doc`, `period`, `codel` or `validate`",
+        ),
+    };
+    let known = at_declaration(p) || property::at_property(p);
+    if known && matches!(fragment, Fragment::Specification | Fragment::Module) {
+        let word = p.current_text();
+        p.error_here(format!(
+            "`{word}` cannot stand here, expected {what}; move it into a component"
+        ));
+        if !(component::component(p) || component::export(p) || property::property(p)) {
+            skip_tokens(p);
+        }
+    } else {
+        p.expected_because(what, help);
+        skip_tokens(p);
+    }
+    m.complete(p, ERROR);
+}
+
+/// A `}` that closes nothing, with the `;` after it.
+fn extra_brace(p: &mut Parser<'_>) {
+    let m = p.start();
+    if p.unclosed > 0 {
+        p.unclosed -= 1;
+        p.mark_reported();
+    }
+    p.error_here("this `}` closes nothing: remove it, or add the `{` it belongs to".to_owned());
+    p.bump(R_CURLY);
+    p.eat(SEMICOLON);
+    m.complete(p, ERROR);
+}
+
+/// Passes the rest of a broken declaration, with its `;`.
+pub(super) fn skip_to_semicolon(p: &mut Parser<'_>) {
+    let m = p.start();
+    skip_tokens(p);
+    m.complete(p, ERROR);
+}
+
+/// Passes at least one token, up to and including the next `;`, or up to a `}` or declaration.
+/// Blocks in braces are passed whole unless a component begins inside.
+fn skip_tokens(p: &mut Parser<'_>) {
+    let mut open = 0u32;
+    let mut first = true;
+    loop {
+        if !first && (open == 0 && at_item(p) || leaves_body(p, Fragment::Module)) {
+            return;
+        }
+        match p.current() {
+            EOF => return,
+            L_CURLY => open += 1,
+            R_CURLY if open == 0 => return,
+            R_CURLY => open -= 1,
+            SEMICOLON if open == 0 => {
+                p.bump_any();
+                return;
+            }
+            _ => {}
+        }
+        p.bump_any();
+        first = false;
+    }
+}

@@ -1,0 +1,477 @@
+//! Constants, types, exceptions.
+
+use super::*;
+
+// test const_decl
+// const unsigned long a = 1;
+// const string<8> s = "x" "y";
+// const m::t b = ::m::c;
+pub(super) fn const_decl(p: &mut Parser<'_>) {
+    let m = p.start();
+    p.bump(CONST_KW);
+    const UNFIT: TokenSet = TokenSet::new(&[
+        ANY_KW,
+        SEQUENCE_KW,
+        OPTIONAL_KW,
+        FIXED_KW,
+        STRUCT_KW,
+        UNION_KW,
+        ENUM_KW,
+    ]);
+    if p.at_ts(UNFIT) {
+        unfit_type(
+            p,
+            "a constant cannot have this type; use a number, boolean, character or string type",
+        );
+    } else {
+        type_spec(p, Allow::Simple);
+    }
+    if name(p) {
+        if p.eat(EQ) {
+            expr::expr(p);
+        } else {
+            p.expected_because("`=`", "a constant needs a value");
+        }
+    }
+    semicolon(p, "this constant");
+    m.complete(p, CONST_DECL);
+}
+
+// test typedef_decl
+// typedef long t, u[3], v[2][N + 1];
+// typedef struct s { long x; } w;
+pub(super) fn typedef_decl(p: &mut Parser<'_>) {
+    let m = p.start();
+    p.bump(TYPEDEF_KW);
+    if type_spec(p, Allow::Constructed) {
+        comma_list(p, declarator);
+    }
+    semicolon(p, "this typedef");
+    m.complete(p, TYPEDEF_DECL);
+}
+
+// test native_decl
+// native n;
+// native native;
+pub(super) fn native_decl(p: &mut Parser<'_>) {
+    let m = p.start();
+    p.bump(NATIVE_KW);
+    name(p);
+    semicolon(p, "this native type");
+    m.complete(p, NATIVE_DECL);
+}
+
+// test exception_decl
+// exception a, b { long code; }, c { };
+pub(super) fn exception_decl(p: &mut Parser<'_>) {
+    let m = p.start();
+    p.bump(EXCEPTION_KW);
+    comma_list(p, |p| {
+        let m = p.start();
+        if !name(p) {
+            m.abandon(p);
+            return false;
+        }
+        if p.at(L_CURLY) {
+            spec::body(p, Fragment::Members, true, "this exception");
+        }
+        m.complete(p, EXCEPTION);
+        true
+    });
+    semicolon(p, "this exception");
+    m.complete(p, EXCEPTION_DECL);
+}
+
+// test type_decl
+// struct s;
+// union u;
+// struct s { long x; };
+// union u switch (long) { case 1: long x; };
+// enum e { A, B };
+pub(super) fn type_decl(p: &mut Parser<'_>) {
+    let m = p.start();
+    if (p.at(STRUCT_KW) || p.at(UNION_KW)) && p.nth(1) == IDENT && p.nth(2) == SEMICOLON {
+        p.bump_any();
+        name(p);
+        p.bump(SEMICOLON);
+        m.complete(p, FORWARD_DECL);
+        return;
+    }
+    let what = match p.current() {
+        STRUCT_KW => "this struct",
+        UNION_KW => "this union",
+        _ => "this enum",
+    };
+    type_spec(p, Allow::Constructed);
+    semicolon(p, what);
+    m.complete(p, TYPE_DECL);
+}
+
+/// A member of a struct, an exception or ids.
+// test member
+// struct s { long a, b[2]; sequence<t, 3> c; struct n { port port; } d; };
+pub(super) fn member(p: &mut Parser<'_>) -> bool {
+    if !p.at_ts(TYPE_FIRST) {
+        return false;
+    }
+    let m = p.start();
+    if type_spec(p, Allow::Constructed) {
+        comma_list(p, declarator);
+    }
+    semicolon(p, "this member");
+    m.complete(p, MEMBER);
+    true
+}
+
+/// A case of a union.
+// test case
+// union u switch (e) { case A: case m::B: long x; default: sequence<long> y[2]; };
+pub(super) fn case(p: &mut Parser<'_>) -> bool {
+    if !p.at(CASE_KW) && !p.at(DEFAULT_KW) {
+        return false;
+    }
+    let m = p.start();
+    while p.at(CASE_KW) || p.at(DEFAULT_KW) {
+        let label = p.start();
+        if p.eat(CASE_KW) {
+            expr::expr(p);
+        } else {
+            p.bump(DEFAULT_KW);
+        }
+        if !p.expect(COLON) && !p.at_ts(TYPE_FIRST) {
+            label.complete(p, CASE_LABEL);
+            break;
+        }
+        label.complete(p, CASE_LABEL);
+    }
+    if !p.is_reported() && type_spec(p, Allow::Constructed) {
+        declarator(p);
+    }
+    semicolon(p, "this case");
+    m.complete(p, CASE);
+    true
+}
+
+/// A name with array dimensions.
+pub(super) fn declarator(p: &mut Parser<'_>) -> bool {
+    let m = p.start();
+    if !name(p) {
+        m.abandon(p);
+        return false;
+    }
+    while p.at(L_BRACK) {
+        let dimension = p.start();
+        p.bump(L_BRACK);
+        expr::expr(p);
+        p.expect(R_BRACK);
+        dimension.complete(p, DIMENSION);
+    }
+    m.complete(p, DECLARATOR);
+    true
+}
+
+/// Which types may stand at a place.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Allow {
+    /// All but declarations of structs, unions and enums.
+    Simple,
+    /// All.
+    Constructed,
+}
+
+/// What a type begins with.
+pub(super) const TYPE_FIRST: TokenSet = TokenSet::new(&[
+    IDENT,
+    COLON2,
+    UNSIGNED_KW,
+    SHORT_KW,
+    LONG_KW,
+    FIXED_KW,
+    FLOAT_KW,
+    DOUBLE_KW,
+    CHAR_KW,
+    WCHAR_KW,
+    STRING_KW,
+    WSTRING_KW,
+    BOOLEAN_KW,
+    OCTET_KW,
+    OBJECT_KW,
+    ANY_KW,
+    STRUCT_KW,
+    UNION_KW,
+    ENUM_KW,
+    SEQUENCE_KW,
+    OPTIONAL_KW,
+]);
+
+/// A type where it is used. Reports what is missing.
+// test type_spec
+// typedef boolean a; typedef octet b; typedef char c; typedef any d; typedef float e;
+// typedef double f; typedef short g; typedef long h; typedef long long i;
+// typedef unsigned short j; typedef unsigned long k; typedef unsigned long long l;
+// typedef string m; typedef string<N> n; typedef fixed<5, 2> o; typedef fixed p;
+// typedef sequence<long> q; typedef sequence<optional<a::b>, 2 * 3> r; typedef ::a s;
+pub(super) fn type_spec(p: &mut Parser<'_>, allow: Allow) -> bool {
+    match p.current() {
+        UNSIGNED_KW | SHORT_KW | LONG_KW | FLOAT_KW | DOUBLE_KW | CHAR_KW | BOOLEAN_KW
+        | OCTET_KW | ANY_KW => base_type(p),
+        STRING_KW => string_type(p),
+        SEQUENCE_KW | OPTIONAL_KW => return template_type(p),
+        FIXED_KW => fixed_type(p),
+        IDENT | COLON2 => {
+            let m = p.start();
+            path(p);
+            m.complete(p, NAMED_TYPE);
+        }
+        STRUCT_KW | UNION_KW | ENUM_KW if allow == Allow::Constructed => return constructed(p),
+        STRUCT_KW | UNION_KW | ENUM_KW => {
+            unfit_type(
+                p,
+                "a type cannot be declared here; declare it before and write its name",
+            );
+        }
+        WCHAR_KW | WSTRING_KW | OBJECT_KW => {
+            let m = p.start();
+            let word = p.current_text();
+            p.error_here(format!(
+                "`{word}` is a reserved word without meaning; use another type"
+            ));
+            p.bump_any();
+            m.complete(p, ERROR);
+        }
+        _ => {
+            p.expected("a type");
+            return false;
+        }
+    }
+    true
+}
+
+/// A type that may not stand here: read, reported and kept out of sight.
+fn unfit_type(p: &mut Parser<'_>, message: &str) {
+    let m = p.start();
+    p.error_here(message.to_owned());
+    type_spec(p, Allow::Constructed);
+    m.complete(p, ERROR);
+}
+
+fn base_type(p: &mut Parser<'_>) {
+    let m = p.start();
+    let unsigned = p.eat(UNSIGNED_KW);
+    if p.eat(LONG_KW) {
+        p.eat(LONG_KW);
+    } else if unsigned {
+        if !p.eat(SHORT_KW) {
+            p.expected("`short` or `long` after `unsigned`");
+        }
+    } else {
+        p.bump_any();
+    }
+    m.complete(p, BASE_TYPE);
+}
+
+fn string_type(p: &mut Parser<'_>) {
+    let m = p.start();
+    p.bump(STRING_KW);
+    if p.eat(L_ANGLE) {
+        expr::in_angles(p);
+        close_angle(p);
+    }
+    m.complete(p, STRING_TYPE);
+}
+
+fn fixed_type(p: &mut Parser<'_>) {
+    let m = p.start();
+    p.bump(FIXED_KW);
+    if p.eat(L_ANGLE) {
+        expr::in_angles(p);
+        if p.expect(COMMA) {
+            expr::in_angles(p);
+        }
+        close_angle(p);
+    }
+    m.complete(p, FIXED_TYPE);
+}
+
+/// `sequence<T, N>` or `optional<T>`
+fn template_type(p: &mut Parser<'_>) -> bool {
+    if !p.enter() {
+        return false;
+    }
+    let m = p.start();
+    let kind = if p.at(SEQUENCE_KW) {
+        SEQUENCE_TYPE
+    } else {
+        OPTIONAL_TYPE
+    };
+    p.bump_any();
+    if p.expect(L_ANGLE) && type_spec(p, Allow::Simple) {
+        if kind == SEQUENCE_TYPE && p.eat(COMMA) {
+            expr::in_angles(p);
+        }
+        close_angle(p);
+    }
+    m.complete(p, kind);
+    p.leave();
+    true
+}
+
+/// The `>` of a template. `>>` is one token, the shift operator: it is reported by the inner template
+/// and passed by the outer one.
+fn close_angle(p: &mut Parser<'_>) {
+    if p.at(SHR) {
+        if p.is_reported() {
+            let m = p.start();
+            p.bump(SHR);
+            m.complete(p, ERROR);
+        } else {
+            p.error_here(
+                "`>>` is the shift operator; write `> >` to close two templates".to_owned(),
+            );
+        }
+        return;
+    }
+    p.expect(R_ANGLE);
+}
+
+fn constructed(p: &mut Parser<'_>) -> bool {
+    if !p.enter() {
+        return false;
+    }
+    match p.current() {
+        STRUCT_KW => struct_type(p),
+        UNION_KW => union_type(p),
+        _ => enum_type(p),
+    }
+    p.leave();
+    true
+}
+
+fn struct_type(p: &mut Parser<'_>) {
+    let m = p.start();
+    p.bump(STRUCT_KW);
+    if type_name(p) {
+        if p.at(L_CURLY) {
+            spec::body(p, Fragment::Members, false, "this struct");
+        } else {
+            p.expected_because(
+                "`{`",
+                "a type that is declared already is used without the word `struct`",
+            );
+        }
+    }
+    m.complete(p, STRUCT);
+}
+
+// test union_inline_enum
+// union u switch (enum e { A, B }) { case A: long x; };
+fn union_type(p: &mut Parser<'_>) {
+    let m = p.start();
+    p.bump(UNION_KW);
+    if type_name(p) {
+        if !p.eat(SWITCH_KW) {
+            p.expected_because("`switch`", "write `union NAME switch (TYPE) { … }`");
+            p.swallow();
+            m.complete(p, UNION);
+            return;
+        }
+        if p.expect(L_PAREN) {
+            switch_type(p);
+            p.expect(R_PAREN);
+        }
+        if p.at(L_CURLY) {
+            spec::body(p, Fragment::Cases, false, "this union");
+        } else {
+            p.expected("`{`");
+        }
+    }
+    m.complete(p, UNION);
+}
+
+fn switch_type(p: &mut Parser<'_>) {
+    const FIT: TokenSet = TokenSet::new(&[
+        UNSIGNED_KW,
+        SHORT_KW,
+        LONG_KW,
+        CHAR_KW,
+        BOOLEAN_KW,
+        ENUM_KW,
+        IDENT,
+        COLON2,
+    ]);
+    if p.at_ts(FIT) || !p.at_ts(TYPE_FIRST) {
+        type_spec(p, Allow::Constructed);
+    } else {
+        unfit_type(
+            p,
+            "a union cannot switch on this type; use an integer type, `char`, `boolean` or an enum",
+        );
+    }
+}
+
+fn enum_type(p: &mut Parser<'_>) {
+    let m = p.start();
+    p.bump(ENUM_KW);
+    if type_name(p) {
+        if p.at(L_CURLY) {
+            enumerators(p);
+        } else {
+            p.expected_because(
+                "`{`",
+                "a type that is declared already is used without the word `enum`",
+            );
+        }
+    }
+    m.complete(p, ENUM);
+}
+
+fn enumerators(p: &mut Parser<'_>) {
+    let m = p.start();
+    p.bump(L_CURLY);
+    while !(p.at(R_CURLY) && p.is_after_include()) {
+        let one = p.start();
+        if name(p) {
+            one.complete(p, ENUMERATOR);
+            if p.at(EQ) {
+                let value = p.start();
+                p.error_here("enumerators have no value of their own: remove it".to_owned());
+                p.bump(EQ);
+                expr::expr(p);
+                value.complete(p, ERROR);
+            }
+        } else {
+            one.abandon(p);
+            if !p.at(COMMA) && !p.at_item_end() && !spec::at_declaration(p) {
+                let bad = p.start();
+                p.bump_any();
+                bad.complete(p, ERROR);
+            }
+        }
+        if !p.eat(COMMA) {
+            if p.at(R_CURLY) || p.at_item_end() || spec::at_declaration(p) {
+                break;
+            }
+            p.expected("`,` or `}`");
+            // A name right after a name: the comma is missing.
+            if !p.at(IDENT) {
+                let bad = p.start();
+                p.bump_any();
+                bad.complete(p, ERROR);
+            }
+        }
+    }
+    if !p.eat(R_CURLY) {
+        p.expected("`}`");
+    }
+    m.complete(p, ENUMERATOR_LIST);
+}
+
+/// The name of a struct, union or enum; there are no anonymous ones.
+fn type_name(p: &mut Parser<'_>) -> bool {
+    if p.at(L_CURLY) {
+        p.expected_because("a name", "structs, unions and enums cannot be anonymous");
+        p.swallow();
+        return false;
+    }
+    name(p)
+}

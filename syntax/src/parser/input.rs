@@ -1,0 +1,158 @@
+//! What the parser reads: the kinds of the real and virtual tokens of a file.
+
+use std::borrow::Cow;
+
+use rowan::{TextRange, TextSize};
+
+use crate::{
+    kind::SyntaxKind::{self, *},
+    lexer::RawTokens,
+    preproc::Element,
+};
+
+/// The tokens of one file as the grammar sees them.
+pub(crate) struct Input<'a> {
+    text: &'a str,
+    raw: &'a RawTokens,
+    elements: &'a [Element],
+    /// Kind of each token; identifiers that may be keywords are `IDENT` here.
+    kinds: Vec<SyntaxKind>,
+    /// The contextual keyword a token may be; its kind for all others.
+    contextual: Vec<SyntaxKind>,
+    /// Index of the element of each token.
+    sources: Vec<u32>,
+    /// Tokens with an `#include` between them and the token before, ascending.
+    after_include: Vec<u32>,
+}
+
+impl<'a> Input<'a> {
+    /// The grammar's tokens among `elements`. `is_include` tells `#include`s among the directives.
+    pub(crate) fn new(
+        text: &'a str,
+        raw: &'a RawTokens,
+        elements: &'a [Element],
+        is_include: impl Fn(u32) -> bool,
+    ) -> Input<'a> {
+        let mut input = Input {
+            text,
+            raw,
+            elements,
+            kinds: Vec::with_capacity(elements.len() / 2),
+            contextual: Vec::with_capacity(elements.len() / 2),
+            sources: Vec::with_capacity(elements.len() / 2),
+            after_include: Vec::new(),
+        };
+        for (index, element) in elements.iter().enumerate() {
+            match element {
+                Element::Real(i) => {
+                    let kind = raw.kind(*i as usize);
+                    input.push(kind, raw.text(text, *i as usize), index);
+                }
+                Element::Virtual(token) => input.push(token.kind, &token.text, index),
+                Element::Directive { index, .. } if is_include(*index) => {
+                    let next = input.kinds.len() as u32;
+                    if input.after_include.last() != Some(&next) {
+                        input.after_include.push(next);
+                    }
+                }
+                _ => {}
+            }
+        }
+        input
+    }
+
+    fn push(&mut self, kind: SyntaxKind, text: &str, element: usize) {
+        if !is_read(kind) {
+            return;
+        }
+        let contextual = match kind {
+            IDENT => SyntaxKind::contextual(text).unwrap_or(IDENT),
+            _ => kind,
+        };
+        self.kinds.push(kind);
+        self.contextual.push(contextual);
+        self.sources.push(element as u32);
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.kinds.len()
+    }
+
+    /// Kind of token `i`, contextual keywords being identifiers.
+    pub(crate) fn kind(&self, i: usize) -> SyntaxKind {
+        self.kinds.get(i).copied().unwrap_or(EOF)
+    }
+
+    /// Kind of token `i`, words that may be keywords being keywords.
+    pub(crate) fn contextual(&self, i: usize) -> SyntaxKind {
+        self.contextual.get(i).copied().unwrap_or(EOF)
+    }
+
+    /// Whether an `#include` stands right before token `i`.
+    pub(crate) fn is_after_include(&self, i: usize) -> bool {
+        self.after_include.binary_search(&(i as u32)).is_ok()
+    }
+
+    /// Spelling of token `i`, after macro expansion.
+    pub(crate) fn text(&self, i: usize) -> Cow<'_, str> {
+        match self.element(i) {
+            Some(Element::Real(raw)) => self.raw.clean_text(self.text, *raw as usize),
+            Some(Element::Virtual(token)) => Cow::Borrowed(&token.text),
+            _ => Cow::Borrowed(""),
+        }
+    }
+
+    /// Where token `i` is in the file. A virtual token is where its macro call is; beyond the last
+    /// token it is the last one, since an error at the end of the input has to be seen somewhere.
+    pub(crate) fn range(&self, i: usize) -> TextRange {
+        let last = i.min(self.len().saturating_sub(1));
+        match self.element(last) {
+            Some(Element::Real(raw)) => self.raw_range(*raw, raw + 1),
+            Some(Element::Virtual(_)) => self.call_range(self.sources[last] as usize),
+            _ => TextRange::empty(TextSize::new(self.text.len() as u32)),
+        }
+    }
+
+    /// The macro that token `i` comes out of. A token that a line join breaks is its own macro.
+    pub(crate) fn macro_name(&self, i: usize) -> Option<&'a str> {
+        let Some(Element::Virtual(_)) = self.element(i) else {
+            return None;
+        };
+        let (first, _) = self.call(self.sources[i] as usize)?;
+        Some(self.raw.text(self.text, first as usize))
+    }
+
+    fn element(&self, i: usize) -> Option<&'a Element> {
+        self.elements.get(*self.sources.get(i)? as usize)
+    }
+
+    fn call_range(&self, element: usize) -> TextRange {
+        self.call(element)
+            .map_or_else(TextRange::default, |(first, end)| {
+                self.raw_range(first, end)
+            })
+    }
+
+    /// The raw tokens of the macro call that a virtual token comes from.
+    fn call(&self, element: usize) -> Option<(u32, u32)> {
+        self.elements[..element]
+            .iter()
+            .rev()
+            .find_map(|it| match it {
+                Element::Call { first, end } => Some((*first, *end)),
+                _ => None,
+            })
+    }
+
+    fn raw_range(&self, first: u32, end: u32) -> TextRange {
+        let start = self.raw.start(first as usize) as u32;
+        let end = self.raw.start(end as usize) as u32;
+        TextRange::new(start.into(), end.into())
+    }
+}
+
+/// Whether the grammar reads tokens of this kind; the others are reported by the preprocessor and
+/// skipped.
+pub(crate) fn is_read(kind: SyntaxKind) -> bool {
+    !kind.is_trivia() && !matches!(kind, STRAY | HASH | HASH2)
+}

@@ -1,0 +1,450 @@
+//! `#if` arithmetic (language reference, 2.5): 64-bit values, the precedences of the reference, and
+//! division by zero that matters only where the value depends on it.
+
+use super::token::Token;
+use crate::{kind::SyntaxKind::*, lexer::is_word};
+
+/// Parentheses, unary operators and conditionals inside one another.
+const MAX_DEPTH: u32 = 200;
+
+/// Why a condition has no value.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) struct CondError {
+    pub(crate) code: &'static str,
+    pub(crate) message: String,
+}
+
+/// Whether the condition holds. `tokens` are macro-expanded, but for the operands of `defined`, about which
+/// `is_defined` is asked.
+pub(crate) fn evaluate(
+    tokens: &[Token],
+    is_defined: impl Fn(&str) -> bool,
+) -> Result<bool, CondError> {
+    let lexemes = lexemes(tokens, is_defined)?;
+    let mut parser = Parser {
+        lexemes: &lexemes,
+        at: 0,
+        depth: 0,
+    };
+    let value = parser.comma()?;
+    if let Some(extra) = parser.peek() {
+        return Err(syntax(format!(
+            "unexpected {} in the condition",
+            extra.describe()
+        )));
+    }
+    match value {
+        Some(value) => Ok(value.bits != 0),
+        None => Err(CondError {
+            code: "pp-if-div-zero",
+            message: "division by zero in the condition".into(),
+        }),
+    }
+}
+
+fn syntax(message: impl Into<String>) -> CondError {
+    CondError {
+        code: "pp-if-syntax",
+        message: message.into(),
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Value {
+    bits: u64,
+    unsigned: bool,
+}
+
+/// `None` where the value depends on a division by zero.
+type Known = Option<Value>;
+
+impl Value {
+    fn signed(value: i64) -> Value {
+        Value {
+            bits: value as u64,
+            unsigned: false,
+        }
+    }
+
+    fn truth(value: bool) -> Value {
+        Value::signed(i64::from(value))
+    }
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Lexeme {
+    Number(Value),
+    Operator(&'static str),
+}
+
+impl Lexeme {
+    fn describe(&self) -> String {
+        match self {
+            Lexeme::Number(value) if value.unsigned => format!("`{}`", value.bits),
+            Lexeme::Number(value) => format!("`{}`", value.bits as i64),
+            Lexeme::Operator(operator) => format!("`{operator}`"),
+        }
+    }
+}
+
+const PAIRS: [&str; 8] = ["==", "!=", "<=", ">=", "&&", "||", "++", "--"];
+const SINGLES: [&str; 19] = [
+    "+", "-", "*", "/", "%", "!", "~", "&", "|", "^", "<", ">", "<<", ">>", "?", ":", ",", "(", ")",
+];
+
+/// Numbers, names and `defined` replaced by their values, operators of two characters put together.
+fn lexemes(tokens: &[Token], is_defined: impl Fn(&str) -> bool) -> Result<Vec<Lexeme>, CondError> {
+    let mut lexemes = Vec::with_capacity(tokens.len());
+    let mut rest = tokens;
+    while let Some((token, after)) = rest.split_first() {
+        rest = after;
+        let glued = rest.first().filter(|it| !it.spaced);
+        if is_word(token.kind, &token.text) {
+            let mut value = false;
+            if token.text == "defined" {
+                let (name, after) = match rest {
+                    [open, name, close, after @ ..]
+                        if open.kind == L_PAREN && close.kind == R_PAREN =>
+                    {
+                        (Some(name), after)
+                    }
+                    [name, after @ ..] => (Some(name), after),
+                    [] => (None, rest),
+                };
+                let name = name.filter(|it| is_word(it.kind, &it.text));
+                let name = name.ok_or_else(|| syntax("`defined` must be followed by a name"))?;
+                value = is_defined(&name.text);
+                rest = after;
+            }
+            lexemes.push(Lexeme::Number(Value::truth(value)));
+            continue;
+        }
+        match token.kind {
+            INT | FLOAT | FIXED => {
+                let mut text = token.text.to_string();
+                // The preprocessor's numbers are longer than the lexer's.
+                while let Some((next, after)) = rest.split_first()
+                    && !next.spaced
+                    && (matches!(next.kind, INT | FLOAT | FIXED | DOT)
+                        || is_word(next.kind, &next.text))
+                {
+                    text.push_str(&next.text);
+                    rest = after;
+                }
+                lexemes.push(Lexeme::Number(number(&text)?));
+            }
+            CHAR => lexemes.push(Lexeme::Number(character(&token.text)?)),
+            _ => {
+                let pair = glued.and_then(|next| {
+                    let pair = format!("{}{}", token.text, next.text);
+                    PAIRS.into_iter().find(|&it| it == pair)
+                });
+                if let Some(pair) = pair {
+                    rest = rest.get(1..).unwrap_or_default();
+                    lexemes.push(Lexeme::Operator(pair));
+                } else if let Some(single) = SINGLES.into_iter().find(|&it| it == token.text) {
+                    lexemes.push(Lexeme::Operator(single));
+                } else {
+                    return Err(syntax(format!(
+                        "`{}` cannot stand in a condition",
+                        token.text
+                    )));
+                }
+            }
+        }
+    }
+    Ok(lexemes)
+}
+
+/// Value of a number: a decimal, octal or hexadecimal integer; digits are read up to the first dot.
+fn number(text: &str) -> Result<Value, CondError> {
+    let spelled = text;
+    let (text, whole) = match text.split_once('.') {
+        Some((digits, _)) => (digits, false),
+        None => (text, true),
+    };
+    let (digits, radix) = match text.as_bytes() {
+        [b'0', b'x' | b'X', ..] => (text.get(2..).unwrap_or(""), 16),
+        [b'0', ..] => (text, 8),
+        _ => (text, 10),
+    };
+    let len = digits
+        .find(|it: char| !it.is_digit(radix))
+        .unwrap_or(digits.len());
+    let (digits, suffix) = digits.split_at(len);
+    let suffix = suffix.to_ascii_lowercase();
+    let valid = matches!(
+        suffix.as_str(),
+        "" | "u" | "l" | "ll" | "ul" | "lu" | "ull" | "llu"
+    );
+    if !valid || (digits.is_empty() && whole) {
+        return Err(syntax(format!("`{spelled}` is not an integer")));
+    }
+    let mut bits = 0u64;
+    for digit in digits.chars().filter_map(|it| it.to_digit(radix)) {
+        bits = bits
+            .checked_mul(u64::from(radix))
+            .and_then(|it| it.checked_add(u64::from(digit)))
+            .ok_or_else(|| CondError {
+                code: "pp-if-range",
+                message: format!("the integer `{spelled}` does not fit in 64 bits"),
+            })?;
+    }
+    Ok(Value {
+        bits,
+        unsigned: suffix.contains('u') || i64::try_from(bits).is_err(),
+    })
+}
+
+/// Value of a character constant.
+fn character(text: &str) -> Result<Value, CondError> {
+    let wrong = || syntax(format!("{text} is not a character constant"));
+    let content = text
+        .get(1..text.len().saturating_sub(1))
+        .ok_or_else(wrong)?;
+    let mut chars = content.chars();
+    let value = match (chars.next().ok_or_else(wrong)?, chars.as_str()) {
+        ('\\', escape) => match escape {
+            "n" => 10,
+            "t" => 9,
+            "v" => 11,
+            "b" => 8,
+            "r" => 13,
+            "f" => 12,
+            "a" => 7,
+            "\\" | "?" | "'" | "\"" => i64::from(escape.as_bytes()[0]),
+            _ => {
+                let (digits, radix) = match escape.strip_prefix(['x', 'X']) {
+                    Some(digits) => (digits, 16),
+                    None if escape.len() <= 3 => (escape, 8),
+                    None => return Err(wrong()),
+                };
+                i64::from_str_radix(digits, radix)
+                    .ok()
+                    .filter(|&it| it >= 0 && !digits.starts_with('+'))
+                    .ok_or_else(wrong)?
+            }
+        },
+        (char, "") => i64::from(u32::from(char)),
+        _ => return Err(wrong()),
+    };
+    Ok(Value::signed(value))
+}
+
+struct Parser<'a> {
+    lexemes: &'a [Lexeme],
+    at: usize,
+    depth: u32,
+}
+
+/// Binding power of a binary operator, and whether it associates.
+fn power(operator: &str) -> Option<(u8, bool)> {
+    Some(match operator {
+        "||" => (1, true),
+        "&&" => (2, true),
+        "|" | "^" => (3, true),
+        "&" => (4, true),
+        "==" | "!=" => (5, false),
+        "<" | ">" | "<=" | ">=" => (6, false),
+        "<<" | ">>" => (7, true),
+        "+" | "-" => (8, true),
+        "*" | "/" | "%" => (9, true),
+        _ => return None,
+    })
+}
+
+impl Parser<'_> {
+    fn peek(&self) -> Option<&Lexeme> {
+        self.lexemes.get(self.at)
+    }
+
+    fn operator(&self) -> Option<&'static str> {
+        match self.peek()? {
+            Lexeme::Operator(operator) => Some(operator),
+            Lexeme::Number(_) => None,
+        }
+    }
+
+    fn eat(&mut self, operator: &str) -> bool {
+        let found = self.operator() == Some(operator);
+        self.at += usize::from(found);
+        found
+    }
+
+    fn comma(&mut self) -> Result<Known, CondError> {
+        let mut value = self.conditional()?;
+        while self.eat(",") {
+            value = self.conditional()?;
+        }
+        Ok(value)
+    }
+
+    fn conditional(&mut self) -> Result<Known, CondError> {
+        self.depth += 1;
+        if self.depth > MAX_DEPTH {
+            return Err(syntax("the condition is nested too deeply"));
+        }
+        let mut value = self.binary(1)?;
+        if self.eat("?") {
+            let yes = self.comma()?;
+            if !self.eat(":") {
+                return Err(syntax("`?` without `:` in the condition"));
+            }
+            let no = self.conditional()?;
+            value = value.and_then(|it| if it.bits != 0 { yes } else { no });
+        }
+        self.depth -= 1;
+        Ok(value)
+    }
+
+    fn binary(&mut self, min_power: u8) -> Result<Known, CondError> {
+        let mut lhs = self.unary()?;
+        let mut last = 0;
+        while let Some(operator) = self.operator()
+            && let Some((power, associates)) = power(operator)
+            && power >= min_power
+        {
+            if power == last && !associates {
+                return Err(syntax(format!(
+                    "`{operator}` does not chain: use parentheses"
+                )));
+            }
+            last = power;
+            self.at += 1;
+            let rhs = self.binary(power + 1)?;
+            lhs = apply(operator, lhs, rhs);
+        }
+        Ok(lhs)
+    }
+
+    fn unary(&mut self) -> Result<Known, CondError> {
+        let mut operators = Vec::new();
+        while let Some(operator) = self.operator() {
+            match operator {
+                "!" | "~" | "-" | "+" => operators.push(operator),
+                "++" | "--" => {
+                    return Err(CondError {
+                        code: "pp-if-operator",
+                        message: format!("`{operator}` cannot be used in a condition"),
+                    });
+                }
+                _ => break,
+            }
+            self.at += 1;
+        }
+        let mut value = self.primary()?;
+        for operator in operators.into_iter().rev() {
+            value = value.map(|it| match operator {
+                "!" => Value::truth(it.bits == 0),
+                "~" => Value {
+                    bits: !it.bits,
+                    ..it
+                },
+                "-" => Value {
+                    bits: it.bits.wrapping_neg(),
+                    ..it
+                },
+                _ => it,
+            });
+        }
+        Ok(value)
+    }
+
+    fn primary(&mut self) -> Result<Known, CondError> {
+        if self.eat("(") {
+            let value = self.comma()?;
+            if !self.eat(")") {
+                return Err(syntax("a `)` is missing in the condition"));
+            }
+            return Ok(value);
+        }
+        match self.peek() {
+            Some(&Lexeme::Number(value)) => {
+                self.at += 1;
+                if matches!(self.operator(), Some("++" | "--")) {
+                    return self.unary();
+                }
+                Ok(Some(value))
+            }
+            Some(lexeme) => Err(syntax(format!(
+                "expected a value in the condition, found {}",
+                lexeme.describe()
+            ))),
+            None if self.lexemes.is_empty() => Err(syntax("the condition is missing")),
+            None => Err(syntax("the condition ends where a value is expected")),
+        }
+    }
+}
+
+fn apply(operator: &str, lhs: Known, rhs: Known) -> Known {
+    match operator {
+        "&&" => {
+            return if lhs?.bits == 0 {
+                lhs.map(|_| Value::truth(false))
+            } else {
+                rhs.map(|it| Value::truth(it.bits != 0))
+            };
+        }
+        "||" => {
+            return if lhs?.bits != 0 {
+                Some(Value::truth(true))
+            } else {
+                rhs.map(|it| Value::truth(it.bits != 0))
+            };
+        }
+        _ => {}
+    }
+    let (lhs, rhs) = (lhs?, rhs?);
+    if matches!(operator, "<<" | ">>") {
+        return Some(shift(operator == "<<", lhs, rhs));
+    }
+    let unsigned = lhs.unsigned || rhs.unsigned;
+    let (a, b) = (lhs.bits, rhs.bits);
+    let (sa, sb) = (a as i64, b as i64);
+    let less = |a: u64, b: u64| {
+        if unsigned {
+            a < b
+        } else {
+            (a as i64) < b as i64
+        }
+    };
+    let bits = match operator {
+        "|" => a | b,
+        "^" => a ^ b,
+        "&" => a & b,
+        "+" => a.wrapping_add(b),
+        "-" => a.wrapping_sub(b),
+        "*" => a.wrapping_mul(b),
+        "/" | "%" if b == 0 => return None,
+        "/" if unsigned => a / b,
+        "%" if unsigned => a % b,
+        "/" => sa.wrapping_div(sb) as u64,
+        "%" => sa.wrapping_rem(sb) as u64,
+        "==" => return Some(Value::truth(a == b)),
+        "!=" => return Some(Value::truth(a != b)),
+        "<" => return Some(Value::truth(less(a, b))),
+        ">" => return Some(Value::truth(less(b, a))),
+        "<=" => return Some(Value::truth(!less(b, a))),
+        _ => return Some(Value::truth(!less(a, b))),
+    };
+    Some(Value { bits, unsigned })
+}
+
+/// A shift; by a negative count it goes the other way, as C compilers do.
+fn shift(left: bool, value: Value, count: Value) -> Value {
+    let negative = !count.unsigned && (count.bits as i64) < 0;
+    let by = if negative {
+        count.bits.wrapping_neg()
+    } else {
+        count.bits
+    };
+    let by = u32::try_from(by).unwrap_or(u32::MAX);
+    let bits = if left != negative {
+        value.bits.checked_shl(by).unwrap_or(0)
+    } else if value.unsigned {
+        value.bits.checked_shr(by).unwrap_or(0)
+    } else {
+        ((value.bits as i64) >> by.min(63)) as u64
+    };
+    Value { bits, ..value }
+}

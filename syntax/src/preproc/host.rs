@@ -1,0 +1,68 @@
+//! What the preprocessor asks for: included files and packages.
+
+use smol_str::SmolStr;
+
+use super::MacroEnv;
+
+/// What the preprocessor needs from outside: the files and packages that a text names.
+pub trait Host {
+    /// An active `#include`: the environment after the included file.
+    ///
+    /// # Errors
+    /// Why the file could not be included; the environment is then taken as unchanged.
+    fn include(
+        &mut self,
+        request: &IncludeRequest,
+        env: &MacroEnv,
+    ) -> Result<MacroEnv, IncludeError>;
+
+    /// An active `#pragma requires`: the environment with the `-D` definitions of the packages (see
+    /// [`MacroEnv::define_option`]). Include directories are the host's business.
+    ///
+    /// # Errors
+    /// A message for the user; the environment is then taken as unchanged.
+    fn requires(&mut self, arguments: &[SmolStr], env: &MacroEnv) -> Result<MacroEnv, String>;
+}
+
+/// A host that finds no file and knows every package, for texts on their own.
+#[derive(Debug, Default)]
+pub struct NoIncludes;
+
+impl Host for NoIncludes {
+    fn include(&mut self, _: &IncludeRequest, _: &MacroEnv) -> Result<MacroEnv, IncludeError> {
+        Err(IncludeError::NotFound {
+            searched: Vec::new(),
+        })
+    }
+
+    fn requires(&mut self, _: &[SmolStr], env: &MacroEnv) -> Result<MacroEnv, String> {
+        Ok(env.clone())
+    }
+}
+
+/// A file asked for by an active `#include`.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct IncludeRequest {
+    /// Ordinal among the active `#include` directives of the file.
+    pub ordinal: u32,
+    /// As written between the delimiters.
+    pub path: SmolStr,
+    /// `<…>`: the directory of the including file is not searched.
+    pub angled: bool,
+}
+
+/// Why a file could not be included.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum IncludeError {
+    /// No such file (`pp-include-not-found`).
+    NotFound {
+        /// Where it was looked for, for the message; may be empty.
+        searched: Vec<String>,
+    },
+    /// Found but unusable, with the reason: a directory, not readable… (`pp-include-not-found`).
+    Unreadable(String),
+    /// More than 100 files open (`pp-include-depth`).
+    TooDeep,
+    /// Not included, for a reason that is reported elsewhere.
+    Silent,
+}

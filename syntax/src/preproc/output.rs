@@ -1,0 +1,93 @@
+//! What the preprocessor says about one file.
+
+use rowan::TextRange;
+use smol_str::SmolStr;
+
+use super::{Element, IncludeRequest, MacroEnv, MacroSite};
+use crate::directive::{Directive, DirectiveKind};
+
+/// An active `#include` and what came of it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ActiveInclude {
+    /// Index of the directive.
+    pub directive: u32,
+    /// What was asked for; `None` if the directive is malformed.
+    pub request: Option<IncludeRequest>,
+    /// The operand in the text, delimiters included.
+    pub range: TextRange,
+    /// Whether the host included the file.
+    pub included: bool,
+}
+
+/// A macro name in the text that was looked up.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MacroUse {
+    /// The name.
+    pub name: SmolStr,
+    /// The name in the text.
+    pub range: TextRange,
+    /// The definition in force; `None` if there is none (in `#ifdef`, `defined`, `#undef`).
+    pub site: Option<MacroSite>,
+}
+
+/// How grave a report is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Severity {
+    /// The specification is rejected.
+    Error,
+    /// Accepted, but suspicious.
+    Warning,
+    /// Worth knowing.
+    Hint,
+}
+
+/// Something wrong with the characters or directives of a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PpError {
+    /// The stable code (language reference, section 19).
+    pub code: &'static str,
+    /// What is wrong and what to do.
+    pub message: String,
+    /// Where, in the text of the file.
+    pub range: TextRange,
+    /// How grave.
+    pub severity: Severity,
+    /// Another place that explains it.
+    pub related: Option<(TextRange, &'static str)>,
+}
+
+/// What the preprocessor makes of one file in one environment.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Preprocessed {
+    /// What each raw token is for, in text order.
+    pub elements: Vec<Element>,
+    /// All directives, in text order; those in inactive text are no elements of their own.
+    pub directives: Vec<Directive>,
+    /// The active `#include`s; an `#include`'s ordinal is its index here.
+    pub includes: Vec<ActiveInclude>,
+    /// Everything wrong, in text order.
+    pub errors: Vec<PpError>,
+    /// Names of macros in the text, in text order.
+    pub macro_uses: Vec<MacroUse>,
+    /// Text left out by conditionals, whole lines.
+    pub inactive: Vec<TextRange>,
+    /// The environment at the end of the file.
+    pub exit_env: MacroEnv,
+}
+
+impl Preprocessed {
+    /// The `ordinal`-th `#define` of the file, live or not; see [`MacroSite`].
+    pub fn define_directive(&self, ordinal: u32) -> Option<&Directive> {
+        self.directives.iter().find(
+            |it| matches!(&it.kind, DirectiveKind::Define(define) if define.ordinal == ordinal),
+        )
+    }
+
+    /// The ordinal of an active `#include`, by the index of its directive.
+    pub fn include_ordinal(&self, directive: u32) -> Option<u32> {
+        let found = self
+            .includes
+            .binary_search_by_key(&directive, |it| it.directive);
+        found.ok().map(|ordinal| ordinal as u32)
+    }
+}

@@ -1,0 +1,432 @@
+//! What the directives do.
+
+use std::ops::Range;
+
+use rowan::TextRange;
+use smol_str::SmolStr;
+
+use super::{Conditional, MAX_ERRORS, Walker};
+use crate::{
+    directive::{
+        Define, Directive, DirectiveKind, IncludeForm, IncludeOperand, Name, Operand, Pragma,
+        unquote,
+    },
+    kind::SyntaxKind::*,
+    lexer::{is_trivia, is_word},
+    preproc::{
+        ActiveInclude, IncludeError, IncludeRequest, MacroUse, PpError, Severity,
+        body::lower_define, cond::evaluate, token::Token,
+    },
+};
+
+/// Arguments of `#pragma requires` (language reference, 17.1).
+const MAX_PACKAGES: usize = 8;
+
+impl Walker<'_> {
+    /// Does what a directive says. For one that begins a group, says whether the group is live.
+    pub(super) fn execute(&mut self, directive: &Directive, index: usize) -> Option<bool> {
+        let range = directive.range;
+        match &directive.kind {
+            DirectiveKind::Include(operand) => self.include(operand, index, range),
+            DirectiveKind::Define(define) => self.define(define, range),
+            DirectiveKind::Undef(operand) => self.undef(operand, range),
+            DirectiveKind::If(condition) => {
+                let value = self.condition(condition.clone(), range);
+                return Some(self.open(index, value));
+            }
+            DirectiveKind::Ifdef(operand) | DirectiveKind::Ifndef(operand) => {
+                let wanted = matches!(directive.kind, DirectiveKind::Ifdef(_));
+                let value = self
+                    .is_defined(operand, directive)
+                    .is_some_and(|it| it == wanted);
+                return Some(self.open(index, value));
+            }
+            DirectiveKind::Elif(condition) => return self.elif(condition.clone(), range),
+            DirectiveKind::Else(rest) => return self.else_(rest, directive),
+            DirectiveKind::Endif(rest) => self.endif(rest, directive),
+            DirectiveKind::Error(text) => {
+                let message = if text.is_empty() {
+                    "`#error`".into()
+                } else {
+                    text.to_string()
+                };
+                self.error("pp-error-directive", range, message);
+            }
+            DirectiveKind::Warning(text) => {
+                let message = if text.is_empty() {
+                    "`#warning`".into()
+                } else {
+                    text.to_string()
+                };
+                self.warning("pp-warning-directive", range, message);
+            }
+            DirectiveKind::Line(operand) => self.line(operand.clone(), range),
+            DirectiveKind::Pragma(pragma) if pragma.name.is_none() => {
+                self.error(
+                    "pp-pragma-bad",
+                    range,
+                    "`#pragma` must be followed by a word",
+                );
+            }
+            DirectiveKind::Pragma(pragma) => self.pragma(pragma, range),
+            DirectiveKind::Unknown => {
+                let word = directive.keyword.as_ref().map_or("", |it| it.text.as_str());
+                self.report(PpError {
+                    code: "pp-unknown-directive",
+                    message: format!("unknown directive `#{word}`: the line is ignored"),
+                    range,
+                    severity: Severity::Hint,
+                    related: None,
+                });
+            }
+            DirectiveKind::Empty => {}
+        }
+        None
+    }
+
+    fn include(&mut self, operand: &IncludeOperand, index: usize, range: TextRange) {
+        let ordinal = self.out.includes.len() as u32;
+        let named = match &operand.form {
+            IncludeForm::Quoted(path) => Some((path.clone(), false)),
+            IncludeForm::Angled(path) => Some((path.clone(), true)),
+            IncludeForm::Macro(tokens) => self.include_operand(tokens.clone(), range),
+        };
+        let named = named.filter(|(path, _)| !path.is_empty());
+        if named.is_none() {
+            let message = "`#include` must be followed by `\"file\"`, `<file>`, or a macro that \
+                           stands for one of them";
+            self.error("pp-include-bad", range, message);
+        } else if !operand.rest.is_empty() {
+            let extra = self.span(operand.rest.start, operand.rest.end);
+            let message = "nothing may follow the name of the file in an `#include`";
+            self.error("pp-include-bad", extra, message);
+        }
+        let request = named.map(|(path, angled)| IncludeRequest {
+            ordinal,
+            path,
+            angled,
+        });
+        let mut included = false;
+        if let Some(request) = &request {
+            match self.host.include(request, &self.env) {
+                Ok(env) => {
+                    self.env = env;
+                    included = true;
+                }
+                Err(error) => self.report_include(request, error, operand.range),
+            }
+        }
+        self.out.includes.push(ActiveInclude {
+            directive: index as u32,
+            request,
+            range: operand.range,
+            included,
+        });
+    }
+
+    /// The file that macros in an `#include` name, and whether in angle brackets.
+    fn include_operand(&mut self, tokens: Range<u32>, range: TextRange) -> Option<(SmolStr, bool)> {
+        let tokens = self.expand(tokens, range);
+        match &tokens[..] {
+            [only] if only.kind == STRING => Some((unquote(&only.text).into(), false)),
+            [open, path @ .., close] if open.text == "<" && close.text == ">" => {
+                let mut name = String::new();
+                for (i, token) in path.iter().enumerate() {
+                    if i > 0 && token.spaced {
+                        name.push(' ');
+                    }
+                    name.push_str(&token.text);
+                }
+                Some((name.into(), true))
+            }
+            _ => None,
+        }
+    }
+
+    fn define(&mut self, define: &Define, range: TextRange) {
+        let (definition, problems) = lower_define(self.text, self.raw, define, Some(self.file));
+        for problem in problems {
+            self.error(problem.code, range, problem.message);
+        }
+        let Some(definition) = definition else { return };
+        for i in define.body.clone() {
+            let kind = self.raw.kind(i as usize);
+            if !is_word(kind, self.raw.text(self.text, i as usize)) {
+                continue;
+            }
+            let text = SmolStr::new(self.raw.clean_text(self.text, i as usize));
+            let param = define
+                .params
+                .as_ref()
+                .is_some_and(|it| it.names.iter().any(|it| it.text == text));
+            if param {
+                continue;
+            }
+            let range = self.expander.raw_range(i);
+            match self.env.get(&text) {
+                Some(used) => {
+                    let site = Some(used.site.clone());
+                    self.expander.uses.push(MacroUse {
+                        name: text,
+                        range,
+                        site,
+                    });
+                }
+                None => self.body_words.push(Name { text, range }),
+            }
+        }
+        if let Some(old) = self.env.get(&definition.name)
+            && !old.same_meaning(&definition)
+        {
+            // Looking for the former directive takes time that a file of garbage does not deserve.
+            let here =
+                old.site.file.as_ref() == Some(self.file) && self.out.errors.len() < MAX_ERRORS;
+            let related = here
+                .then(|| self.out.define_directive(old.site.ordinal))
+                .flatten()
+                .map(|it| (it.range, "the former definition"));
+            self.report(PpError {
+                code: "pp-redefined",
+                message: format!(
+                    "the macro `{}` is defined again with another body; this one is used from here \
+                     on",
+                    definition.name
+                ),
+                range,
+                severity: Severity::Warning,
+                related,
+            });
+        }
+        self.env.define(definition);
+    }
+
+    fn undef(&mut self, operand: &Operand, range: TextRange) {
+        let Some(name) = &operand.name else {
+            self.error(
+                "pp-undef-bad",
+                range,
+                "`#undef` must be followed by the name of a macro",
+            );
+            return;
+        };
+        self.extra_tokens(operand, "undef");
+        self.record(name);
+        self.env.undef(&name.text);
+    }
+
+    fn is_defined(&mut self, operand: &Operand, directive: &Directive) -> Option<bool> {
+        let keyword = directive.keyword.as_ref().map_or("", |it| it.text.as_str());
+        let Some(name) = &operand.name else {
+            let message = format!("`#{keyword}` must be followed by the name of a macro");
+            self.error("pp-ifdef-bad", directive.range, message);
+            return None;
+        };
+        self.extra_tokens(operand, keyword);
+        self.record(name);
+        Some(self.env.get(&name.text).is_some())
+    }
+
+    fn extra_tokens(&mut self, operand: &Operand, keyword: &str) {
+        if !operand.rest.is_empty() {
+            let range = self.span(operand.rest.start, operand.rest.end);
+            let message = format!("`#{keyword}` takes exactly one name: remove what follows it");
+            self.error("pp-extra-tokens", range, message);
+        }
+    }
+
+    /// Notes that a name was looked up.
+    fn record(&mut self, name: &Name) {
+        let site = self.env.get(&name.text).map(|it| it.site.clone());
+        self.expander.uses.push(MacroUse {
+            name: name.text.clone(),
+            range: name.range,
+            site,
+        });
+    }
+
+    /// Expands the operand of a directive.
+    fn expand(&mut self, tokens: Range<u32>, range: TextRange) -> Vec<Token> {
+        let at = tokens.start;
+        let operand = tokens
+            .filter(|&i| !is_trivia(self.raw.kind(i as usize)))
+            .map(|i| self.expander.token(i))
+            .collect();
+        let expansion = self.expander.operand(&self.env, operand, at);
+        self.report_calls(range);
+        expansion
+    }
+
+    fn condition(&mut self, tokens: Range<u32>, range: TextRange) -> bool {
+        self.expander.in_condition = true;
+        let errors = self.out.errors.len();
+        let tokens = self.expand(tokens, range);
+        self.expander.in_condition = false;
+        match evaluate(&tokens, |name| self.env.get(name).is_some()) {
+            Ok(value) => value,
+            Err(error) => {
+                // A call gone wrong explains a condition gone wrong.
+                if self.out.errors.len() == errors {
+                    self.error(error.code, range, error.message);
+                }
+                false
+            }
+        }
+    }
+
+    fn open(&mut self, opening: usize, value: bool) -> bool {
+        self.conditionals.push(Conditional {
+            opening,
+            taken: value,
+            seen_else: false,
+        });
+        self.live = value;
+        value
+    }
+
+    fn elif(&mut self, condition: Range<u32>, range: TextRange) -> Option<bool> {
+        let Some(conditional) = self.conditionals.last() else {
+            self.error(
+                "pp-elif-without-if",
+                range,
+                "`#elif` without `#if` before it",
+            );
+            return None;
+        };
+        let taken = conditional.taken || conditional.seen_else;
+        let value = !taken && self.condition(condition, range);
+        if let Some(conditional) = self.conditionals.last_mut() {
+            conditional.taken |= value;
+        }
+        self.live = value;
+        Some(value)
+    }
+
+    fn else_(&mut self, rest: &Range<u32>, directive: &Directive) -> Option<bool> {
+        let range = directive.range;
+        self.tail(rest, directive);
+        let Some(conditional) = self.conditionals.last_mut() else {
+            self.error(
+                "pp-else-without-if",
+                range,
+                "`#else` without `#if` before it",
+            );
+            return None;
+        };
+        if conditional.seen_else {
+            let opening = self.out.directives.get(conditional.opening);
+            let related = opening.map(|it| (it.range, "the conditional begins here"));
+            self.live = false;
+            self.report(PpError {
+                code: "pp-else-twice",
+                message: "a second `#else` in the same conditional".into(),
+                range,
+                severity: Severity::Error,
+                related,
+            });
+            return Some(false);
+        }
+        conditional.seen_else = true;
+        self.live = !conditional.taken;
+        conditional.taken = true;
+        Some(self.live)
+    }
+
+    fn endif(&mut self, rest: &Range<u32>, directive: &Directive) {
+        self.tail(rest, directive);
+        if self.conditionals.pop().is_none() {
+            let message = "`#endif` without `#if` before it";
+            self.error("pp-endif-without-if", directive.range, message);
+        }
+        self.live = true;
+    }
+
+    /// Warns of what follows `#else` and `#endif`, or of the line end that does not.
+    fn tail(&mut self, rest: &Range<u32>, directive: &Directive) {
+        let keyword = directive.keyword.as_ref().map_or("", |it| it.text.as_str());
+        if !rest.is_empty() {
+            let message = format!("`#{keyword}` takes nothing: make what follows it a comment");
+            self.warning(
+                "pp-extra-tokens-tail",
+                self.span(rest.start, rest.end),
+                message,
+            );
+        }
+        if self.at >= self.raw.len() && !self.open_comment {
+            let message = format!("the file ends on `#{keyword}` without a line end");
+            self.warning("pp-no-newline", directive.range, message);
+        }
+    }
+
+    fn line(&mut self, operand: Range<u32>, range: TextRange) {
+        let tokens = self.expand(operand, range);
+        let number = |it: &Token| it.kind == INT && it.text.bytes().all(|it| it.is_ascii_digit());
+        let valid = match &tokens[..] {
+            [line] => number(line),
+            [line, file, ..] => number(line) && file.kind == STRING,
+            [] => false,
+        };
+        if !valid {
+            let message = "`#line` must be followed by a line number and, optionally, a file name \
+                           in quotes";
+            self.error("pp-line-bad", range, message);
+        }
+    }
+
+    pub(super) fn pragma(&mut self, pragma: &Pragma, range: TextRange) {
+        let Some(name) = &pragma.name else { return };
+        if !matches!(name.text.as_str(), "requires" | "require") {
+            return;
+        }
+        match pragma.args.len() {
+            0 => {
+                let message = format!("`#pragma {}` must be followed by a package", name.text);
+                self.error("pp-requires-empty", range, message);
+            }
+            1..=MAX_PACKAGES => {
+                let arguments: Vec<SmolStr> =
+                    pragma.args.iter().map(|it| it.text.clone()).collect();
+                match self.host.requires(&arguments, &self.env) {
+                    Ok(env) => self.env = env,
+                    Err(message) => self.error("pp-requires-unresolved", range, message),
+                }
+            }
+            count => {
+                let message = format!(
+                    "`#pragma {}` takes at most {MAX_PACKAGES} arguments, {count} given: use \
+                     several pragmas, and quotes around a package with its version",
+                    name.text
+                );
+                self.error("pp-requires-many", range, message);
+            }
+        }
+    }
+
+    fn report_include(&mut self, request: &IncludeRequest, error: IncludeError, range: TextRange) {
+        let path = &request.path;
+        match error {
+            IncludeError::NotFound { searched } => {
+                let message = match &searched[..] {
+                    [] => format!("cannot find the file `{path}`"),
+                    searched => format!(
+                        "cannot find the file `{path}`, searched in {}; add its directory to the \
+                         include path",
+                        searched.join(", ")
+                    ),
+                };
+                self.error("pp-include-not-found", range, message);
+            }
+            IncludeError::Unreadable(reason) => {
+                let message = format!("cannot include the file `{path}`: {reason}");
+                self.error("pp-include-not-found", range, message);
+            }
+            IncludeError::TooDeep => {
+                let message = format!(
+                    "including the file `{path}` would open more than 100 files at once: does it \
+                     include itself?"
+                );
+                self.error("pp-include-depth", range, message);
+            }
+            IncludeError::Silent => {}
+        }
+    }
+}

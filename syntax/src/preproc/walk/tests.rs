@@ -1,0 +1,878 @@
+use std::collections::BTreeMap;
+
+use expect_test::{Expect, expect};
+use proptest::prelude::*;
+
+use super::*;
+use crate::{
+    lexer::lex,
+    preproc::{IncludeError, IncludeRequest, MacroSite, NoIncludes},
+};
+
+/// Files in memory. A fixture has parts that begin with `//- name`; the first is the main file.
+struct Files {
+    texts: BTreeMap<SmolStr, String>,
+    depth: usize,
+    errors: Vec<String>,
+}
+
+impl Files {
+    fn parse(fixture: &str) -> (SmolStr, Files) {
+        let mut texts = BTreeMap::new();
+        let mut main = SmolStr::new("main.gen");
+        match fixture.strip_prefix("//- ") {
+            None => {
+                texts.insert(main.clone(), fixture.to_owned());
+            }
+            Some(parts) => {
+                for (i, part) in parts.split("\n//- ").enumerate() {
+                    let (name, text) = part.split_once('\n').unwrap_or((part, ""));
+                    if i == 0 {
+                        main = name.into();
+                    }
+                    texts.insert(name.into(), format!("{}\n", text.trim_end_matches('\n')));
+                }
+            }
+        }
+        (
+            main,
+            Files {
+                texts,
+                depth: 0,
+                errors: Vec::new(),
+            },
+        )
+    }
+
+    fn run(&mut self, file: &SmolStr, env: MacroEnv) -> Option<Preprocessed> {
+        let text = self.texts.get(file)?.clone();
+        let raw = lex(&text);
+        let out = preprocess(file, &text, &raw, env, self);
+        assert_covers(&text, &raw, &out);
+        for error in &out.errors {
+            let line = text[..usize::from(error.range.start())]
+                .matches('\n')
+                .count()
+                + 1;
+            let severity = format!("{:?}", error.severity).to_lowercase();
+            self.errors.push(format!(
+                "{file}:{line}: {severity} {}: {}",
+                error.code, error.message
+            ));
+        }
+        Some(out)
+    }
+}
+
+impl Host for Files {
+    fn include(
+        &mut self,
+        request: &IncludeRequest,
+        env: &MacroEnv,
+    ) -> Result<MacroEnv, IncludeError> {
+        if self.depth > 20 {
+            return Err(IncludeError::TooDeep);
+        }
+        self.depth += 1;
+        let out = self.run(&request.path, env.clone());
+        self.depth -= 1;
+        match out {
+            Some(out) => Ok(out.exit_env),
+            None => Err(IncludeError::NotFound {
+                searched: vec!["here".into()],
+            }),
+        }
+    }
+
+    fn requires(&mut self, arguments: &[SmolStr], env: &MacroEnv) -> Result<MacroEnv, String> {
+        let mut env = env.clone();
+        for argument in arguments {
+            let package = argument
+                .strip_prefix("have")
+                .ok_or(format!("unknown package `{argument}`"))?;
+            env.define_option(&format!("HAVE{package}=7"))?;
+        }
+        Ok(env)
+    }
+}
+
+/// The elements cover all raw tokens, in order, without gap.
+fn assert_covers(text: &str, raw: &RawTokens, out: &Preprocessed) {
+    let mut next = 0;
+    for element in &out.elements {
+        let (first, end) = match *element {
+            Element::Trivia(i) | Element::Real(i) => (i, i + 1),
+            Element::Virtual(_) => (next, next),
+            Element::Call { first, end }
+            | Element::Directive { first, end, .. }
+            | Element::Inactive { first, end } => (first, end),
+        };
+        assert_eq!(first, next, "a gap or an overlap in {text:?}");
+        assert!(end >= first);
+        next = end;
+    }
+    assert_eq!(next as usize, raw.len(), "tokens left in {text:?}");
+    for (i, include) in out.includes.iter().enumerate() {
+        assert_eq!(out.include_ordinal(include.directive), Some(i as u32));
+    }
+}
+
+/// What the parser reads, as text, one line for each line of the file.
+fn live_text(text: &str, raw: &RawTokens, out: &Preprocessed) -> String {
+    let mut live = String::new();
+    for element in &out.elements {
+        match element {
+            Element::Trivia(i) if raw.kind(*i as usize) == NEWLINE => live.push('\n'),
+            Element::Trivia(_) | Element::Call { .. } | Element::Inactive { .. } => live.push(' '),
+            Element::Directive { index, .. } => {
+                let directive = &out.directives[*index as usize];
+                if let (DirectiveKind::Pragma(pragma), true) = (&directive.kind, directive.active) {
+                    let words: Vec<&str> = pragma
+                        .name
+                        .iter()
+                        .map(|it| &it.text)
+                        .chain(pragma.args.iter().map(|it| &it.text))
+                        .map(SmolStr::as_str)
+                        .collect();
+                    live.push_str(&format!(" #pragma[{}] ", words.join("|")));
+                }
+            }
+            Element::Real(i) => live.push_str(raw.text(text, *i as usize)),
+            Element::Virtual(token) => {
+                if !token.glued {
+                    live.push(' ');
+                }
+                live.push_str(&token.text);
+            }
+        }
+    }
+    let lines = live
+        .lines()
+        .map(|it| it.split_whitespace().collect::<Vec<_>>().join(" "));
+    lines
+        .filter(|it| !it.is_empty())
+        .map(|it| it + "\n")
+        .collect()
+}
+
+fn run(fixture: &str) -> (Files, Preprocessed, String) {
+    let (main, mut files) = Files::parse(fixture);
+    let out = files.run(&main, MacroEnv::predefined()).unwrap();
+    let text = &files.texts[&main];
+    let live = live_text(text, &lex(text), &out);
+    (files, out, live)
+}
+
+/// Checks what the parser reads of the main file, and the errors of all files.
+fn check(fixture: &str, expect: Expect) {
+    let (files, _, mut live) = run(fixture);
+    for error in &files.errors {
+        live.push_str(error);
+        live.push('\n');
+    }
+    expect.assert_eq(&live);
+}
+
+#[test]
+fn object_macros() {
+    check(
+        "#define N 4\n#define M N + __LINE__\n#define SELF SELF + x\n#define A B\n#define B A\n\
+         long a[N] = M; SELF A\n\"N\" __FILE__ __GENOM__\n",
+        expect![[r#"
+            long a[ 4] = 4 + 6; SELF + x A
+            "N" "main.gen" 2.99.39
+        "#]],
+    );
+}
+
+#[test]
+fn function_macros() {
+    check(
+        "#define SQ(x) ((x)*(x))\n#define Z() 7\n#define LIST(first, ...) __VA_ARGS__ first\n\
+         #define ID(x) x\n\
+         SQ(SQ(a)) SQ Z( ) LIST(A, (B, C), D) LIST(A)\nID(SQ)(2) ID(\n1\n) ID()\n\
+         #define f(x) x f\nf(1)(2)(3)\n#define g f\ng(1)(2)\n",
+        expect![[r#"
+            ((((a)*(a)))*(((a)*(a)))) SQ 7 (B, C), D A A
+            ((2)*(2)) 1
+            1 f(2)(3)
+            1 f(2)
+        "#]],
+    );
+}
+
+#[test]
+fn strings_and_pastes() {
+    check(
+        r##"#define S(x) #x
+#define X(x) S(x)
+#define CAT(a, b) a ## b
+#define XCAT(a, b) CAT(a, b)
+#define N 4
+#define V(a, ...) a##__VA_ARGS__ #__VA_ARGS__
+#define H # x
+S( a  +/**/b ) S("q\n" 'c') X(N) S(N)
+CAT(N, N) XCAT(N, N) CAT(,a) CAT(a,)x CAT(,) CAT(1, ms) CAT(clock-, rate)
+V(a, b, c)
+"##,
+        expect![[r#"
+            "a + b" "\"q\\n\" 'c'" "4" "N"
+            NN 44 a ax 1ms clock-rate
+            ab, c "b, c"
+        "#]],
+    );
+}
+
+/// The examples of the C standard on rescanning (6.10.3.5), but for the first line of the second.
+#[test]
+fn rescanning_as_in_the_standard() {
+    check(
+        r##"#define x 3
+#define f(a) f(x * (a))
+#undef x
+#define x 2
+#define g f
+#define z z[0]
+#define h g(~
+#define m(a) a(w)
+#define w 0,1
+#define t(a) a
+#define p() int
+#define q(x) x
+#define r(x,y) x ## y
+f(y+1) + f(f(z)) % t(t(g)(0) + t)(1);
+g(x+(3,4)-w) | h 5) & m(f)^m(m);
+p() i[q()] = { q(1), r(2,3), r(4,), r(,5), r(,) };
+"##,
+        expect![[r#"
+            f(2 * (y+1)) + f(2 * (f(2 * (z[0])))) % f(2 * (0)) + t(1);
+            f(2 * (2+(3,4)-0,1)) | f(2 * (~ 5)) & f(2 * (0,1))^ m(0,1);
+            int i[ ] = { 1, 23, 4, 5, };
+        "#]],
+    );
+}
+
+#[test]
+fn letters_behind_a_number_are_no_macro() {
+    check(
+        "#define ms s\nperiod 10ms; period 10 ms;\n",
+        expect![[r#"
+        period 10ms; period 10 s;
+    "#]],
+    );
+}
+
+#[test]
+fn calls_gone_wrong() {
+    check(
+        "#define F(x, y) x+y\n#define Z() 0\nF(1) F(1, 2, 3) Z(1)\nF(1,\n2,\n3)\n",
+        expect![[r#"
+            1+ 1+2 0
+            1+2
+            main.gen:3: error pp-macro-args: the macro `F` takes 2 arguments, 1 given
+            main.gen:3: error pp-macro-args: the macro `F` takes 2 arguments, 3 given
+            main.gen:3: error pp-macro-args: the macro `Z` takes 0 arguments, 1 given
+            main.gen:6: error pp-macro-args: the macro `F` takes 2 arguments, 3 given
+        "#]],
+    );
+    check(
+        "#define F(x) x\na; F(1, F(2\nb;\n#define G 1\nG F\n",
+        expect![[r#"
+            a; F(1, F(2
+            b;
+            1 F
+            main.gen:2: error pp-macro-eof: a directive inside the arguments of the macro `F`: close the call before it
+        "#]],
+    );
+}
+
+#[test]
+fn macros_that_grow_are_stopped() {
+    let mut text = String::from("#define A0 x x x x\n");
+    for i in 1..30 {
+        text.push_str(&format!("#define A{i} A{0} A{0} A{0} A{0}\n", i - 1));
+    }
+    text.push_str("A29\nA29\n");
+    let (files, ..) = run(&text);
+    assert_eq!(files.errors.len(), 1, "{:?}", files.errors);
+    assert!(
+        files.errors[0].contains("pp-macro-limit"),
+        "{:?}",
+        files.errors
+    );
+
+    // Texts that double, arguments in arguments, and calls without end.
+    let deep = |open: &str, count: usize| {
+        format!(
+            "#define E(x) D(x)\n#define D(x) x##x\n#define S(x) #x\n#define T(x) S(x)\n{}a{}\n",
+            open.repeat(count),
+            ")".repeat(count)
+        )
+    };
+    for text in [deep("E(", 100), deep("T(", 100), deep("E(", 20_000)] {
+        let (files, ..) = run(&text);
+        assert_eq!(files.errors.len(), 1, "{:?}", files.errors);
+    }
+    let (files, ..) = run(&format!("#define F(x) x\n{}", "F( ".repeat(50_000)));
+    assert_eq!(files.errors.len(), 1, "{:?}", files.errors);
+}
+
+#[test]
+fn conditionals_leave_text_out() {
+    check(
+        "#define A\n#ifdef A\none\n# if 0\ntwo \"\n# else\" \n#else\nthree\n# endif\n#elif 1/0\nfour\n#else\n#error\n#endif\n\
+         #ifndef A\n#if 1\n#include \"x\"\n#endif don't\n#else\nfive\n#endif\nsix\n",
+        expect![[r#"
+            one
+            three
+            five
+            six
+        "#]],
+    );
+    let (_, out, _) = run("#if 0\na\n #elif 1\nb\n#else\nc\n#endif\n");
+    let taken: Vec<Option<bool>> = out.directives.iter().map(|it| it.taken).collect();
+    assert_eq!(taken, [Some(false), Some(true), Some(false), None]);
+    assert_eq!(format!("{:?}", out.inactive), "[6..8, 25..27]");
+}
+
+#[test]
+fn conditional_mistakes() {
+    check(
+        "#else\n#elif 1\n#endif\n#if 1\n#else x\n#else\n#elif 1\ny\n#endif z\n#if 1\n",
+        expect![[r#"
+            main.gen:1: error pp-else-without-if: `#else` without `#if` before it
+            main.gen:2: error pp-elif-without-if: `#elif` without `#if` before it
+            main.gen:3: error pp-endif-without-if: `#endif` without `#if` before it
+            main.gen:5: warning pp-extra-tokens-tail: `#else` takes nothing: make what follows it a comment
+            main.gen:6: error pp-else-twice: a second `#else` in the same conditional
+            main.gen:9: warning pp-extra-tokens-tail: `#endif` takes nothing: make what follows it a comment
+            main.gen:11: error pp-cond-unterminated: the file ends inside a conditional: an `#endif` is missing
+        "#]],
+    );
+    check(
+        "#if 1\nx\n#endif",
+        expect![[r#"
+        x
+        main.gen:3: warning pp-no-newline: the file ends on `#endif` without a line end
+    "#]],
+    );
+}
+
+/// Whether each condition holds.
+#[test]
+fn conditions() {
+    let value = |condition: &str| {
+        let text = format!(
+            "#define N 4\n#define F(x) x\n#define D defined\n#if {condition}\nyes\n#endif\n"
+        );
+        let (files, _, live) = run(&text);
+        match files.errors.first() {
+            Some(error) => error.split([' ', ':']).nth(4).unwrap_or("").to_owned(),
+            None => live.trim().to_owned(),
+        }
+    };
+    for holds in [
+        "1",
+        "N == 4",
+        "F(N) - 4 == 0",
+        "defined N",
+        "defined(N) && !defined(M)",
+        "!M",
+        "long == 0",
+        "'a' == 97 && '\\n' == 10 && '\\x41' == 65 && '\\0' == 0 && '\\\\' == 92",
+        "0x10 == 16 && 010 == 8 && 1UL && 2lu",
+        "-1 < 0",
+        "-1 > 0u",
+        "1 ? 2 : 1/0",
+        "!(0 && 1/0)",
+        "1 || 1/0",
+        "1/0, 1",
+        "2 + 3 * 4 == 14",
+        "1 << 2 == 4",
+        "7 % 4 == 3",
+        "~0 == -1",
+        "(1 | 2 ^ 3) == 0 || 1",
+        "1 & 3 == 3",
+        "(4 ^ 1 | 1) == 5",
+        "0xFFFFFFFFFFFFFFFF > 0",
+        "-9223372036854775807 - 1 < 0",
+        "1 ? 0 ? 0 : 1 : 0",
+        "__GENOM__ == 2",
+        "+ - + 1 == -1",
+        "D N",
+        "-8 >> 1 == -4",
+        "1 << -1 == 0",
+        "clock-rate == 0",
+        "(1, 0, 3) == 3",
+        "1 == 1 == 1 || 1",
+    ] {
+        let expected = if holds.starts_with("1 == 1 ==") {
+            "pp-if-syntax"
+        } else {
+            "yes"
+        };
+        assert_eq!(value(holds), expected, "#if {holds}");
+    }
+    for (condition, code) in [
+        ("0", ""),
+        ("M", ""),
+        ("defined F && 0", ""),
+        ("", "pp-if-syntax"),
+        ("foo(3)", "pp-if-syntax"),
+        ("1 +", "pp-if-syntax"),
+        ("(1", "pp-if-syntax"),
+        ("1 < 2 < 3", "pp-if-syntax"),
+        ("\"a\"", "pp-if-syntax"),
+        ("1 ? 2", "pp-if-syntax"),
+        ("defined", "pp-if-syntax"),
+        ("defined 3", "pp-if-syntax"),
+        ("09", "pp-if-syntax"),
+        ("1.5e", ""),
+        ("12abc", "pp-if-syntax"),
+        ("'ab'", "pp-if-syntax"),
+        ("not 1", "pp-if-syntax"),
+        ("= 1", "pp-if-syntax"),
+        ("@", "pp-if-syntax"),
+        ("1/0", "pp-if-div-zero"),
+        ("0 || 1 % 0", "pp-if-div-zero"),
+        ("++1", "pp-if-operator"),
+        ("1--", "pp-if-operator"),
+        ("99999999999999999999", "pp-if-range"),
+        ("F(1", "pp-macro-eof"),
+        ("F(1, 2)", "pp-macro-args"),
+    ] {
+        let expected = if condition == "1.5e" { "yes" } else { code };
+        assert_eq!(value(condition), expected, "#if {condition}");
+    }
+    for deep in ["(", "!", "1?", "1+", "-(", "F("] {
+        run(&format!(
+            "#define F(x) x\n#if {}1\n#endif\n",
+            deep.repeat(100_000)
+        ));
+    }
+}
+
+#[test]
+fn definition_mistakes() {
+    check(
+        "#define\n#define 3\n#define F(x, x) x\n#define V(x) __VA_ARGS__\n#define S(x) #y\n\
+         #define P(x) ## x\n#define Q x ##\n#define N+1\n#define B(a b\n#define defined 1\n\
+         #define clock-rate 1\n#undef 3\n#undef N N\n#define O #x ok\n#define U __VA_ARGS__\n",
+        expect![[r#"
+            main.gen:1: error pp-define-bad: `#define` must be followed by the name of a macro
+            main.gen:2: error pp-define-bad: `#define` must be followed by the name of a macro
+            main.gen:3: error pp-define-dup-param: the macro `F` has two parameters `x`
+            main.gen:4: error pp-va-args: `__VA_ARGS__` in the macro `V`, whose parameters do not end in `...`
+            main.gen:5: error pp-stringize: `#` in the macro `S` must precede a parameter
+            main.gen:6: error pp-define-bad: `##` is first or last in the body of the macro `P`
+            main.gen:7: error pp-define-bad: `##` is first or last in the body of the macro `Q`
+            main.gen:8: error pp-define-bad: a blank is missing between the macro `N` and its body
+            main.gen:9: error pp-define-bad: the parameter list of the macro `B` is broken: expected names separated by commas, then `)`
+            main.gen:10: error pp-define-bad: `#define` must be followed by the name of a macro
+            main.gen:11: error pp-define-bad: the name of a macro cannot have a hyphen: `clock-rate`
+            main.gen:12: error pp-undef-bad: `#undef` must be followed by the name of a macro
+            main.gen:13: error pp-extra-tokens: `#undef` takes exactly one name: remove what follows it
+            main.gen:15: error pp-va-args: `__VA_ARGS__` in the macro `U`, whose parameters do not end in `...`
+        "#]],
+    );
+    let params: Vec<String> = (0..129).map(|i| format!("p{i}")).collect();
+    let (files, ..) = run(&format!("#define F({}) p0\n", params.join(", ")));
+    assert!(
+        files.errors[0].contains("pp-define-bad"),
+        "{:?}",
+        files.errors
+    );
+    let (files, ..) = run(&format!("#define F({}) p0\n", params[..128].join(", ")));
+    assert_eq!(files.errors, [""; 0]);
+}
+
+#[test]
+fn redefinitions() {
+    check(
+        "#define N 4 + 1\n#define N 4/* */+  1\n#define N 5\n#define F(x) x\n#define F(y) y\nN\n#undef N\nN\n#undef N\n",
+        expect![[r#"
+            5
+            N
+            main.gen:3: warning pp-redefined: the macro `N` is defined again with another body; this one is used from here on
+            main.gen:5: warning pp-redefined: the macro `F` is defined again with another body; this one is used from here on
+        "#]],
+    );
+}
+
+#[test]
+fn includes() {
+    check(
+        "//- main.gen\n#include \"a.idl\"\n#define H \"a.idl\"\n#include H\n#define G <a.idl>\n#include G\nWIDTH\n\
+         #include \"none\"\n#include nowhere\n#include \"a.idl\" junk\n#include \"\"\n#include \"a.idl\n#include\n\
+         //- a.idl\n#ifndef A\n#define A\n#define WIDTH 4\n#endif\n",
+        expect![[r#"
+            4
+            main.gen:7: error pp-include-not-found: cannot find the file `none`, searched in here; add its directory to the include path
+            main.gen:8: error pp-include-bad: `#include` must be followed by `"file"`, `<file>`, or a macro that stands for one of them
+            main.gen:9: error pp-include-bad: nothing may follow the name of the file in an `#include`
+            main.gen:10: error pp-include-bad: `#include` must be followed by `"file"`, `<file>`, or a macro that stands for one of them
+            main.gen:11: error pp-include-bad: `#include` must be followed by `"file"`, `<file>`, or a macro that stands for one of them
+            main.gen:12: error pp-include-bad: `#include` must be followed by `"file"`, `<file>`, or a macro that stands for one of them
+        "#]],
+    );
+    let (_, out, _) =
+        run("//- main.gen\n#if 0\n#include \"x\"\n#endif\n#include \"a\"\n#include <b>\n//- a\n");
+    let requests: Vec<String> = out
+        .includes
+        .iter()
+        .map(|it| {
+            format!(
+                "{} {:?} {}",
+                it.directive,
+                it.request.as_ref().map(|it| (&*it.path, it.angled)),
+                it.included
+            )
+        })
+        .collect();
+    assert_eq!(
+        requests,
+        [
+            r#"3 Some(("a", false)) true"#,
+            r#"4 Some(("b", true)) false"#
+        ]
+    );
+}
+
+#[test]
+fn an_include_cycle_ends_at_the_limit_of_the_host() {
+    let (files, ..) = run("//- main.gen\n#include \"main.gen\"\n");
+    assert_eq!(
+        files.errors,
+        [
+            "main.gen:1: error pp-include-depth: including the file `main.gen` would open more than 100 files at once: does it include itself?"
+        ]
+    );
+}
+
+#[test]
+fn conditionals_end_in_their_file() {
+    check(
+        "//- main.gen\n#if 1\n#include \"a\"\n#endif\n//- a\n#endif\n#if 0\n",
+        expect![[r#"
+            a:1: error pp-endif-without-if: `#endif` without `#if` before it
+            a:3: error pp-cond-unterminated: the file ends inside a conditional: an `#endif` is missing
+        "#]],
+    );
+}
+
+#[test]
+fn pragmas() {
+    check(
+        r#"#pragma requires "have_a" have_b
+HAVE_a HAVE_b
+#pragma requires none
+#pragma require
+#pragma requires a b c d e f g h i
+#pragma
+#pragma provides i j
+#pragma masquerade tmpl a::b "x y"
+#if 0
+#pragma
+#endif
+"#,
+        expect![[r#"
+            #pragma[requires|have_a|have_b]
+            7 7
+            #pragma[requires|none]
+            #pragma[require]
+            #pragma[requires|a|b|c|d|e|f|g|h|i]
+            #pragma[]
+            #pragma[provides|i|j]
+            #pragma[masquerade|tmpl|a::b|x y]
+            main.gen:3: error pp-requires-unresolved: unknown package `none`
+            main.gen:4: error pp-requires-empty: `#pragma require` must be followed by a package
+            main.gen:5: error pp-requires-many: `#pragma requires` takes at most 8 arguments, 9 given: use several pragmas, and quotes around a package with its version
+            main.gen:6: error pp-pragma-bad: `#pragma` must be followed by a word
+        "#]],
+    );
+}
+
+#[test]
+fn pragma_operators() {
+    check(
+        r#"_Pragma("requires \"have_a\"") HAVE_a
+#define P(x) a _Pragma(#x) b
+P(provides i)
+x _Pragma(requires) y _Pragma z
+_Pragma("a" "b") c
+"#,
+        expect![[r#"
+            #pragma[requires|have_a] 7
+            a #pragma[provides|i] b
+            x #pragma[] y #pragma[] z
+            #pragma[] c
+            main.gen:4: error pp-pragma-operator: `_Pragma` takes exactly one string in parentheses: `_Pragma("…")`
+            main.gen:4: error pp-pragma-operator: `_Pragma` takes exactly one string in parentheses: `_Pragma("…")`
+            main.gen:5: error pp-pragma-operator: `_Pragma` takes exactly one string in parentheses: `_Pragma("…")`
+        "#]],
+    );
+}
+
+#[test]
+fn other_directives() {
+    check(
+        "#error it's \\\n wrong\n#warning\n#line 3\n#define L 12 \"f\"\n#line L\n#line \"x\"\n#line\n#foo\n# 12 \"f\"\n#\n%: define N 1\n",
+        expect![[r#"
+            main.gen:1: error pp-error-directive: it's  wrong
+            main.gen:3: warning pp-warning-directive: `#warning`
+            main.gen:7: error pp-line-bad: `#line` must be followed by a line number and, optionally, a file name in quotes
+            main.gen:8: error pp-line-bad: `#line` must be followed by a line number and, optionally, a file name in quotes
+            main.gen:9: hint pp-unknown-directive: unknown directive `#foo`: the line is ignored
+            main.gen:10: hint pp-unknown-directive: unknown directive `#`: the line is ignored
+        "#]],
+    );
+}
+
+#[test]
+fn stray_characters() {
+    check(
+        "a@ = 1; # é /* é */ \"é\" \u{1}\n#if 0\n@\n#endif\n#define X $\nX X\n\"open\nb\n/* open\n#if\n",
+        expect![[r#"
+            a = 1; "é"
+            "open
+            b
+            main.gen:1: error lex-stray: `@` cannot stand here: remove it
+            main.gen:1: error lex-stray: `#` is not at the beginning of a line: directives are lines of their own
+            main.gen:1: error lex-stray: `é` is only allowed in comments and strings: names are ASCII
+            main.gen:1: error pp-bad-char: `\u{1}` cannot stand here: remove it
+            main.gen:6: error lex-stray: `$` cannot stand here: remove it
+            main.gen:6: error lex-stray: `$` cannot stand here: remove it
+            main.gen:9: error lex-comment-open: this comment has no end: `*/` is missing
+        "#]],
+    );
+}
+
+#[test]
+fn open_comments_explain_what_is_missing() {
+    check(
+        "#if 0\n#endif /* open\n",
+        expect![[r#"
+        main.gen:2: error lex-comment-open: this comment has no end: `*/` is missing
+    "#]],
+    );
+    check(
+        "#if 1\na /* open\n#endif\n",
+        expect![[r#"
+        a
+        main.gen:2: error lex-comment-open: this comment has no end: `*/` is missing
+    "#]],
+    );
+    check(
+        "#if 0\n/* open\n#endif\n",
+        expect![[r#"
+        main.gen:2: error lex-comment-open: this comment has no end: `*/` is missing
+    "#]],
+    );
+}
+
+#[test]
+fn garbage_does_not_flood() {
+    let (_, out, _) = run(&"@ ".repeat(100_000));
+    assert_eq!(out.errors.len(), MAX_ERRORS + 1);
+}
+
+/// Each of these takes ages if some step is quadratic.
+#[test]
+fn large_files_of_one_piece() {
+    for piece in [
+        "#if\n",
+        "#if 1\n",
+        "#endif\n",
+        "#else\n",
+        "#define A 1\n#define A 2\n",
+        "\\\n",
+        "_Pragma(",
+        "_Pragma(\"a\") ",
+        "#pragma a\n",
+        "#include \"a\n",
+        "#define A(",
+        "A,",
+        "\u{0}",
+        "é ",
+        "'\n",
+        "\"\\\"",
+        "((",
+        "#if (\n#endif\n",
+        "/*",
+    ] {
+        run(&format!("#define F(x) x\n{}", piece.repeat(10_000)));
+        run(&format!("#pragma x {}", piece.repeat(10_000)));
+        run(&format!("#define G({}", piece.repeat(10_000)));
+        run(&format!("#if 0\n{}", piece.repeat(10_000)));
+    }
+}
+
+#[test]
+fn uses_and_definitions_of_macros() {
+    let text = "#define A B\n#define B 1\n#define F(x) x A\n#ifdef A\nF(A) Z\n#endif\n#if defined B && Q\n#endif\n#undef A\n";
+    let (_, out, _) = run(text);
+    let uses: Vec<String> = out
+        .macro_uses
+        .iter()
+        .map(|it| {
+            format!(
+                "{:?} {} {:?}",
+                it.range,
+                it.name,
+                it.site.as_ref().map(|it| it.ordinal)
+            )
+        })
+        .collect();
+    assert_eq!(
+        uses,
+        [
+            "10..11 B Some(1)",
+            "39..40 A Some(0)",
+            "48..49 A Some(0)",
+            "50..51 F Some(2)",
+            "52..53 A Some(0)",
+            "76..77 B Some(1)",
+            "81..82 Q None",
+            "97..98 A Some(0)"
+        ]
+    );
+    let origins: Vec<String> = out
+        .elements
+        .iter()
+        .filter_map(|it| match it {
+            Element::Virtual(token) => Some(format!("{} {:?}", token.text, token.origin)),
+            _ => None,
+        })
+        .collect();
+    let site = |ordinal: u32| MacroSite {
+        file: Some("main.gen".into()),
+        ordinal,
+    };
+    let body = |ordinal: u32| format!("1 {:?}", crate::preproc::Origin::Body(site(ordinal)));
+    assert_eq!(origins, [body(1), body(1)]);
+}
+
+#[test]
+fn spliced_tokens_are_presented_clean() {
+    check(
+        "#define NA\\\nME 4\nNAM\\\nE co\\\nde = \\\n3\n",
+        expect![[r#"
+        4 code = 3
+    "#]],
+    );
+}
+
+#[test]
+fn environments_are_values() {
+    let env = |text: &str| run(text).1.exit_env;
+    let hash = |env: &MacroEnv| {
+        use std::hash::BuildHasher;
+        rustc_hash::FxBuildHasher.hash_one(env)
+    };
+    let a = env("#define A 1\n#define B A\n");
+    // Order and detours do not matter, sites and bodies do.
+    let b = env("#define A 1\n#define B A\n#define C\n#undef C\n");
+    assert_eq!(a, b);
+    assert_eq!(hash(&a), hash(&b));
+    assert_ne!(a, env("#define A 2\n#define B A\n"));
+    assert_ne!(a, env("#define B A\n#define A 1\n"));
+    assert_ne!(a, env("#define A 1\n"));
+
+    let words = |text: &str| crate::preproc::mentioned(&lex(text), text);
+    let names = |env: MacroEnv| format!("{env:?}");
+    let all = env("#define A B\n#define B(x) C x\n#define C 1\n#define D C\n");
+    assert_eq!(
+        names(all.restrict(&words("A \"D\" /* D */"))),
+        r#"{"A", "B", "C"}"#
+    );
+    assert_eq!(names(all.restrict(&words("c"))), "{}");
+    assert_eq!(all.restrict(&words("a ## b")), all);
+    let pastes = env("#define P(a) a##b\n#define D\n");
+    assert_eq!(pastes.restrict(&words("P")), pastes);
+    assert_eq!(
+        names(pastes.restrict(&words("D __LINE__"))),
+        r#"{"D", "__LINE__"}"#
+    );
+}
+
+#[test]
+fn options_define_macros() {
+    let mut env = MacroEnv::predefined();
+    env.define_option("A").unwrap();
+    env.define_option("B=2 + 3").unwrap();
+    env.define_option("F(x)=x x").unwrap();
+    env.define_option("B=4").unwrap();
+    assert!(env.define_option("3").is_err());
+    assert!(env.define_option("").is_err());
+    let text = "A B F(y)\n#define B 4\n#define A 2\n";
+    let raw = lex(text);
+    let out = preprocess(&"f".into(), text, &raw, env, &mut NoIncludes);
+    assert_eq!(live_text(text, &raw, &out), "1 4 y y\n");
+    let codes: Vec<&str> = out.errors.iter().map(|it| it.code).collect();
+    assert_eq!(codes, ["pp-redefined"]);
+    let texts: Vec<String> = ["B", "F"]
+        .iter()
+        .filter_map(|it| out.exit_env.get(it))
+        .map(|it| it.definition_text())
+        .collect();
+    assert_eq!(texts, ["4", "(x) x x"]);
+}
+
+const PIECES: &[&str] = &[
+    "#if",
+    "#ifdef A",
+    "#else",
+    "#elif 1",
+    "#endif",
+    "#define A",
+    "#define F(x)",
+    "#define G(a, ...)",
+    "x ## x",
+    "#x",
+    "#undef A",
+    "#include",
+    "#pragma",
+    "_Pragma",
+    "A",
+    "F",
+    "G",
+    "(",
+    ")",
+    ",",
+    "\"",
+    "'",
+    "\\",
+    "\n",
+    "\n",
+    "\n",
+    " ",
+    "/*",
+    "*/",
+    "//",
+    "defined",
+    "1",
+    "10",
+    "+",
+    "==",
+    "@",
+    "é",
+    "__VA_ARGS__",
+    "__LINE__",
+    "##",
+    "#",
+    "<",
+    ">",
+];
+
+proptest! {
+    #[test]
+    fn elements_cover_any_text(pieces in prop::collection::vec(prop::sample::select(PIECES), 0..60)) {
+        run(&pieces.concat());
+    }
+
+    #[test]
+    fn elements_cover_lines(lines in prop::collection::vec(prop::collection::vec(prop::sample::select(PIECES), 0..6), 0..12)) {
+        let lines: Vec<String> = lines.into_iter().map(|it| it.join(" ")).collect();
+        run(&lines.join("\n"));
+    }
+}

@@ -1,0 +1,176 @@
+//! The nodes of directive lines.
+
+use super::*;
+use crate::{
+    directive::{DirectiveKind, IncludeForm, Name},
+    parser::parse_wcet_pragma,
+};
+
+/// A run of raw tokens that makes a node inside a directive.
+struct Part {
+    first: u32,
+    end: u32,
+    kind: SyntaxKind,
+}
+
+impl Sink<'_> {
+    /// A directive line, split into what it is made of. A `_Pragma` that comes out of a macro covers no
+    /// token and makes an empty node.
+    pub(super) fn directive(&mut self, first: u32, end: u32, index: u32) {
+        let wcet = self.wcet_arguments(first, end, index);
+        let limit = wcet.unwrap_or(end);
+        self.builder.start_node(DIRECTIVE);
+        let mut at = first;
+        for part in self.parts(first, end, index) {
+            if part.first < at || part.end > limit || part.first >= part.end {
+                continue;
+            }
+            (at..part.first).for_each(|i| self.raw_token(i));
+            self.builder.start_node(part.kind);
+            (part.first..part.end).for_each(|i| self.raw_token(i));
+            self.builder.finish_node();
+            at = part.end;
+        }
+        match wcet {
+            Some(arguments) => {
+                (at..arguments).for_each(|i| self.raw_token(i));
+                self.wcet(arguments, end);
+            }
+            None => (at..end).for_each(|i| self.raw_token(i)),
+        }
+        self.builder.finish_node();
+    }
+
+    fn parts(&self, first: u32, end: u32, index: u32) -> Vec<Part> {
+        let Some(directive) = self.pre.directives.get(index as usize) else {
+            return Vec::new();
+        };
+        let of_range = |range: TextRange, kind| Part {
+            first: self.raw.token_at(range.start().into()) as u32,
+            end: self
+                .raw
+                .token_at(usize::from(range.end()).saturating_sub(1)) as u32
+                + 1,
+            kind,
+        };
+        let of_name =
+            |name: &Option<Name>, kind| name.iter().map(|it| of_range(it.range, kind)).collect();
+        let of_tokens = |range: &std::ops::Range<u32>, kind| {
+            vec![Part {
+                first: range.start,
+                end: range.end,
+                kind,
+            }]
+        };
+        match &directive.kind {
+            DirectiveKind::Include(it) => match &it.form {
+                IncludeForm::Quoted(_) | IncludeForm::Angled(_) => {
+                    vec![of_range(it.range, INCLUDE_PATH)]
+                }
+                IncludeForm::Macro(tokens) => of_tokens(tokens, INCLUDE_PATH),
+            },
+            DirectiveKind::Define(it) => {
+                let mut parts: Vec<Part> = of_name(&it.name, NAME);
+                if it.params.is_some()
+                    && let Some(name) = parts.last()
+                {
+                    let last = (name.end..it.body.start)
+                        .rev()
+                        .find(|&i| self.raw.kind(i as usize) == R_PAREN);
+                    parts.push(Part {
+                        first: name.end,
+                        end: last.map_or(name.end, |it| it + 1),
+                        kind: MACRO_PARAMS,
+                    });
+                }
+                parts.extend(of_tokens(&it.body, MACRO_BODY));
+                parts
+            }
+            DirectiveKind::Undef(it) | DirectiveKind::Ifdef(it) | DirectiveKind::Ifndef(it) => {
+                let mut parts: Vec<Part> = of_name(&it.name, NAME_REF);
+                parts.extend(of_tokens(&it.rest, DIRECTIVE_TEXT));
+                parts
+            }
+            DirectiveKind::If(it) | DirectiveKind::Elif(it) => of_tokens(it, CONDITION),
+            DirectiveKind::Else(it) | DirectiveKind::Endif(it) | DirectiveKind::Line(it) => {
+                of_tokens(it, DIRECTIVE_TEXT)
+            }
+            DirectiveKind::Pragma(it) if !it.operator => {
+                let mut parts: Vec<Part> = of_name(&it.name, NAME_REF);
+                parts.extend(it.args.iter().map(|it| of_range(it.range, PRAGMA_ARG)));
+                parts
+            }
+            DirectiveKind::Pragma(_) => Vec::new(),
+            DirectiveKind::Error(_) | DirectiveKind::Warning(_) | DirectiveKind::Unknown => {
+                let after = directive
+                    .keyword
+                    .as_ref()
+                    .map_or(first + 1, |it| of_range(it.range, NAME).end);
+                let text = |i: &u32| !self.raw.kind(*i as usize).is_trivia();
+                match ((after..end).find(text), (after..end).rfind(text)) {
+                    (Some(first), Some(last)) => of_tokens(&(first..last + 1), DIRECTIVE_TEXT),
+                    _ => Vec::new(),
+                }
+            }
+            DirectiveKind::Empty => Vec::new(),
+        }
+    }
+
+    /// First raw token of the arguments of a `#pragma wcet` that is written as a line.
+    fn wcet_arguments(&self, first: u32, end: u32, index: u32) -> Option<u32> {
+        let DirectiveKind::Pragma(pragma) = &self.pre.directives.get(index as usize)?.kind else {
+            return None;
+        };
+        let name = pragma.name.as_ref()?;
+        if pragma.operator || name.text != "wcet" || first == end {
+            return None;
+        }
+        let name = self.raw.token_at(name.range.start().into()) as u32;
+        Some(
+            (name + 1..end)
+                .find(|&i| !self.raw.kind(i as usize).is_trivia())
+                .unwrap_or(end),
+        )
+    }
+
+    /// The arguments of a `#pragma wcet`, read by the grammar. What is wrong with them is said with
+    /// the model at hand (`wcet-pragma`).
+    fn wcet(&mut self, first: u32, end: u32) {
+        let elements: Vec<Element> = (first..end)
+            .map(|i| {
+                if is_read(self.raw.kind(i as usize)) {
+                    Element::Real(i)
+                } else {
+                    Element::Trivia(i)
+                }
+            })
+            .collect();
+        let (events, errors) = parse_wcet_pragma(self.text, self.raw, &elements);
+        self.errors.extend(errors);
+        let pre = Preprocessed {
+            elements,
+            ..Preprocessed::default()
+        };
+        let (arguments, ..) = build(self.text, self.raw, &pre, events);
+        for child in arguments.children() {
+            self.green(child);
+        }
+    }
+
+    /// Copies a finished element.
+    fn green(
+        &mut self,
+        element: rowan::NodeOrToken<&rowan::GreenNodeData, &rowan::GreenTokenData>,
+    ) {
+        match element {
+            rowan::NodeOrToken::Node(node) => {
+                self.builder.start_node(SyntaxKind::from_raw(node.kind().0));
+                node.children().for_each(|it| self.green(it));
+                self.builder.finish_node();
+            }
+            rowan::NodeOrToken::Token(token) => self
+                .builder
+                .token(SyntaxKind::from_raw(token.kind().0), token.text()),
+        }
+    }
+}

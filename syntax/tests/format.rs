@@ -1,0 +1,240 @@
+//! The formatter: its style, and that it changes nothing but white space.
+
+use dotgen_syntax::format::{apply, format};
+use dotgen_syntax::lexer::lex;
+use dotgen_syntax::{SyntaxKind, parse_text};
+use expect_test::{Expect, expect};
+
+fn formatted(text: &str) -> String {
+    let parse = parse_text(text);
+    let broken: Vec<_> = parse.errors.iter().map(|e| e.range).collect();
+    apply(text, &format(&parse.syntax(), &broken, None))
+}
+
+/// Everything but blanks and line breaks.
+fn tokens(text: &str) -> Vec<(SyntaxKind, String)> {
+    let raw = lex(text);
+    (0..raw.len())
+        .filter(|&i| !matches!(raw.kind(i), SyntaxKind::WHITESPACE | SyntaxKind::NEWLINE))
+        .map(|i| (raw.kind(i), raw.text(text, i).to_owned()))
+        .collect()
+}
+
+fn check(text: &str, expect: Expect) {
+    let once = formatted(text);
+    assert_eq!(tokens(text), tokens(&once), "tokens changed");
+    assert_eq!(formatted(&once), once, "not idempotent");
+    expect.assert_eq(&once);
+}
+
+#[test]
+fn component() {
+    check(
+        "component   demo{version \"1.0\";lang\t\"c\"; codels-require \"lib >= 1\";\n\n\n\n port in or::state   state ;\n exception e_a,e_b{short code;string<128> what;};
+ ids{ long x ;  // the x\n  struct s { double a [ 2 ]; } inner; /* nested */ };
+     task t { period 5ms; codel<start> f ( out ::ids ) yield  pause::main,ether wcet 2 ms ;};
+   activity a(in long x=3:\"count\",in s y = {.a=1,[2]=2}){ doc \"one\"
+  \"two\"; task t; validate v(in x,\n inout inner . a [ 0 ]::q);
+  async codel<start,\nmain> g(in x,
+  out inner)
+  yield ether;
+  throw e_a; interrupts a; };};",
+        expect![[r#"
+            component demo {
+              version        "1.0";
+              lang           "c";
+              codels-require "lib >= 1";
+
+              port in or::state state;
+              exception e_a, e_b { short code; string<128> what; };
+              ids {
+                long x;                           // the x
+                struct s { double a[2]; } inner;  /* nested */
+              };
+              task t { period 5ms; codel<start> f(out ::ids) yield pause::main, ether wcet 2 ms; };
+              activity a(in long x = 3 : "count", in s y = { .a = 1, [2] = 2 }) {
+                doc  "one"
+                     "two";
+                task t;
+                validate v(in x,
+                           inout inner.a[0]::q);
+                async codel<start,
+                  main> g(in x,
+                          out inner)
+                  yield ether;
+                throw      e_a;
+                interrupts a;
+              };
+            };
+        "#]],
+    );
+}
+
+#[test]
+fn types_and_constants() {
+    check(
+        "module m{const long a=-( 1+2 )*3<<2;typedef sequence<sequence<long> > t[3],u;
+enum e{A,B,\nC};union w switch(e){case A:case B:long x;default:double y;};};\n\n\n#define X 3\n   #include \"a.idl\"\nconst long b = ::m::a;typedef sequence< ::m::t > v;",
+        expect![[r#"
+            module m {
+              const long a = -(1 + 2) * 3 << 2;
+              typedef sequence<sequence<long> > t[3], u;
+              enum e {
+                A, B,
+                C
+              };
+              union w switch (e) { case A: case B: long x; default: double y; };
+            };
+
+
+            #define X 3
+               #include "a.idl"
+            const long b = ::m::a;
+            typedef sequence< ::m::t> v;
+        "#]],
+    );
+}
+
+#[test]
+fn a_broken_declaration_is_left_alone() {
+    check(
+        "component c {\n   task   t { period 5ms ;};\n   codel   <<  broken   here ;\n   function   f( ) ;\n};\n",
+        expect![[r#"
+            component c {
+              task t { period 5ms; };
+              codel   <<  broken   here ;
+              function f();
+            };
+        "#]],
+    );
+}
+
+#[test]
+fn comments_stay() {
+    check(
+        "/* head */\n\n// one\ncomponent c { // open\n    // own line\n\n\n  task t; // t\n  function long_name(in long a, // first\n     in long b /* second */ );   // f\n  /* last */ };\n// end",
+        expect![[r#"
+            /* head */
+
+            // one
+            component c {  // open
+              // own line
+
+              task t;  // t
+              function long_name(in long a,  // first
+                                 in long b /* second */);  // f
+              /* last */
+            };
+            // end
+        "#]],
+    );
+}
+
+fn first_difference(a: &str, b: &str) -> String {
+    let differs = a
+        .lines()
+        .zip(b.lines())
+        .position(|(a, b)| a != b)
+        .unwrap_or(0);
+    let around = |text: &str| {
+        text.lines()
+            .skip(differs.saturating_sub(2))
+            .take(5)
+            .collect::<Vec<_>>()
+            .join("\n")
+    };
+    format!("line {differs}:\n{}\n--- then\n{}", around(a), around(b))
+}
+
+/// Every specification and interface of the shared test data.
+fn shared_files() -> Vec<(String, String)> {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
+    let mut found = Vec::new();
+    let mut folders = vec![
+        root.join("corpus"),
+        root.join("golden/inputs"),
+        root.join("conformance"),
+    ];
+    while let Some(folder) = folders.pop() {
+        let Ok(entries) = std::fs::read_dir(&folder) else {
+            continue;
+        };
+        for path in entries.flatten().map(|e| e.path()) {
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "gen" || e == "idl")
+                && let Ok(text) = std::fs::read_to_string(&path)
+            {
+                found.push((path.display().to_string(), text));
+            }
+        }
+    }
+    found.sort();
+    if found.is_empty() {
+        eprintln!("SKIPPED: no test data at ../shared");
+    }
+    found
+}
+
+#[test]
+fn real_files_keep_their_tokens_and_settle_at_once() {
+    for (path, text) in shared_files() {
+        let once = formatted(&text);
+        assert_eq!(tokens(&text), tokens(&once), "{path}");
+        let twice = formatted(&once);
+        assert!(
+            twice == once,
+            "not idempotent: {path}\n{}",
+            first_difference(&once, &twice)
+        );
+    }
+}
+
+#[test]
+fn damaged_files_keep_their_tokens() {
+    // A simple generator is enough: what matters is that the damage is the same in every run.
+    let mut state = 0x2545_F491_4F6C_DD1D_u64;
+    let mut random = move |below: usize| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state % below.max(1) as u64) as usize
+    };
+    for (path, text) in shared_files() {
+        if text.len() > 8000 || text.is_empty() {
+            continue;
+        }
+        for _ in 0..40 {
+            let mut damaged = text.clone();
+            for _ in 0..3 {
+                let mut at = random(damaged.len());
+                while !damaged.is_char_boundary(at) {
+                    at -= 1;
+                }
+                let noise = [
+                    "{",
+                    "}",
+                    ";",
+                    "(",
+                    "/*",
+                    "\"",
+                    "\n",
+                    "component ",
+                    " \\\n",
+                    "#if X\n",
+                    "<",
+                    "\t",
+                ];
+                damaged.insert_str(at, noise[random(noise.len())]);
+            }
+            let once = formatted(&damaged);
+            assert_eq!(tokens(&damaged), tokens(&once), "{path}\n{damaged}");
+            let twice = formatted(&once);
+            assert!(
+                twice == once,
+                "not idempotent: {path}\n{}",
+                first_difference(&once, &twice)
+            );
+        }
+    }
+}

@@ -1,0 +1,242 @@
+// A real VS Code workbench: code-server with a throw-away profile, the packaged extension installed, a copy of a
+// workspace opened in headless Chromium.
+import { execFileSync, spawn } from 'node:child_process';
+import { cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, readlinkSync, rmSync, writeFileSync } from 'node:fs';
+import { createServer } from 'node:net';
+import { tmpdir } from 'node:os';
+import { basename, join, resolve, sep } from 'node:path';
+import { chromium } from 'playwright-core';
+
+const TIMEOUT_MS = Number(process.env.WORKBENCH_TIMEOUT_MS ?? 30_000);
+
+const SETTINGS = {
+  'workbench.startupEditor': 'none',
+  'workbench.tips.enabled': false,
+  'workbench.secondarySideBar.defaultVisibility': 'hidden',
+  'security.workspace.trust.enabled': false,
+  'telemetry.telemetryLevel': 'off',
+  'extensions.autoUpdate': false,
+  'extensions.autoCheckUpdates': false,
+  'update.mode': 'none',
+  'files.autoSave': 'off',
+  'editor.minimap.enabled': false,
+  'git.enabled': false,
+};
+
+function freePort() {
+  return new Promise((ok, fail) => {
+    const server = createServer().listen(0, '127.0.0.1', () => {
+      const { port } = server.address();
+      server.close((error) => (error ? fail(error) : ok(port)));
+    });
+  });
+}
+
+/**
+ * Starts a workbench. `node` and `codeServer` are what setup.sh wrote to its `env` file; `files` (text by name) are added to
+ * the copy of the workspace; the folders `beside` are copied next to it, under their names.
+ */
+export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bin/chromium', vsix, workspace, beside = [], files = {}, settings = {}, shots }) {
+  const root = mkdtempSync(join(tmpdir(), 'dotgen-workbench-'));
+  const directory = (name) => {
+    const path = join(root, name);
+    mkdirSync(path, { recursive: true });
+    return path;
+  };
+  const folder = join(root, 'workspace');
+  cpSync(workspace, folder, { recursive: true });
+  for (const path of beside) cpSync(path, join(root, basename(path)), { recursive: true });
+  for (const [name, text] of Object.entries(files)) writeFileSync(join(folder, name), text);
+  const user = directory('user');
+  const extensions = directory('extensions');
+  writeFileSync(join(directory('user/User'), 'settings.json'), JSON.stringify({ ...SETTINGS, ...settings }, null, 2));
+  // The user's settings are not watched in this workbench; those of the folder are.
+  const folderSettings = (values) => writeFileSync(join(directory('workspace/.vscode'), 'settings.json'), JSON.stringify(values, null, 2));
+  folderSettings({});
+  writeFileSync(join(root, 'config.yaml'), 'auth: none\n');
+  const env = {
+    ...process.env,
+    HOME: directory('home'),
+    XDG_CONFIG_HOME: directory('config'),
+    XDG_DATA_HOME: directory('data'),
+    XDG_CACHE_HOME: directory('cache'),
+  };
+  // The test itself may run inside an editor.
+  for (const name of Object.keys(env).filter((name) => name.startsWith('VSCODE_'))) delete env[name];
+
+  const base = [codeServer, '--config', join(root, 'config.yaml'), '--user-data-dir', user, '--extensions-dir', extensions];
+  execFileSync(node, [...base, '--install-extension', resolve(vsix)], { env, stdio: ['ignore', 'ignore', 'inherit'] });
+  const port = await freePort();
+  const server = spawn(
+    node,
+    [...base, '--bind-addr', `127.0.0.1:${port}`, '--auth', 'none', '--disable-telemetry', '--disable-update-check', '--disable-workspace-trust', '--disable-getting-started-override'],
+    { env, stdio: ['ignore', 'pipe', 'pipe'] },
+  );
+  process.once('exit', () => server.kill('SIGKILL')); // never leave a server behind a failed start
+  let serverLog = '';
+  server.stdout.on('data', (data) => (serverLog += data));
+  server.stderr.on('data', (data) => (serverLog += data));
+  const origin = `http://127.0.0.1:${port}`;
+  await until('the workbench server answers', async () => (await fetch(`${origin}/healthz`)).ok, () => serverLog);
+
+  const context = await chromium.launchPersistentContext(directory('chromium'), {
+    executablePath: chromiumPath,
+    headless: true,
+    viewport: { width: 1400, height: 900 },
+    args: ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
+  });
+  context.setDefaultTimeout(TIMEOUT_MS);
+  const page = context.pages()[0] ?? (await context.newPage());
+  const consoleLines = [];
+  page.on('console', (message) => consoleLines.push(`[${message.type()}] ${message.text()}`));
+  page.on('pageerror', (error) => consoleLines.push(`[pageerror] ${error}`));
+  await page.goto(`${origin}/?folder=${encodeURIComponent(folder)}`);
+  await page.locator('.monaco-workbench').waitFor();
+  await page.locator('.explorer-folders-view .monaco-list-row').first().waitFor();
+
+  const wb = {
+    page,
+    folder,
+    folderSettings,
+    shot: (name, clip) => page.screenshot({ path: join(shots, name), clip, animations: 'disabled' }),
+
+    /** A line of the active editor. */
+    line: (text) => page.locator('.monaco-editor .view-lines .view-line', { hasText: text }).first(),
+    squiggles: (severity = 'error') => page.locator(`.monaco-editor .squiggly-${severity}`),
+    statusItem: page.locator('#dotgen\\.dotgen\\.dotgen\\.status, [id$="dotgen.status"]').first(),
+
+    /** Opens the quick input with a key; one pressed while the workbench is busy is lost, so press until it shows. */
+    async quick(key) {
+      const input = page.locator('.quick-input-widget input.input').first();
+      for (let attempt = 0; ; attempt++) {
+        await page.keyboard.press(key);
+        try {
+          await input.waitFor({ timeout: 3000 });
+          return input;
+        } catch (error) {
+          if (attempt === 5) throw error;
+        }
+      }
+    },
+    async command(title) {
+      const input = await wb.quick('F1');
+      await input.fill('>' + title);
+      const row = page.locator('.quick-input-list .monaco-list-row', { hasText: title }).first();
+      await row.waitFor();
+      await row.click();
+    },
+    async open(name) {
+      const input = await wb.quick('Control+P');
+      await input.fill(name);
+      // The list is filled twice (recent files, then the search): accept once the first row is the one wanted.
+      await page.locator('.quick-input-list .monaco-list-row.focused', { hasText: name }).first().waitFor();
+      await page.keyboard.press('Enter');
+      await page.locator(`.tab.active[data-resource-name="${name}"]`).first().waitFor();
+      await page.locator('.monaco-editor .view-line').first().waitFor();
+    },
+    /** Puts the cursor at the end of the first line of `name` (the active file) that holds `text` on disk. */
+    async endOf(name, text) {
+      const lines = readFileSync(join(folder, name), 'utf8').split('\n');
+      const number = lines.findIndex((line) => line.includes(text)) + 1;
+      if (number === 0) throw new Error(`no line with "${text}" in ${name}`);
+      const input = await wb.quick('Control+G');
+      await input.fill(`:${number}`);
+      await page.keyboard.press('Enter');
+      await input.waitFor({ state: 'hidden' });
+      await page.locator('.monaco-editor .line-numbers.active-line-number', { hasText: new RegExp(`^${number}$`) }).waitFor();
+      await page.keyboard.press('End');
+    },
+    /** Shows the hover of `word` in the line that holds `text`. A move while the editor still scrolls is lost: repeat. */
+    async hover(text, word) {
+      const hover = page.locator('.monaco-hover:not(.hidden)', { hasText: word }).first();
+      for (let attempt = 0; ; attempt++) {
+        // A line that is being drawn anew (lenses, hints) has no box for a moment.
+        let box = null;
+        while (!box) box = await wb.line(text).locator('span span', { hasText: word }).last().boundingBox();
+        await page.mouse.move(5, 5);
+        await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2, { steps: 3 });
+        try {
+          await hover.waitFor({ timeout: 4000 });
+          return hover;
+        } catch (error) {
+          if (attempt === 5) throw error;
+        }
+      }
+    },
+    /** Types as a person does, one key at a time: keys that arrive together count as a paste, without closing brackets. */
+    async type(text) {
+      for (const key of text) {
+        await page.keyboard.press(key === '\n' ? 'Enter' : key);
+        await page.evaluate(() => new Promise((next) => requestAnimationFrame(() => setTimeout(next, 0))));
+      }
+    },
+    /**
+     * Chooses a code action at the cursor; `seen` runs while the menu shows. Lenses that arrive meanwhile move the text and
+     * close the menu: open it again.
+     */
+    async action(text, seen = async () => {}) {
+      const row = page.locator('.action-widget .monaco-list-row', { hasText: text }).first();
+      for (let attempt = 0; ; attempt++) {
+        await page.keyboard.press('Control+.');
+        try {
+          await row.waitFor({ timeout: 4000 });
+          await seen();
+          await row.click({ timeout: 4000 });
+          return;
+        } catch (error) {
+          if (attempt === 5) throw error;
+          await page.keyboard.press('Escape');
+        }
+      }
+    },
+    async save() {
+      await page.keyboard.press('Control+S');
+      await page.locator('.tab.active.dirty').waitFor({ state: 'detached' });
+    },
+    /** Process ids of the language server of this workbench. */
+    languageServers() {
+      return readdirSync('/proc')
+        .filter((name) => /^\d+$/.test(name))
+        .filter((pid) => {
+          try {
+            return readlinkSync(`/proc/${pid}/exe`).startsWith(extensions + sep);
+          } catch {
+            return false; // ended meanwhile, or not ours to look at
+          }
+        })
+        .map(Number);
+    },
+    /** What to print when a test fails. */
+    logs() {
+      const files = readdirSync(join(user, 'logs'), { recursive: true })
+        .map(String)
+        .filter((name) => name.includes('exthost') && (name.endsWith('remoteexthost.log') || /dotgen/.test(name)) && name.endsWith('.log'));
+      const texts = files.map((name) => `--- ${name}\n${readFileSync(join(user, 'logs', name), 'utf8').slice(-4000)}`);
+      return [...texts, '--- browser console', ...consoleLines.slice(-20), '--- workbench server', serverLog.slice(-2000)].join('\n');
+    },
+    async close() {
+      await context.close();
+      const ended = new Promise((done) => server.once('exit', done));
+      server.kill('SIGTERM');
+      await Promise.race([ended, new Promise((done) => setTimeout(done, 5000))]);
+      if (server.exitCode === null && server.signalCode === null) server.kill('SIGKILL');
+      rmSync(root, { recursive: true, force: true, maxRetries: 10, retryDelay: 200 });
+    },
+  };
+  return wb;
+}
+
+/** Waits until `condition` holds; `details` is added to the failure. */
+export async function until(what, condition, details = () => '') {
+  const end = Date.now() + TIMEOUT_MS;
+  let last;
+  while (Date.now() < end) {
+    try {
+      if (await condition()) return;
+    } catch (error) {
+      last = error;
+    }
+    await new Promise((next) => setTimeout(next, 100));
+  }
+  throw new Error(`timed out waiting until ${what}\n${last ?? ''}\n${details()}`);
+}

@@ -1,0 +1,63 @@
+// Runs the scenarios in a real workbench, each in one of its own: `cargo xtask test vscode`, and with --demo the first part of
+// the first for `cargo xtask demo --check`. SCENARIO=name runs one of them.
+//
+// A scenario is a module in scenarios/: `workspace` (a folder of examples/), `beside` (others it refers to), `files` (text by name, added to the copy of it),
+// `settings` (the user's), and `checks(wb)`, which gives pairs of name and function to run in their order, as `more` and
+// (proved by the demo as well, run first) `demo`.
+//
+// CS_NODE, CS_ENTRY: from setup.sh. VSIX: the packaged extension, server inside. EXAMPLES: the folder of the examples.
+// SHOTS: where screenshots go.
+import { mkdirSync, readdirSync } from 'node:fs';
+import { join, resolve } from 'node:path';
+import { startWorkbench } from './harness.mjs';
+
+function required(name) {
+  const value = process.env[name];
+  if (value) return value;
+  console.error(`${name} is not set; run this with cargo xtask test`);
+  process.exit(2);
+}
+const demo = process.argv.includes('--demo');
+const only = process.env.SCENARIO;
+const shots = resolve(required('SHOTS'));
+mkdirSync(shots, { recursive: true });
+const started = Date.now();
+let passed = 0;
+let failed = 0;
+
+async function run(name) {
+  const scenario = await import(`./scenarios/${name}.mjs`);
+  const wb = await startWorkbench({
+    node: required('CS_NODE'),
+    codeServer: required('CS_ENTRY'),
+    vsix: required('VSIX'),
+    workspace: join(required('EXAMPLES'), scenario.workspace),
+    beside: (scenario.beside ?? []).map((name) => join(required('EXAMPLES'), name)),
+    files: scenario.files,
+    settings: scenario.settings,
+    shots,
+  });
+  try {
+    const { demo: first = [], more = [] } = scenario.checks(wb);
+    for (const [title, body] of demo ? first : [...first, ...more]) {
+      await body();
+      passed += 1;
+      console.log(`${String(Date.now() - started).padStart(6)} ms  ok ${title}`);
+    }
+  } catch (error) {
+    failed += 1;
+    console.error(error);
+    const picture = `99-failure-${name}.png`;
+    await wb.shot(picture).catch(() => {});
+    console.error(wb.logs());
+    console.error(`${name} failed (screenshot: ${join(shots, picture)})`);
+  } finally {
+    await wb.close();
+  }
+}
+
+const all = readdirSync(new URL('scenarios', import.meta.url)).map((name) => name.replace('.mjs', ''));
+const wanted = demo ? ['first-steps'] : only ? [only] : ['first-steps', ...all.filter((name) => name !== 'first-steps').sort()];
+for (const name of wanted) await run(name);
+console.log(`${passed} passed, ${failed} failed`);
+process.exitCode = failed === 0 ? 0 : 1;

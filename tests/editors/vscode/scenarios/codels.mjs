@@ -1,0 +1,171 @@
+// A specification and its codels in step: stubs, navigation, drift on both sides.
+import assert from 'node:assert/strict';
+import { existsSync, readFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { until } from '../harness.mjs';
+
+export const workspace = 'drift';
+
+export function checks(wb) {
+  const { page } = wb;
+  const SOURCE = 'tank_control_codels.c';
+  const problems = page.locator('.markers-panel .monaco-list-row');
+  const text = (name) => readFileSync(join(wb.folder, name), 'utf8');
+  const codels = () => text(`codels/${SOURCE}`);
+  /** Saves what an applied edit has changed. */
+  async function saveAll() {
+    await page.locator('.tab.dirty').first().waitFor();
+    await wb.command('File: Save All Files');
+    await page.locator('.tab.dirty').first().waitFor({ state: 'detached' });
+  }
+
+  const lens = (what) => page.locator('.contentWidgets .codelens-decoration a', { hasText: what }).first();
+
+  async function quickFix(title, shot) {
+    const row = page.locator('.action-widget .monaco-list-row', { hasText: title }).first();
+    // A key pressed while the editor is busy is lost, and actions come once the server knows the text.
+    for (let attempt = 0; ; attempt++) {
+      await page.keyboard.press('Control+.');
+      try {
+        await row.waitFor({ timeout: 4000 });
+        break;
+      } catch (error) {
+        if (attempt === 4) throw error;
+        await page.keyboard.press('Escape');
+      }
+    }
+    await wb.shot(shot);
+    await row.click();
+  }
+
+  /** Puts the cursor into the word after `before`, in the line that begins with these. */
+  async function into(name, line, before) {
+    await wb.endOf(name, line);
+    await page.keyboard.press('Home');
+    for (let i = 0; i <= before.length; i++) await page.keyboard.press('ArrowRight');
+  }
+
+  /** Shows the problems that speak of something: the list draws only what fits. */
+  async function problemsOf(what) {
+    await wb.command('Problems: Focus on Problems View');
+    const filter = page.locator('.panel .viewpane-filter input, .panel input[placeholder^="Filter"]').first();
+    await filter.fill(what);
+    return problems.filter({ hasText: what });
+  }
+
+  /** Ticks and applies the changes that the Refactor Preview shows. */
+  async function applyPreview(shot) {
+    const apply = page.locator('.panel .monaco-button', { hasText: /^Apply$/ }).first();
+    await apply.waitFor();
+    const boxes = page.locator('.panel .monaco-list-row[aria-level="1"] .edit-checkbox');
+    await boxes.first().waitFor();
+    // A file's box ticks the changes below it.
+    for (let i = 0; i < (await boxes.count()); i++) {
+      if ((await boxes.nth(i).getAttribute('aria-checked')) !== 'true') await boxes.nth(i).click();
+    }
+    await wb.shot(shot);
+    await apply.click();
+    await apply.waitFor({ state: 'hidden' });
+  }
+
+  const more = [
+    ['drift is shown in the specification', async () => {
+      await wb.open('tank.gen');
+      await wb.statusItem.locator('.codicon-check').waitFor();
+      await wb.squiggles('warning').first().waitFor();
+      await wb.endOf('tank.gen', 'codel<wait> tank_drain_wait');
+      await wb.shot('codels-01-specification.png');
+    }],
+    ['and in the sources, although none is open', async () => {
+      await wb.command('Problems: Focus on Problems View');
+      await problems.filter({ hasText: 'tank_codels.c' }).first().waitFor();
+      await wb.shot('codels-02-problems.png');
+      await page.keyboard.press('Control+J');
+    }],
+    ['the quick fix writes the stub, after showing it', async () => {
+      await into('tank.gen', 'codel<wait> tank_drain_wait', 'codel<wait> ');
+      await quickFix('Write a stub of', 'codels-03-quick-fix.png');
+      assert.doesNotMatch(codels(), /tank_drain_wait\(/, 'nothing is written unseen');
+      await applyPreview('codels-04-preview.png');
+      await saveAll();
+      await until('the stub is on disk', () => /tank_drain_wait\(double until, const tank_reading \*last,/.test(codels()));
+      assert.match(codels(), /return tank_pause_wait;/);
+    }],
+    ['go to implementation opens it', async () => {
+      await wb.open('tank.gen');
+      await into('tank.gen', 'codel<wait> tank_drain_wait', 'codel<wait> ');
+      await page.keyboard.press('Control+F12');
+      await page.locator(`.tab.active[data-resource-name="${SOURCE}"]`).first().waitFor();
+      await page.locator('.monaco-editor .view-line', { hasText: 'tank_drain_wait(double until' }).first().waitFor();
+      await wb.shot('codels-05-implementation.png');
+    }],
+    ['a lens above the function says what the specification says, and leads back', async () => {
+      await lens('activity drain: wait → pause::wait, ether').waitFor();
+      await wb.shot('codels-06-lens.png');
+      await lens('activity drain: wait → pause::wait, ether').click();
+      await page.locator('.tab.active[data-resource-name="tank.gen"]').first().waitFor();
+    }],
+    ['a changed parameter shows the mismatch in both files', async () => {
+      await wb.open(SOURCE);
+      await wb.endOf(`codels/${SOURCE}`, 'tank_fill_stop(double *setpoint');
+      await page.keyboard.press('Shift+Home');
+      await wb.type('tank_fill_stop(float *setpoint, const genom_context self)');
+      await wb.squiggles('warning').first().waitFor();
+      const both = await problemsOf('`tank_fill_stop` does not have the prototype');
+      await until('both files tell', async () => (await both.count()) === 2);
+      await wb.shot('codels-07-mismatch-source.png');
+      await page.keyboard.press('Control+J');
+      await wb.open('tank.gen');
+      await wb.endOf('tank.gen', 'tank_fill_stop');
+      await wb.hover('tank_fill_stop', 'tank_fill_stop');
+      await wb.shot('codels-08-mismatch-specification.png');
+      await page.mouse.move(5, 5);
+    }],
+    ['and the quick fix mends it', async () => {
+      await wb.open(SOURCE);
+      await into(`codels/${SOURCE}`, 'tank_fill_stop(double *setpoint', '');
+      await quickFix('Update the signature', 'codels-09-signature.png');
+      await applyPreview('codels-10-signature-preview.png');
+      await saveAll();
+      await until('the parameter has its type again', () => /tank_fill_stop\(double \*setpoint/.test(codels()));
+    }],
+    ['rename is on both sides', async () => {
+      await wb.open('tank.gen');
+      await into('tank.gen', 'codel<wait> tank_drain_wait', 'codel<wait> ');
+      await page.keyboard.press('F2');
+      const input = page.locator('.rename-box input.rename-input');
+      await input.waitFor();
+      await input.fill('tank_drain_watch');
+      await page.keyboard.press('Enter');
+      await applyPreview('codels-11-rename.png');
+      await saveAll();
+      await until('the function has the new name', () => /\ntank_drain_watch\(/.test(codels()));
+      assert.match(text('tank.gen'), /codel<wait> tank_drain_watch\(/);
+    }],
+    ['everything that differs is mended in one go', async () => {
+      await into('tank.gen', 'codel tank_mix', 'codel ');
+      await quickFix('Fix all differences', 'codels-12-fix-all.png');
+      await applyPreview('codels-13-fix-all-preview.png');
+      await saveAll();
+      await problemsOf('');
+      await page.locator('.markers-panel', { hasText: 'No problems have been detected' }).waitFor();
+      await wb.shot('codels-14-fixed.png');
+      await page.keyboard.press('Control+J');
+    }],
+    ['headers for clangd are offered once, and written', async () => {
+      const offer = page.locator('.notifications-toasts .notification-list-item', { hasText: 'without a build' }).first();
+      if (!(await offer.isVisible())) await wb.command('Notifications: Show Notifications');
+      const write = page.locator('.notification-list-item .monaco-button', { hasText: 'Write Headers' }).first();
+      await write.waitFor();
+      await wb.shot('codels-15-offer.png');
+      await wb.open(SOURCE);
+      if (!(await write.isVisible())) await wb.command('Notifications: Show Notifications');
+      await write.click();
+      await until('the headers are there', () => existsSync(join(wb.folder, '.dotgen/compile_flags.txt')));
+      assert.match(text('.dotgen/tank_c_types.h'), /tank_reading/);
+      await wb.shot('codels-16-headers.png');
+    }],
+  ];
+
+  return { more };
+}

@@ -1,0 +1,63 @@
+// Files from a specification: a template is chosen, what it would write is shown, and only then written.
+import assert from 'node:assert/strict';
+import { existsSync, readFileSync, statSync } from 'node:fs';
+import { join } from 'node:path';
+import { until } from '../harness.mjs';
+
+export const workspace = 'maneuver';
+// A template without Tcl, and a Tcl template that fails.
+export const files = {};
+
+export function checks(wb) {
+  const { page } = wb;
+  const at = (name) => join(wb.folder, name);
+  const rows = (text) => page.locator('.quick-input-list .monaco-list-row', { hasText: text });
+  const notification = (text) => page.locator('.notification-toast', { hasText: text }).last();
+  const button = (text, name) => notification(text).locator('a.monaco-button, .monaco-text-button', { hasText: name }).first();
+  const ready = () => wb.statusItem.locator('.codicon-check').waitFor();
+
+  const more = [
+    ['templates are listed at the component', async () => {
+      await wb.open('maneuver.gen');
+      await ready();
+      await wb.endOf('maneuver.gen', 'component maneuver');
+      await page.keyboard.press('Home');
+      for (let i = 0; i < 'component m'.length; i++) await page.keyboard.press('ArrowRight');
+      await wb.action('Generate…', () => wb.shot('generate-1-action.png'));
+      await rows('skeleton').first().waitFor();
+      await rows('docs').first().waitFor();
+      await wb.shot('generate-2-templates.png');
+    }],
+    ['the options are those of the template', async () => {
+      await rows('skeleton').first().click();
+      await rows('-C, --directory').first().waitFor();
+      await wb.shot('generate-3-options.png');
+      await rows('-t, --terse').first().click();
+      await page.locator('.quick-input-count', { hasText: '1 Selected' }).waitFor();
+      await page.locator('.quick-input-action a', { hasText: 'OK' }).click();
+    }],
+    ['what would be written is shown, and nothing is written', async () => {
+      await notification('Nothing is written yet').waitFor();
+      await page.locator('.multiDiffEntry').first().waitFor();
+      await wb.shot('generate-4-preview.png');
+      assert.ok(!existsSync(at('codels')));
+    }],
+    ['the files are written and the choice is remembered', async () => {
+      await button('Nothing is written yet', 'Write').click();
+      await until('the files exist', () => existsSync(at('codels/Makefile.am')) && existsSync(at('bootstrap.sh')));
+      await until('the choice is in dotgen.toml', () => readFileSync(at('dotgen.toml'), 'utf8').includes('[[generate]]'));
+      await notification('written').waitFor();
+      assert.match(readFileSync(at('dotgen.toml'), 'utf8'), /template = "skeleton"\narguments = \["-t"\]/);
+      assert.ok(statSync(at('bootstrap.sh')).mode & 0o100, 'bootstrap.sh can be run');
+      assert.ok(!existsSync(at('README.adoc')), 'terse');
+      await wb.shot('generate-5-written.png');
+    }],
+    ['Regenerate finds everything up to date', async () => {
+      await wb.open('maneuver.gen');
+      await wb.command('dotgen: Regenerate');
+      await notification('all files are up to date').waitFor();
+      await wb.shot('generate-6-regenerate.png');
+    }],
+  ];
+  return { more };
+}

@@ -1,0 +1,187 @@
+// Pictures of a component: the preview beside the text, and between the lines.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { until } from '../harness.mjs';
+
+export const workspace = 'quadcopter';
+export const beside = ['maneuver'];
+export const settings = { 'workbench.colorTheme': 'Default Dark Modern' };
+const FILE = 'nhfc.gen';
+
+export function checks(wb) {
+  const { page } = wb;
+  /** The page of the preview: a frame in a frame. */
+  const frame = page.frameLocator('iframe.webview.ready').first().frameLocator('iframe#active-frame');
+  const node = (id) => frame.locator(`g.node[data-id="${id}"]`);
+  const notice = frame.locator('#notice');
+  const lens = (title) => page.locator('.codelens-decoration a', { hasText: title });
+  const cursorLine = () => page.locator('.monaco-editor .line-numbers.active-line-number').first().textContent();
+  const lineOf = (text) => readFileSync(join(wb.folder, FILE), 'utf8').split('\n').findIndex((line) => line.includes(text)) + 1;
+  const focusText = () => wb.command('View: Focus First Editor Group');
+  const edges = () => frame.locator('g.edge').evaluateAll((all) => all.map((it) => `${it.dataset.from} ${it.dataset.to}`));
+
+  /** Accepts what the dialog for saving proposes. */
+  async function accept(name) {
+    const input = page.locator('.quick-input-widget input.input').first();
+    await input.waitFor();
+    await until('a name is proposed', async () => name.test(await input.inputValue()), () => wb.shot('preview-save.png'));
+    await page.keyboard.press('Enter');
+    await input.waitFor({ state: 'hidden' });
+  }
+
+  const more = [
+    ['a lens opens the preview beside the text', async () => {
+      await wb.open(FILE);
+      await wb.endOf(FILE, 'task main {');
+      await lens('state machine').first().click();
+      await node('control').waitFor();
+      const names = await frame.locator('g.node').evaluateAll((all) => all.map((it) => it.dataset.id));
+      for (const state of ['start', 'measure', 'control', 'emergency', 'stop', 'ether']) assert.ok(names.includes(state), `${state} in ${names}`);
+      await wb.shot('preview-01-dark.png');
+    }],
+    ['every node has a name for screen readers and can be reached by keyboard', async () => {
+      const nodes = await frame.locator('g.node').evaluateAll((all) => all.map((it) => [it.getAttribute('aria-label'), it.getAttribute('tabindex')]));
+      for (const [label, index] of nodes) assert.ok(label && index === '0', `${label} ${index}`);
+    }],
+    ['it is allowed nothing from elsewhere', async () => {
+      const policy = await frame.locator('meta[http-equiv="Content-Security-Policy"]').getAttribute('content');
+      assert.match(policy, /^default-src 'none'; img-src data:; style-src 'nonce-[0-9a-f]{32}'; script-src 'nonce-[0-9a-f]{32}'$/);
+    }],
+    ['a click on a state moves the cursor to its codel', async () => {
+      await node('emergency').click();
+      await until('the cursor is there', async () => Number(await cursorLine()) === lineOf('codel<emergency>'));
+    }],
+    ['what is selected is explained', async () => {
+      const details = frame.locator('#details');
+      await details.waitFor();
+      const text = await details.innerText();
+      assert.match(text, /hfc_main_emergency/);
+      assert.match(text, /out port cmd_velocity/);
+      assert.match(text, /30 .s/);
+      await wb.shot('preview-02-details.png');
+    }],
+    ['the state under the cursor is marked', async () => {
+      await wb.endOf(FILE, 'codel<measure>');
+      await until('measure is marked', async () => /current/.test((await node('measure').getAttribute('class')) ?? ''));
+    }],
+    ['the preview follows the cursor to another machine', async () => {
+      await wb.endOf(FILE, 'codel<track>');
+      await node('track').waitFor();
+      await until('track is marked', async () => /current/.test((await node('track').getAttribute('class')) ?? ''));
+    }],
+    ['arrow keys walk, and Enter leads to the text', async () => {
+      await node('start').focus();
+      await page.keyboard.press('ArrowDown');
+      await frame.locator('g.node[data-id="track"]:focus').waitFor();
+      await page.keyboard.press('ArrowUp');
+      await frame.locator('g.node[data-id="start"]:focus').waitFor();
+      await page.keyboard.press('Enter');
+      await until('the cursor is there', async () => Number(await cursorLine()) === lineOf('codel<start> hfc_servo_start'));
+    }],
+    ['an edited yield changes the picture', async () => {
+      assert.ok(!(await edges()).includes('track ether'));
+      await focusText();
+      await wb.endOf(FILE, 'codel<track>');
+      await page.keyboard.press('ArrowLeft');
+      await wb.type(', ether');
+      await until('there is another transition', async () => (await edges()).includes('track ether'));
+      await wb.shot('preview-03-edited.png');
+    }],
+    ['a syntax error keeps the last picture, and says so', async () => {
+      const before = await frame.locator('#view').innerHTML();
+      await wb.type(' (');
+      await notice.filter({ hasText: 'last good picture' }).waitFor();
+      await node('track').waitFor();
+      assert.equal(await frame.locator('g.node').count(), (before.match(/class="node /g) ?? []).length);
+      await wb.shot('preview-04-broken.png');
+      await page.keyboard.press('Backspace');
+      await page.keyboard.press('Backspace');
+      await until('the notice goes', () => notice.isHidden());
+      await wb.command('File: Revert File');
+      await page.locator('.tab.active.dirty').waitFor({ state: 'detached' });
+    }],
+    ['it finds, zooms and fits', async () => {
+      await focusText();
+      await wb.endOf(FILE, 'codel<control>');
+      await node('control').waitFor();
+      const svg = frame.locator('#view svg');
+      const width = async () => Number(await svg.getAttribute('width'));
+      await frame.locator('#fit').click();
+      const fitted = await width();
+      await frame.locator('#in').click();
+      assert.ok((await width()) > fitted * 1.2);
+      await frame.locator('#fit').click();
+      assert.ok(Math.abs((await width()) - fitted) < 2);
+      await frame.locator('#search').fill('emerg');
+      await until('others are faint', async () => (await frame.locator('g.node.missed').count()) > 3);
+      assert.ok(!/missed/.test((await node('emergency').getAttribute('class')) ?? ''));
+      await wb.shot('preview-05-search.png');
+      await frame.locator('#search').fill('');
+    }],
+    ['it shows longest paths and locks on demand', async () => {
+      await frame.locator('#paths').check();
+      await frame.locator('text.detail', { hasText: 'Σ' }).first().waitFor();
+      await frame.locator('#paths').uncheck();
+      await frame.locator('text.detail', { hasText: 'Σ' }).first().waitFor({ state: 'detached' });
+    }],
+    ['it exports SVG, the bytes of the command line', async () => {
+      await frame.locator('#svg').click();
+      await accept(/nhfc\.main\.svg$/);
+      await until('the file is there', () => readFileSync(join(wb.folder, 'nhfc.main.svg'), 'utf8').startsWith('<svg'));
+    }],
+    ['it exports PNG', async () => {
+      await frame.locator('#png').click();
+      await accept(/nhfc\.main\.png$/);
+      await until('the file is there', () => readFileSync(join(wb.folder, 'nhfc.main.png')).subarray(1, 4).toString() === 'PNG');
+    }],
+    ['the system and the locks are one choice away', async () => {
+      await frame.locator('#kind').selectOption('system');
+      await node('mikrokopter').waitFor();
+      assert.equal(await frame.locator('g.node.component').count(), 5);
+      assert.ok((await edges()).includes('optitrack.mocap_pose pom'));
+      await wb.shot('preview-06-system.png');
+      await frame.locator('#kind').selectOption('locks');
+      await frame.locator('g.node.data').first().waitFor();
+      await wb.shot('preview-07-locks.png');
+      await frame.locator('#kind').selectOption('fsm');
+      await node('control').waitFor();
+    }],
+    ['it is as legible in a light theme, and in high contrast', async () => {
+      wb.folderSettings({ 'workbench.colorTheme': 'Default Light Modern' });
+      const ground = () => frame.locator('body').evaluate((it) => getComputedStyle(it).backgroundColor);
+      await until('the page is light', async () => (await ground()) === 'rgb(255, 255, 255)');
+      await wb.shot('preview-08-light.png');
+      wb.folderSettings({ 'workbench.colorTheme': 'Default High Contrast' });
+      await until('the page is black', async () => (await ground()) === 'rgb(0, 0, 0)');
+      await wb.shot('preview-09-contrast.png');
+      wb.folderSettings({});
+      await until('the page is dark again', async () => !['rgb(0, 0, 0)', 'rgb(255, 255, 255)'].includes(await ground()));
+    }],
+    ['it is there again after a reload of the window', async () => {
+      await page.reload();
+      await page.locator('.monaco-workbench').waitFor();
+      // Which picture: what the workbench had written down last.
+      await frame.locator('g.node[aria-label*="hfc_main_control"]').waitFor();
+    }],
+    ['a lens toggles the picture between the lines', async () => {
+      await focusText();
+      await wb.command('View: Close Editors in Other Groups');
+      await wb.open(FILE);
+      await wb.endOf(FILE, 'activity servo');
+      const zone = page.locator('.review-widget img');
+      await page.locator('.codelens-decoration', { hasText: '3 references' }).locator('a', { hasText: 'inline' }).click();
+      await zone.waitFor();
+      assert.equal(await page.locator('.part.panel').isVisible(), false, 'the list of comments stays closed');
+      const first = await zone.getAttribute('src');
+      await wb.shot('preview-10-inline.png');
+      await wb.endOf(FILE, 'codel<track>');
+      await page.keyboard.press('ArrowLeft');
+      await wb.type(', ether');
+      await until('it follows the text', async () => (await zone.getAttribute('src')) !== first);
+      await wb.command('dotgen: Toggle State Machine Between the Lines');
+      await zone.waitFor({ state: 'detached' });
+    }],
+  ];
+  return { more };
+}

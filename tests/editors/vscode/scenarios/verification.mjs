@@ -1,0 +1,120 @@
+// Real-time verification: a longer codel misses the deadline, the timeline shows why, and a shorter one is proved again.
+import assert from 'node:assert/strict';
+import { until } from '../harness.mjs';
+
+export const workspace = 'pump';
+export const settings = { 'workbench.colorTheme': 'Default Dark Modern' };
+
+export function checks(wb) {
+  const { page } = wb;
+  const lens = (what) => page.locator('.contentWidgets .codelens-decoration a', { hasText: what }).first();
+  const frame = page.frameLocator('iframe.webview.ready').first().frameLocator('iframe#active-frame');
+  const state = (word) => frame.locator('#state', { hasText: word });
+
+  /** Sets the execution time at the end of a line. */
+  async function wcet(before, after) {
+    await wb.endOf('pump.gen', 'yield pause::start wcet');
+    for (let i = 0; i < `${before} ms;`.length; i++) await page.keyboard.press('Backspace');
+    await wb.type(`${after} ms;`);
+  }
+
+  const more = [
+    ['a scenario has colours, and its verdicts over its checks', async () => {
+      await wb.open('pump.scn');
+      await wb.statusItem.locator('.codicon-check').waitFor();
+      await lens('8 ms · proved').waitFor();
+      await lens('17.5 ms · proved').waitFor();
+      const colours = new Set(await page.locator('.monaco-editor .view-lines .view-line span span').evaluateAll((all) => all.map((it) => it.className)));
+      assert.ok(colours.size > 4, [...colours].join(' '));
+      await wb.shot('60-scenario.png');
+    }],
+    ['hovers and completion know the names of the specification', async () => {
+      await wb.hover('check control', 'control');
+      await page.keyboard.press('Escape');
+      await wb.endOf('pump.scn', 'cores 1;');
+      await wb.type('\nslots pu');
+      await page.keyboard.press('Control+Space');
+      await page.locator('.suggest-widget .monaco-list-row', { hasText: 'pump.fill' }).first().waitFor();
+      await wb.shot('61-scenario-completion.png');
+      await page.keyboard.press('Escape');
+      await lens('not verified: there are errors').waitFor();
+      for (let i = 0; i < '\n  slots pu'.length; i++) await page.keyboard.press('Control+Z');
+      await lens('8 ms · proved').waitFor();
+      await wb.save();
+    }],
+    ['a task has its response time over it', async () => {
+      await wb.open('pump.gen');
+      await lens('R 8 ms of 9 ms · slack 11 % · proved').waitFor();
+      await wb.shot('62-lens.png');
+    }],
+    ['a longer codel misses the deadline', async () => {
+      await wcet(4, 6);
+      await wb.squiggles('warning').first().waitFor();
+      await lens('deadline missed').waitFor();
+      await wb.command('Problems: Focus on Problems View');
+      await page.locator('.markers-panel .monaco-list-row', { hasText: 'can miss its deadline' }).first().waitFor();
+      await wb.shot('63-deadline-miss.png');
+      await page.keyboard.press('Control+J');
+    }],
+    ['the timeline of the run opens', async () => {
+      await lens('deadline missed').click();
+      await state('refuted').waitFor();
+      await frame.locator('#view svg').waitFor();
+      assert.ok((await frame.locator('#view .bar').count()) > 3);
+      assert.equal(await frame.locator('#view .miss').count(), 1);
+      const policy = await frame.locator('meta[http-equiv="Content-Security-Policy"]').getAttribute('content');
+      assert.match(policy, /^default-src 'none'; img-src data:; style-src 'nonce-\w+'; script-src 'nonce-\w+'$/);
+      await wb.shot('64-timeline-dark.png');
+    }],
+    ['a bar leads to its codel, by click and by key', async () => {
+      const bar = frame.locator('#view .bar.run[aria-label*="pump.report.start"]').last();
+      await bar.click();
+      await page.locator('.monaco-editor .line-numbers.active-line-number', { hasText: /^25$/ }).waitFor();
+      const other = frame.locator('#view .bar.run[aria-label*="pump.control.main"]').last();
+      await other.focus();
+      await page.keyboard.press('Enter');
+      await page.locator('.monaco-editor .line-numbers.active-line-number', { hasText: /^18$/ }).waitFor();
+    }],
+    ['the timeline zooms', async () => {
+      const width = async () => Number(await frame.locator('#view svg').getAttribute('width'));
+      const before = await width();
+      await frame.locator('#in').click();
+      await until('it is larger', async () => (await width()) > before);
+      await frame.locator('#fit').click();
+    }],
+    ['what would be enough: a variation, and back', async () => {
+      await frame.locator('#cores').fill('2');
+      await frame.locator('#cores').press('Enter');
+      await frame.locator('#notice', { hasText: 'a variation' }).waitFor();
+      await frame.locator('#facts', { hasText: '2 cores' }).waitFor();
+      await frame.locator('input[data-codel="pump.report.start"]').fill('3000');
+      await frame.locator('input[data-codel="pump.report.start"]').press('Enter');
+      await state('proved').waitFor();
+      await wb.shot('65-what-if.png');
+      await frame.locator('#reset').click();
+      await state('refuted').waitFor();
+    }],
+    ['light', async () => {
+      wb.folderSettings({ 'workbench.colorTheme': 'Default Light Modern' });
+      await page.locator('.monaco-workbench.vs').waitFor();
+      await wb.shot('66-timeline-light.png');
+      await frame.locator('#blocking').scrollIntoViewIfNeeded();
+      await wb.shot('67-blocking-light.png');
+      wb.folderSettings({});
+    }],
+    ['shorter again, it is proved; the run stays until it is dismissed', async () => {
+      await frame.locator('#checks a', { hasText: 'show why' }).first().click();
+      await frame.locator('#checks tr.shown').waitFor();
+      await page.locator('.monaco-editor .view-line', { hasText: 'pump: keeps' }).first().click();
+      await wcet(6, 4);
+      await state('proved').waitFor();
+      await page.locator('.monaco-editor .squiggly-warning').first().waitFor({ state: 'detached' });
+      await frame.locator('#runTitle', { hasText: 'of an earlier text' }).waitFor();
+      await lens('R 8 ms of 9 ms · slack 11 % · proved').waitFor();
+      await wb.shot('68-proved-again.png');
+      await frame.locator('#dismiss').click();
+      await frame.locator('#runTitle', { hasText: 'of an earlier text' }).waitFor({ state: 'detached' });
+    }],
+  ];
+  return { more };
+}

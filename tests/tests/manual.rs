@@ -1,0 +1,152 @@
+//! The manual pages of diagnostic codes are generated; this test writes them when they are not up to
+//! date, and fails.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use dotgen_analysis::codes::{self, Code};
+use dotgen_analysis::diagnostic::Severity;
+use dotgen_codegen::codels::codes::{CODES, CodelCode};
+use dotgen_tests::workspace_root;
+
+/// The codes of all layers.
+fn all() -> impl Iterator<Item = Code> {
+    let codels = CODES.iter().map(|it| Code {
+        id: it.code.as_str(),
+        severity: it.code.severity(),
+        on: true,
+        meaning: it.meaning,
+        why: Some(it.why),
+        example: Some(it.specification),
+        fix: Some(it.fix),
+        reference: false,
+    });
+    codes::all().chain(codels)
+}
+
+/// The entry of a code that compares specification and codels.
+fn codel(id: &str) -> Option<&'static CodelCode> {
+    CODES.iter().find(|it| it.code.as_str() == id)
+}
+
+/// The text of a fixture that triggers a code, without its marks.
+fn fixture(code: &str) -> Option<String> {
+    let path = workspace_root().join(format!("analysis/tests/data/codes/{code}.gen"));
+    let text = std::fs::read_to_string(path).ok()?;
+    let (bad, _) = text.split_once("// near miss\n")?;
+    Some(
+        bad.lines()
+            .map(|line| format!("{}\n", line.replace("//!", "").trim_end()))
+            .collect(),
+    )
+}
+
+fn severity(it: Severity) -> &'static str {
+    match it {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+        Severity::Information => "information",
+        Severity::Hint => "hint",
+    }
+}
+
+fn page(code: &Code) -> String {
+    let Code { id, meaning, .. } = code;
+    let mut out = format!("# {id}\n\nReports {meaning}.\n\n");
+    let default = if code.on {
+        severity(code.severity)
+    } else {
+        "off"
+    };
+    let _ = writeln!(out, "Default: **{default}**.");
+    if code.reference {
+        out.push_str("The reference compiler reports this too.\n");
+    }
+    if let Some(why) = code.why {
+        let _ = write!(out, "\n## Why\n\n{why}\n");
+    }
+    if let Some(example) = code.example.map(str::to_owned).or_else(|| fixture(id)) {
+        let _ = write!(
+            out,
+            "\n## Example\n\n```genom\n{}\n```\n",
+            example.trim_end()
+        );
+    }
+    if let Some(codel) = codel(id) {
+        let _ = write!(out, "\n```c\n{}\n```\n", codel.source.trim_end());
+    }
+    if let Some(fix) = code.fix {
+        let _ = write!(out, "\n## What to do\n\n{fix}\n");
+    }
+    if code.severity == Severity::Error {
+        out.push_str("\nAn error cannot be switched off: the specification is rejected.\n");
+    } else {
+        let _ = write!(
+            out,
+            "\n## Configuration\n\n```toml\n# dotgen.toml\n[severity]\n\"{id}\" = \"off\" # or \"hint\", \"information\", \"warning\", \"error\"\n```\n\n\
+             In one place: a comment `// dotgen: allow({id}) why it is right here` above the declaration{}.\n",
+            match codel(id) {
+                Some(_) => ", or in front of or inside the function",
+                None => "",
+            }
+        );
+    }
+    out
+}
+
+fn index(codes: &[Code]) -> String {
+    let mut out = String::from(
+        "# Diagnostics\n\nEvery code that dotgen reports, with its default severity. Codes never change their meaning.\n\n\
+         | Code | Default | Reports |\n| --- | --- | --- |\n",
+    );
+    for code in codes {
+        let default = if code.on {
+            severity(code.severity)
+        } else {
+            "off"
+        };
+        let meaning = code.meaning.replace('|', "\\|");
+        let _ = writeln!(
+            out,
+            "| [{id}]({id}.md) | {default} | {meaning} |",
+            id = code.id
+        );
+    }
+    out
+}
+
+#[test]
+fn the_pages_of_all_codes_are_up_to_date() {
+    let folder = workspace_root().join("docs/diagnostics");
+    let codes: Vec<Code> = all().collect();
+    let mut wanted: BTreeMap<String, String> = BTreeMap::new();
+    for code in &codes {
+        let before = wanted.insert(format!("{}.md", code.id), page(code));
+        assert!(before.is_none(), "`{}` is in two tables", code.id);
+    }
+    wanted.insert("README.md".into(), index(&codes));
+    let mut stale = Vec::new();
+    for (name, text) in &wanted {
+        let path = folder.join(name);
+        if std::fs::read_to_string(&path).ok().as_deref() != Some(text) {
+            std::fs::create_dir_all(path.parent().unwrap_or(&folder)).unwrap();
+            std::fs::write(&path, text).unwrap();
+            stale.push(name.clone());
+        }
+    }
+    assert!(
+        stale.is_empty(),
+        "docs/diagnostics was not up to date; commit the new pages: {stale:?}"
+    );
+}
+
+#[test]
+fn every_code_has_an_example() {
+    for code in all() {
+        assert!(
+            code.example.is_some() || fixture(code.id).is_some(),
+            "{} has no example",
+            code.id
+        );
+    }
+}

@@ -1,0 +1,22 @@
+//! The exact explorer.
+//!
+//! Time is integer: all bounds are integers and closed, so every run can be shifted to one with
+//! integer time stamps and the same order of actions (section 12 of the timed semantics). States are
+//! visited in order of absolute time, one *layer* per moment. Within a layer all orders of
+//! simultaneous actions are followed; states in which nothing urgent remains become *nodes*, are
+//! merged and compared with all earlier nodes (see [`store`]), and jump to their next moment.
+
+mod ample;
+mod lazy;
+mod liveness;
+mod observe;
+mod run;
+mod search;
+mod state;
+mod step;
+mod store;
+
+pub use liveness::{Liveness, LivenessQuery, liveness};
+pub use run::{Moment, MomentKind, Run};
+pub use search::{Bound, Findings, Found, Limits, Stop, Watch, explore};
+pub use step::Action;

@@ -1,0 +1,233 @@
+//! Ends that can wait: the partial-order reduction.
+//!
+//! With durations from 0 on, ending a codel now instead of at the next *hard* moment (a tick, the end
+//! of a window) gains nothing, if nobody is kept waiting meanwhile: at that moment it can still end
+//! first, what follows it can follow there as well, in the same order and in no time, and codels
+//! begun later have wider windows. So such an end is followed only where something urgent is about to
+//! happen, and a state that differs from another one only by such ends need not be kept.
+//!
+//! This holds for tasks of *lazy groups*. A group is a set of tasks connected by codels that exclude
+//! each other; it is lazy if all its tasks are periodic without kept ticks, all their codels have
+//! lower bound 0, no activity of theirs can end by itself (which would concern the control task and
+//! clients), and no codel of a control task belongs to it. An aperiodic task can belong to one if it
+//! asks for a core at most once, or never (else waiting changes its place in the queue), and if its
+//! response time is not measured (which would begin later). It can have a resting place, see
+//! [`rest`]; while it is elsewhere its group is not lazy. Groups meet only at cores: while a task of
+//! another group waits for a core no end can wait. (A lazy task that waits loses nothing by a later
+//! grant: its release is past, and its codels have wider windows.) Start-up is never lazy, and
+//! neither is anything while a lazy task has a pending tick: its next job is released, and measured,
+//! from the end of this one. The order of steps of different groups is not preserved; groups with a
+//! task that a predicate is about are therefore not lazy.
+
+mod rest;
+
+use rustc_hash::FxHashSet;
+use smallvec::SmallVec;
+
+use super::state::{State, mode, phase};
+use super::step::{Action, Enabled, Stepper};
+use super::store::{Encoded, encode};
+use crate::system::{TimedSystem, Yield};
+
+/// Which tasks belong to lazy groups.
+#[derive(Debug)]
+pub(crate) struct Lazy {
+    tasks: Vec<bool>,
+    any: bool,
+    /// Group of each task.
+    group: Vec<usize>,
+    /// Automata with a resting place, and the state.
+    rest: Vec<(usize, usize)>,
+}
+
+/// The tasks whose ends can wait in one state.
+pub(crate) type Waiters = SmallVec<[bool; 16]>;
+
+/// Lazy closures larger than this are not followed to their end; fewer states are dropped then.
+const CLOSURE: usize = 1024;
+
+impl Lazy {
+    /// The lazy groups of a system. Predicates observe `visible` tasks; the response times of `measured` ones are
+    /// wanted.
+    pub(crate) fn new(system: &TimedSystem, visible: &[bool], measured: &[bool]) -> Self {
+        let n = system.tasks.len();
+        // One owner per codel: a task, or `n` for the control tasks.
+        let mut owner = vec![usize::MAX; system.codels.len()];
+        let mut lazy = vec![true; n + 1];
+        lazy[n] = false;
+        let requested = system.requested();
+        let live = |a: usize| system.automata[a].service.is_none_or(|it| requested[it]);
+        for (a, automaton) in system.automata.iter().enumerate() {
+            if live(a) {
+                for state in &system.machine_of(a).states {
+                    owner[state.codel] = automaton.task;
+                }
+            }
+        }
+        for (service, it) in system.services.iter().enumerate() {
+            if requested[service] {
+                for &codel in it.validate.iter().chain(&it.simple) {
+                    owner[codel] = n;
+                }
+            }
+        }
+        let mut rest = Vec::new();
+        for (a, automaton) in system.automata.iter().enumerate() {
+            if !live(a) {
+                continue;
+            }
+            let task = automaton.task;
+            let place = rest::place(system, a, &owner)
+                .filter(|_| !measured[task] && endless(system, task, &requested));
+            rest.extend(place.map(|state| (a, state)));
+            for (number, state) in system.machine_of(a).states.iter().enumerate() {
+                let ends = automaton.service.is_some() && state.yields.contains(&Yield::End);
+                let separate = state.is_async && system.platform.async_free;
+                let slow = system.codels[state.codel].lower > 0 && place != Some(number);
+                if ends || separate || slow {
+                    lazy[task] = false;
+                }
+            }
+        }
+        for (task, it) in system.tasks.iter().enumerate() {
+            let fits = if it.period.is_some() {
+                !it.keep_idle_tick
+            } else {
+                !measured[task] && (!system.needs_core(task) || endless(system, task, &requested))
+            };
+            lazy[task] &= fits && !visible[task];
+        }
+        let mut group: Vec<usize> = (0..=n).collect();
+        for (one, codel) in system.codels.iter().enumerate() {
+            for other in codel.conflicts.iter() {
+                let (Some(&a), Some(&b)) = (owner.get(one), owner.get(other)) else {
+                    continue;
+                };
+                if a <= n && b <= n && group[a] != group[b] {
+                    let (from, to) = (group[a], group[b]);
+                    group
+                        .iter_mut()
+                        .filter(|it| **it == from)
+                        .for_each(|it| *it = to);
+                }
+            }
+        }
+        let not_lazy: Vec<usize> = (0..=n).filter(|&t| !lazy[t]).map(|t| group[t]).collect();
+        let tasks: Vec<bool> = (0..n).map(|t| !not_lazy.contains(&group[t])).collect();
+        rest.retain(|&(a, _)| tasks[system.automata[a].task]);
+        Lazy {
+            any: tasks.contains(&true),
+            tasks,
+            group,
+            rest,
+        }
+    }
+
+    /// The tasks whose ends can wait in a calm state, if there are any.
+    pub(crate) fn waiters(&self, stepper: &Stepper, s: &State) -> Option<Waiters> {
+        let l = &stepper.layout;
+        if !self.any {
+            return None;
+        }
+        let tasks = &stepper.system.tasks;
+        let settled = tasks
+            .iter()
+            .zip(&self.tasks)
+            .enumerate()
+            .all(|(task, (it, &lazy))| {
+                let normal = |a| matches!(l.mode(s, a), mode::NORMAL | mode::ENDED);
+                !lazy || (!l.pending(s, task) && it.permanent.is_none_or(normal))
+            });
+        if !settled {
+            return None;
+        }
+        let mut out = Waiters::from_slice(&self.tasks);
+        for &(a, state) in &self.rest {
+            let resting = l.phase(s, a) == phase::EXECUTING && l.at(s, a) as usize == state;
+            if !resting {
+                let group = self.group[stepper.system.automata[a].task];
+                for (task, it) in out.iter_mut().enumerate() {
+                    *it &= self.group[task] != group;
+                }
+            }
+        }
+        let queue = l.queue(s);
+        queue.iter().all(|&task| out[task as usize]).then_some(out)
+    }
+
+    /// Calls `found` with every calm state that a calm state can reach by ends that can wait, unless there are
+    /// too many. Takes what it looked at off the budget.
+    pub(crate) fn closure(
+        &self,
+        stepper: &Stepper,
+        s: &State,
+        budget: &mut usize,
+        mut found: impl FnMut(&Encoded),
+    ) {
+        let Some(waiters) = self.waiters(stepper, s) else {
+            return;
+        };
+        let mut executing = stepper.layout.executing(s);
+        if !executing.any(|e| can_wait(&waiters, stepper, e)) {
+            return;
+        }
+        let mut seen: FxHashSet<Encoded> = FxHashSet::default();
+        let mut stack = vec![s.clone()];
+        let mut enabled = Enabled::default();
+        let mut it = Encoded::default();
+        while let Some(s) = stack.pop() {
+            stepper.enabled(&s, &mut enabled);
+            *budget = budget.saturating_sub(1);
+            if seen.len() > CLOSURE || *budget == 0 {
+                break;
+            }
+            for i in 0..enabled.actions.len() {
+                let action = enabled.actions[i];
+                let follow = match action {
+                    Action::Finish { executor, .. } | Action::Acquire { executor } => {
+                        can_wait(&waiters, stepper, executor)
+                    }
+                    Action::Grant { task } | Action::Release { task } => waiters[task],
+                    _ => false,
+                };
+                if !follow {
+                    continue;
+                }
+                let mut next = s.clone();
+                stepper.apply(&mut next, action);
+                encode(stepper, &next, &mut it);
+                if seen.insert(it.clone()) {
+                    found(&it);
+                    stack.push(next);
+                }
+            }
+        }
+    }
+}
+
+/// Whether an executor belongs to a task whose ends can wait.
+pub(crate) fn can_wait(waiters: &Waiters, stepper: &Stepper, executor: usize) -> bool {
+    let automata = &stepper.system.automata;
+    automata.get(executor).is_some_and(|it| waiters[it.task])
+}
+
+/// An aperiodic task whose cycle never ends.
+fn endless(system: &TimedSystem, task: usize, requested: &[bool]) -> bool {
+    let it = &system.tasks[task];
+    it.period.is_none()
+        && !system.has_activities(task, requested)
+        && it.permanent.is_some_and(|a| {
+            let states = &system.machine_of(a).states;
+            let mut yields = states.iter().flat_map(|it| &it.yields);
+            yields.all(|it| matches!(it, Yield::Next(_)))
+        })
+}
+
+/// The next moment at which something has to be looked at. `None`: never.
+pub(crate) fn next_moment(lazy: &Lazy, stepper: &Stepper, s: &State) -> Option<u32> {
+    let waiters = lazy.waiters(stepper, s);
+    stepper.next_moment(s, &|executor| {
+        let waits = waiters.as_ref();
+        waits.is_some_and(|it| can_wait(it, stepper, executor))
+    })
+}

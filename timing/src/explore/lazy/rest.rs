@@ -1,0 +1,110 @@
+//! Resting places: states in which an endless activity waits for the outside world.
+//!
+//! A polling loop `poll → work → poll` whose `poll` takes at least *l* and has no upper bound is
+//! never ready earlier by having gone round: a `poll` that has lasted longer can end whenever a later
+//! one can. So while it rests there, rounds before the next hard moment *m* need not be followed. If
+//! the loop is back at rest at *m*, it might as well have stayed (all other codels of its group have
+//! lower bound 0, and rounds only took locks that can delay nobody before *m*: whoever could want
+//! them would first have to end something, which waits as well). If it is elsewhere at *m*, the way
+//! there can be gone at *m* in no time.
+//!
+//! What this needs: the other states of the machine have lower bound 0; nobody else wants what the
+//! resting codel locks (after start-up); and visits counted for a loop limit are always the same
+//! there.
+
+use rustc_hash::FxHashSet;
+
+use crate::system::{FOREVER, Machine, TimedSystem, Yield};
+
+/// More combinations of state and visits than this are not looked at.
+const COMBINATIONS: usize = 10_000;
+
+/// The resting place of the machine of an automaton. `owner` tells who executes each codel.
+pub(super) fn place(system: &TimedSystem, automaton: usize, owner: &[usize]) -> Option<usize> {
+    let machine = system.machine_of(automaton);
+    let mut slow = machine
+        .states
+        .iter()
+        .enumerate()
+        .filter(|(_, it)| system.codels[it.codel].lower > 0);
+    let (place, state) = slow.next()?;
+    let codel = &system.codels[state.codel];
+    let task = system.automata[automaton].task;
+    let undisturbed = codel
+        .conflicts
+        .iter()
+        .all(|it| owner[it] == task || owner[it] == usize::MAX || start_up_only(system, it));
+    (slow.next().is_none()
+        && codel.upper == FOREVER
+        && undisturbed
+        && place != machine.start
+        && always_same_visits(machine, place))
+    .then_some(place)
+}
+
+/// Whether a codel is executed when its task starts and never again. Nothing is lazy before that is over.
+fn start_up_only(system: &TimedSystem, codel: usize) -> bool {
+    let mut uses = (0..system.automata.len()).flat_map(|a| {
+        let machine = system.machine_of(a);
+        let states = machine.states.iter().enumerate();
+        states
+            .filter(move |it| it.1.codel == codel)
+            .map(move |(state, _)| (a, state))
+    });
+    uses.all(|(a, state)| {
+        let machine = system.machine_of(a);
+        let mut yields = machine.states.iter().flat_map(|it| &it.yields);
+        system.automata[a].service.is_none()
+            && state == machine.start
+            && !yields.any(|it| matches!(*it, Yield::Next(to) | Yield::Pause(to) if to == state))
+    })
+}
+
+/// Whether the visits counted are the same whenever the machine enters `place`.
+fn always_same_visits(machine: &Machine, place: usize) -> bool {
+    let Some(limit) = machine.loop_limit else {
+        return true;
+    };
+    let enter = |visits: &[u16], state: usize| {
+        let mut visits = visits.to_vec();
+        visits[state] += 1;
+        (state, visits)
+    };
+    let fresh = vec![0; machine.states.len()];
+    // The start-up codel comes before the first turn.
+    let mut stack: Vec<(usize, Vec<u16>)> = machine.states[machine.start]
+        .yields
+        .iter()
+        .filter_map(|it| match *it {
+            Yield::Next(next) => Some(enter(&fresh, next)),
+            _ => None,
+        })
+        .collect();
+    let mut seen = FxHashSet::default();
+    let mut there: Option<Vec<u16>> = None;
+    while let Some((state, visits)) = stack.pop() {
+        if !seen.insert((state, visits.clone())) {
+            continue;
+        }
+        if seen.len() > COMBINATIONS {
+            return false;
+        }
+        if state == place && *there.get_or_insert_with(|| visits.clone()) != visits {
+            return false;
+        }
+        let yields = machine.states[state]
+            .yields
+            .iter()
+            .filter_map(|it| match *it {
+                Yield::Next(next) => Some(next),
+                _ => None,
+            });
+        let allowed: Vec<usize> = yields.clone().filter(|&it| visits[it] < limit).collect();
+        if allowed.is_empty() && machine.rounds {
+            stack.extend(yields.filter(|&it| it != state).map(|it| enter(&fresh, it)));
+        } else {
+            stack.extend(allowed.into_iter().map(|it| enter(&visits, it)));
+        }
+    }
+    true
+}

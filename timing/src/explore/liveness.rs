@@ -1,0 +1,276 @@
+//! Unbounded response: is there a run that never answers?
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rustc_hash::FxHashMap;
+
+use super::observe::{self, Observer};
+use super::run::Run;
+use super::search::{Limits, Stop};
+use super::state::{Layout, State};
+use super::step::{Action, Enabled, Stepper};
+use super::store::{Encoded, decode, encode};
+use crate::property::Predicate;
+use crate::system::{Ticks, TimedSystem};
+
+/// Whenever `trigger` becomes true, `response` follows on every run.
+#[derive(Debug, Clone)]
+pub struct LivenessQuery {
+    /// What opens the obligation; `None`: it is open from the start.
+    pub trigger: Option<Predicate>,
+    /// What has to follow.
+    pub response: Predicate,
+}
+
+/// The answer to a [`LivenessQuery`].
+#[derive(Debug, Clone)]
+pub struct Liveness {
+    /// A run that never answers. `Run::cycle` tells where it begins to repeat; if `None` time passes
+    /// for ever after the end of the run.
+    pub counterexample: Option<Run>,
+    /// States visited.
+    pub states: usize,
+    /// Set when the exploration is not complete.
+    pub stopped: Option<Stop>,
+}
+
+/// Decides a query. States are neither merged nor covered: a cycle must be one of the system.
+pub fn liveness(
+    system: &TimedSystem,
+    query: &LivenessQuery,
+    limits: Limits,
+    cancel: &AtomicBool,
+) -> Liveness {
+    let layout = Layout::new(system, &vec![false; system.tasks.len()], &[false]);
+    let stepper = Stepper::new(system, layout);
+    // "Always" as a trigger: true in the initial state.
+    let always = || {
+        Predicate::Or(
+            Box::new(query.response.clone()),
+            Box::new(Predicate::Not(Box::new(query.response.clone()))),
+        )
+    };
+    let observers = [Observer {
+        trigger: query.trigger.clone().unwrap_or_else(always),
+        response: query.response.clone(),
+    }];
+    Graph {
+        stepper,
+        observers,
+        once: query.trigger.is_none(),
+        limits,
+        cancel,
+    }
+    .search()
+}
+
+struct Graph<'a> {
+    stepper: Stepper<'a>,
+    observers: [Observer; 1],
+    /// Nothing matters after the first answer.
+    once: bool,
+    limits: Limits,
+    cancel: &'a AtomicBool,
+}
+
+/// How one state is entered from another.
+#[derive(Clone, Copy)]
+enum Edge {
+    Act(Action),
+    Pass(Ticks),
+}
+
+struct Visit {
+    state: Encoded,
+    parent: u32,
+    edge: Edge,
+    time: u64,
+}
+
+impl Graph<'_> {
+    fn search(&self) -> Liveness {
+        let mut visits: Vec<Visit> = Vec::new();
+        let mut ids: FxHashMap<Encoded, u32> = FxHashMap::default();
+        let mut successors: Vec<Vec<u32>> = Vec::new();
+        let mut initial = self.stepper.initial();
+        observe::observe(&self.stepper, &self.observers, None, &mut initial);
+        let mut first = Encoded::default();
+        encode(&self.stepper, &initial, &mut first);
+        ids.insert(first.clone(), 0);
+        visits.push(Visit {
+            state: first,
+            parent: u32::MAX,
+            edge: Edge::Pass(0),
+            time: 0,
+        });
+        let mut enabled = Enabled::default();
+        let mut stopped = None;
+        let mut at = 0;
+        while at < visits.len() {
+            if at.is_multiple_of(256) && self.cancel.load(Ordering::Relaxed) {
+                stopped = Some(Stop::Cancelled);
+                break;
+            }
+            if visits.len() > self.limits.states
+                || visits.len() * (size_of::<Visit>() + 200) > self.limits.bytes
+            {
+                stopped = Some(Stop::Limit);
+                break;
+            }
+            let s = decode(&self.stepper, &visits[at].state.key, &visits[at].state.dims);
+            let mut next_ids = Vec::new();
+            if self.open(&s) || !self.once {
+                for (edge, next, forever) in self.successors(&s, &mut enabled) {
+                    if forever {
+                        // Time passes and nothing ever happens: a cycle of its own.
+                        next_ids.push(at as u32);
+                        continue;
+                    }
+                    let mut it = Encoded::default();
+                    encode(&self.stepper, &next, &mut it);
+                    let jump = match edge {
+                        Edge::Pass(jump) => u64::from(jump),
+                        Edge::Act(_) => 0,
+                    };
+                    let time = visits[at].time + jump;
+                    let id = *ids.entry(it.clone()).or_insert_with(|| {
+                        visits.push(Visit {
+                            state: it,
+                            parent: at as u32,
+                            edge,
+                            time,
+                        });
+                        visits.len() as u32 - 1
+                    });
+                    next_ids.push(id);
+                }
+            }
+            successors.push(next_ids);
+            at += 1;
+        }
+        successors.resize(visits.len(), Vec::new());
+        let open: Vec<bool> = visits
+            .iter()
+            .map(|it| self.open(&decode(&self.stepper, &it.state.key, &it.state.dims)))
+            .collect();
+        let counterexample =
+            cycle(&successors, &open).map(|cycle| self.run(&visits, &successors, &cycle));
+        Liveness {
+            counterexample,
+            states: visits.len(),
+            stopped,
+        }
+    }
+
+    fn open(&self, s: &State) -> bool {
+        self.stepper.layout.open(s, 0) != 0
+    }
+
+    fn successors(&self, s: &State, enabled: &mut Enabled) -> Vec<(Edge, State, bool)> {
+        let mut out = Vec::new();
+        self.stepper.enabled(s, enabled);
+        for &action in &enabled.actions {
+            let mut next = s.clone();
+            self.stepper.apply(&mut next, action);
+            observe::observe(&self.stepper, &self.observers, Some(s), &mut next);
+            out.push((Edge::Act(action), next, false));
+        }
+        if !enabled.urgent && !enabled.forced {
+            match self.stepper.next_moment(s, &|_| false) {
+                Some(jump) => {
+                    let mut next = s.clone();
+                    self.stepper.elapse(&mut next, jump);
+                    out.push((Edge::Pass(jump), next, false));
+                }
+                None => out.push((Edge::Pass(0), s.clone(), true)),
+            }
+        }
+        out
+    }
+
+    /// The run to the first state of a cycle and once around it.
+    fn run(&self, visits: &[Visit], successors: &[Vec<u32>], cycle: &[u32]) -> Run {
+        let mut path = vec![cycle[0]];
+        while visits[path[path.len() - 1] as usize].parent != u32::MAX {
+            path.push(visits[path[path.len() - 1] as usize].parent);
+        }
+        path.reverse();
+        let mut run = Run::default();
+        let mut time = 0;
+        for &it in &path[1..] {
+            let visit = &visits[it as usize];
+            time = visit.time;
+            if let Edge::Act(action) = visit.edge {
+                run.steps.push((time, action));
+            }
+        }
+        let stuck = cycle.len() == 1 && successors[cycle[0] as usize] == [cycle[0]];
+        run.end = time;
+        let forever = {
+            let it = &visits[cycle[0] as usize].state;
+            let s = decode(&self.stepper, &it.key, &it.dims);
+            self.stepper.next_moment(&s, &|_| false).is_none()
+        };
+        if stuck && forever {
+            return run;
+        }
+        run.cycle = Some(run.steps.len());
+        let mut enabled = Enabled::default();
+        for (i, &it) in cycle.iter().enumerate() {
+            let to = &visits[cycle[(i + 1) % cycle.len()] as usize].state;
+            let from = &visits[it as usize].state;
+            let s = decode(&self.stepper, &from.key, &from.dims);
+            for (edge, next, _) in self.successors(&s, &mut enabled) {
+                let mut encoded = Encoded::default();
+                encode(&self.stepper, &next, &mut encoded);
+                if encoded == *to {
+                    match edge {
+                        Edge::Act(action) => run.steps.push((time, action)),
+                        Edge::Pass(jump) => time += u64::from(jump),
+                    }
+                    break;
+                }
+            }
+        }
+        run.end = time;
+        run
+    }
+}
+
+/// A cycle through states that are all `open`.
+fn cycle(successors: &[Vec<u32>], open: &[bool]) -> Option<Vec<u32>> {
+    // Depth-first search with colours; a back edge closes a cycle.
+    let n = successors.len();
+    let mut colour = vec![0u8; n];
+    for root in 0..n {
+        if !open[root] || colour[root] != 0 {
+            continue;
+        }
+        let mut stack: Vec<(u32, usize)> = vec![(root as u32, 0)];
+        colour[root] = 1;
+        while let Some(top) = stack.last_mut() {
+            let node = top.0 as usize;
+            let Some(&next) = successors[node].get(top.1) else {
+                colour[node] = 2;
+                stack.pop();
+                continue;
+            };
+            top.1 += 1;
+            if !open[next as usize] {
+                continue;
+            }
+            match colour[next as usize] {
+                0 => {
+                    colour[next as usize] = 1;
+                    stack.push((next, 0));
+                }
+                1 => {
+                    let from = stack.iter().position(|&(it, _)| it == next)?;
+                    return Some(stack[from..].iter().map(|&(it, _)| it).collect());
+                }
+                _ => {}
+            }
+        }
+    }
+    None
+}

@@ -1,0 +1,433 @@
+//! States of a timed system as two flat arrays of small numbers.
+//!
+//! The *discrete* part holds statuses, positions and queues. The *times* hold timers, the slack of
+//! waiting tasks under EDF, for every executor the window of remaining time, and observation
+//! clocks. Discrete part, timers and slacks are the *key* of a state; windows and clocks are its
+//! *box*. States with the same key are merged and compared by box (see [`super::store`]).
+//!
+//! An *executor* is whatever can spend time executing: an automaton, a control task, a client
+//! (its delays). The window `[a, b]` of an executor says that it ends after any number of units
+//! in it, counted from now.
+
+use smallvec::SmallVec;
+
+use crate::system::{Ticks, TimedSystem};
+
+/// One state.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(crate) struct State {
+    /// Discrete part.
+    pub(crate) d: SmallVec<[u16; 104]>,
+    /// Times.
+    pub(crate) t: SmallVec<[Ticks; 72]>,
+}
+
+/// Status of a task.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum TaskStatus {
+    Idle,
+    Waiting,
+    Running,
+}
+
+/// `mode` of a permanent activity.
+pub(crate) mod mode {
+    // 0: its task is not started.
+    /// First codel of the start-up.
+    pub(crate) const FIRST_CODEL: u16 = 1;
+    /// Still in its first run, past the first codel.
+    pub(crate) const FIRST_RUN: u16 = 2;
+    /// Runs with its task.
+    pub(crate) const NORMAL: u16 = 3;
+    /// Ended.
+    pub(crate) const ENDED: u16 = 4;
+}
+
+/// `mode` of a slot: its status.
+pub(crate) mod slot {
+    pub(crate) const VOID: u16 = 0;
+    pub(crate) const WAIT: u16 = 1;
+    pub(crate) const RUN: u16 = 2;
+    /// Interrupted, `stop` not entered yet.
+    pub(crate) const STOP: u16 = 3;
+    /// Interrupted, past the entry of `stop`.
+    pub(crate) const STOPPING: u16 = 5;
+    pub(crate) const ETHER: u16 = 4;
+}
+
+/// What an executor is doing with its codel.
+pub(crate) mod phase {
+    pub(crate) const REST: u16 = 0;
+    pub(crate) const LOCKING: u16 = 1;
+    pub(crate) const EXECUTING: u16 = 2;
+    /// Added to the others when an asynchronous codel is executed by a separate thread.
+    pub(crate) const ASYNC: u16 = 4;
+}
+
+/// Steps of a control task.
+pub(crate) mod control {
+    // 0: the component is starting.
+    pub(crate) const READY: u16 = 1;
+    pub(crate) const VALIDATE: u16 = 2;
+    pub(crate) const SIMPLE: u16 = 3;
+}
+
+/// Values of trackers other than "slot" (which is [`tracker::SLOT`] plus the automaton).
+pub(crate) mod tracker {
+    pub(crate) const NONE: u16 = 0;
+    /// Sent, not accepted yet.
+    pub(crate) const HANDLED: u16 = 1;
+    pub(crate) const SLOT: u16 = 2;
+}
+
+const PENDING: u16 = 4;
+const STARTED: u16 = 8;
+
+/// Where everything is in the arrays of a [`State`].
+#[derive(Debug, Clone)]
+pub(crate) struct Layout {
+    pub(crate) tasks: usize,
+    pub(crate) automata: usize,
+    pub(crate) components: usize,
+    pub(crate) clients: usize,
+    /// Per task two: flags, turn.
+    task_base: usize,
+    /// Per automaton two: mode, state.
+    automaton_base: usize,
+    /// Per executor one, see [`phase`].
+    phase_base: usize,
+    /// Per component six.
+    component_base: usize,
+    /// Per client two: position, outstanding.
+    client_base: Vec<usize>,
+    /// Length, then tasks.
+    queue_base: usize,
+    /// Length, then executors; only with FIFO locks.
+    pub(crate) lock_queue_base: Option<usize>,
+    /// Visits of states in the current turn, for automata with a loop limit.
+    pub(crate) visits: Vec<Option<usize>>,
+    /// One flag per observer.
+    pub(crate) observer_base: usize,
+    d_len: usize,
+    slack_base: Option<usize>,
+    pub(crate) window_base: usize,
+    pub(crate) clock_base: usize,
+    t_len: usize,
+    /// Clock of the response time of each task, if observed.
+    pub(crate) response: Vec<Option<usize>>,
+    /// Clock of each observer, if it has one.
+    pub(crate) observer_clock: Vec<Option<usize>>,
+}
+
+impl Layout {
+    /// The layout for a system whose responses of `observed` tasks are measured, with one
+    /// observer per element of `observers`, telling whether it has a clock.
+    pub(crate) fn new(system: &TimedSystem, observed: &[bool], observers: &[bool]) -> Layout {
+        let mut d = 0;
+        let mut take = |n: usize| {
+            let at = d;
+            d += n;
+            at
+        };
+        let task_base = take(2 * system.tasks.len());
+        let executors = system.automata.len() + system.components.len() + system.clients.len();
+        let phase_base = take(executors);
+        let automaton_base = take(2 * system.automata.len());
+        let component_base = take(6 * system.components.len());
+        let client_base = system
+            .clients
+            .iter()
+            .map(|it| take(2 + it.trackers))
+            .collect();
+        let queue_base = take(1 + system.tasks.len());
+        let lock_queue_base =
+            (system.platform.locks == crate::system::LockOrder::Fifo).then(|| take(1 + executors));
+        let visits = (0..system.automata.len())
+            .map(|a| {
+                let machine = system.machine_of(a);
+                machine.loop_limit.map(|_| take(machine.states.len()))
+            })
+            .collect();
+        let observer_base = take(observers.len());
+        let d_len = d;
+
+        let mut t = system.tasks.len();
+        let edf =
+            system.platform.cores.is_some() && system.platform.policy == crate::system::Policy::Edf;
+        let slack_base = edf.then_some(t);
+        if edf {
+            t += system.tasks.len();
+        }
+        let window_base = t;
+        t += 2 * executors;
+        let clock_base = t;
+        let mut clock = |wanted: &bool| {
+            wanted.then(|| {
+                t += 1;
+                t - 1
+            })
+        };
+        let response = observed.iter().map(&mut clock).collect();
+        let observer_clock = observers.iter().map(&mut clock).collect();
+        Layout {
+            tasks: system.tasks.len(),
+            automata: system.automata.len(),
+            components: system.components.len(),
+            clients: system.clients.len(),
+            task_base,
+            automaton_base,
+            phase_base,
+            component_base,
+            client_base,
+            queue_base,
+            lock_queue_base,
+            visits,
+            observer_base,
+            d_len,
+            slack_base,
+            window_base,
+            clock_base,
+            t_len: t,
+            response,
+            observer_clock,
+        }
+    }
+
+    /// Everything zero.
+    pub(crate) fn blank(&self) -> State {
+        State {
+            d: SmallVec::from_elem(0, self.d_len),
+            t: SmallVec::from_elem(0, self.t_len),
+        }
+    }
+
+    /// Number of observation clocks.
+    pub(crate) fn clocks(&self) -> usize {
+        self.t_len - self.clock_base
+    }
+
+    pub(crate) fn executors(&self) -> usize {
+        self.automata + self.components + self.clients
+    }
+
+    /// What every executor is doing.
+    #[inline]
+    pub(crate) fn phases<'s>(&self, s: &'s State) -> &'s [u16] {
+        &s.d[self.phase_base..self.phase_base + self.executors()]
+    }
+
+    /// Executors that are executing.
+    #[inline]
+    pub(crate) fn executing<'s>(&self, s: &'s State) -> impl Iterator<Item = usize> + 's {
+        let phases = self.phases(s).iter().enumerate();
+        phases
+            .filter(|&(_, &it)| it & phase::EXECUTING != 0)
+            .map(|(e, _)| e)
+    }
+
+    pub(crate) fn control_executor(&self, component: usize) -> usize {
+        self.automata + component
+    }
+
+    pub(crate) fn client_executor(&self, client: usize) -> usize {
+        self.automata + self.components + client
+    }
+
+    /// Discrete part, timers and slacks: what the key is made of.
+    pub(crate) fn key_times<'s>(&self, s: &'s State) -> &'s [Ticks] {
+        &s.t[..self.window_base]
+    }
+}
+
+/// Named access to the numbers.
+macro_rules! fields {
+    ($($(#[$doc:meta])* $get:ident $set:ident ($self:ident, $i:ident) $at:expr;)*) => {
+        impl Layout {
+            $(
+                $(#[$doc])*
+                #[inline]
+                pub(crate) fn $get(&$self, s: &State, $i: usize) -> u16 { s.d[$at] }
+                #[inline]
+                #[allow(dead_code, reason = "some are only read")]
+                pub(crate) fn $set(&$self, s: &mut State, $i: usize, value: u16) { s.d[$at] = value; }
+            )*
+        }
+    };
+}
+
+fields! {
+    /// 0 between turns, else 1 + position: 0 the permanent activity, 1 + k slot k.
+    turn set_turn (self, i) self.task_base + 2 * i + 1;
+    /// See [`mode`] and [`slot`].
+    mode set_mode (self, i) self.automaton_base + 2 * i;
+    /// Codel state where it is or resumes.
+    at set_at (self, i) self.automaton_base + 2 * i + 1;
+    /// See [`phase`], by executor.
+    phase set_phase (self, i) self.phase_base + i;
+    /// Position in the component's tasks of the task being started.
+    starting set_starting (self, i) self.component_base + 6 * i;
+    /// See [`control`].
+    control set_control (self, i) self.component_base + 6 * i + 1;
+    /// Service being handled.
+    handled set_handled (self, i) self.component_base + 6 * i + 2;
+    /// Its simple codel being executed.
+    simple set_simple (self, i) self.component_base + 6 * i + 3;
+    /// Client whose request is handled.
+    requester set_requester (self, i) self.component_base + 6 * i + 4;
+    /// An end of activity is signalled.
+    signal set_signal (self, i) self.component_base + 6 * i + 5;
+    /// Step a client is at.
+    position set_position (self, i) self.client_base[i];
+    /// Its last request is neither accepted nor refused yet.
+    outstanding set_outstanding (self, i) self.client_base[i] + 1;
+    /// The observer's obligation is open.
+    open set_open (self, i) self.observer_base + i;
+}
+
+impl Layout {
+    #[inline]
+    pub(crate) fn status(&self, s: &State, task: usize) -> TaskStatus {
+        match s.d[self.task_base + 2 * task] & 3 {
+            0 => TaskStatus::Idle,
+            1 => TaskStatus::Waiting,
+            _ => TaskStatus::Running,
+        }
+    }
+
+    #[inline]
+    pub(crate) fn set_status(&self, s: &mut State, task: usize, status: TaskStatus) {
+        let flags = &mut s.d[self.task_base + 2 * task];
+        *flags = (*flags & !3) | status as u16;
+    }
+
+    #[inline]
+    pub(crate) fn pending(&self, s: &State, task: usize) -> bool {
+        s.d[self.task_base + 2 * task] & PENDING != 0
+    }
+
+    #[inline]
+    pub(crate) fn set_pending(&self, s: &mut State, task: usize, on: bool) {
+        let flags = &mut s.d[self.task_base + 2 * task];
+        *flags = if on {
+            *flags | PENDING
+        } else {
+            *flags & !PENDING
+        };
+    }
+
+    #[inline]
+    pub(crate) fn started(&self, s: &State, task: usize) -> bool {
+        s.d[self.task_base + 2 * task] & STARTED != 0
+    }
+
+    pub(crate) fn set_started(&self, s: &mut State, task: usize) {
+        s.d[self.task_base + 2 * task] |= STARTED;
+    }
+
+    #[inline]
+    pub(crate) fn timer(&self, s: &State, task: usize) -> Ticks {
+        s.t[task]
+    }
+
+    #[inline]
+    pub(crate) fn set_timer(&self, s: &mut State, task: usize, value: Ticks) {
+        s.t[task] = value;
+    }
+
+    /// Time to the deadline of a waiting task (EDF), at least 0.
+    #[inline]
+    pub(crate) fn slack(&self, s: &State, task: usize) -> Ticks {
+        self.slack_base.map_or(0, |base| s.t[base + task])
+    }
+
+    #[inline]
+    pub(crate) fn set_slack(&self, s: &mut State, task: usize, value: Ticks) {
+        if let Some(base) = self.slack_base {
+            s.t[base + task] = value;
+        }
+    }
+
+    #[inline]
+    pub(crate) fn has_slack(&self) -> bool {
+        self.slack_base.is_some()
+    }
+
+    #[inline]
+    pub(crate) fn window(&self, s: &State, executor: usize) -> (Ticks, Ticks) {
+        let at = self.window_base + 2 * executor;
+        (s.t[at], s.t[at + 1])
+    }
+
+    #[inline]
+    pub(crate) fn set_window(&self, s: &mut State, executor: usize, (a, b): (Ticks, Ticks)) {
+        let at = self.window_base + 2 * executor;
+        s.t[at] = a;
+        s.t[at + 1] = b;
+    }
+
+    #[inline]
+    pub(crate) fn tracker(&self, s: &State, client: usize, tracker: usize) -> u16 {
+        s.d[self.client_base[client] + 2 + tracker]
+    }
+
+    #[inline]
+    pub(crate) fn set_tracker(&self, s: &mut State, client: usize, tracker: usize, value: u16) {
+        s.d[self.client_base[client] + 2 + tracker] = value;
+    }
+
+    /// Tasks waiting for a core, in the order in which they get one.
+    #[inline]
+    pub(crate) fn queue<'s>(&self, s: &'s State) -> &'s [u16] {
+        list(s, self.queue_base)
+    }
+
+    pub(crate) fn queue_insert(&self, s: &mut State, position: usize, task: u16) {
+        list_insert(s, self.queue_base, position, task);
+    }
+
+    pub(crate) fn queue_remove(&self, s: &mut State, position: usize) {
+        list_remove(s, self.queue_base, position);
+    }
+
+    /// Executors waiting for locks in order of arrival; empty with free locks.
+    pub(crate) fn lock_queue<'s>(&self, s: &'s State) -> &'s [u16] {
+        self.lock_queue_base.map_or(&[], |base| list(s, base))
+    }
+
+    pub(crate) fn lock_queue_push(&self, s: &mut State, executor: usize) {
+        if let Some(base) = self.lock_queue_base {
+            let end = s.d[base] as usize;
+            list_insert(s, base, end, executor as u16);
+        }
+    }
+
+    pub(crate) fn lock_queue_remove(&self, s: &mut State, executor: usize) {
+        if let Some(base) = self.lock_queue_base
+            && let Some(at) = list(s, base).iter().position(|&it| it as usize == executor)
+        {
+            list_remove(s, base, at);
+        }
+    }
+}
+
+fn list(s: &State, base: usize) -> &[u16] {
+    &s.d[base + 1..base + 1 + s.d[base] as usize]
+}
+
+fn list_insert(s: &mut State, base: usize, position: usize, value: u16) {
+    let len = s.d[base] as usize;
+    s.d[base] += 1;
+    for i in (position..len).rev() {
+        s.d[base + 2 + i] = s.d[base + 1 + i];
+    }
+    s.d[base + 1 + position] = value;
+}
+
+fn list_remove(s: &mut State, base: usize, position: usize) {
+    let len = s.d[base] as usize;
+    s.d[base] -= 1;
+    for i in position + 1..len {
+        s.d[base + i] = s.d[base + 1 + i];
+    }
+    s.d[base + len] = 0;
+}

@@ -1,0 +1,341 @@
+//! Sets of states, by key and box.
+//!
+//! Keys are interned byte strings. For each key there is a list of *covers*: boxes whose union
+//! holds everything that was inserted. Two facts make this exact for questions about what can be
+//! reached:
+//!
+//! * *Union.* The future of an executing codel depends only on when it ends, so states that
+//!   differ in nothing but the remaining time of one executor, over adjoining ranges, behave
+//!   together like one state with the joined range.
+//! * *Inclusion.* A state with wider windows can do whatever one with narrower windows can.
+//!   Observation clocks influence nothing, and only their supremum is asked for, so that an older
+//!   clock covers a younger one.
+
+use hashbrown::HashTable;
+use rustc_hash::FxHasher;
+use std::hash::Hasher;
+
+use super::state::{Layout, State, phase};
+use super::step::Stepper;
+use crate::system::Ticks;
+
+const NONE: u32 = u32::MAX;
+
+/// A key and a box, ready to be looked up.
+#[derive(Debug, Default, Clone, PartialEq, Eq, Hash)]
+pub(crate) struct Encoded {
+    pub(crate) key: Vec<u8>,
+    /// Lower and upper bound of each active window, then the clocks.
+    pub(crate) dims: Vec<Ticks>,
+}
+
+/// Writes a state as key and box.
+pub(crate) fn encode(stepper: &Stepper, s: &State, out: &mut Encoded) {
+    let l = &stepper.layout;
+    out.key.clear();
+    out.dims.clear();
+    for &value in &s.d {
+        if value < 255 {
+            out.key.push(value as u8);
+        } else {
+            out.key.push(255);
+            out.key.extend(value.to_le_bytes());
+        }
+    }
+    for &value in l.key_times(s) {
+        varint(&mut out.key, value);
+    }
+    for executor in l.executing(s) {
+        let (a, b) = l.window(s, executor);
+        out.dims.push(a);
+        out.dims.push(b);
+    }
+    out.dims.extend(&s.t[l.clock_base..]);
+}
+
+/// The state written as `key` and `dims`.
+pub(crate) fn decode(stepper: &Stepper, key: &[u8], dims: &[Ticks]) -> State {
+    let l = &stepper.layout;
+    let mut s = l.blank();
+    let mut at = 0;
+    for value in &mut s.d {
+        if key[at] < 255 {
+            *value = u16::from(key[at]);
+            at += 1;
+        } else {
+            *value = u16::from_le_bytes([key[at + 1], key[at + 2]]);
+            at += 3;
+        }
+    }
+    for value in &mut s.t[..l.window_base] {
+        *value = read_varint(key, &mut at);
+    }
+    let mut at = 0;
+    for executor in 0..l.executors() {
+        if l.phase(&s, executor) & !phase::ASYNC == phase::EXECUTING {
+            l.set_window(&mut s, executor, (dims[at], dims[at + 1]));
+            at += 2;
+        }
+    }
+    s.t[l.clock_base..].copy_from_slice(&dims[at..]);
+    s
+}
+
+fn varint(out: &mut Vec<u8>, mut value: u32) {
+    while value >= 0x80 {
+        out.push(value as u8 | 0x80);
+        value >>= 7;
+    }
+    out.push(value as u8);
+}
+
+fn read_varint(key: &[u8], at: &mut usize) -> u32 {
+    let mut value = 0;
+    let mut shift = 0;
+    loop {
+        let byte = key[*at];
+        *at += 1;
+        value |= u32::from(byte & 0x7f) << shift;
+        if byte < 0x80 {
+            return value;
+        }
+        shift += 7;
+    }
+}
+
+/// Geometry of boxes: `windows` pairs of bounds, then clocks.
+#[derive(Debug, Clone, Copy)]
+struct Shape {
+    windows: usize,
+}
+
+impl Shape {
+    fn covers(self, cover: &[Ticks], it: &[Ticks]) -> bool {
+        let (wide, narrow) = (&cover[..2 * self.windows], &it[..2 * self.windows]);
+        wide.chunks_exact(2)
+            .zip(narrow.chunks_exact(2))
+            .all(|(w, n)| w[0] <= n[0] && n[1] <= w[1])
+            && cover[2 * self.windows..]
+                .iter()
+                .zip(&it[2 * self.windows..])
+                .all(|(c, i)| c >= i)
+    }
+
+    /// If the union of two boxes is a box, makes `it` that box.
+    fn join(self, other: &[Ticks], it: &mut [Ticks]) -> bool {
+        if other[2 * self.windows..] != it[2 * self.windows..] {
+            return false;
+        }
+        let mut differing = None;
+        for i in 0..self.windows {
+            if other[2 * i..2 * i + 2] != it[2 * i..2 * i + 2] {
+                if differing.is_some() {
+                    return false;
+                }
+                differing = Some(i);
+            }
+        }
+        let Some(i) = differing else { return true };
+        let (a, b) = (other[2 * i], other[2 * i + 1]);
+        let (c, d) = (it[2 * i], it[2 * i + 1]);
+        if a > d.saturating_add(1) || c > b.saturating_add(1) {
+            return false;
+        }
+        it[2 * i] = a.min(c);
+        it[2 * i + 1] = b.max(d);
+        true
+    }
+}
+
+/// A set of states.
+#[derive(Debug, Default)]
+pub(crate) struct Store {
+    table: HashTable<u32>,
+    keys: Vec<Key>,
+    key_bytes: Vec<u8>,
+    covers: Vec<Cover>,
+    dims: Vec<Ticks>,
+    clocks: usize,
+}
+
+#[derive(Debug)]
+struct Key {
+    start: usize,
+    end: usize,
+    hash: u64,
+    first: u32,
+}
+
+#[derive(Debug)]
+struct Cover {
+    start: usize,
+    len: u32,
+    next: u32,
+    /// Whatever the owner of the store attaches.
+    tag: u32,
+}
+
+impl Store {
+    /// An empty set of states with this many clocks.
+    pub(crate) fn new(clocks: usize) -> Self {
+        Store {
+            clocks,
+            ..Store::default()
+        }
+    }
+
+    /// Removes everything, keeping the memory.
+    pub(crate) fn clear(&mut self) {
+        self.table.clear();
+        self.keys.clear();
+        self.key_bytes.clear();
+        self.covers.clear();
+        self.dims.clear();
+    }
+
+    /// Adds a state. Returns its key, or `None` if it was covered already. `on_join` is called with
+    /// the tags of covers that became part of the new one, and gives its tag.
+    pub(crate) fn insert(
+        &mut self,
+        it: &Encoded,
+        tag: u32,
+        mut on_join: impl FnMut(u32, u32) -> u32,
+    ) -> Option<u32> {
+        let hash = hash(&it.key);
+        let shape = Shape {
+            windows: (it.dims.len() - self.clocks) / 2,
+        };
+        let found = self.table.find(hash, |&k| {
+            let key = &self.keys[k as usize];
+            key.hash == hash && self.key_bytes[key.start..key.end] == it.key[..]
+        });
+        let k = match found {
+            Some(&k) => k,
+            None => {
+                let start = self.key_bytes.len();
+                self.key_bytes.extend(&it.key);
+                let k = self.keys.len() as u32;
+                self.keys.push(Key {
+                    start,
+                    end: self.key_bytes.len(),
+                    hash,
+                    first: NONE,
+                });
+                let keys = &self.keys;
+                self.table
+                    .insert_unique(hash, k, |&k| keys[k as usize].hash);
+                k
+            }
+        };
+
+        let mut cover = self.keys[k as usize].first;
+        while cover != NONE {
+            let record = &self.covers[cover as usize];
+            let dims = &self.dims[record.start..record.start + record.len as usize];
+            if shape.covers(dims, &it.dims) {
+                return None;
+            }
+            cover = record.next;
+        }
+
+        // Join with whatever adjoins, until nothing does; drop what is covered.
+        let mut dims: Vec<Ticks> = it.dims.clone();
+        let mut tag = tag;
+        let mut again = true;
+        while again {
+            again = false;
+            let mut before = NONE;
+            let mut cover = self.keys[k as usize].first;
+            while cover != NONE {
+                let record = &self.covers[cover as usize];
+                let next = record.next;
+                let other = &self.dims[record.start..record.start + record.len as usize];
+                let covered = shape.covers(&dims, other);
+                if covered || shape.join(other, &mut dims) {
+                    again |= !covered;
+                    tag = if covered {
+                        tag
+                    } else {
+                        on_join(tag, record.tag)
+                    };
+                    if before == NONE {
+                        self.keys[k as usize].first = next;
+                    } else {
+                        self.covers[before as usize].next = next;
+                    }
+                } else {
+                    before = cover;
+                }
+                cover = next;
+            }
+        }
+        let start = self.dims.len();
+        self.dims.extend(&dims);
+        self.covers.push(Cover {
+            start,
+            len: dims.len() as u32,
+            next: self.keys[k as usize].first,
+            tag,
+        });
+        self.keys[k as usize].first = (self.covers.len() - 1) as u32;
+        Some(k)
+    }
+
+    /// The covers of the key with these bytes.
+    pub(crate) fn find(&self, key: &[u8]) -> impl Iterator<Item = (&[Ticks], u32)> {
+        let hash = hash(key);
+        let found = self.table.find(hash, |&k| {
+            let it = &self.keys[k as usize];
+            it.hash == hash && self.key_bytes[it.start..it.end] == *key
+        });
+        found.into_iter().flat_map(|&k| self.covers(k))
+    }
+
+    /// The bytes of a key.
+    pub(crate) fn key(&self, key: u32) -> &[u8] {
+        let key = &self.keys[key as usize];
+        &self.key_bytes[key.start..key.end]
+    }
+
+    /// The number of keys.
+    pub(crate) fn len(&self) -> usize {
+        self.keys.len()
+    }
+
+    /// The covers of a key with their tags.
+    pub(crate) fn covers(&self, key: u32) -> impl Iterator<Item = (&[Ticks], u32)> {
+        let mut cover = self.keys[key as usize].first;
+        std::iter::from_fn(move || {
+            let record = self.covers.get(cover as usize)?;
+            cover = record.next;
+            Some((
+                &self.dims[record.start..record.start + record.len as usize],
+                record.tag,
+            ))
+        })
+    }
+
+    /// Bytes in use, roughly.
+    pub(crate) fn memory(&self) -> usize {
+        self.table.capacity() * 5
+            + self.keys.capacity() * size_of::<Key>()
+            + self.key_bytes.capacity()
+            + self.covers.capacity() * size_of::<Cover>()
+            + self.dims.capacity() * size_of::<Ticks>()
+    }
+}
+
+fn hash(key: &[u8]) -> u64 {
+    let mut hasher = FxHasher::default();
+    hasher.write(key);
+    hasher.finish()
+}
+
+/// Whether a box of this layout holds a point (or smaller box).
+pub(crate) fn holds(layout: &Layout, cover: &[Ticks], it: &[Ticks]) -> bool {
+    let clocks = layout.clocks();
+    Shape {
+        windows: (it.len() - clocks) / 2,
+    }
+    .covers(cover, it)
+}

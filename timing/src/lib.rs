@@ -1,0 +1,13 @@
+//! Real-time verification of GenoM3 components: timed model, exact explorer and properties.
+//!
+//! Data flows one way: specifications and a scenario become a [`system::TimedSystem`], which
+//! [`explore`] explores once for all checks.
+
+pub mod analytic;
+pub mod derive;
+pub mod explore;
+pub mod property;
+pub mod report;
+pub mod scn;
+pub mod system;
+pub mod verify;

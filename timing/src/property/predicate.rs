@@ -1,0 +1,116 @@
+//! Predicates on the discrete state.
+
+/// A Boolean combination of atoms.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Predicate {
+    /// Holds while the atom does.
+    Atom(Atom),
+    /// Holds at the moment at which the atom stops holding.
+    Leave(Atom),
+    /// Negation.
+    Not(Box<Predicate>),
+    /// Conjunction.
+    And(Box<Predicate>, Box<Predicate>),
+    /// Disjunction.
+    Or(Box<Predicate>, Box<Predicate>),
+}
+
+/// A fact about one state of the system. Numbers index into the tables of
+/// [`crate::system::TimedSystem`].
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Atom {
+    /// A task is in a state.
+    Task(usize, TaskState),
+    /// One of the automata of a machine is in the middle of a codel state.
+    State {
+        /// The machine.
+        machine: usize,
+        /// Its state.
+        state: usize,
+        /// Waiting for locks, executing, or either.
+        phase: StatePhase,
+    },
+    /// Some slot of an activity has a status (`Void`: all have).
+    Slot(usize, SlotStatus),
+    /// The control task is handling a request for a service (functions, attributes, validation).
+    Handling {
+        /// The service.
+        service: usize,
+        /// Waiting for locks, executing, or either.
+        phase: StatePhase,
+    },
+    /// The control task is handling some request, or its component is starting.
+    ControlBusy(usize),
+    /// A client is at one of these steps ([`crate::system::Client::done`]: after the last).
+    Client(usize, Vec<usize>),
+}
+
+/// State of a task.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TaskState {
+    /// Between cycles.
+    Idle,
+    /// Released, without a core.
+    Waiting,
+    /// In its cycle.
+    Running,
+    /// Waiting or running.
+    Active,
+}
+
+/// What a codel state is doing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StatePhase {
+    /// Waiting for its locks.
+    Lock,
+    /// Executing.
+    Exec,
+    /// Either.
+    Any,
+}
+
+/// Status of a slot.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SlotStatus {
+    /// Free, all of them.
+    Void,
+    /// Accepted and held back.
+    Wait,
+    /// Running.
+    Run,
+    /// Interrupted.
+    Stop,
+    /// Not free.
+    Active,
+}
+
+impl Predicate {
+    /// Calls `found` with every atom.
+    pub(crate) fn atoms(&self, found: &mut impl FnMut(&Atom)) {
+        match self {
+            Predicate::Atom(it) | Predicate::Leave(it) => found(it),
+            Predicate::Not(it) => it.atoms(found),
+            Predicate::And(one, other) | Predicate::Or(one, other) => {
+                one.atoms(found);
+                other.atoms(found);
+            }
+        }
+    }
+
+    /// The value in a state that was entered from another. `atom` evaluates an atom in the state
+    /// now (`true`) or before (`false`).
+    pub(crate) fn eval(&self, atom: &impl Fn(&Atom, bool) -> bool) -> bool {
+        match self {
+            Predicate::Atom(it) => atom(it, true),
+            Predicate::Leave(it) => atom(it, false) && !atom(it, true),
+            Predicate::Not(it) => !it.eval(atom),
+            Predicate::And(one, other) => one.eval(atom) && other.eval(atom),
+            Predicate::Or(one, other) => one.eval(atom) || other.eval(atom),
+        }
+    }
+
+    /// The value in a state that is not being entered: nothing is being left.
+    pub(crate) fn eval_still(&self, atom: &impl Fn(&Atom) -> bool) -> bool {
+        self.eval(&|it, _| atom(it))
+    }
+}

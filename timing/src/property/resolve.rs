@@ -1,0 +1,215 @@
+//! Predicates of scenarios, looked up in a built system.
+
+use dotgen_analysis::model::{Owner, ServiceKind};
+
+use super::{Atom, Predicate, SlotStatus, StatePhase, TaskState};
+use crate::scn::Diagnostic;
+use crate::scn::ast::{Path, Pred};
+use crate::scn::names::{Names, STATUSES, Target};
+use crate::system::build::Built;
+
+/// Components that a predicate is about, for dividing a system.
+pub(crate) fn components_of(names: &Names, built: &Built, pred: &Pred, out: &mut Vec<usize>) {
+    match pred {
+        Pred::Atom(path) | Pred::Leave(path) => {
+            if let Some(&Target::Component(c)) = names.follow(path).first() {
+                out.push(c);
+            } else if let Some(first) = path.names.first() {
+                let client = built
+                    .system
+                    .clients
+                    .iter()
+                    .find(|it| it.name == first.value);
+                for step in client.iter().flat_map(|it| &it.steps) {
+                    if let crate::system::ClientAction::Send { service, .. } = step.action {
+                        let number = built.system.services[service].component;
+                        out.extend(
+                            built
+                                .components
+                                .iter()
+                                .filter(|(_, n)| **n == number)
+                                .map(|(c, _)| *c),
+                        );
+                    }
+                }
+            }
+        }
+        Pred::Not(it) => components_of(names, built, it, out),
+        Pred::And(one, other) | Pred::Or(one, other) => {
+            components_of(names, built, one, out);
+            components_of(names, built, other, out);
+        }
+    }
+}
+
+/// Looks a predicate up.
+pub(crate) fn resolve(names: &Names, built: &Built, pred: &Pred) -> Result<Predicate, Diagnostic> {
+    Ok(match pred {
+        Pred::Atom(path) => atom(names, built, path)?,
+        Pred::Leave(path) => match atom(names, built, path)? {
+            Predicate::Atom(it) => Predicate::Leave(it),
+            // Negated atoms are left when the atom becomes true; only `void` is built so.
+            other => other,
+        },
+        Pred::Not(it) => Predicate::Not(Box::new(resolve(names, built, it)?)),
+        Pred::And(one, other) => Predicate::And(
+            Box::new(resolve(names, built, one)?),
+            Box::new(resolve(names, built, other)?),
+        ),
+        Pred::Or(one, other) => Predicate::Or(
+            Box::new(resolve(names, built, one)?),
+            Box::new(resolve(names, built, other)?),
+        ),
+    })
+}
+
+fn atom(names: &Names, built: &Built, path: &Path) -> Result<Predicate, Diagnostic> {
+    if let Some(atom) = client(built, path)? {
+        return Ok(Predicate::Atom(atom));
+    }
+    let targets = names.follow(path);
+    let rest = path.names.len() - targets.len();
+    let status = match (rest, path.names.last()) {
+        (0, _) => None,
+        (1, Some(last)) if STATUSES.contains(&last.value.as_str()) => Some(last),
+        _ => return Err(names.unknown(path, &targets)),
+    };
+    let word = status.map_or("", |it| it.value.as_str());
+    let wrong = || {
+        let range = status.map_or(path.range(), |it| it.range.clone());
+        let message = format!("`{}` has no status `{word}`", path.text());
+        Err(Diagnostic::error("scn-wrong-status", range, message))
+    };
+    let Some(target) = targets.last() else {
+        return Err(names.unknown(path, &targets));
+    };
+    let found = match target {
+        Target::Component(c) => {
+            let busy = Atom::ControlBusy(built.components[c]);
+            match word {
+                "" | "running" => busy,
+                "idle" => return Ok(Predicate::Not(Box::new(Predicate::Atom(busy)))),
+                _ => return wrong(),
+            }
+        }
+        Target::Task(c, t) => {
+            let state = match word {
+                "" => TaskState::Active,
+                "idle" => TaskState::Idle,
+                "waiting" => TaskState::Waiting,
+                "running" => TaskState::Running,
+                _ => return wrong(),
+            };
+            Atom::Task(built.tasks[&(*c, *t)], state)
+        }
+        Target::Service(c, s) => {
+            let service = built.services[&(*c, *s)];
+            let kind = names.components[*c].component.services[*s as usize].kind;
+            if kind == ServiceKind::Activity {
+                let status = match word {
+                    "" => SlotStatus::Active,
+                    "waiting" => SlotStatus::Wait,
+                    "run" | "running" => SlotStatus::Run,
+                    "stop" => SlotStatus::Stop,
+                    "void" | "idle" => SlotStatus::Void,
+                    _ => return wrong(),
+                };
+                Atom::Slot(service, status)
+            } else {
+                let phase = match phase(word) {
+                    Some(phase) => phase,
+                    None => return wrong(),
+                };
+                Atom::Handling { service, phase }
+            }
+        }
+        Target::State(c, owner, _, state) => {
+            let Some(phase) = phase(word) else {
+                return wrong();
+            };
+            let Some(&machine) = built.machines.get(&(*c, *owner)) else {
+                let message = format!("`{}` is never executed: it has no `start`", path.text());
+                return Err(Diagnostic::error("scn-not-executed", path.range(), message));
+            };
+            let states = &built.system.machines[machine].states;
+            let Some(state) = states.iter().position(|it| it.name == *state) else {
+                return Err(names.unknown(path, &targets));
+            };
+            Atom::State {
+                machine,
+                state,
+                phase,
+            }
+        }
+        Target::Codel(c, s, _) => {
+            let Some(phase) = phase(word) else {
+                return wrong();
+            };
+            Atom::Handling {
+                service: built.services[&(*c, *s)],
+                phase,
+            }
+        }
+        Target::Port(..) | Target::Client(_) | Target::Step(..) | Target::Status(_) => {
+            return wrong();
+        }
+    };
+    Ok(Predicate::Atom(found))
+}
+
+fn phase(word: &str) -> Option<StatePhase> {
+    match word {
+        "" => Some(StatePhase::Any),
+        "lock" | "waiting" => Some(StatePhase::Lock),
+        "exec" | "running" => Some(StatePhase::Exec),
+        _ => None,
+    }
+}
+
+/// `client` (it has done everything) or `client.label`.
+fn client(built: &Built, path: &Path) -> Result<Option<Atom>, Diagnostic> {
+    let Some(first) = path.names.first() else {
+        return Ok(None);
+    };
+    let clients = &built.system.clients;
+    let Some(k) = clients.iter().position(|it| it.name == first.value) else {
+        return Ok(None);
+    };
+    let steps: Vec<usize> = match path.names.get(1) {
+        None => vec![clients[k].done()],
+        Some(label) => (0..clients[k].steps.len())
+            .filter(|&it| clients[k].steps[it].label.as_ref() == Some(&label.value))
+            .collect(),
+    };
+    if steps.is_empty() || path.names.len() > 2 {
+        let message = format!(
+            "client `{}` has no step `{}`; label one as `name: send …;`",
+            first.value,
+            path.names.last().map_or("", |it| it.value.as_str())
+        );
+        return Err(Diagnostic::error("scn-unknown-step", path.range(), message));
+    }
+    Ok(Some(Atom::Client(k, steps)))
+}
+
+/// The task, for checks of tasks.
+pub(crate) fn task(names: &Names, path: &Path) -> Result<(usize, u32), Diagnostic> {
+    let message = match names.resolve(path)? {
+        Target::Task(c, t) => return Ok((c, t)),
+        Target::State(c, Owner::Task(_), ..) | Target::Component(c) => {
+            let tasks: Vec<&str> = names.components[c]
+                .component
+                .tasks
+                .iter()
+                .map(|it| it.name.as_str())
+                .collect();
+            format!(
+                "`{}` is no task; there is {}",
+                path.text(),
+                tasks.join(", ")
+            )
+        }
+        _ => format!("`{}` is no task", path.text()),
+    };
+    Err(Diagnostic::error("scn-wrong-kind", path.range(), message))
+}

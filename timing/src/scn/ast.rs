@@ -1,0 +1,294 @@
+//! Scenarios as data. Every name keeps its range, for diagnostics and editor features.
+
+use std::ops::Range;
+
+use dotgen_analysis::model::Seconds;
+
+/// Something and its bytes in the text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Spanned<T> {
+    /// What.
+    pub value: T,
+    /// Where.
+    pub range: Range<usize>,
+}
+
+/// A scenario.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Scenario {
+    /// Its name; empty if it is missing.
+    pub name: String,
+    /// Bytes of the name.
+    pub name_range: Range<usize>,
+    /// Its items, in order.
+    pub items: Vec<Item>,
+}
+
+/// `a.b.c`
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Path {
+    /// Its names, in order.
+    pub names: Vec<Spanned<String>>,
+}
+
+impl Path {
+    /// From its first to its last name.
+    pub fn range(&self) -> Range<usize> {
+        match (self.names.first(), self.names.last()) {
+            (Some(first), Some(last)) => first.range.start..last.range.end,
+            _ => 0..0,
+        }
+    }
+
+    /// A path that stands in no text.
+    pub fn of(text: &str) -> Path {
+        let names = text.split('.').map(|it| Spanned {
+            value: it.to_owned(),
+            range: 0..0,
+        });
+        Path {
+            names: names.collect(),
+        }
+    }
+
+    /// As written, without blanks.
+    pub fn text(&self) -> String {
+        let names: Vec<&str> = self.names.iter().map(|it| it.value.as_str()).collect();
+        names.join(".")
+    }
+}
+
+/// A unit of time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Unit {
+    /// `s`
+    Seconds,
+    /// `ms`
+    Milliseconds,
+    /// `us`
+    Microseconds,
+}
+
+impl Unit {
+    /// In seconds.
+    pub fn seconds(self) -> Seconds {
+        Seconds::new(
+            1,
+            match self {
+                Unit::Seconds => 1,
+                Unit::Milliseconds => 1_000,
+                Unit::Microseconds => 1_000_000,
+            },
+        )
+    }
+
+    /// As written.
+    pub fn name(self) -> &'static str {
+        match self {
+            Unit::Seconds => "s",
+            Unit::Milliseconds => "ms",
+            Unit::Microseconds => "us",
+        }
+    }
+}
+
+/// `3`, `[1, 3]` or `[1, *]`
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Interval {
+    /// Lower bound.
+    pub lower: u64,
+    /// Upper bound; `None`: none.
+    pub upper: Option<u64>,
+}
+
+/// `durations`
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Durations {
+    /// From nothing to the worst case, both included.
+    #[default]
+    Interval,
+    /// Always the worst case.
+    Fixed,
+    /// More than nothing, up to the worst case.
+    Open,
+}
+
+/// `policy`
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Policy {
+    /// In order of release.
+    #[default]
+    Fifo,
+    /// Earliest deadline first.
+    Edf,
+    /// Any waiting task.
+    Any,
+}
+
+impl Policy {
+    /// As written.
+    pub fn name(self) -> &'static str {
+        match self {
+            Policy::Fifo => "fifo",
+            Policy::Edf => "edf",
+            Policy::Any => "any",
+        }
+    }
+}
+
+impl Durations {
+    /// As written.
+    pub fn name(self) -> &'static str {
+        match self {
+            Durations::Interval => "interval",
+            Durations::Fixed => "fixed",
+            Durations::Open => "open",
+        }
+    }
+}
+
+/// One item of a scenario.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Item {
+    /// `use "FILE.gen";`
+    Use(Spanned<String>),
+    /// `unit 1 ms;`
+    Unit(u64, Unit),
+    /// `cores 4;`; `None`: `free`.
+    Cores(Option<u32>),
+    /// `policy`
+    Policy(Policy),
+    /// `durations`
+    Durations(Durations),
+    /// `duration PATH INTERVAL UNIT;`
+    Duration(Path, Interval, Unit),
+    /// `loop once [PATH];`; `None`: `free`.
+    Loop(Option<u32>, Option<Path>),
+    /// `idle keep [PATH];` (`true`) or `idle drop [PATH];`
+    Idle(bool, Option<Path>),
+    /// `locks fifo;` (`true`) or `locks free;`
+    LocksFifo(bool),
+    /// `async free;` (`true`) or `async held;`
+    AsyncFree(bool),
+    /// `aperiodic core;` (`true`) or `aperiodic free;`
+    AperiodicCore(bool),
+    /// `connect PATH to PATH;` or `to none;`
+    Connect(Path, Option<Path>),
+    /// `slots PATH INT;`
+    Slots(Path, u32),
+    /// `client ID { … }`
+    Client(Client),
+    /// `check [ID:] …;`
+    Check(Check),
+}
+
+/// A client.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Client {
+    /// Its name.
+    pub name: Spanned<String>,
+    /// What it does.
+    pub steps: Vec<Step>,
+}
+
+/// A step of a client, with its label if it has one.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Step {
+    /// `LABEL:`
+    pub label: Option<Spanned<String>>,
+    /// What is done.
+    pub kind: StepKind,
+    /// All of it.
+    pub range: Range<usize>,
+}
+
+/// What a client does.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum StepKind {
+    /// `send PATH;`
+    Send(Path),
+    /// `await accepted [PATH];`
+    AwaitAccepted(Option<Path>),
+    /// `await ended [PATH];`
+    AwaitEnded(Option<Path>),
+    /// `delay INTERVAL UNIT;`
+    Delay(Interval, Unit),
+    /// `repeat N { … }`; `None`: for ever.
+    Repeat(Option<u32>, Vec<Step>),
+    /// `choice { … } or { … }`
+    Choice(Vec<Vec<Step>>),
+}
+
+/// `check [ID:] …;`
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Check {
+    /// Its name.
+    pub name: Option<Spanned<String>>,
+    /// What is checked.
+    pub kind: CheckKind,
+    /// All of it.
+    pub range: Range<usize>,
+}
+
+/// A bound: `<= 50 ms`.
+pub type Bound = Option<(u64, Unit)>;
+
+/// What is checked.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum CheckKind {
+    /// `schedulable PATH`; `None`: all tasks.
+    Schedulable(Option<Path>),
+    /// `no-overdue PATH`
+    NoOverdue(Option<Path>),
+    /// `response PATH [<= BOUND]`
+    Response(Option<Path>, Bound),
+    /// `within P => Q [<= BOUND]`
+    Within(Pred, Pred, Bound),
+    /// `leadsto P => Q`
+    LeadsTo(Pred, Pred),
+    /// `eventually P`
+    Eventually(Pred),
+    /// `always P`
+    Always(Pred),
+    /// `reachable P`
+    Reachable(Pred),
+    /// `deadlock`: there is none.
+    Deadlock,
+}
+
+/// A predicate.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Pred {
+    /// A path, its last name possibly a status.
+    Atom(Path),
+    /// `leave ATOM`
+    Leave(Path),
+    /// `not P`
+    Not(Box<Pred>),
+    /// `P and Q`
+    And(Box<Pred>, Box<Pred>),
+    /// `P or Q`
+    Or(Box<Pred>, Box<Pred>),
+}
+
+impl Pred {
+    /// Normalised text.
+    pub fn text(&self) -> String {
+        match self {
+            Pred::Atom(path) => path.text(),
+            Pred::Leave(path) => format!("leave {}", path.text()),
+            Pred::Not(it) => match **it {
+                Pred::Atom(_) | Pred::Leave(_) | Pred::Not(_) => format!("not {}", it.text()),
+                _ => format!("not ({})", it.text()),
+            },
+            Pred::And(one, other) => {
+                let side = |it: &Pred| match it {
+                    Pred::Or(..) => format!("({})", it.text()),
+                    _ => it.text(),
+                };
+                format!("{} and {}", side(one), side(other))
+            }
+            Pred::Or(one, other) => format!("{} or {}", one.text(), other.text()),
+        }
+    }
+}

@@ -1,0 +1,522 @@
+//! What may be written at a place of a scenario. It looks at the tokens before the cursor only, so that
+//! half-typed text is no obstacle.
+
+use std::ops::Range;
+
+use dotgen_analysis::model::PortDir;
+
+use super::ast::{Item, Path, Scenario, Spanned, Step, StepKind};
+use super::lexer::{Kind, Token, lex};
+use super::names::{Names, Target};
+use super::parser::{CHECKS, ITEMS, STEPS};
+use super::words;
+
+/// Something that may be written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Completion {
+    /// What is written, and shown.
+    pub label: String,
+    /// What it is.
+    pub kind: CompletionKind,
+    /// What it means.
+    pub detail: String,
+}
+
+/// See [`Completion`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CompletionKind {
+    /// A word of the language.
+    Word,
+    /// A unit of time.
+    Unit,
+    /// A component.
+    Component,
+    /// A task.
+    Task,
+    /// A service.
+    Service,
+    /// A port.
+    Port,
+    /// A codel state, or a codel.
+    Codel,
+    /// A client, or a step of one.
+    Client,
+    /// A status in a predicate.
+    Status,
+}
+
+/// What may be written at a place.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Completions {
+    /// The name of a file: the string around the cursor, without quotes.
+    File(Range<usize>),
+    /// One of these, instead of some bytes.
+    Of {
+        /// What is replaced.
+        replace: Range<usize>,
+        /// In order.
+        items: Vec<Completion>,
+    },
+}
+
+/// Inside of what.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Block {
+    File,
+    Items,
+    Steps,
+}
+
+/// What paths are wanted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Wanted {
+    Task,
+    TaskOrService,
+    Service,
+    Codel,
+    Input,
+    Output,
+}
+
+/// What may be written at an offset. Nothing inside comments.
+pub fn complete(text: &str, scenario: &Scenario, names: &Names, offset: usize) -> Completions {
+    let tokens = lex(text);
+    let at = tokens
+        .iter()
+        .find(|it| it.range.start < offset && offset <= it.range.end);
+    let nothing = Completions::Of {
+        replace: offset..offset,
+        items: Vec::new(),
+    };
+    match at.map(|it| (it.kind, &it.range)) {
+        Some((Kind::LineComment | Kind::UnclosedComment, _)) => return nothing,
+        Some((Kind::BlockComment, it)) if offset < it.end => return nothing,
+        Some((Kind::Text, it)) if offset < it.end => {
+            return Completions::File(it.start + 1..it.end - 1);
+        }
+        Some((Kind::UnclosedText, it)) => return Completions::File(it.start + 1..it.end),
+        Some((Kind::Number, it)) if offset == it.end => return nothing,
+        _ => {}
+    }
+    let before: Vec<&Token> = tokens
+        .iter()
+        .filter(|it| !it.kind.is_trivia() && it.range.end <= offset)
+        .collect();
+    // The name under the cursor is being replaced; the path before it says what may follow.
+    let under = at.filter(|it| it.kind == Kind::Name);
+    let replace = under.map_or(offset..offset, |it| it.range.clone());
+    let done = match under {
+        Some(it) => before
+            .iter()
+            .filter(|b| b.range.end <= it.range.start)
+            .count(),
+        None => before.len(),
+    };
+    let (block, statement) = statement(text, &before[..done]);
+    let mut finder = Finder {
+        text,
+        scenario,
+        names,
+        replace,
+        items: Vec::new(),
+    };
+    finder.fill(block, statement);
+    Completions::Of {
+        replace: finder.replace,
+        items: finder.items,
+    }
+}
+
+/// The block that a place is in, and the tokens of the statement before it.
+fn statement<'t, 's>(text: &str, tokens: &'s [&'t Token]) -> (Block, &'s [&'t Token]) {
+    let mut blocks = vec![Block::File];
+    let mut start = 0;
+    for (i, token) in tokens.iter().enumerate() {
+        match token.kind {
+            Kind::OpenBrace => {
+                let inner = match (blocks.last(), word(text, tokens.get(start))) {
+                    (Some(Block::File), _) | (None, _) => Block::Items,
+                    _ => Block::Steps,
+                };
+                blocks.push(inner);
+                start = i + 1;
+            }
+            Kind::CloseBrace => {
+                if blocks.len() > 1 {
+                    blocks.pop();
+                }
+                start = i + 1;
+            }
+            Kind::Semicolon => start = i + 1,
+            _ => {}
+        }
+    }
+    (
+        blocks.last().copied().unwrap_or(Block::File),
+        &tokens[start..],
+    )
+}
+
+fn word<'t>(text: &'t str, token: Option<&&Token>) -> &'t str {
+    match token {
+        Some(it) if matches!(it.kind, Kind::Name | Kind::Star) => &text[it.range.clone()],
+        _ => "",
+    }
+}
+
+struct Finder<'f> {
+    text: &'f str,
+    scenario: &'f Scenario,
+    names: &'f Names<'f>,
+    replace: Range<usize>,
+    items: Vec<Completion>,
+}
+
+impl<'f> Finder<'f> {
+    fn fill(&mut self, block: Block, mut statement: &[&Token]) {
+        // `NAME :` before a step.
+        if block == Block::Steps && statement.get(1).is_some_and(|it| it.kind == Kind::Colon) {
+            statement = &statement[2..];
+        }
+        let first = word(self.text, statement.first());
+        match block {
+            Block::File if statement.is_empty() => self.words(&["scenario"]),
+            Block::File => {}
+            Block::Items => match statement.is_empty() {
+                true => self.words(ITEMS),
+                false => self.item(first, &statement[1..]),
+            },
+            Block::Steps if statement.is_empty() => {
+                let mut steps = STEPS.to_vec();
+                if self.after_choice() {
+                    steps.insert(0, "or");
+                }
+                self.words(&steps);
+            }
+            Block::Steps => self.step(first, &statement[1..]),
+        }
+    }
+
+    /// Whether a block has just ended, so that a choice may go on.
+    fn after_choice(&self) -> bool {
+        let before = self.text[..self.replace.start].trim_end();
+        before.ends_with('}')
+    }
+
+    fn item(&mut self, first: &str, rest: &[&Token]) {
+        let begun = !rest.is_empty();
+        match first {
+            "cores" if !begun => self.words(&["free"]),
+            "policy" if !begun => self.words(&["fifo", "edf", "any"]),
+            "durations" if !begun => self.words(&["interval", "fixed", "open"]),
+            "locks" if !begun => self.words(&["free", "fifo"]),
+            "async" if !begun => self.words(&["held", "free"]),
+            "aperiodic" if !begun => self.words(&["core", "free"]),
+            "idle" if !begun => self.words(&["drop", "keep"]),
+            "loop" if !begun => self.words(&["once", "free"]),
+            "idle" => {
+                self.path(Wanted::Task, &rest[1..]);
+            }
+            "loop" => {
+                self.path(Wanted::TaskOrService, &rest[1..]);
+            }
+            "unit" => {
+                self.unit(rest);
+            }
+            "duration" => {
+                let _ = self.path(Wanted::Codel, rest) || self.unit(rest);
+            }
+            "slots" => {
+                self.path(Wanted::Service, rest);
+            }
+            "connect" => {
+                let to = rest.iter().position(|it| word(self.text, Some(it)) == "to");
+                match to {
+                    Some(to) => {
+                        if rest[to + 1..].is_empty() {
+                            self.words(&["none"]);
+                        }
+                        self.path(Wanted::Output, &rest[to + 1..]);
+                    }
+                    None => {
+                        if !self.path(Wanted::Input, rest) {
+                            self.words(&["to"]);
+                        }
+                    }
+                }
+            }
+            "check" => self.check(rest),
+            _ => {}
+        }
+    }
+
+    fn check(&mut self, mut rest: &[&Token]) {
+        if rest.get(1).is_some_and(|it| it.kind == Kind::Colon) {
+            rest = &rest[2..];
+        }
+        let Some((first, rest)) = rest.split_first() else {
+            return self.words(CHECKS);
+        };
+        match word(self.text, Some(first)) {
+            "schedulable" | "no-overdue" => {
+                if rest.is_empty() {
+                    self.all();
+                }
+                self.path(Wanted::Task, rest);
+            }
+            "response" => {
+                if rest.is_empty() {
+                    self.all();
+                }
+                if !self.path(Wanted::Task, rest) {
+                    self.unit(rest);
+                }
+            }
+            "within" | "leadsto" | "eventually" | "always" | "reachable" => {
+                let _ = self.unit(rest) || self.predicate(rest);
+            }
+            _ => {}
+        }
+    }
+
+    fn step(&mut self, first: &str, rest: &[&Token]) {
+        match first {
+            "send" => {
+                self.path(Wanted::Service, rest);
+            }
+            "await" => match rest.split_first() {
+                None => self.words(&["accepted", "ended"]),
+                Some((_, rest)) => {
+                    self.path(Wanted::Service, rest);
+                }
+            },
+            "delay" => {
+                self.unit(rest);
+            }
+            _ => {}
+        }
+    }
+
+    fn words(&mut self, words: &[&str]) {
+        for &word in words {
+            let known = words::find(word);
+            self.items.push(Completion {
+                label: word.to_owned(),
+                kind: CompletionKind::Word,
+                detail: known.map_or(String::new(), |it| it.meaning.to_owned()),
+            });
+        }
+    }
+
+    fn all(&mut self) {
+        self.items.push(Completion {
+            label: "*".to_owned(),
+            kind: CompletionKind::Word,
+            detail: "all tasks".to_owned(),
+        });
+    }
+
+    /// After a number or interval; whether this is such a place.
+    fn unit(&mut self, rest: &[&Token]) -> bool {
+        let after = rest
+            .last()
+            .is_some_and(|it| matches!(it.kind, Kind::Number | Kind::CloseBracket));
+        if after {
+            for unit in ["ms", "us", "s"] {
+                self.items.push(Completion {
+                    label: unit.to_owned(),
+                    kind: CompletionKind::Unit,
+                    detail: String::new(),
+                });
+            }
+        }
+        after
+    }
+
+    /// The names of the path that ends at the cursor, and where it begins; none if the tokens before do
+    /// not end in one.
+    fn written(&self, rest: &[&Token]) -> Option<(usize, Path)> {
+        let mut path = Path::default();
+        let mut i = rest.len();
+        while i >= 2 && rest[i - 1].kind == Kind::Dot && rest[i - 2].kind == Kind::Name {
+            let range = rest[i - 2].range.clone();
+            path.names.insert(
+                0,
+                Spanned {
+                    value: self.text[range.clone()].to_owned(),
+                    range,
+                },
+            );
+            i -= 2;
+        }
+        let begun = i < rest.len() && path.names.is_empty();
+        (!begun).then_some((i, path))
+    }
+
+    /// Whole paths of what is wanted; whether the place is one for a path.
+    fn path(&mut self, wanted: Wanted, rest: &[&Token]) -> bool {
+        let Some((0, path)) = self.written(rest) else {
+            return false;
+        };
+        if let Some(first) = path.names.first() {
+            self.replace.start = first.range.start;
+        }
+        let before = match path.names.is_empty() {
+            true => String::new(),
+            false => path.text() + ".",
+        };
+        for (label, target) in self.paths(wanted) {
+            if label.starts_with(&before) {
+                self.push(label, &target);
+            }
+        }
+        true
+    }
+
+    fn push(&mut self, label: String, target: &Target) {
+        let (form, meaning) = self.names.describe(target);
+        let kind = match target {
+            Target::Component(_) => CompletionKind::Component,
+            Target::Task(..) => CompletionKind::Task,
+            Target::Service(..) => CompletionKind::Service,
+            Target::Port(..) => CompletionKind::Port,
+            Target::State(..) | Target::Codel(..) => CompletionKind::Codel,
+            Target::Client(_) | Target::Step(..) => CompletionKind::Client,
+            Target::Status(_) => CompletionKind::Status,
+        };
+        let detail = match target {
+            Target::Status(_) => meaning,
+            _ => format!("{form}: {meaning}"),
+        };
+        self.items.push(Completion {
+            label,
+            kind,
+            detail,
+        });
+    }
+
+    fn paths(&self, wanted: Wanted) -> Vec<(String, Target)> {
+        let mut out = Vec::new();
+        for (component, target) in self.names.after(None) {
+            for (name, member) in self.names.after(Some(&target)) {
+                let path = format!("{component}.{name}");
+                let fits = match (wanted, &member) {
+                    (Wanted::Task | Wanted::TaskOrService, Target::Task(..))
+                    | (Wanted::Service | Wanted::TaskOrService, Target::Service(..)) => true,
+                    (Wanted::Input | Wanted::Output, &Target::Port(c, p)) => {
+                        let port = &self.names.components[c].component.ports[p as usize];
+                        (port.dir == PortDir::In) == (wanted == Wanted::Input)
+                    }
+                    (Wanted::Codel, Target::Task(..) | Target::Service(..)) => {
+                        let codels = self.names.after(Some(&member)).into_iter();
+                        out.extend(codels.map(|(state, it)| (format!("{path}.{state}"), it)));
+                        false
+                    }
+                    _ => false,
+                };
+                if fits {
+                    out.push((path, member));
+                }
+            }
+        }
+        out
+    }
+
+    /// One name of a predicate's path at a time, with statuses, clients and the words between. Every place
+    /// is one for it.
+    fn predicate(&mut self, rest: &[&Token]) -> bool {
+        let after_operand = rest.last().is_some_and(|it| match it.kind {
+            Kind::CloseParen => true,
+            Kind::Name => !matches!(word(self.text, Some(it)), "and" | "or" | "not" | "leave"),
+            _ => false,
+        });
+        if after_operand {
+            self.words(&["and", "or"]);
+            return true;
+        }
+        let path = self.written(rest).map(|it| it.1).unwrap_or_default();
+        if path.names.is_empty() {
+            for (label, target) in self.names.after(None) {
+                self.push(label, &target);
+            }
+            for client in self.clients() {
+                let target = Target::Client(client.name.value.clone());
+                self.push(client.name.value.clone(), &target);
+            }
+            self.words(&["not", "leave"]);
+            return true;
+        }
+        let targets = self.names.follow(&path);
+        if targets.len() == path.names.len() {
+            let target = targets.last();
+            for (label, target) in self.names.after(target) {
+                if !matches!(target, Target::Port(..)) {
+                    self.push(label, &target);
+                }
+            }
+            for status in statuses(target) {
+                self.push((*status).to_owned(), &Target::Status((*status).to_owned()));
+            }
+        } else if let [name] = path.names.as_slice() {
+            let mut labels = Vec::new();
+            let client = self.clients().find(|it| it.name.value == name.value);
+            client
+                .into_iter()
+                .for_each(|it| steps(&it.steps, &mut labels));
+            for label in labels {
+                let target = Target::Step(name.value.clone(), label.clone());
+                self.push(label, &target);
+            }
+        }
+        true
+    }
+
+    fn clients(&self) -> impl Iterator<Item = &'f super::ast::Client> + use<'f> {
+        self.scenario.items.iter().filter_map(|it| match it {
+            Item::Client(client) => Some(client),
+            _ => None,
+        })
+    }
+}
+
+fn statuses(target: Option<&Target>) -> &'static [&'static str] {
+    match target {
+        Some(Target::Component(_)) => &["idle"],
+        Some(Target::Task(..)) => &["idle", "waiting", "running"],
+        Some(Target::Service(..)) => &["waiting", "run", "stop", "void", "lock", "exec"],
+        Some(Target::State(..) | Target::Codel(..)) => &["lock", "exec"],
+        _ => &[],
+    }
+}
+
+fn steps(list: &[Step], out: &mut Vec<String>) {
+    for step in list {
+        match (&step.label, &step.kind) {
+            (Some(label), _) => out.push(label.value.clone()),
+            (None, StepKind::Send(path)) => {
+                out.extend(path.names.last().map(|it| it.value.clone()));
+            }
+            _ => {}
+        }
+        match &step.kind {
+            StepKind::Repeat(_, body) => steps(body, out),
+            StepKind::Choice(branches) => branches.iter().for_each(|it| steps(it, out)),
+            _ => {}
+        }
+    }
+    out.sort();
+    out.dedup();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::names::STATUSES;
+    use super::*;
+
+    #[test]
+    fn every_word_has_a_meaning() {
+        for word in [ITEMS, CHECKS, STEPS, STATUSES].concat() {
+            assert!(words::find(word).is_some(), "{word}");
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! What is verified when no scenario is written, as a scenario.
+
+use std::fmt::Write;
+
+use dotgen_analysis::model::{Component, ServiceKind};
+
+use super::ast::Policy;
+
+/// The scenario that stands for none: permanent activities, and a client that may send any request
+/// at any time, one after the other.
+pub fn default_text(components: &[&Component], files: &[String]) -> String {
+    default_text_on(components, files, None, Policy::default())
+}
+
+/// Likewise, on a number of cores (`None`: no limit).
+pub fn default_text_on(
+    components: &[&Component],
+    files: &[String],
+    cores: Option<u32>,
+    policy: Policy,
+) -> String {
+    let name = match components {
+        [it] => it.name.to_string(),
+        _ => "all".to_owned(),
+    };
+    let mut out = format!("scenario {name} {{\n");
+    for file in files {
+        let _ = writeln!(out, "  use \"{file}\";");
+    }
+    let _ = match cores {
+        None => writeln!(out, "  cores free;"),
+        Some(cores) => writeln!(out, "  cores {cores};\n  policy {};", policy.name()),
+    };
+    out.push_str("  durations interval;\n\n");
+    let services: Vec<String> = components
+        .iter()
+        .flat_map(|component| {
+            component
+                .services
+                .iter()
+                .filter(|it| it.kind != ServiceKind::Activity || it.task.is_some())
+                .map(move |it| format!("{}.{}", component.name, it.name))
+        })
+        .collect();
+    if !services.is_empty() {
+        out.push_str("  // Any request at any time, one after the other.\n");
+        out.push_str("  client any {\n    repeat * {\n      delay [0, *] ms;\n");
+        for (i, service) in services.iter().enumerate() {
+            match (services.len(), i) {
+                (1, _) => {
+                    let _ = writeln!(out, "      send {service};");
+                }
+                (_, 0) => {
+                    let _ = write!(out, "      choice {{\n        send {service};\n      }}");
+                }
+                _ => {
+                    let _ = write!(out, " or {{\n        send {service};\n      }}");
+                }
+            }
+        }
+        if services.len() > 1 {
+            out.push('\n');
+        }
+        out.push_str("    }\n  }\n\n");
+    }
+    out.push_str("  check schedulable *;\n  check no-overdue *;\n  check response *;\n}\n");
+    out
+}

@@ -1,0 +1,110 @@
+//! Tokens of the scenario language. Every byte belongs to a token.
+
+use std::ops::Range;
+
+use logos::Logos;
+
+/// Kinds of token.
+#[derive(Logos, Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Blanks and line ends.
+    #[regex(r"[ \t\r\n\x0c\u{feff}]+")]
+    Space,
+    /// `// …`
+    #[regex(r"//[^\n]*", allow_greedy = true)]
+    LineComment,
+    /// `/* … */`, or up to the end of the file.
+    #[regex(r"/\*([^*]|\*+[^*/])*\*+/")]
+    BlockComment,
+    /// A `/*` that is never closed.
+    #[token("/*", unclosed)]
+    UnclosedComment,
+    /// Names and keywords; `no-overdue` is one.
+    #[regex(r"[A-Za-z_][A-Za-z0-9_]*")]
+    #[token("no-overdue")]
+    Name,
+    /// A number.
+    #[regex(r"[0-9]+")]
+    Number,
+    /// `"…"` on one line.
+    #[regex(r#""[^"\n]*""#)]
+    Text,
+    /// A string without end.
+    #[regex(r#""[^"\n]*"#)]
+    UnclosedText,
+    /// `=>`
+    #[token("=>")]
+    Implies,
+    /// `<=`
+    #[token("<=")]
+    AtMost,
+    #[doc = "`{`"]
+    #[token("{")]
+    OpenBrace,
+    #[doc = "`}`"]
+    #[token("}")]
+    CloseBrace,
+    #[doc = "`[`"]
+    #[token("[")]
+    OpenBracket,
+    #[doc = "`]`"]
+    #[token("]")]
+    CloseBracket,
+    #[doc = "`(`"]
+    #[token("(")]
+    OpenParen,
+    #[doc = "`)`"]
+    #[token(")")]
+    CloseParen,
+    #[doc = "`;`"]
+    #[token(";")]
+    Semicolon,
+    #[doc = "`:`"]
+    #[token(":")]
+    Colon,
+    #[doc = "`,`"]
+    #[token(",")]
+    Comma,
+    #[doc = "`.`"]
+    #[token(".")]
+    Dot,
+    #[doc = "`*`"]
+    #[token("*")]
+    Star,
+    /// Anything else.
+    Unknown,
+}
+
+fn unclosed(lex: &mut logos::Lexer<Kind>) {
+    lex.bump(lex.remainder().len());
+}
+
+/// A token.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Token {
+    /// Its kind.
+    pub kind: Kind,
+    /// Its bytes.
+    pub range: Range<usize>,
+}
+
+impl Kind {
+    /// Blanks and comments.
+    pub fn is_trivia(self) -> bool {
+        matches!(
+            self,
+            Kind::Space | Kind::LineComment | Kind::BlockComment | Kind::UnclosedComment
+        )
+    }
+}
+
+/// Splits a scenario into tokens.
+pub fn lex(text: &str) -> Vec<Token> {
+    Kind::lexer(text)
+        .spanned()
+        .map(|(kind, range)| Token {
+            kind: kind.unwrap_or(Kind::Unknown),
+            range,
+        })
+        .collect()
+}

@@ -1,0 +1,394 @@
+//! What the paths of a scenario refer to.
+
+use std::ops::Range;
+
+use dotgen_analysis::model::{CodelKind, Component, ComponentKind, Owner, Spec};
+
+use super::Diagnostic;
+use super::ast::{CheckKind, Item, Path, Pred, Scenario, Spanned, Step, StepKind};
+
+/// The components that a scenario is about.
+#[derive(Debug, Clone)]
+pub struct Names<'a> {
+    /// In order of the specifications, then of declaration.
+    pub components: Vec<Member<'a>>,
+}
+
+/// A component and where it comes from.
+#[derive(Debug, Clone, Copy)]
+pub struct Member<'a> {
+    /// Number of its specification.
+    pub spec_index: usize,
+    /// Its specification.
+    pub spec: &'a Spec,
+    /// The component.
+    pub component: &'a Component,
+}
+
+/// What a name in a path refers to. Components are numbered as in [`Names::components`].
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum Target {
+    /// A component.
+    Component(usize),
+    /// A task: component, index.
+    Task(usize, u32),
+    /// A service: component, index.
+    Service(usize, u32),
+    /// A port: component, index.
+    Port(usize, u32),
+    /// A codel state: component, owner, index of the codel, name of the state.
+    State(usize, Owner, u32, String),
+    /// A codel of the control task: component, service, index of the codel.
+    Codel(usize, u32, u32),
+    /// A client of the scenario.
+    Client(String),
+    /// A step of a client: client, label or name of the service.
+    Step(String, String),
+    /// `waiting`, `exec`, … after something that has such a status.
+    Status(String),
+}
+
+/// A name and what it refers to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Reference {
+    /// Bytes of the name.
+    pub range: Range<usize>,
+    /// What it refers to.
+    pub target: Target,
+}
+
+/// Words that may follow a task, service or codel state in a predicate.
+pub const STATUSES: &[&str] = &[
+    "waiting", "running", "idle", "exec", "lock", "run", "stop", "void",
+];
+
+impl<'a> Names<'a> {
+    /// The components (not the interfaces) of some specifications.
+    pub fn new(specs: &[&'a Spec]) -> Self {
+        let components = specs
+            .iter()
+            .enumerate()
+            .flat_map(|(spec_index, &spec)| {
+                let members = spec.components.iter();
+                members
+                    .filter(|it| it.kind == ComponentKind::Component)
+                    .map(move |component| Member {
+                        spec_index,
+                        spec,
+                        component,
+                    })
+            })
+            .collect();
+        Names { components }
+    }
+
+    /// Follows a path as far as it leads: one target per name, and the number of names understood.
+    pub fn follow(&self, path: &Path) -> Vec<Target> {
+        let mut out = Vec::new();
+        let mut names = path.names.iter().map(|it| it.value.as_str());
+        let Some(first) = names.next() else {
+            return out;
+        };
+        let Some(c) = self
+            .components
+            .iter()
+            .position(|it| it.component.name == first)
+        else {
+            return out;
+        };
+        out.push(Target::Component(c));
+        let component = self.components[c].component;
+        let Some(second) = names.next() else {
+            return out;
+        };
+        let third = names.next();
+        let task = component.tasks.iter().position(|it| it.name == second);
+        let service = component.services.iter().position(|it| it.name == second);
+        let port = component.ports.iter().position(|it| it.name == second);
+        // Tasks and services may share a name; the one with the state asked for is meant.
+        let has = |owner: Owner| third.is_some_and(|it| self.state(c, owner, it).is_some());
+        let owner = match (task.map(|t| t as u32), service.map(|s| s as u32)) {
+            (Some(t), Some(s)) if has(Owner::Service(s)) && !has(Owner::Task(t)) => {
+                Some(Owner::Service(s))
+            }
+            (Some(t), _) => Some(Owner::Task(t)),
+            (None, Some(s)) => Some(Owner::Service(s)),
+            (None, None) => None,
+        };
+        match (owner, port) {
+            (Some(Owner::Task(t)), _) => out.push(Target::Task(c, t)),
+            (Some(Owner::Service(s)), _) => out.push(Target::Service(c, s)),
+            (None, Some(p)) => {
+                out.push(Target::Port(c, p as u32));
+                return out;
+            }
+            (None, None) => return out,
+        }
+        let (Some(owner), Some(third)) = (owner, third) else {
+            return out;
+        };
+        if let Some(target) = self.state(c, owner, third) {
+            out.push(target);
+        }
+        out
+    }
+
+    /// A state of a machine, or a codel of the control task by its name or as `validate`.
+    fn state(&self, c: usize, owner: Owner, name: &str) -> Option<Target> {
+        let component = self.components[c].component;
+        for (index, codel) in (0..).zip(component.codels_of(owner)) {
+            if codel.kind == CodelKind::Fsm {
+                if codel.triggers.iter().any(|it| it.name == name) {
+                    return Some(Target::State(c, owner, index, name.to_owned()));
+                }
+            } else if let Owner::Service(s) = owner
+                && (codel.name == name || (codel.kind == CodelKind::Validate && name == "validate"))
+            {
+                return Some(Target::Codel(c, s, index));
+            }
+        }
+        None
+    }
+
+    /// Looks a whole path up.
+    pub fn resolve(&self, path: &Path) -> Result<Target, Diagnostic> {
+        let targets = self.follow(path);
+        match targets.last() {
+            Some(target) if targets.len() == path.names.len() => Ok(target.clone()),
+            _ => Err(self.unknown(path, &targets)),
+        }
+    }
+
+    /// What to say about the first name of a path that leads nowhere.
+    pub fn unknown(&self, path: &Path, followed: &[Target]) -> Diagnostic {
+        let Some(name) = path.names.get(followed.len()) else {
+            return Diagnostic::error("scn-path", path.range(), "incomplete path".to_owned());
+        };
+        let candidates: Vec<String> = self
+            .after(followed.last())
+            .into_iter()
+            .map(|(name, _)| name)
+            .collect();
+        let place = match followed.last() {
+            None => "the system has no component".to_owned(),
+            Some(_) => {
+                let before: Vec<&str> = path.names[..followed.len()]
+                    .iter()
+                    .map(|it| it.value.as_str())
+                    .collect();
+                format!("`{}` has nothing called", before.join("."))
+            }
+        };
+        let mut message = format!("{place} `{}`", name.value);
+        if let Some(near) = nearest(&name.value, &candidates) {
+            message.push_str(&format!("; did you mean `{near}`?"));
+        } else if !candidates.is_empty() && candidates.len() <= 12 {
+            message.push_str(&format!("; there is {}", candidates.join(", ")));
+        }
+        Diagnostic::error("scn-unknown-name", name.range.clone(), message)
+    }
+
+    /// Names in paths that lead nowhere, clients and statuses apart.
+    pub fn unknown_names(&self, scenario: &Scenario) -> Vec<Diagnostic> {
+        let mut out = Vec::new();
+        for_each_path(scenario, &mut |path| {
+            let targets = self.follow(path);
+            let Some(name) = path.names.get(targets.len()) else {
+                return;
+            };
+            let mut of_client = Vec::new();
+            client_references(scenario, path, &mut of_client);
+            let status = !targets.is_empty() && STATUSES.contains(&name.value.as_str());
+            if !status && of_client.is_empty() {
+                out.push(self.unknown(path, &targets));
+            }
+        });
+        out
+    }
+
+    /// Names that may follow a target (`None`: at the beginning of a path), for completion.
+    pub fn after(&self, target: Option<&Target>) -> Vec<(String, Target)> {
+        let mut out = Vec::new();
+        match target {
+            None => {
+                for (c, it) in self.components.iter().enumerate() {
+                    out.push((it.component.name.to_string(), Target::Component(c)));
+                }
+            }
+            Some(&Target::Component(c)) => {
+                let it = self.components[c].component;
+                for (i, task) in (0..).zip(&it.tasks) {
+                    out.push((task.name.to_string(), Target::Task(c, i)));
+                }
+                for (i, service) in (0..).zip(&it.services) {
+                    out.push((service.name.to_string(), Target::Service(c, i)));
+                }
+                for (i, port) in (0..).zip(&it.ports) {
+                    out.push((port.name.to_string(), Target::Port(c, i)));
+                }
+            }
+            Some(&Target::Task(c, t)) => self.states(c, Owner::Task(t), &mut out),
+            Some(&Target::Service(c, s)) => self.states(c, Owner::Service(s), &mut out),
+            Some(_) => {}
+        }
+        out
+    }
+
+    fn states(&self, c: usize, owner: Owner, out: &mut Vec<(String, Target)>) {
+        let component = self.components[c].component;
+        for (index, codel) in (0..).zip(component.codels_of(owner)) {
+            match (codel.kind, owner) {
+                (CodelKind::Fsm, _) => {
+                    for state in &codel.triggers {
+                        let name = state.name.to_string();
+                        out.push((name.clone(), Target::State(c, owner, index, name)));
+                    }
+                }
+                (_, Owner::Service(s)) => {
+                    out.push((codel.name.to_string(), Target::Codel(c, s, index)));
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Every name in the paths of a scenario that refers to something, in order.
+    pub fn references(&self, scenario: &Scenario) -> Vec<Reference> {
+        let mut out = Vec::new();
+        for_each_path(scenario, &mut |path| {
+            let targets = self.follow(path);
+            if targets.is_empty() {
+                client_references(scenario, path, &mut out);
+                return;
+            }
+            let followed = targets.len();
+            for (name, target) in path.names.iter().zip(targets) {
+                out.push(Reference {
+                    range: name.range.clone(),
+                    target,
+                });
+            }
+            if let Some(name) = path.names.get(followed)
+                && STATUSES.contains(&name.value.as_str())
+            {
+                let target = Target::Status(name.value.clone());
+                out.push(Reference {
+                    range: name.range.clone(),
+                    target,
+                });
+            }
+        });
+        out.sort_by_key(|it| it.range.start);
+        out
+    }
+}
+
+fn client_references(scenario: &Scenario, path: &Path, out: &mut Vec<Reference>) {
+    let Some(first) = path.names.first() else {
+        return;
+    };
+    let client = scenario.items.iter().find_map(|it| match it {
+        Item::Client(client) if client.name.value == first.value => Some(client),
+        _ => None,
+    });
+    let Some(client) = client else { return };
+    let name = client.name.value.clone();
+    out.push(Reference {
+        range: first.range.clone(),
+        target: Target::Client(name.clone()),
+    });
+    if let Some(second) = path.names.get(1) {
+        let target = Target::Step(name, second.value.clone());
+        out.push(Reference {
+            range: second.range.clone(),
+            target,
+        });
+    }
+}
+
+/// Calls `each` with every path of a scenario.
+pub fn for_each_path<'s>(scenario: &'s Scenario, each: &mut impl FnMut(&'s Path)) {
+    for item in &scenario.items {
+        match item {
+            Item::Duration(path, ..) | Item::Slots(path, _) => each(path),
+            Item::Loop(_, Some(path)) | Item::Idle(_, Some(path)) => each(path),
+            Item::Connect(from, to) => {
+                each(from);
+                to.iter().for_each(&mut *each);
+            }
+            Item::Client(client) => steps(&client.steps, each),
+            Item::Check(check) => match &check.kind {
+                CheckKind::Schedulable(path)
+                | CheckKind::NoOverdue(path)
+                | CheckKind::Response(path, _) => path.iter().for_each(&mut *each),
+                CheckKind::Within(p, q, _) | CheckKind::LeadsTo(p, q) => {
+                    pred(p, each);
+                    pred(q, each);
+                }
+                CheckKind::Eventually(p) | CheckKind::Always(p) | CheckKind::Reachable(p) => {
+                    pred(p, each);
+                }
+                CheckKind::Deadlock => {}
+            },
+            _ => {}
+        }
+    }
+}
+
+fn steps<'s>(list: &'s [Step], each: &mut impl FnMut(&'s Path)) {
+    for step in list {
+        match &step.kind {
+            StepKind::Send(path) => each(path),
+            StepKind::AwaitAccepted(path) | StepKind::AwaitEnded(path) => {
+                path.iter().for_each(&mut *each);
+            }
+            StepKind::Delay(..) => {}
+            StepKind::Repeat(_, body) => steps(body, each),
+            StepKind::Choice(branches) => branches.iter().for_each(|it| steps(it, each)),
+        }
+    }
+}
+
+fn pred<'s>(it: &'s Pred, each: &mut impl FnMut(&'s Path)) {
+    match it {
+        Pred::Atom(path) | Pred::Leave(path) => each(path),
+        Pred::Not(it) => pred(it, each),
+        Pred::And(one, other) | Pred::Or(one, other) => {
+            pred(one, each);
+            pred(other, each);
+        }
+    }
+}
+
+/// The candidate that differs least, if it is close.
+fn nearest<'c>(name: &str, candidates: &'c [String]) -> Option<&'c str> {
+    candidates
+        .iter()
+        .map(|it| (distance(name, it), it.as_str()))
+        .filter(|&(d, it)| d <= 1 + it.len().min(name.len()) / 4)
+        .min()
+        .map(|(_, it)| it)
+}
+
+/// Edit distance.
+fn distance(one: &str, other: &str) -> usize {
+    let other: Vec<char> = other.to_lowercase().chars().collect();
+    let mut row: Vec<usize> = (0..=other.len()).collect();
+    for (i, a) in one.to_lowercase().chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, &b) in other.iter().enumerate() {
+            let change = diagonal + usize::from(a != b);
+            diagonal = row[j + 1];
+            row[j + 1] = change.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[other.len()]
+}
+
+/// Helps callers that have a name only.
+impl From<Spanned<String>> for Path {
+    fn from(name: Spanned<String>) -> Self {
+        Path { names: vec![name] }
+    }
+}

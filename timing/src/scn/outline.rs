@@ -1,0 +1,116 @@
+//! The outline of a scenario.
+
+use std::ops::Range;
+
+use super::ast::{CheckKind, Item, Scenario, Step, StepKind};
+
+/// An entry of the outline.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Entry {
+    /// What it is called.
+    pub name: String,
+    /// Its kind.
+    pub kind: EntryKind,
+    /// All of it.
+    pub range: Range<usize>,
+    /// Its name.
+    pub selection: Range<usize>,
+    /// What it holds.
+    pub children: Vec<Entry>,
+}
+
+/// See [`Entry`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum EntryKind {
+    /// The scenario.
+    Scenario,
+    /// A specification.
+    File,
+    /// A client.
+    Client,
+    /// A step with a label.
+    Step,
+    /// A check.
+    Check,
+}
+
+/// The outline: the scenario with its files, clients (and their labelled steps) and checks.
+pub fn outline(text: &str, scenario: &Scenario) -> Vec<Entry> {
+    if scenario.name.is_empty() {
+        return Vec::new();
+    }
+    let mut children = Vec::new();
+    for item in &scenario.items {
+        match item {
+            Item::Use(file) => children.push(Entry {
+                name: file.value.clone(),
+                kind: EntryKind::File,
+                range: file.range.clone(),
+                selection: file.range.clone(),
+                children: Vec::new(),
+            }),
+            Item::Client(client) => {
+                let mut steps = Vec::new();
+                labelled(&client.steps, &mut steps);
+                let end = client.steps.last().map_or(0, |it| it.range.end);
+                let name = client.name.range.clone();
+                children.push(Entry {
+                    name: client.name.value.clone(),
+                    kind: EntryKind::Client,
+                    range: name.start..end.max(name.end),
+                    selection: name,
+                    children: steps,
+                });
+            }
+            Item::Check(check) => {
+                let written = text.get(check.range.clone()).unwrap_or_default();
+                let what: Vec<&str> = written.split_whitespace().collect();
+                let whole = what.join(" ").trim_end_matches(';').to_owned();
+                let name = check.name.as_ref();
+                children.push(Entry {
+                    name: name.map_or(whole, |it| it.value.clone()),
+                    kind: EntryKind::Check,
+                    range: check.range.clone(),
+                    selection: name.map_or(check.range.clone(), |it| it.range.clone()),
+                    children: Vec::new(),
+                });
+            }
+            _ => {}
+        }
+    }
+    let start = scenario.name_range.start;
+    vec![Entry {
+        name: scenario.name.clone(),
+        kind: EntryKind::Scenario,
+        range: start..text.len().max(start),
+        selection: scenario.name_range.clone(),
+        children,
+    }]
+}
+
+fn labelled(steps: &[Step], out: &mut Vec<Entry>) {
+    for step in steps {
+        if let Some(label) = &step.label {
+            out.push(Entry {
+                name: label.value.clone(),
+                kind: EntryKind::Step,
+                range: step.range.clone(),
+                selection: label.range.clone(),
+                children: Vec::new(),
+            });
+        }
+        match &step.kind {
+            StepKind::Repeat(_, body) => labelled(body, out),
+            StepKind::Choice(branches) => branches.iter().for_each(|it| labelled(it, out)),
+            _ => {}
+        }
+    }
+}
+
+/// Whether a check is about all tasks.
+pub fn is_of_all(kind: &CheckKind) -> bool {
+    matches!(
+        kind,
+        CheckKind::Schedulable(None) | CheckKind::NoOverdue(None) | CheckKind::Response(None, _)
+    )
+}

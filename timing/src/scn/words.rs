@@ -1,0 +1,185 @@
+//! The words of the language and what they mean: for hovers and completion. `docs/verification.md` says
+//! the same at length.
+
+/// A word, and what it means.
+pub(super) struct Word {
+    pub(super) word: &'static str,
+    /// How it is written.
+    pub(super) form: &'static str,
+    pub(super) meaning: &'static str,
+}
+
+const fn word(word: &'static str, form: &'static str, meaning: &'static str) -> Word {
+    Word {
+        word,
+        form,
+        meaning,
+    }
+}
+
+/// The meaning of a word in the place of an item, check or step.
+pub(super) fn find(name: &str) -> Option<&'static Word> {
+    WORDS.iter().find(|it| it.word == name)
+}
+
+const WORDS: &[Word] = &[
+    word(
+        "scenario",
+        "scenario NAME { … }",
+        "What is verified, on which platform, with which clients.",
+    ),
+    word(
+        "use",
+        "use \"FILE.gen\";",
+        "A specification to verify; the path starts at the directory of the scenario.",
+    ),
+    word(
+        "unit",
+        "unit 10 us;",
+        "Unit of results (default 1 ms); durations are rounded up to it.",
+    ),
+    word(
+        "cores",
+        "cores 4;  cores free;",
+        "Number of cores; `free` (default): as many as there are tasks.",
+    ),
+    word(
+        "policy",
+        "policy fifo;  edf;  any;",
+        "Who gets a free core: the task that waits longest (default), the one with the earliest deadline, or any.",
+    ),
+    word(
+        "durations",
+        "durations interval;  fixed;  open;",
+        "How long codels take: from 0 to their `wcet` (default), always their `wcet`, or more than 0.",
+    ),
+    word(
+        "duration",
+        "duration component.task.state [1,3] ms;",
+        "How long one codel takes; `*` for no upper bound.",
+    ),
+    word(
+        "loop",
+        "loop once component.task;",
+        "How often one turn may enter the same state: `once`, a number, or `free` (default).",
+    ),
+    word(
+        "idle",
+        "idle keep component.task;",
+        "What becomes of a tick with nothing to do: `drop` (default) takes it and a core with it, `keep` leaves it.",
+    ),
+    word(
+        "locks",
+        "locks free;  locks fifo;",
+        "Which of several waiting codels gets a lock: any (default), or the first.",
+    ),
+    word(
+        "async",
+        "async held;  async free;",
+        "`async` codels are executed like others (default), or need no core.",
+    ),
+    word(
+        "aperiodic",
+        "aperiodic core;  aperiodic free;",
+        "Aperiodic tasks need a core (default), or not.",
+    ),
+    word(
+        "connect",
+        "connect INPUT to OUTPUT;  to none;",
+        "What an input port reads; without it ports of equal name are connected.",
+    ),
+    word(
+        "slots",
+        "slots component.activity 3;",
+        "How many instances of an activity there may be (default 2).",
+    ),
+    word(
+        "client",
+        "client NAME { … }",
+        "Who sends requests. Without a client nothing is requested.",
+    ),
+    word("check", "check [NAME:] …;", "A property to verify."),
+    word(
+        "schedulable",
+        "check schedulable TASK;",
+        "No tick comes before the job of the previous one has ended. `*`: all tasks.",
+    ),
+    word(
+        "no-overdue",
+        "check no-overdue TASK;",
+        "The task never waits for a core as long as its period.",
+    ),
+    word(
+        "response",
+        "check response TASK <= 5 ms;",
+        "The time from release to the end of the job, at most this long; without a bound the least one is computed.",
+    ),
+    word(
+        "within",
+        "check within P => Q <= 5 ms;",
+        "Whenever P becomes true, Q is true then or at most that much later.",
+    ),
+    word(
+        "leadsto",
+        "check leadsto P => Q;",
+        "Whenever P becomes true, Q follows on every run.",
+    ),
+    word(
+        "eventually",
+        "check eventually P;",
+        "P becomes true on every run.",
+    ),
+    word("always", "check always P;", "P holds in every state."),
+    word("reachable", "check reachable P;", "P holds in some state."),
+    word(
+        "deadlock",
+        "check deadlock;",
+        "There is no state in which nothing will ever happen again.",
+    ),
+    word(
+        "send",
+        "send component.service;",
+        "Sends a request and waits until the control task takes it.",
+    ),
+    word(
+        "await",
+        "await accepted;  await ended component.activity;",
+        "Waits until the last request has been answered, or until an activity has ended.",
+    ),
+    word("delay", "delay [1,2] ms;", "Waits; `[0,*]`: for any time."),
+    word(
+        "repeat",
+        "repeat 3 { … }  repeat * { … }",
+        "Does it so many times; `*`: for ever.",
+    ),
+    word(
+        "choice",
+        "choice { … } or { … }",
+        "Does one of them; all are explored.",
+    ),
+    word(
+        "leave",
+        "leave PATH",
+        "The moment at which PATH stops being true.",
+    ),
+    word(
+        "waiting",
+        "TASK.waiting",
+        "The task waits for a core (an activity: is held back).",
+    ),
+    word("running", "TASK.running", "The task has its core."),
+    word("idle", "TASK.idle", "The task has nothing to do."),
+    word("exec", "STATE.exec", "The codel executes."),
+    word("lock", "STATE.lock", "The codel waits for its locks."),
+    word("run", "ACTIVITY.run", "An instance of the activity runs."),
+    word(
+        "stop",
+        "ACTIVITY.stop",
+        "An instance of the activity is being interrupted.",
+    ),
+    word(
+        "void",
+        "ACTIVITY.void",
+        "There is no instance of the activity.",
+    ),
+];

@@ -1,0 +1,338 @@
+//! The timed system: one or several components, a platform and clients as small integers.
+//!
+//! Everything the explorer needs and nothing else: tables indexed by plain numbers, times in
+//! base units. It is built from specifications and a scenario by [`build`]; tests build it by
+//! hand. Rules referred to as "section N" are those of the timed semantics of GenoM3 components,
+//! described for users in `docs/verification.md`.
+
+pub mod build;
+mod locks;
+mod loops;
+mod program;
+pub mod settings;
+mod units;
+
+use dotgen_analysis::model::{CodelRef, Seconds, Src};
+
+pub use loops::{loop_contradictions, pauseless_cycles};
+
+/// A number of base units.
+pub type Ticks = u32;
+
+/// No upper bound.
+pub const FOREVER: Ticks = u32::MAX;
+
+/// A system of components on one platform.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TimedSystem {
+    /// The base unit, in seconds.
+    pub unit: Seconds,
+    /// Components.
+    pub components: Vec<Component>,
+    /// Execution tasks; those of one component are consecutive and in order of declaration.
+    pub tasks: Vec<Task>,
+    /// State machines of permanent activities and activities.
+    pub machines: Vec<Machine>,
+    /// Places where a machine is executed: one per permanent activity and one per slot.
+    pub automata: Vec<Automaton>,
+    /// Codels in their places of use.
+    pub codels: Vec<Codel>,
+    /// Services.
+    pub services: Vec<Service>,
+    /// Clients.
+    pub clients: Vec<Client>,
+    /// Cores, policies and lock order.
+    pub platform: Platform,
+}
+
+/// What tasks run on and how shared things are given out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Platform {
+    /// Number of cores; `None`: no limit.
+    pub cores: Option<u32>,
+    /// Order in which waiting tasks get cores.
+    pub policy: Policy,
+    /// Order in which waiting codels get locks.
+    pub locks: LockOrder,
+    /// Asynchronous codels are executed by a separate thread and need no core.
+    pub async_free: bool,
+    /// Aperiodic tasks need a core.
+    pub aperiodic_core: bool,
+}
+
+/// Order in which cores are granted (section 9).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Policy {
+    /// In order of release.
+    Fifo,
+    /// Earliest absolute deadline first, ties in order of release; never preempting.
+    Edf,
+    /// Any waiting task.
+    Any,
+}
+
+/// Order in which codels that wait for a common lock get it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LockOrder {
+    /// Any of them may win, also repeatedly.
+    Free,
+    /// In order of arrival, among codels that exclude each other.
+    Fifo,
+}
+
+/// A component: its tasks are started one after the other.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Component {
+    /// Its name.
+    pub name: String,
+    /// Its tasks, in order of declaration.
+    pub tasks: Vec<usize>,
+    /// Its services, in order of declaration.
+    pub services: Vec<usize>,
+}
+
+/// An execution task.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Task {
+    /// Its name, without the component.
+    pub name: String,
+    /// Its component.
+    pub component: usize,
+    /// `None`: aperiodic.
+    pub period: Option<Ticks>,
+    /// The first tick comes one period and this much after the timer has started.
+    pub delay: Ticks,
+    /// With nothing to do, keep the tick instead of dropping it (section 4).
+    pub keep_idle_tick: bool,
+    /// The automaton of the permanent activity (one that has a `start` codel).
+    pub permanent: Option<usize>,
+    /// Automata of its slots, in slot order.
+    pub slots: Vec<usize>,
+    /// Where it was declared: component of the specification and name.
+    pub src: Option<(usize, Src)>,
+}
+
+/// A state machine.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Machine {
+    /// `component.task` or `component.service`.
+    pub name: String,
+    /// Its states that have a codel.
+    pub states: Vec<State>,
+    /// Where it begins.
+    pub start: usize,
+    /// Where it goes when interrupted; `None`: it ends at once.
+    pub stop: Option<usize>,
+    /// How often one turn may enter the same state; `None`: no limit.
+    pub loop_limit: Option<u16>,
+    /// The limit counts rounds instead of turns, as no turn can ever end (see [`loops`]).
+    pub rounds: bool,
+}
+
+/// A state of a machine.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct State {
+    /// Its name.
+    pub name: String,
+    /// What it executes.
+    pub codel: usize,
+    /// What can follow. Never empty.
+    pub yields: Vec<Yield>,
+    /// Declared `async`.
+    pub is_async: bool,
+}
+
+/// What follows a state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Yield {
+    /// Another state, in the same turn.
+    Next(usize),
+    /// Another state, at the next turn.
+    Pause(usize),
+    /// The end of the activity.
+    End,
+}
+
+/// One place where a machine is executed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Automaton {
+    /// The task that executes it.
+    pub task: usize,
+    /// Its machine.
+    pub machine: usize,
+    /// The service, for a slot; `None` for a permanent activity.
+    pub service: Option<usize>,
+}
+
+/// A codel in one place of use.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Codel {
+    /// `component.owner.state`, or `component.service.codel`.
+    pub path: String,
+    /// Its component.
+    pub component: usize,
+    /// Least time from getting its locks to releasing them.
+    pub lower: Ticks,
+    /// Greatest such time, or [`FOREVER`].
+    pub upper: Ticks,
+    /// Codels that must not be executing when this one begins; symmetric. May hold the codel itself.
+    pub conflicts: CodelSet,
+    /// Component of the specification and codel it stands for.
+    pub site: Option<(usize, CodelRef)>,
+    /// Where it was declared.
+    pub src: Option<Src>,
+}
+
+/// A set of codels of one system.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct CodelSet(Vec<u64>);
+
+impl CodelSet {
+    /// Adds one.
+    pub fn insert(&mut self, codel: usize) {
+        if self.0.len() <= codel / 64 {
+            self.0.resize(codel / 64 + 1, 0);
+        }
+        self.0[codel / 64] |= 1 << (codel % 64);
+    }
+
+    /// Whether it is there.
+    #[inline]
+    pub fn contains(&self, codel: usize) -> bool {
+        self.0
+            .get(codel / 64)
+            .is_some_and(|word| word >> (codel % 64) & 1 == 1)
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.0.iter().all(|&word| word == 0)
+    }
+
+    /// Its members, ascending.
+    pub fn iter(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.0.len() * 64).filter(|&codel| self.contains(codel))
+    }
+}
+
+/// A service, as the control task handles it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Service {
+    /// Its name, without the component.
+    pub name: String,
+    /// Its component.
+    pub component: usize,
+    /// Codel that accepts or refuses requests.
+    pub validate: Option<usize>,
+    /// Codels the control task executes, in order (functions and attributes).
+    pub simple: Vec<usize>,
+    /// Automata of its slots; empty unless it is an activity.
+    pub slots: Vec<usize>,
+    /// It is an activity.
+    pub activity: bool,
+    /// Services it interrupts.
+    pub interrupts: Vec<usize>,
+    /// Where it was declared.
+    pub src: Option<Src>,
+}
+
+/// A client: a graph of steps. Which step follows is the client's free choice.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Client {
+    /// Its name.
+    pub name: String,
+    /// Steps.
+    pub steps: Vec<ClientStep>,
+    /// Possible first steps; [`Client::done`] stands for none.
+    pub first: Vec<usize>,
+    /// Number of requests whose end is awaited somewhere.
+    pub trackers: usize,
+}
+
+impl Client {
+    /// The position after the last step.
+    pub fn done(&self) -> usize {
+        self.steps.len()
+    }
+}
+
+/// One step of a client.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ClientStep {
+    /// What is done.
+    pub action: ClientAction,
+    /// Possible next steps.
+    pub next: Vec<usize>,
+    /// Name of the step in predicates.
+    pub label: Option<String>,
+}
+
+/// What a client does in one step.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ClientAction {
+    /// Waits until its previous request has been accepted or refused and the control task takes this one.
+    Send {
+        /// The service requested.
+        service: usize,
+        /// Trackers that follow this request from now on.
+        trackers: Vec<usize>,
+    },
+    /// Waits until its last request has been accepted or refused.
+    AwaitAccepted,
+    /// Waits until the tracked request has ended or was refused; at once if there was none.
+    AwaitEnded(usize),
+    /// Lets time pass.
+    Delay(Ticks, Ticks),
+}
+
+impl TimedSystem {
+    /// `component.task`.
+    pub fn task_path(&self, task: usize) -> String {
+        let task = &self.tasks[task];
+        format!("{}.{}", self.components[task.component].name, task.name)
+    }
+
+    /// `component.service`.
+    pub fn service_path(&self, service: usize) -> String {
+        let service = &self.services[service];
+        format!(
+            "{}.{}",
+            self.components[service.component].name, service.name
+        )
+    }
+
+    /// The machine of an automaton.
+    pub fn machine_of(&self, automaton: usize) -> &Machine {
+        &self.machines[self.automata[automaton].machine]
+    }
+
+    /// Whether a task needs a core to run.
+    pub fn needs_core(&self, task: usize) -> bool {
+        self.platform.cores.is_some()
+            && (self.tasks[task].period.is_some() || self.platform.aperiodic_core)
+    }
+
+    /// Services that some client can request. The others never run.
+    pub fn requested(&self) -> Vec<bool> {
+        let mut out = vec![false; self.services.len()];
+        for step in self.clients.iter().flat_map(|it| &it.steps) {
+            if let ClientAction::Send { service, .. } = step.action {
+                out[service] = true;
+            }
+        }
+        out
+    }
+
+    /// Whether some activity of a task can run, given which services are [`requested`](Self::requested).
+    pub(crate) fn has_activities(&self, task: usize, requested: &[bool]) -> bool {
+        let mut slots = self.tasks[task].slots.iter();
+        slots.any(|&a| self.automata[a].service.is_some_and(|it| requested[it]))
+    }
+
+    /// Makes two codels exclude each other.
+    pub fn exclude(&mut self, one: usize, other: usize) {
+        self.codels[one].conflicts.insert(other);
+        self.codels[other].conflicts.insert(one);
+    }
+}

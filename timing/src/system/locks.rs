@@ -1,0 +1,230 @@
+//! Which codels exclude each other (section 6): by data of one component, and by ports.
+
+use dotgen_analysis::model::mutex::{self, Excluded};
+use dotgen_analysis::model::{CodelKind, CodelRef, Component, Owner, ParamSource, PortDir};
+
+use super::build::{Built, not_a};
+use super::settings::Settings;
+use crate::scn::Diagnostic;
+use crate::scn::names::{Names, Target};
+
+/// An output port: component and index.
+type Port = (usize, u32);
+
+/// Fills in [`super::Codel::conflicts`].
+pub(crate) fn exclude_codels(
+    names: &Names,
+    settings: &Settings,
+    included: &[usize],
+    out: &mut Built,
+) {
+    let live = live_codels(out);
+    for &c in included {
+        exclude_data(names, c, &live, out);
+    }
+    let connections = connections(names, settings, &mut out.diagnostics);
+    let mut users: Vec<(Port, usize)> = Vec::new();
+    for (id, codel) in out.system.codels.iter().enumerate() {
+        let Some((c, it)) = codel.site else { continue };
+        if !live[id] {
+            continue;
+        }
+        for param in &names.components[c].component.codel(it).params {
+            let ParamSource::Port(p) = param.source else {
+                continue;
+            };
+            for port in locks_of(names, &connections, (c, p)) {
+                if !users.contains(&(port, id)) {
+                    users.push((port, id));
+                }
+            }
+        }
+    }
+    for &(port, one) in &users {
+        for &(other_port, other) in &users {
+            if port == other_port && one < other && !same_automaton(out, one, other) {
+                out.system.exclude(one, other);
+            }
+        }
+        // Two instances meet only when a separate thread executes one of them.
+        if out.system.platform.async_free {
+            out.system.exclude(one, one);
+        }
+    }
+}
+
+/// Codels that can be executed at all: of machines with an automaton, and of the control task for
+/// services that are requested.
+fn live_codels(out: &Built) -> Vec<bool> {
+    let mut live = vec![false; out.system.codels.len()];
+    for automaton in &out.system.automata {
+        for state in &out.system.machines[automaton.machine].states {
+            live[state.codel] = true;
+        }
+    }
+    for client in &out.system.clients {
+        for step in &client.steps {
+            if let super::ClientAction::Send { service, .. } = step.action {
+                let service = &out.system.services[service];
+                for &codel in service.validate.iter().chain(&service.simple) {
+                    live[codel] = true;
+                }
+            }
+        }
+    }
+    live
+}
+
+/// One permanent activity executes one codel at a time. (Slots of one service do too, unless
+/// a separate thread executes some: those are handled with ports.)
+fn same_automaton(out: &Built, one: usize, other: usize) -> bool {
+    let (Some((c, a)), Some((d, b))) = (out.system.codels[one].site, out.system.codels[other].site)
+    else {
+        return false;
+    };
+    c == d
+        && a.owner == b.owner
+        && (matches!(a.owner, Owner::Task(_)) || !out.system.platform.async_free)
+}
+
+fn exclude_data(names: &Names, c: usize, live: &[bool], out: &mut Built) {
+    let member = names.components[c];
+    let component = member.component;
+    let ids = |it: CodelRef, out: &Built| -> Vec<usize> {
+        (0..out.system.codels.len())
+            .filter(|&id| out.system.codels[id].site == Some((c, it)) && live[id])
+            .collect()
+    };
+    for it in component.all_codels() {
+        let own = ids(it, out);
+        if own.is_empty() {
+            continue;
+        }
+        for exclusion in mutex::exclusions(member.spec, component, it) {
+            let Excluded::Codel(other) = exclusion.with else {
+                continue;
+            };
+            if exempt(component, it, other) {
+                continue;
+            }
+            for other in ids(other, out) {
+                own.iter().for_each(|&own| out.system.exclude(own, other));
+            }
+        }
+    }
+    // Attributes: the control task accesses the data itself.
+    for s in 0..component.services.len() as u32 {
+        let Some(&service) = out.services.get(&(c, s)) else {
+            continue;
+        };
+        let access = out.system.services[service].simple.last().copied();
+        let Some(access) = access.filter(|&it| out.system.codels[it].site.is_none() && live[it])
+        else {
+            continue;
+        };
+        for other in mutex::service_exclusions(member.spec, component, s) {
+            for other in ids(other, out) {
+                out.system.exclude(access, other);
+            }
+        }
+    }
+}
+
+/// Pairs that never exclude each other although they share data: a codel of an activity and those of
+/// an activity that interrupts it; two codels of one task; two of the control task.
+fn exempt(component: &Component, one: CodelRef, other: CodelRef) -> bool {
+    if component.task_of(one) == component.task_of(other) {
+        return true;
+    }
+    let fsm = |it: CodelRef| component.codel(it).kind == CodelKind::Fsm;
+    let interrupts = |a: u32, b: u32| {
+        let list = &component.services[a as usize].interrupts;
+        list.all || list.services.contains(&b)
+    };
+    match (one.owner, other.owner) {
+        (Owner::Service(a), Owner::Service(b)) if fsm(one) && fsm(other) => {
+            interrupts(a, b) || interrupts(b, a)
+        }
+        _ => false,
+    }
+}
+
+/// What scenarios say about input ports.
+type Connections = Vec<(Port, Option<Port>)>;
+
+fn connections(
+    names: &Names,
+    settings: &Settings,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Connections {
+    let mut out = Vec::new();
+    for (from, to) in &settings.connect {
+        let port = |path, dir: PortDir| match names.resolve(path) {
+            Ok(Target::Port(c, p)) => {
+                let it = &names.components[c].component.ports[p as usize];
+                if it.dir == dir {
+                    Ok((c, p))
+                } else {
+                    let word = if dir == PortDir::In {
+                        "an input"
+                    } else {
+                        "an output"
+                    };
+                    let message = format!(
+                        "`{}` is not {word} port; write `connect INPUT to OUTPUT;`",
+                        path.text()
+                    );
+                    Err(Diagnostic::error(
+                        "scn-port-direction",
+                        path.range(),
+                        message,
+                    ))
+                }
+            }
+            Ok(_) => Err(not_a("port", path)),
+            Err(error) => Err(error),
+        };
+        let input = port(from, PortDir::In);
+        let output = to.as_ref().map(|to| port(to, PortDir::Out)).transpose();
+        match (input, output) {
+            (Ok(input), Ok(output)) => out.push((input, output)),
+            (input, output) => {
+                for error in input.err().into_iter().chain(output.err()) {
+                    if !diagnostics.contains(&error) {
+                        diagnostics.push(error);
+                    }
+                }
+            }
+        }
+    }
+    out
+}
+
+/// The locks that using a port takes: the port itself if it is an output, else the outputs it is
+/// connected to, by the scenario or by equal name.
+fn locks_of(names: &Names, connections: &Connections, (c, p): Port) -> Vec<Port> {
+    let port = &names.components[c].component.ports[p as usize];
+    if port.dir == PortDir::Out {
+        return vec![(c, p)];
+    }
+    let mut stated = connections
+        .iter()
+        .filter(|(input, _)| *input == (c, p))
+        .peekable();
+    if stated.peek().is_some() {
+        return stated.filter_map(|(_, output)| *output).collect();
+    }
+    let mut found = Vec::new();
+    for (d, member) in names.components.iter().enumerate() {
+        for (q, other) in (0..).zip(&member.component.ports) {
+            if d != c && other.dir == PortDir::Out && other.name == port.name {
+                found.push((d, q));
+            }
+        }
+    }
+    // A simple port has one source: the first.
+    if !port.multiple {
+        found.truncate(1);
+    }
+    found
+}

@@ -1,0 +1,124 @@
+//! Cycles of codel states without pause, and the loop limit (sections 5 and 14).
+//!
+//! With a limit of *n*, one turn enters no state more than *n* times. A permanent activity from
+//! which neither a pause nor `ether` can be reached has turns that never end; there the limit counts
+//! *rounds*: when every yield of a state is used up, a new round begins with any of them but the
+//! state itself.
+
+use rustc_hash::FxHashSet;
+
+use super::{Machine, Yield};
+
+/// Cycles of states without a pause, one per strongly connected set of states, as
+/// `X → Y → X`. They let a job take arbitrarily long.
+pub fn pauseless_cycles(machine: &Machine) -> Vec<String> {
+    let n = machine.states.len();
+    let mut found = Vec::new();
+    let mut covered = vec![false; n];
+    for start in 0..n {
+        if covered[start] {
+            continue;
+        }
+        // Shortest way back, breadth first.
+        let mut from = vec![usize::MAX; n];
+        let mut queue = std::collections::VecDeque::from([start]);
+        'search: while let Some(at) = queue.pop_front() {
+            for it in &machine.states[at].yields {
+                let &Yield::Next(next) = it else { continue };
+                if next == start {
+                    let mut path = vec![start];
+                    let mut back = at;
+                    while back != start {
+                        path.push(back);
+                        back = from[back];
+                    }
+                    path.push(start);
+                    path.reverse();
+                    for &state in &path {
+                        covered[state] = true;
+                    }
+                    let names: Vec<&str> = path
+                        .iter()
+                        .map(|&it| machine.states[it].name.as_str())
+                        .collect();
+                    found.push(names.join(" → "));
+                    break 'search;
+                }
+                if from[next] == usize::MAX {
+                    from[next] = at;
+                    queue.push_back(next);
+                }
+            }
+        }
+    }
+    found
+}
+
+/// Whether a turn that begins in `state` can ever end.
+pub(crate) fn can_pause(machine: &Machine, state: usize) -> bool {
+    let mut seen = vec![false; machine.states.len()];
+    let mut stack = vec![state];
+    while let Some(at) = stack.pop() {
+        if std::mem::replace(&mut seen[at], true) {
+            continue;
+        }
+        for it in &machine.states[at].yields {
+            match *it {
+                Yield::Next(next) => stack.push(next),
+                Yield::Pause(_) | Yield::End => return true,
+            }
+        }
+    }
+    false
+}
+
+/// States in which a turn cannot go on under the loop limit of the machine, by name.
+pub fn loop_contradictions(machine: &Machine) -> Vec<String> {
+    let Some(limit) = machine.loop_limit else {
+        return Vec::new();
+    };
+    let mut begins: Vec<usize> = vec![machine.start];
+    begins.extend(machine.stop);
+    for state in &machine.states {
+        begins.extend(state.yields.iter().filter_map(|it| match *it {
+            Yield::Pause(state) => Some(state),
+            _ => None,
+        }));
+    }
+    let mut found: Vec<usize> = Vec::new();
+    let mut seen = FxHashSet::default();
+    let mut stack: Vec<(usize, Vec<u16>)> = begins
+        .into_iter()
+        .map(|at| {
+            let mut visits = vec![0; machine.states.len()];
+            visits[at] = 1;
+            (at, visits)
+        })
+        .collect();
+    while let Some((at, visits)) = stack.pop() {
+        if !seen.insert((at, visits.clone())) {
+            continue;
+        }
+        let mut stuck = true;
+        for it in &machine.states[at].yields {
+            match *it {
+                Yield::Next(next) if visits[next] < limit => {
+                    stuck = false;
+                    let mut visits = visits.clone();
+                    visits[next] += 1;
+                    stack.push((next, visits));
+                }
+                Yield::Next(next) => stuck &= !(machine.rounds && next != at),
+                Yield::Pause(_) | Yield::End => stuck = false,
+            }
+        }
+        if stuck && !found.contains(&at) {
+            found.push(at);
+        }
+    }
+    found.sort_unstable();
+    found
+        .into_iter()
+        .map(|it| machine.states[it].name.clone())
+        .collect()
+}

@@ -1,0 +1,92 @@
+//! A scenario without its order: the last word on every setting.
+
+use dotgen_analysis::model::Seconds;
+
+use crate::scn::ast::{Check, Client, Durations, Interval, Item, Path, Policy, Scenario, Unit};
+
+/// What a scenario, and options that override it, say.
+#[derive(Debug, Clone)]
+pub struct Settings {
+    /// Name of the scenario.
+    pub name: String,
+    /// Unit of values in the result; durations are rounded to it.
+    pub unit: Option<(u64, Unit)>,
+    /// Number of cores; `None`: no limit.
+    pub cores: Option<u32>,
+    /// Order in which cores are granted.
+    pub policy: Policy,
+    /// How long codels take.
+    pub durations: Durations,
+    /// Durations of single codels.
+    pub duration: Vec<(Path, Interval, Unit)>,
+    /// Loop limits, the most general first.
+    pub loops: Vec<(Option<u32>, Option<Path>)>,
+    /// Rules for idle ticks, likewise.
+    pub idle: Vec<(bool, Option<Path>)>,
+    /// Locks in order of arrival.
+    pub locks_fifo: bool,
+    /// Asynchronous codels need no core.
+    pub async_free: bool,
+    /// Aperiodic tasks need a core.
+    pub aperiodic_core: bool,
+    /// Connections of ports.
+    pub connect: Vec<(Path, Option<Path>)>,
+    /// Numbers of slots.
+    pub slots: Vec<(Path, u32)>,
+    /// Clients.
+    pub clients: Vec<Client>,
+    /// Checks.
+    pub checks: Vec<Check>,
+    /// An upper bound for one codel instead of its own, for derived questions.
+    pub upper_bound: Option<(Path, Seconds)>,
+    /// A period for one task instead of its own, likewise.
+    pub period: Option<(Path, Seconds)>,
+}
+
+impl Settings {
+    /// The settings of a scenario.
+    pub fn new(scenario: &Scenario) -> Self {
+        let mut out = Settings {
+            name: scenario.name.clone(),
+            unit: None,
+            cores: None,
+            policy: Policy::default(),
+            durations: Durations::default(),
+            duration: Vec::new(),
+            loops: Vec::new(),
+            idle: Vec::new(),
+            locks_fifo: false,
+            async_free: false,
+            aperiodic_core: true,
+            connect: Vec::new(),
+            slots: Vec::new(),
+            clients: Vec::new(),
+            checks: Vec::new(),
+            upper_bound: None,
+            period: None,
+        };
+        for item in &scenario.items {
+            match item.clone() {
+                Item::Use(_) => {}
+                Item::Unit(count, unit) => out.unit = Some((count, unit)),
+                Item::Cores(cores) => out.cores = cores,
+                Item::Policy(policy) => out.policy = policy,
+                Item::Durations(durations) => out.durations = durations,
+                Item::Duration(path, interval, unit) => out.duration.push((path, interval, unit)),
+                Item::Loop(limit, path) => out.loops.push((limit, path)),
+                Item::Idle(keep, path) => out.idle.push((keep, path)),
+                Item::LocksFifo(fifo) => out.locks_fifo = fifo,
+                Item::AsyncFree(free) => out.async_free = free,
+                Item::AperiodicCore(core) => out.aperiodic_core = core,
+                Item::Connect(from, to) => out.connect.push((from, to)),
+                Item::Slots(path, count) => out.slots.push((path, count)),
+                Item::Client(client) => out.clients.push(client),
+                Item::Check(check) => out.checks.push(check),
+            }
+        }
+        // What is said about one thing wins over what is said about all, whatever the order.
+        out.loops.sort_by_key(|(_, path)| path.is_some());
+        out.idle.sort_by_key(|(_, path)| path.is_some());
+        out
+    }
+}

@@ -1,0 +1,409 @@
+//! Random small systems.
+
+use dotgen_timing::property::{Atom, Predicate, StatePhase, TaskState};
+use dotgen_timing::system::{
+    Automaton, Client, ClientAction, ClientStep, Codel, CodelSet, Component, FOREVER, LockOrder,
+    Machine, Platform, Policy, Service, State, Task, TimedSystem, Yield, loop_contradictions,
+};
+use proptest::prelude::Rng;
+use proptest::test_runner::{RngAlgorithm, TestRng};
+
+/// Choices made from a seed.
+pub(crate) struct Dice(TestRng);
+
+impl Dice {
+    pub(crate) fn new(seed: u64) -> Self {
+        let mut bytes = [0; 32];
+        bytes[..8].copy_from_slice(&seed.to_le_bytes());
+        Dice(TestRng::from_seed(RngAlgorithm::ChaCha, &bytes))
+    }
+
+    fn below(&mut self, n: u32) -> u32 {
+        self.0.next_u32() % n
+    }
+
+    fn in_ten(&mut self, n: u32) -> bool {
+        self.below(10) < n
+    }
+
+    fn pick<T: Copy>(&mut self, from: &[T]) -> T {
+        from[self.below(from.len() as u32) as usize]
+    }
+}
+
+/// A system of one or two components with one to three tasks altogether, and questions about it.
+pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate)>) {
+    let mut system = TimedSystem {
+        unit: dotgen_analysis::model::Seconds::new(1, 1000),
+        components: Vec::new(),
+        tasks: Vec::new(),
+        machines: Vec::new(),
+        automata: Vec::new(),
+        codels: Vec::new(),
+        services: Vec::new(),
+        clients: Vec::new(),
+        platform: Platform {
+            cores: dice.pick(&[None, Some(1), Some(1), Some(2)]),
+            policy: dice.pick(&[Policy::Fifo, Policy::Edf, Policy::Any]),
+            locks: dice.pick(&[LockOrder::Free, LockOrder::Free, LockOrder::Fifo]),
+            async_free: dice.in_ten(3),
+            aperiodic_core: dice.in_ten(7),
+        },
+    };
+    let tasks = 1 + dice.below(3) as usize;
+    let split = if tasks > 1 && dice.in_ten(4) {
+        1 + dice.below(tasks as u32 - 1) as usize
+    } else {
+        tasks
+    };
+    for c in 0..if split < tasks { 2 } else { 1 } {
+        let range = if c == 0 { 0..split } else { split..tasks };
+        system.components.push(Component {
+            name: format!("c{c}"),
+            tasks: range.clone().collect(),
+            services: Vec::new(),
+        });
+        for t in range {
+            let permanent = dice.in_ten(8).then(|| {
+                let machine = machine(&mut system, dice, c, format!("c{c}.t{t}"));
+                automaton(&mut system, t, machine, None)
+            });
+            let aperiodic = dice.in_ten(1);
+            system.tasks.push(Task {
+                name: format!("t{t}"),
+                component: c,
+                period: (!aperiodic).then(|| 3 + dice.below(5)),
+                delay: if dice.in_ten(1) { 1 } else { 0 },
+                keep_idle_tick: dice.in_ten(3),
+                permanent,
+                slots: Vec::new(),
+                src: None,
+            });
+        }
+    }
+    let services = dice.below(3) as usize;
+    for v in 0..services {
+        service(&mut system, dice, v);
+    }
+    for v in 0..services {
+        for other in 0..services {
+            if system.services[v].component == system.services[other].component && dice.in_ten(4) {
+                system.services[v].interrupts.push(other);
+            }
+        }
+    }
+    for one in 0..system.codels.len() {
+        for other in 0..one {
+            if dice.in_ten(2) {
+                system.exclude(one, other);
+            }
+        }
+    }
+    if services > 0 {
+        for k in 0..1 + dice.below(5) / 4 {
+            let client = client(&system, dice, k);
+            system.clients.push(client);
+        }
+    }
+    // Often as specifications give durations: from nothing to the worst case. That is where ends can
+    // wait, when nothing else is observed.
+    let from_zero = dice.in_ten(5);
+    if from_zero {
+        system.codels.iter_mut().for_each(|it| it.lower = 0);
+    }
+    let mut within = Vec::new();
+    for _ in 0..if from_zero {
+        dice.below(4) / 3
+    } else {
+        dice.below(3)
+    } {
+        let p = predicate(&system, dice);
+        let q = predicate(&system, dice);
+        within.push((p, q));
+    }
+    (system, within)
+}
+
+/// A system with a task that polls for ever, periodic tasks that share locks with it and each other, and durations
+/// from 0 on: what the reductions are made for.
+pub(crate) fn polling(dice: &mut Dice) -> TimedSystem {
+    let mut system = empty(dice);
+    system.platform.policy = dice.pick(&[Policy::Fifo, Policy::Fifo, Policy::Edf]);
+    let periodic = 1 + dice.below(2) as usize;
+    for t in 0..=periodic {
+        // Tasks of a component are consecutive.
+        if t == 0 || dice.in_ten(6) {
+            system.components.push(Component {
+                name: format!("c{}", system.components.len()),
+                tasks: Vec::new(),
+                services: Vec::new(),
+            });
+        }
+        let component = system.components.len() - 1;
+        system.components[component].tasks.push(t);
+        let name = format!("c{component}.t{t}");
+        let spans: &[(u32, u32)] = if t == 0 {
+            &[(0, 1), (1, FOREVER), (0, 1), (0, 1)]
+        } else {
+            &[(0, 1), (0, 2), (0, 1)]
+        };
+        let states: Vec<State> = (0..spans.len())
+            .map(|i| {
+                let path = format!("{name}.s{i}");
+                let codel = codel(&mut system, dice, component, path);
+                (system.codels[codel].lower, system.codels[codel].upper) = spans[i];
+                let yields = match (t, i) {
+                    (0, 0) => vec![Yield::Next(1)],
+                    (0, 1) if dice.in_ten(5) => vec![Yield::Next(2), Yield::Next(3)],
+                    (0, 1 | 2) => vec![Yield::Next(i + 1)],
+                    (0, _) if dice.in_ten(3) => vec![Yield::Next(1), Yield::Next(3)],
+                    (0, _) => vec![Yield::Next(1)],
+                    (_, 0) => vec![Yield::Pause(1)],
+                    (_, 1) if dice.in_ten(5) => vec![Yield::Pause(1), Yield::Next(2)],
+                    _ => vec![Yield::Pause(1)],
+                };
+                State {
+                    name: format!("s{i}"),
+                    codel,
+                    yields,
+                    is_async: false,
+                }
+            })
+            .collect();
+        system.machines.push(Machine {
+            name: name.clone(),
+            states,
+            start: 0,
+            stop: None,
+            loop_limit: (t == 0 && dice.in_ten(7)).then_some(1),
+            rounds: true,
+        });
+        let machine = system.machines.len() - 1;
+        let permanent = automaton(&mut system, t, machine, None);
+        system.tasks.push(Task {
+            name: format!("t{t}"),
+            component,
+            period: (t > 0).then(|| 4 + dice.below(5)),
+            delay: 0,
+            keep_idle_tick: false,
+            permanent: Some(permanent),
+            slots: Vec::new(),
+            src: None,
+        });
+    }
+    for one in 0..system.codels.len() {
+        for other in 0..one {
+            // Start-up codels often exclude everything, polling hardly anything.
+            let likely = if one < 4 && other < 4 { 0 } else { 3 };
+            let polls = one == 1 || other == 1;
+            if dice.in_ten(likely) && (!polls || dice.in_ten(2)) {
+                system.exclude(one, other);
+            }
+        }
+    }
+    system
+}
+
+fn empty(dice: &mut Dice) -> TimedSystem {
+    TimedSystem {
+        unit: dotgen_analysis::model::Seconds::new(1, 1000),
+        components: Vec::new(),
+        tasks: Vec::new(),
+        machines: Vec::new(),
+        automata: Vec::new(),
+        codels: Vec::new(),
+        services: Vec::new(),
+        clients: Vec::new(),
+        platform: Platform {
+            cores: dice.pick(&[None, Some(1), Some(2), Some(2), Some(3)]),
+            policy: Policy::Fifo,
+            locks: LockOrder::Free,
+            async_free: false,
+            aperiodic_core: dice.in_ten(7),
+        },
+    }
+}
+
+fn automaton(
+    system: &mut TimedSystem,
+    task: usize,
+    machine: usize,
+    service: Option<usize>,
+) -> usize {
+    system.automata.push(Automaton {
+        task,
+        machine,
+        service,
+    });
+    system.automata.len() - 1
+}
+
+fn codel(system: &mut TimedSystem, dice: &mut Dice, component: usize, path: String) -> usize {
+    let upper = dice.below(4);
+    let lower = if dice.in_ten(5) {
+        upper
+    } else {
+        dice.below(upper + 1)
+    };
+    let forever = dice.below(40) == 0;
+    system.codels.push(Codel {
+        path,
+        component,
+        lower,
+        upper: if forever { FOREVER } else { upper },
+        conflicts: CodelSet::default(),
+        site: None,
+        src: None,
+    });
+    system.codels.len() - 1
+}
+
+fn machine(system: &mut TimedSystem, dice: &mut Dice, component: usize, name: String) -> usize {
+    let n = 1 + dice.below(3) as usize;
+    let states = (0..n)
+        .map(|i| {
+            let codel = codel(system, dice, component, format!("{name}.s{i}"));
+            let mut yields = Vec::new();
+            for _ in 0..1 + dice.below(2) {
+                let to = dice.below(n as u32) as usize;
+                let it = match dice.below(4) {
+                    0 => Yield::End,
+                    1 if to > i || dice.in_ten(2) => Yield::Next(to),
+                    _ => Yield::Pause(to),
+                };
+                if !yields.contains(&it) {
+                    yields.push(it);
+                }
+            }
+            State {
+                name: format!("s{i}"),
+                codel,
+                yields,
+                is_async: dice.in_ten(2),
+            }
+        })
+        .collect();
+    let mut machine = Machine {
+        name,
+        states,
+        start: 0,
+        stop: dice.in_ten(6).then(|| dice.below(n as u32) as usize),
+        loop_limit: dice.in_ten(3).then(|| 1 + dice.below(2) as u16),
+        rounds: dice.in_ten(3),
+    };
+    if !loop_contradictions(&machine).is_empty() {
+        machine.loop_limit = None;
+    }
+    system.machines.push(machine);
+    system.machines.len() - 1
+}
+
+fn service(system: &mut TimedSystem, dice: &mut Dice, v: usize) {
+    let task = dice.below(system.tasks.len() as u32) as usize;
+    let component = system.tasks[task].component;
+    let name = format!("v{v}");
+    let path = format!("c{component}.{name}");
+    let validate = dice
+        .in_ten(2)
+        .then(|| codel(system, dice, component, format!("{path}.validate")));
+    let activity = dice.in_ten(7);
+    let mut slots = Vec::new();
+    let mut simple = Vec::new();
+    if activity {
+        let machine = machine(system, dice, component, path);
+        for _ in 0..1 + dice.below(2) {
+            slots.push(automaton(system, task, machine, Some(v)));
+        }
+        system.tasks[task].slots.extend(&slots);
+    } else {
+        for i in 0..dice.below(2) {
+            simple.push(codel(system, dice, component, format!("{path}.f{i}")));
+        }
+    }
+    system.components[component].services.push(v);
+    system.services.push(Service {
+        name,
+        component,
+        validate,
+        simple,
+        slots,
+        activity,
+        interrupts: Vec::new(),
+        src: None,
+    });
+}
+
+fn client(system: &TimedSystem, dice: &mut Dice, k: u32) -> Client {
+    let n = 1 + dice.below(4) as usize;
+    let trackers = 1 + dice.below(2) as usize;
+    let steps = (0..n)
+        .map(|i| {
+            let action = match dice.below(6) {
+                0 => ClientAction::AwaitAccepted,
+                1 => ClientAction::AwaitEnded(dice.below(trackers as u32) as usize),
+                2 => {
+                    let a = dice.below(3);
+                    let b = if dice.in_ten(2) {
+                        FOREVER
+                    } else {
+                        a + dice.below(3)
+                    };
+                    ClientAction::Delay(a, b)
+                }
+                _ => ClientAction::Send {
+                    service: dice.below(system.services.len() as u32) as usize,
+                    trackers: (0..trackers).filter(|_| dice.in_ten(7)).collect(),
+                },
+            };
+            let mut next = vec![i + 1];
+            if dice.in_ten(2) {
+                let other = dice.below(n as u32 + 1) as usize;
+                if other != i + 1 {
+                    next.push(other);
+                }
+            }
+            ClientStep {
+                action,
+                next,
+                label: None,
+            }
+        })
+        .collect();
+    Client {
+        name: format!("k{k}"),
+        steps,
+        first: vec![0],
+        trackers,
+    }
+}
+
+fn predicate(system: &TimedSystem, dice: &mut Dice) -> Predicate {
+    let atom = if dice.in_ten(5) {
+        let state = dice.pick(&[
+            TaskState::Idle,
+            TaskState::Waiting,
+            TaskState::Running,
+            TaskState::Active,
+        ]);
+        Atom::Task(dice.below(system.tasks.len() as u32) as usize, state)
+    } else if system.machines.is_empty() {
+        Atom::Task(0, TaskState::Active)
+    } else {
+        let machine = dice.below(system.machines.len() as u32) as usize;
+        let states = system.machines[machine].states.len() as u32;
+        Atom::State {
+            machine,
+            state: dice.below(states) as usize,
+            phase: dice.pick(&[StatePhase::Lock, StatePhase::Exec, StatePhase::Any]),
+        }
+    };
+    match dice.below(8) {
+        0 => Predicate::Leave(atom),
+        1 => Predicate::Not(Box::new(Predicate::Atom(atom))),
+        2 => Predicate::Or(
+            Box::new(Predicate::Atom(atom)),
+            Box::new(predicate(system, dice)),
+        ),
+        _ => Predicate::Atom(atom),
+    }
+}

@@ -1,0 +1,164 @@
+//! Published and computed results on the shared corpus. Skipped when it is not there.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use camino::Utf8Path;
+use dotgen_analysis::host::{
+    AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags, UnitResult,
+};
+use dotgen_timing::report::{Report, Value, Verdict};
+use dotgen_timing::scn::ast::{Durations, Item, Policy, Scenario};
+use dotgen_timing::scn::parse;
+use dotgen_timing::verify::{Options, SystemInput, verify};
+use serde_json::Value as Json;
+
+/// Reads the disk; every package is the folder of the scenario.
+struct Disk;
+
+impl Loader for Disk {
+    fn read(&self, path: &Utf8Path) -> FileContent {
+        match std::fs::read_to_string(path) {
+            Ok(text) => FileContent::Text(text),
+            Err(_) => FileContent::Missing,
+        }
+    }
+
+    fn packages(&self, _arguments: &[String]) -> Result<PackageFlags, String> {
+        Ok(PackageFlags::default())
+    }
+}
+
+fn shared() -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
+    match path.canonicalize() {
+        Ok(path) => Some(path),
+        Err(_) => {
+            eprintln!("SKIPPED: {} is not there", path.display());
+            None
+        }
+    }
+}
+
+fn load(path: &Path) -> (Scenario, UnitResult) {
+    let text = std::fs::read_to_string(path).unwrap();
+    let parsed = parse(&text);
+    assert_eq!(parsed.errors, []);
+    let folder = Utf8Path::from_path(path.parent().unwrap())
+        .unwrap()
+        .to_owned();
+    let inputs = parsed
+        .scenario
+        .items
+        .iter()
+        .filter_map(|it| match it {
+            Item::Use(file) => Some(Input::File(folder.join(&file.value))),
+            _ => None,
+        })
+        .collect();
+    let input = BatchInput {
+        inputs,
+        include_dirs: vec![folder],
+        defines: Vec::new(),
+    };
+    let host = AnalysisHost::new(Arc::new(Disk));
+    let unit = host.analysis().batch(&input).unwrap();
+    let errors: Vec<String> = unit
+        .diagnostics
+        .iter()
+        .filter(|it| it.severity == dotgen_analysis::diagnostic::Severity::Error)
+        .map(|it| it.message.clone())
+        .collect();
+    assert_eq!(errors, Vec::<String>::new());
+    (parsed.scenario, unit)
+}
+
+fn run(path: &Path, options: &Options) -> Report {
+    let (scenario, unit) = load(path);
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    verify(&input, &scenario, options, &AtomicBool::new(false))
+}
+
+#[test]
+fn ground_truth() {
+    let Some(shared) = shared() else { return };
+    let text = std::fs::read_to_string(shared.join("ground-truth.json")).unwrap();
+    let truth: Json = serde_json::from_str(&text).unwrap();
+    let mut failures = Vec::new();
+    for case in truth["cases"].as_array().unwrap() {
+        let id = case["id"].as_str().unwrap();
+        let options = Options {
+            cores: case["with"]["cores"].as_u64().map(|it| Some(it as u32)),
+            policy: case["with"]["policy"].as_str().map(|it| match it {
+                "edf" => Policy::Edf,
+                "any" => Policy::Any,
+                _ => Policy::Fifo,
+            }),
+            durations: case["with"]["durations"].as_str().map(|it| match it {
+                "fixed" => Durations::Fixed,
+                "open" => Durations::Open,
+                _ => Durations::Interval,
+            }),
+            ..Options::default()
+        };
+        let report = run(&shared.join(case["scenario"].as_str().unwrap()), &options);
+        println!("{id}\n{}", report.to_text(std::env::var("RUNS").is_ok()));
+        let found: BTreeMap<(&str, &str), _> = report
+            .checks
+            .iter()
+            .map(|it| ((it.check, it.of.as_str()), it))
+            .collect();
+        for (kind, key) in [
+            ("schedulable", "schedulable"),
+            ("no-overdue", "no_overdue"),
+            ("response", "response"),
+        ] {
+            for (task, expected) in case[key].as_object().into_iter().flatten() {
+                let check = &found[&(kind, task.as_str())];
+                let same = match expected {
+                    Json::Bool(holds) => {
+                        check.verdict
+                            == if *holds {
+                                Verdict::Proved
+                            } else {
+                                Verdict::Refuted
+                            }
+                    }
+                    Json::String(_) => check.value == Some(Value::Unbounded),
+                    _ => check.value == expected.as_f64().map(Value::Time),
+                };
+                if !same {
+                    failures.push(format!(
+                        "{id}: {kind} {task}: expected {expected}, found {:?} {:?}",
+                        check.verdict, check.value
+                    ));
+                }
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+/// Not a test of results: prints what is found for a scenario given by the environment.
+#[test]
+#[ignore = "for looking at one scenario: SCN=path CORES=n DURATIONS=fixed"]
+fn look() {
+    let Ok(path) = std::env::var("SCN") else {
+        return;
+    };
+    let options = Options {
+        cores: std::env::var("CORES").ok().map(|it| it.parse().ok()),
+        durations: match std::env::var("DURATIONS").as_deref() {
+            Ok("fixed") => Some(Durations::Fixed),
+            Ok("interval") => Some(Durations::Interval),
+            _ => None,
+        },
+        ..Options::default()
+    };
+    let report = run(Path::new(&path), &options);
+    println!("{}", report.to_text(std::env::var("RUNS").is_ok()));
+}

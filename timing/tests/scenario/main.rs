@@ -1,0 +1,327 @@
+//! Scenario language and verification, on small specifications of our own.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use camino::Utf8Path;
+use dotgen_analysis::host::{
+    AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags, UnitResult,
+};
+use dotgen_timing::analytic::response_bounds;
+use dotgen_timing::derive::{largest_wcet, minimum_cores, smallest_period};
+use dotgen_timing::report::{Report, Value, Verdict};
+use dotgen_timing::scn::ast::{Path, Spanned};
+use dotgen_timing::scn::names::{Names, Target};
+use dotgen_timing::scn::{default_text, format, parse, parse_check};
+use dotgen_timing::system::build::build;
+use dotgen_timing::system::settings::Settings;
+use dotgen_timing::verify::{Options, SystemInput, verify};
+
+struct Nothing;
+
+impl Loader for Nothing {
+    fn read(&self, _: &Utf8Path) -> FileContent {
+        FileContent::Missing
+    }
+
+    fn packages(&self, _: &[String]) -> Result<PackageFlags, String> {
+        Ok(PackageFlags::default())
+    }
+}
+
+fn load(text: &str) -> UnitResult {
+    let input = Input::Text {
+        name: "test.gen".into(),
+        text: text.into(),
+    };
+    let host = AnalysisHost::new(Arc::new(Nothing));
+    let batch = BatchInput {
+        inputs: vec![input],
+        ..BatchInput::default()
+    };
+    let unit = host.analysis().batch(&batch).unwrap();
+    let errors: Vec<&str> = unit
+        .diagnostics
+        .iter()
+        .filter(|it| it.severity == dotgen_analysis::diagnostic::Severity::Error)
+        .map(|it| it.message.as_str())
+        .collect();
+    assert_eq!(errors, Vec::<&str>::new());
+    unit
+}
+
+/// A sensor that writes what a controller reads; both also log.
+const ROBOT: &str = r#"
+typedef long scan_data;
+component sensor {
+  version "1"; lang "c"; 
+  ids { long raw; long log; };
+  port out scan_data scan;
+  task acquire {
+    period 10 ms;
+    codel <start> init(out raw) yield read wcet 1 ms;
+    codel <read> acquire_read(out raw) yield publish wcet 2 ms;
+    codel <publish> acquire_publish(in raw, port out scan) yield pause::read wcet 3 ms;
+  };
+  function reset() { codel reset_raw(out raw) wcet 1 ms; };
+  activity record() {
+    task acquire;
+    codel <start> record_start(in raw) yield pause::start, ether wcet 1 ms;
+    codel <stop> record_stop() yield ether wcet 1 ms;
+    interrupts record;
+  };
+};
+component control {
+  version "1"; lang "c"; 
+  ids { long goal; };
+  port in scan_data scan;
+  task move {
+    period 5 ms;
+    codel <start> init(out goal) yield step wcet 1 ms;
+    codel <step> move_step(in goal, port in scan) yield pause::step wcet 1 ms;
+  };
+};
+"#;
+
+fn robot(items: &str) -> Report {
+    let unit = load(ROBOT);
+    let parsed = parse(&format!("scenario robot {{ {items} }}"));
+    assert_eq!(parsed.errors, []);
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    verify(
+        &input,
+        &parsed.scenario,
+        &Options::default(),
+        &AtomicBool::new(false),
+    )
+}
+
+fn summary(report: &Report) -> String {
+    let mut out = String::new();
+    for it in &report.diagnostics {
+        out.push_str(&format!("{}: {}\n", it.code, it.message));
+    }
+    for it in &report.checks {
+        let value = it.value.map_or(String::new(), |it| format!(" {it}"));
+        out.push_str(&format!("{} {} {:?}{value}\n", it.check, it.of, it.verdict));
+    }
+    out
+}
+
+#[test]
+fn checks_of_tasks() {
+    let report = robot("check schedulable *; check no-overdue *; check response *;");
+    insta::assert_snapshot!(summary(&report));
+}
+
+#[test]
+fn one_core_makes_the_fast_task_late() {
+    let report =
+        robot("cores 1; check schedulable control.move; check response control.move <= 5 ms;");
+    insta::assert_snapshot!(
+        report
+            .to_text(true)
+            .lines()
+            .filter(|it| !it.contains(" states"))
+            .collect::<Vec<_>>()
+            .join("\n")
+    );
+}
+
+#[test]
+fn predicates() {
+    let report = robot(
+        "client user { send sensor.record; await ended; again: send sensor.reset; }
+         check reachable sensor.record.run and control.move.running;
+         check always not (sensor.acquire.publish.exec and control.move.step.exec);
+         check within sensor.record.waiting or sensor.record.run => leave sensor.record.start <= 20 ms;
+         check leadsto sensor.record.run => sensor.record.void;
+         check eventually sensor.acquire.publish.exec;
+         check reachable user.again;
+         check deadlock;",
+    );
+    insta::assert_snapshot!(summary(&report));
+}
+
+#[test]
+fn mistakes_are_explained() {
+    let report = robot(
+        "check response sensor.aquire; check schedulable sensor.record;
+         duration sensor.record 3 ms; connect sensor.scan to control.scan;
+         check within sensor.acquire.read.idle => control.move;",
+    );
+    insta::assert_snapshot!(summary(&report));
+}
+
+#[test]
+fn broken_text_is_recovered_from() {
+    let parsed = parse(
+        "scenario x {\n  cores 0;\n  policy lifo;\n  unit 1 ms\n  check response a.b;\n  client c { send a.; repeat 3 { } }\n  wrong;\n",
+    );
+    let errors: Vec<String> = parsed
+        .errors
+        .iter()
+        .map(|it| format!("{:?} {}: {}", it.range, it.code, it.message))
+        .collect();
+    insta::assert_snapshot!(errors.join("\n"));
+    assert_eq!(parsed.scenario.items.len(), 2);
+}
+
+#[test]
+fn formatting_keeps_comments_and_is_stable() {
+    let text = "// Head.\nscenario  x{use \"a.gen\" ;cores   4;// all of them\n\n\n  duration a.b.c [ 1,* ]us;\nclient k{ choice{send a.b ;}or{ delay [0,3] ms; } }\ncheck q:within a.b=>not (c.d or e.f)<=3 ms;}";
+    let formatted = format(text).unwrap();
+    insta::assert_snapshot!(formatted);
+    assert_eq!(format(&formatted).as_ref(), Some(&formatted));
+    assert_eq!(format("scenario x { cores ; }"), None);
+}
+
+#[test]
+fn the_default_scenario_is_one() {
+    let unit = load(ROBOT);
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let names = Names::new(&input.specs);
+    let components: Vec<_> = names.components.iter().map(|it| it.component).collect();
+    let text = default_text(&components, &["robot.gen".to_owned()]);
+    let parsed = parse(&text);
+    assert_eq!(parsed.errors, []);
+    assert_eq!(format(&text).as_ref(), Some(&text));
+    let report = verify(
+        &input,
+        &parsed.scenario,
+        &Options::default(),
+        &AtomicBool::new(false),
+    );
+    insta::assert_snapshot!(format!("{text}\n{}", summary(&report)));
+}
+
+#[test]
+fn names_lead_to_the_model() {
+    let unit = load(ROBOT);
+    let names = Names::new(&[&unit.spec]);
+    let parsed = parse(
+        "scenario x { check response sensor.acquire; check always not sensor.acquire.read.exec; client k { send sensor.reset; } }",
+    );
+    let found: Vec<Target> = names
+        .references(&parsed.scenario)
+        .into_iter()
+        .map(|it| it.target)
+        .collect();
+    insta::assert_debug_snapshot!(found);
+}
+
+fn path(text: &str) -> Path {
+    Path {
+        names: text
+            .split('.')
+            .map(|it| Spanned {
+                value: it.to_owned(),
+                range: 0..0,
+            })
+            .collect(),
+    }
+}
+
+#[test]
+fn derived_questions() {
+    let unit = load(ROBOT);
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let scenario = parse("scenario x { check schedulable *; }").scenario;
+    let options = Options::default();
+    let cancel = AtomicBool::new(false);
+    let cores = minimum_cores(&input, &scenario, &options, &cancel).unwrap();
+    assert_eq!(cores.cores, Some(2));
+    assert_eq!(cores.tried, [(1, Verdict::Refuted), (2, Verdict::Proved)]);
+    // The port is held 3 ms by the other side: 3 + 1 < 5 with nothing to spare.
+    let slack = largest_wcet(
+        &input,
+        &scenario,
+        &options,
+        &path("control.move.step"),
+        &cancel,
+    );
+    let slack = slack.unwrap();
+    assert_eq!((slack.now, slack.exact), (Value::Time(1.0), true));
+    insta::assert_debug_snapshot!(slack.extreme);
+    let period = smallest_period(&input, &scenario, &options, &path("control.move"), &cancel);
+    insta::assert_debug_snapshot!(period.unwrap().extreme);
+    assert!(largest_wcet(&input, &scenario, &options, &path("control.move"), &cancel).is_err());
+}
+
+#[test]
+fn the_quick_bound_is_there_at_once() {
+    let unit = load(ROBOT);
+    let names = Names::new(&[&unit.spec]);
+    let settings = Settings::new(&parse("scenario x { cores 2; }").scenario);
+    let built = build(&names, &settings, &|_| true);
+    insta::assert_debug_snapshot!(response_bounds(&built.system));
+}
+
+#[test]
+fn checks_can_be_given_alone() {
+    assert!(parse_check("response a.b <= 3 ms").is_ok());
+    assert!(parse_check("q: always not a.b.exec").is_ok());
+    assert!(parse_check("response a.b <= ").is_err());
+    assert!(parse_check("schedulable * ;").is_err());
+}
+
+#[test]
+fn giving_up_is_said() {
+    let unit = load(ROBOT);
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let text = "scenario x { client k { repeat * { delay [0, *] ms; send sensor.reset; } } check no-overdue *; }";
+    let scenario = parse(text).scenario;
+    let mut options = Options::default();
+    options.limits.states = 3;
+    let report = verify(&input, &scenario, &options, &AtomicBool::new(false));
+    assert!(
+        report
+            .checks
+            .iter()
+            .all(|it| it.verdict == Verdict::Unknown)
+    );
+    let note = report.checks[0].note.as_deref().unwrap();
+    assert!(note.starts_with("gave up at"), "{note}");
+    let report = verify(
+        &input,
+        &scenario,
+        &Options::default(),
+        &AtomicBool::new(true),
+    );
+    assert!(
+        report
+            .checks
+            .iter()
+            .all(|it| it.note.as_deref() == Some("cancelled"))
+    );
+}
+
+#[test]
+fn garbage_never_panics() {
+    let pieces = [
+        "scenario", "x", "{", "}", "check", "within", "=>", "<=", "3", "[", "*", "client",
+        "repeat", "choice", "or", "\"", "/*", ".", ";", "é", "send", "not", "(",
+    ];
+    let mut state = 1u64;
+    for _ in 0..2000 {
+        let mut text = String::from("scenario x {");
+        for _ in 0..30 {
+            state = state
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
+            text.push_str(pieces[(state >> 33) as usize % pieces.len()]);
+            text.push(' ');
+        }
+        let parsed = parse(&text);
+        assert!(parsed.errors.iter().all(|it| it.range.end <= text.len()));
+        format(&text);
+    }
+}

@@ -1,0 +1,283 @@
+// The language client: one server process for the window, started, watched and restarted.
+import { createInterface } from 'node:readline';
+import type { Readable } from 'node:stream';
+import * as vscode from 'vscode';
+import {
+  CloseAction,
+  ErrorAction,
+  LanguageClient,
+  RevealOutputChannelOn,
+  State,
+  type CloseHandlerResult,
+  type LanguageClientOptions,
+  type ServerOptions,
+} from 'vscode-languageclient/node';
+import { SECTION, serverSettings } from './config';
+import { LANGUAGE, SCENARIO, verificationStatus, type InitializationOptions, type VerificationStatus } from './protocol';
+import { locateServer, surroundings, type Located } from './server';
+
+/** What the server is doing. */
+export type ServerState =
+  | { kind: 'stopped' }
+  | { kind: 'starting' }
+  | { kind: 'ready' }
+  | { kind: 'busy'; activity: string }
+  | { kind: 'failed'; reason: string };
+
+/** The program that is running, for display. */
+export interface ServerInfo {
+  path: string;
+  origin: string;
+  name: string;
+  version: string;
+}
+
+// A server that ends this often within the window is not started again by itself.
+const MAX_RESTARTS = 4;
+const RESTART_WINDOW_MS = 3 * 60 * 1000;
+// A failed start is told once it is clear that the end of the process has not led to another attempt.
+const START_FAILURE_GRACE_MS = 500;
+
+export class Server implements vscode.Disposable {
+  private client: LanguageClient | undefined;
+  private located: Located | undefined;
+  private state: ServerState = { kind: 'stopped' };
+  private readonly changed = new vscode.EventEmitter<ServerState>();
+  /** Fires whenever the state, or what is known of the server, has changed. */
+  readonly onDidChange = this.changed.event;
+  private readonly verified = new vscode.EventEmitter<VerificationStatus>();
+  /** Fires when a verification begins, ends, or is overtaken by an edit. */
+  readonly onDidVerify = this.verified.event;
+  // Starts and stops are queued: two restarts in a row must not leave two processes.
+  private queue: Promise<void> = Promise.resolve();
+  // When the process ended unexpectedly, in milliseconds.
+  private readonly ends: number[] = [];
+  private startError = '';
+  private readonly activities = new Map<string | number, string>();
+  private disposed = false;
+
+  constructor(
+    private readonly extensionPath: string,
+    /** What the extension does. */
+    private readonly log: vscode.LogOutputChannel,
+    /** What the server writes, and the messages when they are traced. */
+    readonly output: vscode.LogOutputChannel,
+  ) {}
+
+  get current(): ServerState {
+    return this.state;
+  }
+
+  /** The client, if it can take requests. */
+  get running(): LanguageClient | undefined {
+    return this.state.kind === 'ready' || this.state.kind === 'busy' ? this.client : undefined;
+  }
+
+  get info(): ServerInfo | undefined {
+    if (this.located?.found !== true) {
+      return undefined;
+    }
+    const info = this.client?.initializeResult?.serverInfo;
+    return { path: this.located.path, origin: this.located.origin, name: info?.name ?? 'dotgen', version: info?.version ?? '' };
+  }
+
+  start(): Promise<void> {
+    return this.enqueue(() => this.launch());
+  }
+
+  stop(): Promise<void> {
+    return this.enqueue(() => this.shutDown());
+  }
+
+  restart(): Promise<void> {
+    return this.enqueue(async () => {
+      await this.shutDown();
+      await this.launch();
+    });
+  }
+
+  async dispose(): Promise<void> {
+    this.disposed = true;
+    await this.stop();
+    this.changed.dispose();
+  }
+
+  private enqueue(step: () => Promise<void>): Promise<void> {
+    this.queue = this.queue.then(step).catch((error: unknown) => this.fail(text(error)));
+    return this.queue;
+  }
+
+  private async launch(): Promise<void> {
+    if (this.disposed) {
+      return;
+    }
+    const settings = serverSettings();
+    const root = vscode.workspace.workspaceFolders?.[0]?.uri;
+    this.located = locateServer(
+      surroundings(settings.path, this.extensionPath, root?.scheme === 'file' ? root.fsPath : undefined),
+    );
+    if (!this.located.found) {
+      this.fail(this.located.message);
+      return;
+    }
+    const command = this.located.path;
+    this.log.info(`starting ${command} (${this.located.origin})`);
+    this.set({ kind: 'starting' });
+    this.activities.clear();
+    const client = new LanguageClient(SECTION, 'dotgen', this.serverOptions(command), this.clientOptions());
+    this.client = client;
+    client.onDidChangeState(({ newState }) => {
+      if (this.client !== client) {
+        return;
+      }
+      if (newState === State.Running) {
+        const { name, version } = client.initializeResult?.serverInfo ?? { name: 'server', version: '' };
+        this.log.info(`${name} ${version ?? ''} is ready`);
+        this.set({ kind: 'ready' });
+      } else if (newState === State.StartFailed) {
+        setTimeout(() => {
+          if (this.client === client && client.state === State.StartFailed && this.state.kind === 'starting') {
+            this.fail(`The server ${command} could not be started: ${this.startError}`);
+          }
+        }, START_FAILURE_GRACE_MS);
+      }
+    });
+    client.onNotification(verificationStatus, (status) => this.verified.fire(status));
+    try {
+      await client.start();
+    } catch (error) {
+      this.startError = text(error);
+      this.log.warn(`start: ${this.startError}`);
+    }
+  }
+
+  private serverOptions(command: string): ServerOptions {
+    const { extraEnv, logLevel } = serverSettings();
+    // The level is that of dotgen's own modules; libraries are quiet unless something is wrong.
+    const log = logLevel === 'error' ? 'error' : `warn,dotgen=${logLevel}`;
+    return { command, args: ['lsp'], options: { env: { ...process.env, DOTGEN_LOG: log, ...extraEnv } } };
+  }
+
+  private clientOptions(): LanguageClientOptions {
+    return {
+      documentSelector: [
+        { language: LANGUAGE, scheme: 'file' },
+        { language: LANGUAGE, scheme: 'untitled' },
+        { language: SCENARIO, scheme: 'file' },
+      ],
+      outputChannel: this.output,
+      traceOutputChannel: this.output,
+      // A request that fails is in the output; what the user has to know is told by the server, or below.
+      revealOutputChannelOn: RevealOutputChannelOn.Never,
+      stdioOptions: { stdout: forwardLog, stderr: forwardLog },
+      initializationOptions: (): InitializationOptions => ({ trusted: vscode.workspace.isTrusted, hoverImages: true, inlineDiagrams: true, verificationStatus: true }),
+      initializationFailedHandler: (error) => {
+        this.startError = text(error);
+        return false;
+      },
+      errorHandler: {
+        // A server that died breaks every request on its way, and is started again once the connection is seen to be closed.
+        error: (error: Error) => {
+          this.log.error(`connection: ${error.message}`);
+          return { action: ErrorAction.Continue, handled: true };
+        },
+        closed: () => this.ended(),
+      },
+      middleware: {
+        // Actions of the server that ask something have better questions here.
+        executeCommand: (command, args, next) => {
+          const ours = { 'dotgen.generate': 'dotgen.generateFiles', 'dotgen.regenerate': 'dotgen.regenerateFiles' }[command];
+          return ours === undefined ? next(command, args) : vscode.commands.executeCommand(ours, ...args);
+        },
+        handleWorkDoneProgress: (token, params, next) => {
+          if (params.kind === 'end') {
+            this.activities.delete(token);
+          } else if (params.kind === 'begin') {
+            this.activities.set(token, params.title);
+          }
+          this.showActivity();
+          next(token, params);
+        },
+      },
+    };
+  }
+
+  private ended(): CloseHandlerResult {
+    const now = Date.now();
+    this.ends.push(now);
+    while (this.ends.length > 0 && now - (this.ends[0] ?? now) > RESTART_WINDOW_MS) {
+      this.ends.shift();
+    }
+    this.activities.clear();
+    if (this.disposed || this.state.kind === 'failed') {
+      return { action: CloseAction.DoNotRestart, handled: true };
+    }
+    if (this.ends.length <= MAX_RESTARTS) {
+      this.log.warn('the server ended unexpectedly; starting it again');
+      this.set({ kind: 'starting' });
+      return { action: CloseAction.Restart, handled: true };
+    }
+    this.fail(`The server ended ${this.ends.length} times within three minutes and is not started again. Its output says why.`);
+    return { action: CloseAction.DoNotRestart, handled: true };
+  }
+
+  private async shutDown(): Promise<void> {
+    const client = this.client;
+    this.client = undefined;
+    this.ends.length = 0;
+    this.activities.clear();
+    if (client !== undefined) {
+      try {
+        await client.dispose();
+      } catch (error) {
+        // A server that never came up, or that is gone, cannot be asked to stop.
+        this.log.debug(`stopping: ${text(error)}`);
+      }
+    }
+    this.set({ kind: 'stopped' });
+  }
+
+  private showActivity(): void {
+    if (this.state.kind === 'ready' || this.state.kind === 'busy') {
+      const activity = [...this.activities.values()].at(-1);
+      this.set(activity === undefined ? { kind: 'ready' } : { kind: 'busy', activity });
+    }
+  }
+
+  private fail(reason: string): void {
+    this.log.error(reason);
+    this.set({ kind: 'failed', reason });
+  }
+
+  private set(state: ServerState): void {
+    this.state = state;
+    if (!this.disposed) {
+      this.changed.fire(state);
+    }
+  }
+}
+
+const LOG_LINE = /^\S+Z\s+(TRACE|DEBUG|INFO|WARN|ERROR)\s+(.*)$/;
+
+/** Shows the server's log at the levels its lines have; other lines (of a crash) as errors. */
+function forwardLog(stream: Readable, channel: vscode.LogOutputChannel): void {
+  createInterface({ input: stream, crlfDelay: Infinity }).on('line', (line) => {
+    const [, level, message = line] = LOG_LINE.exec(line) ?? [];
+    switch (level) {
+      case 'TRACE':
+        return channel.trace(message);
+      case 'DEBUG':
+        return channel.debug(message);
+      case 'INFO':
+        return channel.info(message);
+      case 'WARN':
+        return channel.warn(message);
+      default:
+        return channel.error(message);
+    }
+  });
+}
+
+function text(error: unknown): string {
+  return error instanceof Error ? error.message : String(error);
+}

@@ -1,0 +1,77 @@
+// Entry point: puts the parts together.
+import * as vscode from 'vscode';
+import { Server } from './client';
+import { CodelHeaders } from './codels/headers';
+import { showReferences } from './commands/references';
+import { IncludingRoot } from './commands/includingRoot';
+import { MacroExpansion } from './commands/expandMacro';
+import { offerRestart, reportFailure } from './commands/server';
+import { SyntaxTreeView } from './commands/syntaxTree';
+import { affectsServerProcess } from './config';
+import { GenerateCommands, type Target as GenerateTarget } from './generate/commands';
+import { IdlAssociation } from './idl';
+import { InlineDiagrams } from './preview/inline';
+import { DiagramPreview, type Target } from './preview/panel';
+import { statusItem } from './status';
+import { VerificationPanel, type VerificationTarget } from './verification/panel';
+
+let server: Server | undefined;
+
+export async function activate(context: vscode.ExtensionContext): Promise<void> {
+  const log = vscode.window.createOutputChannel('dotgen', { log: true });
+  const output = vscode.window.createOutputChannel('dotgen Language Server', { log: true });
+  server = new Server(context.extensionPath, log, output);
+  const it = server;
+  const tree = new SyntaxTreeView(it);
+  const macros = new MacroExpansion(it);
+  const preview = new DiagramPreview(it, context.extensionUri);
+  const inline = new InlineDiagrams(it);
+  const verification = new VerificationPanel(it, context.extensionUri);
+  const headers = new CodelHeaders(it, context.workspaceState);
+  const generate = new GenerateCommands(it);
+  context.subscriptions.push(
+    generate,
+    vscode.commands.registerCommand('dotgen.generateFiles', (target?: GenerateTarget) => generate.generate(target)),
+    vscode.commands.registerCommand('dotgen.regenerateFiles', (target?: GenerateTarget) => generate.regenerate(target)),
+    log,
+    output,
+    statusItem(it),
+    tree,
+    macros,
+    preview,
+    inline,
+    verification,
+    vscode.commands.registerCommand('dotgen.showVerification', (target?: VerificationTarget) => verification.show(target)),
+    headers,
+    vscode.commands.registerCommand('dotgen.writeCodelHeaders', () => headers.write()),
+    vscode.commands.registerCommand('dotgen.showDiagram', (target?: Target) => preview.show('fsm', target)),
+    vscode.commands.registerCommand('dotgen.showReferences', showReferences),
+    vscode.commands.registerCommand('dotgen.showSystemDiagram', () => preview.show('system')),
+    vscode.commands.registerCommand('dotgen.showLockDiagram', () => preview.show('locks')),
+    vscode.commands.registerCommand('dotgen.toggleInlineDiagram', (target?: Target) => inline.toggle(target)),
+    new IncludingRoot(it, context.workspaceState),
+    new IdlAssociation(log),
+    vscode.commands.registerCommand('dotgen.restartServer', () => it.restart()),
+    vscode.commands.registerCommand('dotgen.showSyntaxTree', () => tree.show()),
+    vscode.commands.registerCommand('dotgen.expandMacro', () => macros.expand()),
+    vscode.commands.registerCommand('dotgen.showOutput', () => output.show(true)),
+    vscode.commands.registerCommand('dotgen.showLogs', () => log.show(true)),
+    it.onDidChange((state) => {
+      if (state.kind === 'failed') {
+        void reportFailure(it, state.reason);
+      }
+    }),
+    vscode.workspace.onDidChangeConfiguration((change) => {
+      if (affectsServerProcess(change)) {
+        void offerRestart(it);
+      }
+    }),
+    // Settings of the folder may name another server now, and programs may be run.
+    vscode.workspace.onDidGrantWorkspaceTrust(() => it.restart()),
+  );
+  await it.start();
+}
+
+export async function deactivate(): Promise<void> {
+  await server?.dispose();
+}

@@ -1,0 +1,72 @@
+// Choosing the options of a template: a list with check marks, then a question for each value.
+import * as vscode from 'vscode';
+import type { TemplateOption, TemplateUsage } from './protocol';
+
+/** The words of a command line; quotes keep blanks together. */
+export function words(line: string): string[] {
+  return [...line.matchAll(/"([^"]*)"|'([^']*)'|(\S+)/g)].map(([, double, single, bare]) => double ?? single ?? bare ?? '');
+}
+
+/** Finds the options among arguments used before: what is chosen, and the values. */
+export function chosen(options: TemplateOption[], before: string[]): Map<TemplateOption, string> {
+  const found = new Map<TemplateOption, string>();
+  for (let at = 0; at < before.length; at++) {
+    const [flag = '', ...rest] = (before[at] ?? '').split('=');
+    const option = options.find((it) => it.flags.includes(flag));
+    if (option !== undefined) {
+      found.set(option, option.value === null ? '' : rest.length > 0 ? rest.join('=') : (before[++at] ?? ''));
+    }
+  }
+  return found;
+}
+
+interface OptionItem extends vscode.QuickPickItem {
+  option: TemplateOption;
+}
+
+/** Asks for the arguments of a template; `undefined` when the user gives up. */
+export async function askArguments(template: string, { options, usage }: TemplateUsage, before: string[]): Promise<string[] | undefined> {
+  if (options.length === 0) {
+    const line = await vscode.window.showInputBox({
+      title: `Generate: options of ${template}`,
+      prompt: usage.split('\n', 1)[0] || 'Options for the template, if it takes any',
+      value: before.join(' '),
+    });
+    return line === undefined ? undefined : words(line);
+  }
+  const known = chosen(options, before);
+  const items = options.map((option): OptionItem => ({
+    label: option.flags.join(', ') + (option.value === null ? '' : ` ${option.value}`),
+    description: option.help,
+    picked: known.has(option),
+    option,
+  }));
+  const picked = await vscode.window.showQuickPick(items, {
+    title: `Generate: options of ${template}`,
+    placeHolder: 'Check the options to use, then press OK',
+    canPickMany: true,
+    matchOnDescription: true,
+  });
+  if (picked === undefined) {
+    return undefined;
+  }
+  const result: string[] = [];
+  for (const { option } of picked) {
+    const flag = option.flags[0] ?? '';
+    if (option.value === null) {
+      result.push(flag);
+      continue;
+    }
+    const value = await vscode.window.showInputBox({
+      title: `Generate: ${flag} of ${template}`,
+      prompt: option.help,
+      placeHolder: option.value,
+      value: known.get(option) ?? '',
+    });
+    if (value === undefined) {
+      return undefined;
+    }
+    result.push(flag, value);
+  }
+  return result;
+}

@@ -1,0 +1,290 @@
+// The diagram beside the text: follows the cursor and the typing, and leads back to the text.
+import * as vscode from 'vscode';
+import type { Server } from '../client';
+import { notRunning } from '../commands/server';
+import { diagram, LANGUAGE, type DiagramAnswer, type DiagramKind, type DiagramNode, type DiagramParams } from '../protocol';
+import { isDark } from './inline';
+import { range, reveal } from '../panel/reveal';
+import type { FromPage, Subject, ToPage } from './messages';
+import { page } from './page';
+
+const VIEW_TYPE = 'dotgen.diagram';
+const TYPING_PAUSE_MS = 120;
+
+/** Argument of the command, as code lenses give it. */
+export interface Target {
+  uri: string;
+  component?: string;
+  owner?: string;
+}
+
+export class DiagramPreview implements vscode.Disposable, vscode.WebviewPanelSerializer<Subject> {
+  private panel: vscode.WebviewPanel | undefined;
+  private subject: Subject | undefined;
+  private nodes: DiagramNode[] = [];
+  private selected: string | undefined;
+  private timer: NodeJS.Timeout | undefined;
+  // Where the picture is wanted, until it has been drawn: the page may ask before the first answer is there.
+  private at: vscode.Position | undefined;
+  // Answers to older questions are dropped.
+  private asked = 0;
+  private readonly subscriptions: vscode.Disposable;
+
+  constructor(
+    private readonly server: Server,
+    private readonly extension: vscode.Uri,
+  ) {
+    this.subscriptions = vscode.Disposable.from(
+      vscode.window.registerWebviewPanelSerializer(VIEW_TYPE, this),
+      vscode.workspace.onDidChangeTextDocument(({ document }) => {
+        if (document.languageId === LANGUAGE && this.panel !== undefined) {
+          this.refresh(TYPING_PAUSE_MS);
+        }
+      }),
+      vscode.window.onDidChangeTextEditorSelection(({ textEditor }) => this.follow(textEditor)),
+      vscode.window.onDidChangeActiveTextEditor((editor) => editor !== undefined && this.follow(editor)),
+      vscode.languages.onDidChangeDiagnostics(() => this.sendDiagnostics()),
+      server.onDidChange(() => this.refresh(0)),
+    );
+  }
+
+  dispose(): void {
+    clearTimeout(this.timer);
+    this.subscriptions.dispose();
+    this.panel?.dispose();
+  }
+
+  /** Opens the preview on what a lens names, or on what is at the cursor. */
+  async show(kind: DiagramKind, target?: Target): Promise<void> {
+    const editor = vscode.window.activeTextEditor;
+    const uri = target?.uri ?? (editor?.document.languageId === LANGUAGE ? editor.document.uri.toString() : undefined);
+    if (uri === undefined) {
+      void vscode.window.showInformationMessage('Open a .gen file first.');
+      return;
+    }
+    if (this.server.running === undefined) {
+      await notRunning(this.server);
+      return;
+    }
+    this.subject = {
+      uri,
+      kind,
+      options: this.subject?.options ?? {},
+      ...(target?.component === undefined ? {} : { component: target.component }),
+      ...(target?.owner === undefined ? {} : { owner: target.owner }),
+    };
+    if (this.panel === undefined) {
+      this.adopt(
+        vscode.window.createWebviewPanel(
+          VIEW_TYPE,
+          'Diagram',
+          { viewColumn: vscode.ViewColumn.Beside, preserveFocus: true },
+          { enableFindWidget: false },
+        ),
+      );
+    } else {
+      this.panel.reveal(undefined, true);
+    }
+    await this.draw(target === undefined ? editor?.selection.active : undefined);
+  }
+
+  async deserializeWebviewPanel(panel: vscode.WebviewPanel, state: Subject | undefined): Promise<void> {
+    this.subject = state;
+    this.adopt(panel);
+    await this.draw();
+  }
+
+  private adopt(panel: vscode.WebviewPanel): void {
+    this.panel = panel;
+    panel.webview.options = { enableScripts: true, localResourceRoots: [vscode.Uri.joinPath(this.extension, 'dist')] };
+    panel.onDidDispose(() => {
+      this.panel = undefined;
+      this.nodes = [];
+    });
+    panel.webview.onDidReceiveMessage((message: FromPage) => this.receive(message));
+    panel.webview.html = page(panel.webview, this.extension);
+  }
+
+  private receive(message: FromPage): Promise<void> | void {
+    switch (message.type) {
+      case 'ready':
+        return this.draw();
+      case 'jump':
+        return this.jump(message.id);
+      case 'select':
+        this.selected = message.id;
+        return this.sendDiagnostics();
+      case 'kind':
+        if (this.subject !== undefined) {
+          this.subject = { ...this.subject, kind: message.kind };
+        }
+        return this.draw();
+      case 'options':
+        if (this.subject !== undefined) {
+          this.subject = { ...this.subject, options: message.options };
+        }
+        return this.draw();
+      case 'export':
+        return this.export(message.format);
+      case 'png':
+        return this.save('png', Buffer.from(message.data, 'base64'));
+    }
+  }
+
+  private send(message: ToPage): void {
+    void this.panel?.webview.postMessage(message);
+  }
+
+  private refresh(delay: number): void {
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => void this.draw(), delay);
+  }
+
+  private async ask(position?: vscode.Position, more: Partial<DiagramParams> = {}): Promise<DiagramAnswer | null | undefined> {
+    const { running: client } = this.server;
+    const { subject } = this;
+    if (client === undefined || subject === undefined) {
+      return undefined;
+    }
+    const { uri, kind, component, owner, options } = subject;
+    return client.sendRequest(diagram, {
+      textDocument: { uri },
+      kind,
+      ...options,
+      ...(component === undefined ? {} : { component }),
+      ...(owner === undefined ? {} : { owner }),
+      ...(position === undefined ? {} : { position: client.code2ProtocolConverter.asPosition(position) }),
+      ...more,
+    });
+  }
+
+  private async draw(position = this.at): Promise<void> {
+    this.at = position;
+    const { panel, subject } = this;
+    if (panel === undefined || subject === undefined) {
+      return;
+    }
+    const question = ++this.asked;
+    let answer: DiagramAnswer | null | undefined;
+    try {
+      answer = await this.ask(position);
+    } catch {
+      // Overtaken by typing: what is typed next, or the pause after it, asks again.
+      this.refresh(2 * TYPING_PAUSE_MS);
+      return;
+    }
+    if (question !== this.asked || answer === undefined) {
+      return;
+    }
+    if (answer === null) {
+      this.send({ type: 'notice', text: this.nodes.length > 0 ? 'There is nothing to draw here; this is the last picture.' : 'There is no state machine here.' });
+      return;
+    }
+    this.subject = { ...subject, kind: answer.kind };
+    if (answer.component !== null) {
+      this.subject.component = answer.component;
+    }
+    if (answer.owner !== null) {
+      this.subject.owner = answer.owner;
+    }
+    this.at = undefined;
+    this.nodes = answer.nodes;
+    panel.title = answer.title;
+    const { title, picture: svg, width, height, nodes } = answer;
+    this.send({ type: 'picture', shown: { subject: this.subject, title, svg, width, height, nodes } });
+    const stale = answer.stale === null ? undefined : `The text has an error (${answer.stale}); this is the last good picture.`;
+    const incomplete = answer.incomplete === null ? undefined : `The text has an error (${answer.incomplete}); something may be missing.`;
+    this.send({ type: 'notice', text: stale ?? incomplete });
+    const editor = vscode.window.visibleTextEditors.find((it) => it.document.uri.toString() === subject.uri);
+    if (editor !== undefined) {
+      this.highlight(editor);
+    }
+    this.sendDiagnostics();
+  }
+
+  /** The picture of what is at the cursor, and the state there. */
+  private follow(editor: vscode.TextEditor): void {
+    if (this.panel === undefined || this.subject === undefined || editor.document.languageId !== LANGUAGE) {
+      return;
+    }
+    const uri = editor.document.uri.toString();
+    if (uri !== this.subject.uri) {
+      const { kind, options } = this.subject;
+      this.subject = { uri, kind, options };
+    } else if (this.highlight(editor)) {
+      return;
+    }
+    void this.draw(editor.selection.active);
+  }
+
+  /** Marks the innermost node around the cursor; false if there is none. */
+  private highlight(editor: vscode.TextEditor): boolean {
+    const uri = editor.document.uri.toString();
+    const at = editor.selection.active;
+    const places = this.nodes.flatMap((node) => (node.place?.uri === uri ? [{ node, range: range(node.place.range) }] : []));
+    const exact = places.filter((it) => it.range.contains(at));
+    // Beside a declaration, on one of its lines, is near enough.
+    const lines = places.filter((it) => it.range.start.line <= at.line && at.line <= it.range.end.line);
+    const around = exact.length > 0 ? exact : lines;
+    const size = (it: { range: vscode.Range }) => it.range.end.line - it.range.start.line;
+    around.sort((a, b) => size(a) - size(b));
+    this.send({ type: 'highlight', id: around[0]?.node.id });
+    return around.length > 0;
+  }
+
+  private async jump(id: string): Promise<void> {
+    const place = this.nodes.find((it) => it.id === id)?.place;
+    if (place === undefined || place === null) {
+      return;
+    }
+    await reveal(place.uri, place.selectionRange);
+  }
+
+  private sendDiagnostics(): void {
+    const node = this.nodes.find((it) => it.id === this.selected);
+    if (node === undefined || node.place === null) {
+      return;
+    }
+    const at = range(node.place.range);
+    const all = vscode.languages.getDiagnostics(vscode.Uri.parse(node.place.uri));
+    const messages = all.filter((it) => at.intersection(it.range) !== undefined).map((it) => it.message);
+    this.send({ type: 'diagnostics', id: node.id, messages });
+  }
+
+  private async export(format: 'svg' | 'png'): Promise<void> {
+    const image = isDark() ? 'dark' : 'light';
+    let answer: DiagramAnswer | null | undefined;
+    try {
+      answer = await this.ask(undefined, { theme: format === 'svg' ? 'auto' : image });
+    } catch {
+      void vscode.window.showWarningMessage('The text changed while the picture was drawn. Export it again.');
+      return;
+    }
+    if (answer === null || answer === undefined) {
+      return;
+    }
+    if (format === 'svg') {
+      await this.save('svg', Buffer.from(answer.picture, 'utf8'));
+    } else {
+      this.send({ type: 'raster', svg: answer.picture, width: answer.width, height: answer.height });
+    }
+  }
+
+  private async save(extension: string, bytes: Uint8Array): Promise<void> {
+    if (this.subject === undefined) {
+      return;
+    }
+    const { uri, kind, component, owner } = this.subject;
+    const parts = { fsm: [component, owner], system: ['system'], locks: [component, 'locks'] }[kind];
+    const name = parts.filter((it) => it !== undefined).join('.');
+    const defaultUri = vscode.Uri.joinPath(vscode.Uri.parse(uri), '..', `${name}.${extension}`);
+    const file = await vscode.window.showSaveDialog({ defaultUri, filters: { [extension.toUpperCase()]: [extension] } });
+    if (file !== undefined) {
+      try {
+        await vscode.workspace.fs.writeFile(file, bytes);
+      } catch (error) {
+        void vscode.window.showErrorMessage(`The picture was not written: ${error instanceof Error ? error.message : String(error)}`);
+      }
+    }
+  }
+}

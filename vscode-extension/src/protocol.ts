@@ -1,0 +1,192 @@
+// What the server offers beyond the Language Server Protocol (docs/protocol.md).
+import { NotificationType, RequestType, type Position, type Range, type TextDocumentIdentifier } from 'vscode-languageclient/node';
+
+export const LANGUAGE = 'genom3';
+
+/** Sent with `initialize`. */
+export interface InitializationOptions {
+  /** Programs (pkg-config, templates) may be run on behalf of the workspace. */
+  trusted: boolean;
+  /** Images in hovers may have a size after a bar. */
+  hoverImages: boolean;
+  /** Notifications about verifications are wanted, and the command that shows one exists. */
+  verificationStatus: boolean;
+  /** The client executes `dotgen.toggleInlineDiagram`. */
+  inlineDiagrams: boolean;
+}
+
+/** The concrete syntax tree of a file, as indented text. */
+export const syntaxTree = new RequestType<{ textDocument: TextDocumentIdentifier }, string, void>('dotgen/syntaxTree');
+
+export interface Expansion {
+  /** Name of the macro. */
+  name: string;
+  /** What the call expands to. */
+  expansion: string;
+}
+
+/** The full expansion of the macro call at a position; null when there is none. */
+export const expandMacro = new RequestType<
+  { textDocument: TextDocumentIdentifier; position: Position },
+  Expansion | null,
+  void
+>('dotgen/expandMacro');
+
+/** As included by whom a document is read: the root it is shown in, and all that include it. */
+export const includingRoots = new RequestType<
+  { textDocument: TextDocumentIdentifier },
+  { current: string | null; roots: string[] },
+  void
+>('dotgen/includingRoots');
+
+export type DiagramKind = 'fsm' | 'system' | 'locks';
+
+/** What a picture shows besides the essentials. */
+export interface DiagramOptions {
+  wcet?: boolean;
+  paths?: boolean;
+  locks?: boolean;
+  interrupts?: boolean;
+}
+
+export interface DiagramParams extends DiagramOptions {
+  textDocument: TextDocumentIdentifier;
+  /** What is declared around it wins over the names. */
+  position?: Position;
+  kind: DiagramKind;
+  component?: string;
+  owner?: string;
+  theme?: 'auto' | 'light' | 'dark' | 'light-clear' | 'dark-clear' | 'neutral' | 'editor';
+  format?: 'svg' | 'dot' | 'mermaid';
+}
+
+/** Where something is written. */
+export interface DiagramPlace {
+  uri: string;
+  /** The whole declaration. */
+  range: Range;
+  /** Its name. */
+  selectionRange: Range;
+}
+
+export interface DiagramNode {
+  id: string;
+  names: string[];
+  lines: string[];
+  classes: string[];
+  description: string;
+  place: DiagramPlace | null;
+  codel: { name: string; states: string[]; async: boolean; params: string[]; wcet: string | null; excludes: string[] } | null;
+}
+
+export interface DiagramAnswer {
+  kind: DiagramKind;
+  title: string;
+  component: string | null;
+  owner: string | null;
+  /** Of the task, activity or component, in this document. */
+  place: DiagramPlace | null;
+  /** In the format asked for. */
+  picture: string;
+  width: number;
+  height: number;
+  nodes: DiagramNode[];
+  version: number | null;
+  /** Why this is the last good picture and not the present one. */
+  stale: string | null;
+  /** Why something may be missing. */
+  incomplete: string | null;
+}
+
+/** A picture of what is declared at a place; null when there is nothing to draw. */
+export const diagram = new RequestType<DiagramParams, DiagramAnswer | null, void>('dotgen/diagram');
+
+export interface CodelHeaderFiles {
+  /** The folder of all files. */
+  folder: string;
+  files: { uri: string; text: string }[];
+}
+
+/** The headers that the codels of a specification include; null when there is no specification. */
+export const codelHeaders = new RequestType<{ textDocument: TextDocumentIdentifier }, CodelHeaderFiles | null, void>(
+  'dotgen/codelHeaders',
+);
+
+/** The language of scenarios. */
+export const SCENARIO = 'genom3-scenario';
+
+export type VerificationState = 'stale' | 'running' | 'proved' | 'refuted' | 'gave-up' | 'blocked';
+
+/** Where the verification of a document stands; sent whenever it changes. */
+export interface VerificationStatus {
+  /** The scenario, or the specification that is verified without one. */
+  uri: string;
+  version: number | null;
+  status: VerificationState;
+  scenario: string;
+  written: boolean;
+  minimumCores: number | null;
+  states: number | null;
+  seconds: number | null;
+}
+
+export const verificationStatus = new NotificationType<VerificationStatus>('dotgen/verificationStatus');
+
+export interface Place {
+  uri: string;
+  range: Range;
+}
+
+/** What is to be different, for one question. */
+export interface WhatIf {
+  cores?: number | 'free';
+  policy?: string;
+  durations?: string;
+  /** Longest execution times in microseconds, by codel. */
+  wcet?: Record<string, number>;
+}
+
+export interface VerificationCheck {
+  name: string | null;
+  check: string;
+  of: string;
+  verdict: 'proved' | 'refuted' | 'gave up';
+  worth: string | null;
+  value: string | null;
+  limit: string | null;
+  slack: string | null;
+  note: string | null;
+  hasRun: boolean;
+  location: Place | null;
+}
+
+export interface VerificationAnswer {
+  uri: string;
+  version: number | null;
+  status: VerificationState;
+  scenario: string;
+  written: boolean;
+  platform: string;
+  cores: number | null;
+  policy: string;
+  durations: string;
+  errors: string[];
+  checks: VerificationCheck[];
+  bounds: { task: string; bound: string }[];
+  minimumCores: number | null;
+  assumptions: string[];
+  notes: string[];
+  blocking: { codel: string; location: Place | null; by: { codel: string; location: Place | null; time: string; through: string }[] }[];
+  codels: { path: string; wcet: number | null; location: Place | null }[];
+  timeline: { check: number; title: string; svg: string; links: (Place | null)[]; events: string[] } | null;
+  states: number;
+  seconds: number;
+  whatIf: boolean;
+}
+
+/** All that is known about the verification of a document, or about a variation of it. */
+export const verification = new RequestType<
+  { textDocument: TextDocumentIdentifier; check?: number; whatIf?: WhatIf; theme?: 'editor' },
+  VerificationAnswer | null,
+  void
+>('dotgen/verification');

@@ -1,0 +1,25 @@
+// What the verification panel and its page say to each other.
+import type { VerificationAnswer, WhatIf } from '../protocol';
+
+/** What a panel shows; kept by the page, so that it survives a reload of the window. */
+export interface Subject {
+  uri: string;
+  check?: number;
+  whatIf?: WhatIf;
+}
+
+export type ToPage =
+  /** A new answer. `pinned`: the run on show is of an earlier text, and stays until it is dismissed. */
+  | { type: 'answer'; subject: Subject; answer: VerificationAnswer; pinned: boolean }
+  /** A question is under way. */
+  | { type: 'busy'; text: string };
+
+export type FromPage =
+  | { type: 'ready' }
+  /** A bar or mark of the timeline. */
+  | { type: 'link'; index: number }
+  | { type: 'place'; uri: string; line: number; character: number; endLine: number; endCharacter: number }
+  | { type: 'check'; check: number }
+  | { type: 'dismiss' }
+  | { type: 'writeOut' }
+  | { type: 'whatIf'; whatIf: WhatIf | undefined };

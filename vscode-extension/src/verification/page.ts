@@ -1,0 +1,77 @@
+// The page of the verification panel.
+import * as vscode from 'vscode';
+import { page as panelPage, ZOOM_BUTTONS } from '../panel/page';
+
+const STYLE = `
+body { height: auto; min-height: 100vh; }
+h1 { font-size: 1.1em; margin: 0; font-weight: 600; }
+h2 { font-size: 1em; margin: 14px 0 4px; font-weight: 600; }
+main { padding: 4px 12px 16px; }
+table { border-collapse: collapse; max-width: 100%; }
+th { text-align: left; font-weight: normal; color: var(--vscode-descriptionForeground); }
+th, td { padding: 2px 14px 2px 0; vertical-align: top; }
+td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+tr.shown td { background: var(--vscode-list-inactiveSelectionBackground); }
+a { color: var(--vscode-textLink-foreground); text-decoration: none; cursor: pointer; }
+a:hover { text-decoration: underline; }
+a:focus-visible { outline: 1px solid var(--vscode-focusBorder); }
+.state { font-weight: 600; border-radius: 3px; padding: 1px 8px; border: 1px solid currentColor; }
+.proved { color: var(--vscode-charts-green); }
+.refuted, .blocked { color: var(--vscode-editorError-foreground); }
+.gave-up { color: var(--vscode-editorWarning-foreground); }
+.stale, .running { color: var(--vscode-descriptionForeground); }
+.faint { color: var(--vscode-descriptionForeground); }
+.run-head { display: flex; flex-wrap: wrap; gap: 4px 8px; align-items: center; margin-top: 14px; }
+.run-head h2 { margin: 0; flex: 1; }
+#view { border: 1px solid var(--vscode-panel-border, var(--vscode-contrastBorder, transparent)); max-height: 60vh; margin-top: 4px; }
+#view svg { margin: 0; }
+#view [data-link] { cursor: pointer; }
+#view.old { opacity: .6; }
+#events { font-family: var(--vscode-editor-font-family); white-space: pre; overflow-x: auto; margin: 4px 0; }
+details summary { cursor: pointer; margin-top: 14px; font-weight: 600; }
+details summary:focus-visible { outline: 1px solid var(--vscode-focusBorder); }
+form { display: flex; flex-wrap: wrap; gap: 6px 12px; align-items: center; }
+input.wcet { width: 6em; text-align: right; }
+input.cores { width: 4em; }
+.legend { display: flex; flex-wrap: wrap; gap: 2px 14px; font-size: .9em; color: var(--vscode-descriptionForeground); margin-top: 4px; }
+.legend i { display: inline-block; width: 12px; height: 10px; margin-right: 4px; border: 1px solid var(--vscode-editor-foreground); }
+.legend .run { background: var(--vscode-textLink-foreground); }
+.legend .core { background: var(--vscode-descriptionForeground); opacity: .5; }
+.legend .lock { background: var(--vscode-editorWarning-foreground); opacity: .7; }
+ul { margin: 2px 0; padding-left: 1.4em; }
+`;
+
+const BODY = `<header aria-label="Verification">
+<h1 id="title">Verification</h1>
+<span id="state" class="state running" role="status" aria-live="polite">…</span>
+<span id="facts" class="faint"></span>
+<span class="gap"></span>
+<button id="writeOut" hidden title="Write the scenario to a file, for editing">Write scenario…</button>
+</header>
+<div id="notice" role="status" aria-live="polite" hidden></div>
+<main>
+<h2>Checks</h2>
+<table id="checks"></table>
+<section id="run" hidden>
+<div class="run-head"><h2 id="runTitle"></h2>${ZOOM_BUTTONS}<button id="dismiss" title="Close this run" hidden>Dismiss</button></div>
+<div id="view" tabindex="0" aria-label="Timeline"></div>
+<div class="legend"><span><i class="run"></i>executes</span><span><i class="lock"></i>waits for a lock</span><span><i class="core"></i>waits for a core</span><span>↑ period begins</span><span>↓ job ends</span><span>▾ request</span><span class="refuted">✕ too late</span></div>
+<details><summary>The run in words</summary><div id="events"></div></details>
+</section>
+<h2>What if</h2>
+<form id="whatIf">
+<label>Cores <input type="text" class="cores" id="cores" aria-label="Number of cores, or free"></label>
+<label>Policy <select id="policy"><option>fifo</option><option>edf</option><option>any</option></select></label>
+<label>Durations <select id="durations"><option>interval</option><option>fixed</option><option>open</option></select></label>
+<button type="submit">Verify</button><button type="button" id="reset" hidden>As written</button>
+</form>
+<table id="codels"></table>
+<h2>Blocking</h2>
+<table id="blocking"></table>
+<h2>Assumptions</h2>
+<ul id="assumptions"></ul>
+</main>`;
+
+export function page(webview: vscode.Webview, extension: vscode.Uri): string {
+  return panelPage(webview, extension, { title: 'Verification', script: 'verification', style: STYLE, body: BODY });
+}

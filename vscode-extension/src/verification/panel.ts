@@ -1,0 +1,201 @@
+// The verification panel: verdicts, the timeline of a run, what blocks what, and variations. It follows the text; a run
+// that somebody looks at stays until it is dismissed.
+import * as vscode from 'vscode';
+import type { Server } from '../client';
+import { notRunning } from '../commands/server';
+import { reveal } from '../panel/reveal';
+import { LANGUAGE, SCENARIO, verification, type VerificationAnswer, type WhatIf } from '../protocol';
+import type { FromPage, Subject, ToPage } from './messages';
+import { page } from './page';
+
+const VIEW_TYPE = 'dotgen.verification';
+const WRITE_OUT = 'Write the verification scenario to ';
+
+/** Argument of the command, as lenses and code actions give it. */
+export interface VerificationTarget {
+  uri: string;
+  check?: number | null;
+}
+
+export class VerificationPanel implements vscode.Disposable, vscode.WebviewPanelSerializer<Subject> {
+  private panel: vscode.WebviewPanel | undefined;
+  private subject: Subject | undefined;
+  private answer: VerificationAnswer | undefined;
+  // The run on show, when somebody chose it: kept while the text changes.
+  private pinned: VerificationAnswer['timeline'] = null;
+  private pinnedRefutes = false;
+  // Answers to older questions are dropped, and their work is ended.
+  private asked: vscode.CancellationTokenSource | undefined;
+  private readonly subscriptions: vscode.Disposable;
+
+  constructor(
+    private readonly server: Server,
+    private readonly extension: vscode.Uri,
+  ) {
+    this.subscriptions = vscode.Disposable.from(
+      vscode.window.registerWebviewPanelSerializer(VIEW_TYPE, this),
+      server.onDidVerify((status) => {
+        // What is asked about a specification may be answered by its scenario.
+        if (this.panel !== undefined && (status.uri === this.subject?.uri || status.uri === this.answer?.uri)) {
+          void this.ask();
+        }
+      }),
+      server.onDidChange((state) => state.kind === 'ready' && this.panel !== undefined && void this.ask()),
+    );
+  }
+
+  dispose(): void {
+    this.asked?.cancel();
+    this.subscriptions.dispose();
+    this.panel?.dispose();
+  }
+
+  /** Opens the panel on what a lens names, or on the active document. */
+  async show(target?: VerificationTarget): Promise<void> {
+    const editor = vscode.window.activeTextEditor;
+    const here = editor !== undefined && [LANGUAGE, SCENARIO].includes(editor.document.languageId) ? editor.document.uri.toString() : undefined;
+    const uri = typeof target?.uri === 'string' ? target.uri : here;
+    if (uri === undefined) {
+      void vscode.window.showInformationMessage('Open a specification (.gen) or a scenario (.scn) first.');
+      return;
+    }
+    if (this.server.running === undefined) {
+      await notRunning(this.server);
+      return;
+    }
+    this.subject = { uri, ...(typeof target?.check === 'number' ? { check: target.check } : {}) };
+    this.pinned = null;
+    if (this.panel === undefined) {
+      this.adopt(
+        vscode.window.createWebviewPanel(VIEW_TYPE, 'Verification', { viewColumn: vscode.ViewColumn.Beside, preserveFocus: true }, { enableFindWidget: true }),
+      );
+    } else {
+      this.panel.reveal(undefined, true);
+    }
+    await this.ask();
+  }
+
+  async deserializeWebviewPanel(panel: vscode.WebviewPanel, state: Subject | undefined): Promise<void> {
+    this.subject = state;
+    this.adopt(panel);
+    await this.ask();
+  }
+
+  private adopt(panel: vscode.WebviewPanel): void {
+    this.panel = panel;
+    panel.webview.options = { enableScripts: true, localResourceRoots: [vscode.Uri.joinPath(this.extension, 'dist')] };
+    panel.onDidDispose(() => {
+      this.asked?.cancel();
+      this.panel = undefined;
+      this.answer = undefined;
+      this.pinned = null;
+    });
+    panel.webview.onDidReceiveMessage((message: FromPage) => this.receive(message));
+    panel.webview.html = page(panel.webview, this.extension);
+  }
+
+  private send(message: ToPage): void {
+    void this.panel?.webview.postMessage(message);
+  }
+
+  private async receive(message: FromPage): Promise<void> {
+    if (this.subject === undefined) {
+      return;
+    }
+    switch (message.type) {
+      case 'ready':
+        return this.ask();
+      case 'link': {
+        const place = (this.pinned ?? this.answer?.timeline)?.links[message.index];
+        return place === null || place === undefined ? undefined : reveal(place.uri, place.range);
+      }
+      case 'place':
+        return reveal(message.uri, {
+          start: { line: message.line, character: message.character },
+          end: { line: message.endLine, character: message.endCharacter },
+        });
+      case 'check':
+        this.subject = { ...this.subject, check: message.check };
+        this.pinned = null;
+        return this.ask(true);
+      case 'dismiss': {
+        const { check: _, ...rest } = this.subject;
+        this.subject = rest;
+        this.pinned = null;
+        return this.ask();
+      }
+      case 'whatIf': {
+        const { whatIf: _, check: __, ...rest } = this.subject;
+        this.subject = message.whatIf === undefined ? rest : { ...rest, whatIf: message.whatIf };
+        this.pinned = null;
+        return this.ask();
+      }
+      case 'writeOut':
+        return this.writeOut();
+    }
+  }
+
+  private async ask(pin = this.subject?.check !== undefined): Promise<void> {
+    const { running: client } = this.server;
+    const { subject } = this;
+    if (client === undefined || subject === undefined || this.panel === undefined) {
+      return;
+    }
+    this.asked?.cancel();
+    const asked = new vscode.CancellationTokenSource();
+    this.asked = asked;
+    if (subject.whatIf !== undefined) {
+      this.send({ type: 'busy', text: 'Verifying the variation …' });
+    }
+    let answer: VerificationAnswer | null;
+    try {
+      const { uri, check, whatIf } = subject;
+      answer = await client.sendRequest(
+        verification,
+        { textDocument: { uri }, theme: 'editor', ...(check === undefined ? {} : { check }), ...(whatIf === undefined ? {} : { whatIf: strip(whatIf) }) },
+        asked.token,
+      );
+    } catch {
+      // Overtaken by an edit: the notification that follows asks again.
+      return;
+    }
+    if (asked.token.isCancellationRequested || answer === null) {
+      return;
+    }
+    this.answer = answer;
+    this.panel.title = `Verification: ${answer.scenario}`;
+    // Somebody looks at this run: it does not disappear under their eyes.
+    const { pinned } = this;
+    const settled = !['stale', 'running'].includes(answer.status);
+    const refuted = (check: number) => answer.checks[check]?.verdict === 'refuted';
+    const replaces = (run: VerificationAnswer['timeline']) => settled && run !== null && run.check === pinned?.check && (refuted(run.check) || !this.pinnedRefutes);
+    const keeps = pinned !== null && !replaces(answer.timeline);
+    if (!keeps && pin && settled) {
+      this.pinned = answer.timeline;
+      this.pinnedRefutes = answer.timeline !== null && refuted(answer.timeline.check);
+    }
+    this.send({ type: 'answer', subject, answer: keeps ? { ...answer, timeline: pinned } : answer, pinned: keeps });
+  }
+
+  private async writeOut(): Promise<void> {
+    const uri = vscode.Uri.parse(this.answer?.uri ?? this.subject?.uri ?? '');
+    const document = await vscode.workspace.openTextDocument(uri);
+    const heading = /\bcomponent\s+\w/.exec(document.getText());
+    const at = document.positionAt(heading === null ? 0 : heading.index + heading[0].length);
+    const actions = await vscode.commands.executeCommand<vscode.CodeAction[]>('vscode.executeCodeActionProvider', uri, new vscode.Range(at, at), vscode.CodeActionKind.RefactorRewrite.value);
+    const action = actions.find((it) => it.title.startsWith(WRITE_OUT));
+    if (action?.edit === undefined) {
+      void vscode.window.showInformationMessage('The scenario cannot be written: there is one already, or the specification has errors.');
+      return;
+    }
+    await vscode.workspace.applyEdit(action.edit);
+    const [entry] = action.edit.entries();
+    const target = entry?.[0] ?? uri.with({ path: uri.path.replace(/\.gen$/, '.scn') });
+    await vscode.window.showTextDocument(target, { viewColumn: vscode.ViewColumn.One });
+  }
+}
+
+/** Without what is as written. */
+function strip(whatIf: WhatIf): WhatIf {
+  return Object.fromEntries(Object.entries(whatIf).filter(([, value]) => value !== undefined));
+}

@@ -1,0 +1,225 @@
+// The page of the verification panel: shows what it is sent, and tells what is done to it.
+import type { FromPage, Subject, ToPage } from '../verification/messages';
+import type { Place, VerificationAnswer, WhatIf } from '../protocol';
+import { Canvas } from './canvas';
+
+declare function acquireVsCodeApi(): { postMessage(message: FromPage): void; setState(state: Subject): void };
+
+const host = acquireVsCodeApi();
+const element = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
+const view = element('view');
+const canvas = new Canvas(view, '[data-link]', true);
+const STATES: Record<VerificationAnswer['status'], string> = {
+  stale: 'verifying …',
+  running: 'verifying …',
+  proved: 'proved',
+  refuted: 'refuted',
+  'gave-up': 'gave up',
+  blocked: 'not verified',
+};
+
+let subject: Subject | undefined;
+let answer: VerificationAnswer | undefined;
+let drawn = '';
+
+function node<K extends keyof HTMLElementTagNameMap>(tag: K, content: (Node | string)[] | string = '', className = ''): HTMLElementTagNameMap[K] {
+  const it = document.createElement(tag);
+  it.append(...(typeof content === 'string' ? [content] : content));
+  if (className !== '') it.className = className;
+  return it;
+}
+
+function link(text: string, place: Place | null, action?: () => void): Node {
+  if (place === null && action === undefined) return document.createTextNode(text);
+  const it = node('a', text);
+  it.tabIndex = 0;
+  it.setAttribute('role', action === undefined ? 'link' : 'button');
+  const go = action ?? (() => place !== null && jump(place));
+  it.addEventListener('click', go);
+  it.addEventListener('keydown', (event) => {
+    if (event.key === 'Enter' || event.key === ' ') {
+      event.preventDefault();
+      go();
+    }
+  });
+  return it;
+}
+
+function jump({ uri, range: { start, end } }: Place): void {
+  host.postMessage({ type: 'place', uri, line: start.line, character: start.character, endLine: end.line, endCharacter: end.character });
+}
+
+function row(cells: (Node | string)[], numbers: number[] = []): HTMLTableRowElement {
+  return node('tr', cells.map((it, i) => node('td', [it], numbers.includes(i) ? 'number' : '')));
+}
+
+function heads(names: string[]): HTMLTableRowElement {
+  return node('tr', names.map((it) => node('th', it)));
+}
+
+function showHead(it: VerificationAnswer): void {
+  element('title').textContent = it.written ? `Scenario ${it.scenario}` : `${it.scenario}, without a scenario`;
+  const state = element('state');
+  state.textContent = STATES[it.status];
+  state.className = `state ${it.status}`;
+  const facts = [it.platform];
+  if (it.minimumCores !== null) facts.push(`at least ${it.minimumCores} ${it.minimumCores === 1 ? 'core' : 'cores'} needed`);
+  if (it.states > 0) facts.push(`${it.states} states, ${it.seconds.toFixed(it.seconds < 1 ? 3 : 1)} s`);
+  element('facts').textContent = facts.join(' · ');
+  element('writeOut').hidden = it.written || it.whatIf;
+  const notices = [...it.errors];
+  if (!it.written && it.errors.length === 0) {
+    notices.push('No scenario is written: permanent activities, and a client that sends any request at any time.');
+  }
+  if (it.whatIf) notices.unshift('This is a variation; the files are as they were.');
+  notice(notices.join('\n'));
+}
+
+function notice(text: string): void {
+  const it = element('notice');
+  it.hidden = text === '';
+  it.replaceChildren(...text.split('\n').map((line) => node('div', line)));
+}
+
+function showChecks(it: VerificationAnswer): void {
+  const table = element('checks');
+  const old = ['stale', 'running'].includes(it.status);
+  table.classList.toggle('stale', old);
+  if (it.checks.length === 0) {
+    const bounds = it.bounds.map((bound) => row([bound.task, `R ≤ ${bound.bound}`], [1]));
+    table.replaceChildren(...(bounds.length > 0 ? [heads(['task', 'quick bound']), ...bounds] : [row(['There is no answer yet.'])]));
+    return;
+  }
+  const rows = it.checks.map((check, i) => {
+    const title = check.name === null ? `${check.check} ${check.of}` : `${check.name}: ${check.check} ${check.of}`;
+    const run: Node | string = check.hasRun ? link(check.verdict === 'refuted' ? 'show why' : 'show run', null, () => host.postMessage({ type: 'check', check: i })) : '';
+    const notes = [check.worth, check.note].filter((note) => note !== null).join('; ');
+    const verdict = node('span', check.verdict, check.verdict === 'gave up' ? 'gave-up' : check.verdict);
+    const line = row([verdict, link(title, check.location), check.value ?? '', check.limit ?? '', check.slack ?? '', run, node('span', notes, 'faint')], [2, 3, 4]);
+    line.classList.toggle('shown', it.timeline?.check === i);
+    return line;
+  });
+  table.replaceChildren(heads(['verdict', 'check', 'value', 'limit', 'slack', '', '']), ...rows);
+}
+
+function showRun(it: VerificationAnswer, pinned: boolean): void {
+  const { timeline } = it;
+  element('run').hidden = timeline === null;
+  if (timeline === null) {
+    canvas.clear();
+    drawn = '';
+    return;
+  }
+  view.classList.toggle('old', pinned);
+  element('dismiss').hidden = !pinned;
+  element('runTitle').textContent = pinned ? `${timeline.title} (of an earlier text)` : timeline.title;
+  element('events').textContent = timeline.events.join('\n');
+  if (drawn === timeline.svg) return;
+  drawn = timeline.svg;
+  const [, width = '800', height = '200'] = /width="([\d.]+)" height="([\d.]+)"/.exec(timeline.svg) ?? [];
+  canvas.show(timeline.svg, Number(width), Number(height));
+  for (const bar of view.querySelectorAll<SVGGElement>('[data-link]')) {
+    bar.addEventListener('click', () => follow(bar));
+  }
+}
+
+function follow(bar: SVGGElement): void {
+  host.postMessage({ type: 'link', index: Number(bar.dataset['link']) });
+}
+
+function showWhatIf(it: VerificationAnswer): void {
+  const form = element<HTMLFormElement>('whatIf');
+  element('reset').hidden = !it.whatIf;
+  // What is being typed is not overwritten.
+  const typing = document.activeElement;
+  if (typing instanceof HTMLInputElement && (form.contains(typing) || typing.classList.contains('wcet'))) return;
+  element<HTMLInputElement>('cores').value = it.cores === null ? 'free' : String(it.cores);
+  element<HTMLSelectElement>('policy').value = it.policy;
+  element<HTMLSelectElement>('durations').value = it.durations;
+  const rows = it.codels.map((codel) => {
+    const field = node('input', '', 'wcet');
+    field.type = 'text';
+    field.inputMode = 'decimal';
+    field.setAttribute('form', 'whatIf');
+    field.dataset['codel'] = codel.path;
+    field.dataset['was'] = codel.wcet === null ? '' : String(codel.wcet);
+    field.value = field.dataset['was'];
+    field.setAttribute('aria-label', `WCET of ${codel.path} in microseconds`);
+    return row([link(codel.path, codel.location), node('span', [field, ' us'])], [1]);
+  });
+  element('codels').replaceChildren(heads(['codel', 'WCET']), ...rows);
+}
+
+/** What is different from what is shown, on top of the variation that is shown. */
+function changes(): WhatIf | undefined {
+  const out: WhatIf = { ...subject?.whatIf };
+  if (answer === undefined) return undefined;
+  const cores = element<HTMLInputElement>('cores').value.trim();
+  if (cores !== (answer.cores === null ? 'free' : String(answer.cores))) {
+    out.cores = /^\d+$/.test(cores) ? Number(cores) : (cores as 'free');
+  }
+  const policy = element<HTMLSelectElement>('policy').value;
+  if (policy !== answer.policy) out.policy = policy;
+  const durations = element<HTMLSelectElement>('durations').value;
+  if (durations !== answer.durations) out.durations = durations;
+  const wcet: Record<string, number> = { ...out.wcet };
+  for (const field of document.querySelectorAll<HTMLInputElement>('input.wcet')) {
+    const value = Number(field.value.replace(',', '.'));
+    if (field.value.trim() !== field.dataset['was'] && Number.isFinite(value) && value >= 0) wcet[field.dataset['codel'] ?? ''] = value;
+  }
+  if (Object.keys(wcet).length > 0) out.wcet = wcet;
+  return Object.keys(out).length > 0 ? out : undefined;
+}
+
+function showBlocking(it: VerificationAnswer): void {
+  const rows = it.blocking.flatMap(({ codel, location, by }) =>
+    by.map((other, i) => row([i === 0 ? link(codel, location) : '', link(other.codel, other.location), other.time, other.through], [2])),
+  );
+  element('blocking').replaceChildren(
+    ...(rows.length > 0 ? [heads(['codel', 'may wait for', 'which takes at most', 'because both use']), ...rows] : [row(['No codel can keep another one waiting.'])]),
+  );
+}
+
+function show(next: VerificationAnswer, of: Subject, pinned: boolean): void {
+  answer = next;
+  subject = of;
+  host.setState(of);
+  showHead(next);
+  showChecks(next);
+  showRun(next, pinned);
+  showWhatIf(next);
+  showBlocking(next);
+  element('assumptions').replaceChildren(...[...next.assumptions, ...next.notes].map((it) => node('li', it)));
+}
+
+window.addEventListener('message', ({ data }: MessageEvent<ToPage>) => {
+  switch (data.type) {
+    case 'answer':
+      return show(data.answer, data.subject, data.pinned);
+    case 'busy': {
+      const state = element('state');
+      state.textContent = 'verifying …';
+      state.className = 'state running';
+      return notice(data.text);
+    }
+  }
+});
+
+element('whatIf').addEventListener('submit', (event) => {
+  event.preventDefault();
+  (document.activeElement as HTMLElement | null)?.blur();
+  host.postMessage({ type: 'whatIf', whatIf: changes() });
+});
+element('reset').addEventListener('click', () => host.postMessage({ type: 'whatIf', whatIf: undefined }));
+element('dismiss').addEventListener('click', () => host.postMessage({ type: 'dismiss' }));
+element('writeOut').addEventListener('click', () => host.postMessage({ type: 'writeOut' }));
+view.addEventListener('keydown', (event) => {
+  const bar = event.target instanceof Element ? event.target.closest<SVGGElement>('[data-link]') : null;
+  if ((event.key === 'Enter' || event.key === ' ') && bar !== null) {
+    event.preventDefault();
+    follow(bar);
+  } else {
+    canvas.key(event);
+  }
+});
+host.postMessage({ type: 'ready' });

@@ -1,0 +1,151 @@
+//! Measurements that no benchmark inside a crate can make: whole processes, and instruction counts.
+//!
+//! Times are medians of alternating runs, so that what disturbs the machine disturbs all alike. Instructions are
+//! counted by valgrind, which gives the same number on any day.
+
+mod session;
+
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use serde_json::Value;
+
+use crate::run::{self, step};
+use crate::{example, root, target, tools};
+
+/// See the module.
+#[derive(Args)]
+pub(crate) struct Options {
+    /// Runs of each process.
+    #[arg(long, default_value_t = 101)]
+    runs: usize,
+}
+
+/// Measures and prints.
+pub(crate) fn bench(options: &Options) -> Result<bool> {
+    if options.runs == 0 {
+        bail!("--runs 0 measures nothing; give at least 1");
+    }
+    step("Building dotgen for release");
+    run::run(run::cargo(&[
+        "build",
+        "--release",
+        "--quiet",
+        "--package",
+        "dotgen-lsp-server",
+    ]))?;
+    step("Whole processes, alternating");
+    processes(options.runs)?;
+    step("An editing session over the protocol, in a workspace of 100 components");
+    session::session(&target().join("release/dotgen"))?;
+    step("Instructions, counted by valgrind");
+    instructions()?;
+    Ok(true)
+}
+
+fn processes(runs: usize) -> Result<()> {
+    let dotgen = target().join("release/dotgen");
+    let dotgen = dotgen.to_string_lossy();
+    let file = example().join("maneuver.gen");
+    let file = file.to_string_lossy();
+    let commands: [(&str, &str, &[&str]); 3] = [
+        ("a process that does nothing (`true`)", "true", &[]),
+        ("`dotgen --version`", &dotgen, &["--version"]),
+        (
+            "`dotgen check` of the maneuver example",
+            &dotgen,
+            &["check", &file],
+        ),
+    ];
+    let mut times = vec![Vec::with_capacity(runs); commands.len()];
+    for _ in 0..runs {
+        for ((_, program, arguments), times) in std::iter::zip(&commands, &mut times) {
+            let started = Instant::now();
+            let output = run::command(root(), program, arguments).output();
+            output.with_context(|| format!("cannot run {program}"))?;
+            times.push(started.elapsed());
+        }
+    }
+    let mut medians = times.iter_mut().map(|it| median(it));
+    let base = medians.next().unwrap_or_default();
+    println!("{:<42} {:>7.2} ms", commands[0].0, milliseconds(base));
+    for ((name, ..), median) in std::iter::zip(&commands[1..], medians) {
+        let ratio = median.as_secs_f64() / base.as_secs_f64();
+        println!(
+            "{name:<42} {:>7.2} ms  {ratio:>5.1} x",
+            milliseconds(median)
+        );
+    }
+    Ok(())
+}
+
+fn median(times: &mut [Duration]) -> Duration {
+    times.sort_unstable();
+    times[times.len() / 2]
+}
+
+fn milliseconds(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e3
+}
+
+/// Runs a benchmark program of the syntax crate once and eleven times; the tenth of the difference is one round.
+fn instructions() -> Result<()> {
+    tools::ensure(tools::VALGRIND)?;
+    let program = instruction_program()?;
+    println!(
+        "{:<42} {:>14} {:>14}",
+        "700 lines, once", "instructions", "per token"
+    );
+    for what in ["lex", "parse"] {
+        let (once, tokens) = count(&program, what, 1)?;
+        let (often, _) = count(&program, what, 11)?;
+        let round = (often - once) / 10;
+        println!(
+            "{what:<42} {round:>14} {:>14.1}",
+            round as f64 / tokens as f64
+        );
+    }
+    Ok(())
+}
+
+/// Builds the program and finds where cargo put it.
+fn instruction_program() -> Result<String> {
+    let messages = run::capture(run::cargo(&[
+        "bench",
+        "--quiet",
+        "--package",
+        "dotgen-syntax",
+        "--bench",
+        "instructions",
+        "--no-run",
+        "--message-format=json",
+    ]))?;
+    let mut programs = messages.lines().filter_map(|line| {
+        let message: Value = serde_json::from_str(line).ok()?;
+        (message["target"]["name"] == "instructions").then_some(())?;
+        Some(message["executable"].as_str()?.to_owned())
+    });
+    programs.next_back().context("cargo built no program")
+}
+
+/// Instructions of `rounds` rounds, and the tokens of one.
+fn count(program: &str, what: &str, rounds: u64) -> Result<(u64, u64)> {
+    let out = target().join("callgrind.out");
+    let rounds = rounds.to_string();
+    let arguments = [
+        "--tool=callgrind",
+        &format!("--callgrind-out-file={}", out.display()),
+        program,
+        what,
+        &rounds,
+    ];
+    let tokens = run::capture(run::command(root(), "valgrind", &arguments))?;
+    let text = std::fs::read_to_string(&out).context("valgrind wrote no counts")?;
+    let total = text.lines().find_map(|line| {
+        line.strip_prefix("summary: ")
+            .or(line.strip_prefix("totals: "))
+    });
+    let total = total.context("no total in what valgrind wrote")?;
+    Ok((total.trim().parse()?, tokens.trim().parse()?))
+}

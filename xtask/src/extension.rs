@@ -1,0 +1,112 @@
+//! Building the VS Code extension, and the server it carries.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+
+use crate::run::{self, step};
+use crate::tools;
+
+/// How the server is compiled.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Profile {
+    /// Quick to build, for tests and the demo.
+    Dev,
+    /// For users.
+    Release,
+}
+
+/// The sources of the extension.
+pub(crate) fn directory() -> PathBuf {
+    crate::root().join("vscode-extension")
+}
+
+/// Compiles the server; returns the program.
+pub(crate) fn build_server(profile: Profile) -> Result<PathBuf> {
+    let mut arguments = vec![
+        "build",
+        "--locked",
+        "--package",
+        "dotgen-lsp-server",
+        "--bin",
+        "dotgen",
+    ];
+    if profile == Profile::Release {
+        arguments.push("--release");
+    }
+    step("Building the server (a first build takes some minutes)");
+    run::run(run::cargo(&arguments))?;
+    Ok(server_program(profile))
+}
+
+/// Where the server program is once built.
+pub(crate) fn server_program(profile: Profile) -> PathBuf {
+    let directory = match profile {
+        Profile::Dev => "debug",
+        Profile::Release => "release",
+    };
+    let name = format!("dotgen{}", std::env::consts::EXE_SUFFIX);
+    crate::target().join(directory).join(name)
+}
+
+/// Installs the npm packages of `directory`, unless they are already what its lock file says.
+pub(crate) fn install_packages(directory: &Path) -> Result<()> {
+    tools::ensure_node()?;
+    let modified = |path: &str| directory.join(path).metadata().and_then(|it| it.modified());
+    if let (Ok(installed), Ok(wanted)) = (
+        modified("node_modules/.package-lock.json"),
+        modified("package-lock.json"),
+    ) && installed >= wanted
+    {
+        return Ok(());
+    }
+    let name = directory.strip_prefix(crate::root()).unwrap_or(directory);
+    step(&format!(
+        "Installing the npm packages of {}",
+        name.display()
+    ));
+    run::capture(npm(directory, &["ci", "--no-audit", "--no-fund"])).map(drop)
+}
+
+/// An npm command.
+pub(crate) fn npm(directory: &Path, arguments: &[&str]) -> std::process::Command {
+    let name = if cfg!(windows) { "npm.cmd" } else { "npm" };
+    let mut command = run::command(directory, name, arguments);
+    command.env("npm_config_loglevel", "error");
+    command
+}
+
+/// Bundles the extension with `server` inside and packages it for this system.
+pub(crate) fn package(server: &Path) -> Result<PathBuf> {
+    let directory = directory();
+    install_packages(&directory)?;
+    step("Packaging the extension");
+    let name = server.file_name().context("the server has a file name")?;
+    let inside = directory.join("server");
+    std::fs::create_dir_all(&inside)?;
+    std::fs::copy(server, inside.join(name))
+        .with_context(|| format!("cannot copy {}", server.display()))?;
+    std::fs::copy(crate::root().join("LICENSE"), directory.join("LICENSE"))?;
+    run::capture(npm(&directory, &["run", "--silent", "bundle"]))?;
+    let platform = platform();
+    let vsix = crate::target().join(format!("dotgen-{platform}.vsix"));
+    let out = vsix.to_string_lossy();
+    let arguments = [
+        "run", "--silent", "package", "--", "--target", platform, "--out", &out,
+    ];
+    run::capture(npm(&directory, &arguments))?;
+    Ok(vsix)
+}
+
+/// VS Code's name of this system.
+fn platform() -> &'static str {
+    match (std::env::consts::OS, std::env::consts::ARCH) {
+        ("linux", "aarch64") => "linux-arm64",
+        ("linux", "arm") => "linux-armhf",
+        ("macos", "aarch64") => "darwin-arm64",
+        ("macos", _) => "darwin-x64",
+        ("windows", "aarch64") => "win32-arm64",
+        ("windows", _) => "win32-x64",
+        _ => "linux-x64",
+    }
+}

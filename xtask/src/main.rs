@@ -1,0 +1,91 @@
+//! The project's own commands. `cargo xtask` lists them.
+//!
+//! | module | what |
+//! | --- | --- |
+//! | `demo` | the example workspace in VS Code |
+//! | `test` | every test there is, as a list of suites |
+//! | `docs` | the pictures of the documentation |
+//! | `bench` | what whole processes take, and instruction counts |
+//! | `package` | the extension as a platform `.vsix`, server inside |
+//! | `extension` | building the extension |
+//! | `workbench` | the browser-served VS Code that the demo and its test use |
+//! | `tools` | what has to be installed, and how |
+//! | `run` | running commands, with progress |
+
+mod bench;
+mod demo;
+mod docs;
+mod extension;
+mod package;
+mod run;
+mod test;
+mod tools;
+mod workbench;
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Commands of the dotgen project.
+#[derive(Parser)]
+#[command(bin_name = "cargo xtask", disable_help_subcommand = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Build everything and open the example workspace in VS Code.
+    ///
+    /// Uses `code` when it is installed, with a profile of its own; otherwise a VS Code served to
+    /// the browser, set up from the npm registry.
+    Demo(demo::Options),
+    /// Install what the tests need and run all of them.
+    Test(test::Options),
+    /// Measure whole processes, and count instructions.
+    Bench(bench::Options),
+    /// Make the .vsix for this system, with a release build of the server inside.
+    Package,
+    /// Draw the pictures in docs/pictures from the examples.
+    Docs,
+}
+
+fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Demo(options) => demo::demo(&options),
+        Command::Test(options) => test::test(&options),
+        Command::Bench(options) => bench::bench(&options),
+        Command::Package => package::package().map(|_| true),
+        Command::Docs => docs::docs().map(|()| true),
+    };
+    match result {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Root of the repository.
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .expect("xtask/ is in the root")
+}
+
+/// The build directory.
+fn target() -> PathBuf {
+    match std::env::var_os("CARGO_TARGET_DIR") {
+        Some(directory) => root().join(directory),
+        None => root().join("target"),
+    }
+}
+
+/// The example workspace.
+fn example() -> PathBuf {
+    root().join("examples/maneuver")
+}

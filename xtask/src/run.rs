@@ -1,0 +1,101 @@
+//! Running commands, saying what is being done and for how long.
+
+use std::io::{BufRead, BufReader, IsTerminal};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Instant;
+
+use anyhow::{Context, Result, bail};
+
+/// Announces a step: what is done, and why it may take a while.
+pub(crate) fn step(what: &str) {
+    match std::io::stderr().is_terminal() {
+        true => eprintln!("\x1b[1m==> {what}\x1b[0m"),
+        false => eprintln!("==> {what}"),
+    }
+}
+
+/// A command in `directory`, without standard input: nothing here may wait for an answer.
+pub(crate) fn command(directory: &Path, program: &str, arguments: &[&str]) -> Command {
+    let mut command = Command::new(program);
+    command
+        .args(arguments)
+        .current_dir(directory)
+        .stdin(Stdio::null());
+    command
+}
+
+/// The cargo that runs this.
+pub(crate) fn cargo(arguments: &[&str]) -> Command {
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
+    let mut cargo = command(crate::root(), &cargo, arguments);
+    // Set by `cargo run` for xtask itself; the cargo below finds its own.
+    cargo.env_remove("CARGO_MANIFEST_DIR");
+    cargo
+}
+
+/// Runs a command to its end; its output goes to the terminal.
+pub(crate) fn run(mut command: Command) -> Result<()> {
+    let shown = show(&command);
+    let started = Instant::now();
+    let status = command
+        .status()
+        .with_context(|| format!("cannot run {shown}"))?;
+    if !status.success() {
+        bail!("{shown}: {status}");
+    }
+    eprintln!("    {shown}: {:.1} s", started.elapsed().as_secs_f32());
+    Ok(())
+}
+
+/// Runs a command to its end and returns its output, of which only failures are shown.
+pub(crate) fn capture(mut command: Command) -> Result<String> {
+    let shown = show(&command);
+    let started = Instant::now();
+    let output = command
+        .output()
+        .with_context(|| format!("cannot run {shown}"))?;
+    if !output.status.success() {
+        bail!(
+            "{shown}: {}\n{}{}",
+            output.status,
+            String::from_utf8_lossy(&output.stdout),
+            String::from_utf8_lossy(&output.stderr)
+        );
+    }
+    eprintln!("    {shown}: {:.1} s", started.elapsed().as_secs_f32());
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+/// Runs a command to its end, shows its output as it comes, and hands every line of standard output to `line` as well.
+/// Returns whether it succeeded.
+pub(crate) fn watch(mut command: Command, mut line: impl FnMut(&str)) -> Result<bool> {
+    let shown = show(&command);
+    eprintln!("    {shown}");
+    let mut child = command
+        .stdout(Stdio::piped())
+        .spawn()
+        .with_context(|| format!("cannot run {shown}"))?;
+    if let Some(stdout) = child.stdout.take() {
+        for text in BufReader::new(stdout).split(b'\n') {
+            let text = text?;
+            let text = String::from_utf8_lossy(&text);
+            println!("{text}");
+            line(&text);
+        }
+    }
+    Ok(child.wait()?.success())
+}
+
+fn show(command: &Command) -> String {
+    let mut shown = Path::new(command.get_program())
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned();
+    for argument in command.get_args().take(6) {
+        shown.push(' ');
+        shown.push_str(&argument.to_string_lossy());
+    }
+    shown
+}

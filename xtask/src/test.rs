@@ -1,0 +1,417 @@
+//! `cargo xtask test`: every test there is, as a list of suites.
+//!
+//! A suite that cannot run for lack of a tool fails, with one line that says what to install: a test that silently did not
+//! run proves nothing.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+
+use crate::extension::{self, Profile};
+use crate::run::{self, step};
+use crate::tools;
+use crate::workbench::Workbench;
+
+/// Options of `cargo xtask test`.
+#[derive(Args)]
+pub(crate) struct Options {
+    /// Leave out the suites that need a real editor.
+    #[arg(long)]
+    fast: bool,
+    /// Run only the suites whose names contain one of these.
+    suites: Vec<String>,
+}
+
+struct Suite {
+    name: &'static str,
+    /// Drives a real editor.
+    editor: bool,
+    run: fn() -> Result<Outcome>,
+}
+
+/// Numbers of tests; a suite that is one check counts as one test.
+#[derive(Default, Clone, Copy)]
+struct Outcome {
+    passed: usize,
+    failed: usize,
+}
+
+const SUITES: &[Suite] = &[
+    Suite {
+        name: "format",
+        editor: false,
+        run: format,
+    },
+    Suite {
+        name: "clippy",
+        editor: false,
+        run: clippy,
+    },
+    Suite {
+        name: "rust",
+        editor: false,
+        run: rust,
+    },
+    Suite {
+        name: "extension",
+        editor: false,
+        run: extension_units,
+    },
+    Suite {
+        name: "grammar",
+        editor: false,
+        run: grammar,
+    },
+    Suite {
+        name: "client",
+        editor: false,
+        run: client,
+    },
+    Suite {
+        name: "neovim",
+        editor: true,
+        run: neovim,
+    },
+    Suite {
+        name: "emacs",
+        editor: true,
+        run: emacs,
+    },
+    Suite {
+        name: "vscode",
+        editor: true,
+        run: vscode,
+    },
+];
+
+/// Runs the suites; false if a test failed.
+pub(crate) fn test(options: &Options) -> Result<bool> {
+    let wanted = |suite: &&Suite| match options.suites.as_slice() {
+        [] => !(options.fast && suite.editor),
+        names => names.iter().any(|name| suite.name.contains(name.as_str())),
+    };
+    let suites: Vec<&Suite> = SUITES.iter().filter(wanted).collect();
+    if suites.is_empty() {
+        let names: Vec<_> = SUITES.iter().map(|suite| suite.name).collect();
+        bail!("no such suite; there are: {}", names.join(", "));
+    }
+    if suites.iter().any(|suite| suite.editor) && options.suites.is_empty() {
+        // All at once, first: apt is slow to start, and what cannot be installed is known before the long builds.
+        // Each suite asks again for what it needs, and fails with a line of its own.
+        for tools in [
+            tools::CHROMIUM,
+            tools::NEOVIM,
+            tools::EMACS,
+            tools::PYTHON,
+            tools::TCL,
+            tools::NATIVE_MODULES,
+        ] {
+            if let Err(error) = tools::ensure(tools) {
+                eprintln!("    {error:#}");
+            }
+        }
+    }
+    let mut rows = Vec::new();
+    for (i, suite) in suites.iter().enumerate() {
+        step(&format!("[{}/{}] {}", i + 1, suites.len(), suite.name));
+        let started = Instant::now();
+        let outcome = (suite.run)();
+        rows.push((suite.name, outcome, started.elapsed()));
+    }
+    Ok(summary(&rows))
+}
+
+fn summary(rows: &[(&str, Result<Outcome>, Duration)]) -> bool {
+    println!();
+    println!(
+        "{:<12} {:>7} {:>7} {:>8}",
+        "suite", "passed", "failed", "time"
+    );
+    let mut total = Outcome::default();
+    for (name, outcome, time) in rows {
+        let (passed, failed, note) = match outcome {
+            Ok(Outcome { passed, failed }) => (*passed, *failed, String::new()),
+            Err(error) => {
+                let text = format!("{error:#}");
+                let first = text.lines().next().unwrap_or_default();
+                (0, 1, format!("  {first}"))
+            }
+        };
+        println!(
+            "{name:<12} {passed:>7} {failed:>7} {:>6.1} s{note}",
+            time.as_secs_f32()
+        );
+        total.passed += passed;
+        total.failed += failed;
+    }
+    println!();
+    println!("{} passed, {} failed", total.passed, total.failed);
+    total.failed == 0
+}
+
+/// For a suite that is one check.
+fn one(passed: bool) -> Outcome {
+    Outcome {
+        passed: passed.into(),
+        failed: (!passed).into(),
+    }
+}
+
+fn format() -> Result<Outcome> {
+    run::watch(run::cargo(&["fmt", "--all", "--check"]), |_| ()).map(one)
+}
+
+fn clippy() -> Result<Outcome> {
+    let arguments = [
+        "clippy",
+        "--locked",
+        "--workspace",
+        "--all-targets",
+        "--quiet",
+        "--",
+        "--deny",
+        "warnings",
+    ];
+    run::watch(run::cargo(&arguments), |_| ()).map(one)
+}
+
+fn rust() -> Result<Outcome> {
+    // Without it the tests of templates are skipped, loudly.
+    tools::ensure(tools::TCL)?;
+    let mut outcome = Outcome::default();
+    let mut cargo = run::cargo(&["test", "--locked", "--workspace", "--no-fail-fast"]);
+    // A snapshot that is not there yet is a failure here, never a new file.
+    cargo.env("INSTA_UPDATE", "no");
+    let succeeded = run::watch(cargo, |line| {
+        if let Some(result) = line.strip_prefix("test result: ") {
+            outcome.passed += count(result, " passed");
+            outcome.failed += count(result, " failed");
+        }
+    })?;
+    if !succeeded && outcome.failed == 0 {
+        bail!("the tests do not compile");
+    }
+    Ok(outcome)
+}
+
+fn extension_units() -> Result<Outcome> {
+    let directory = extension::directory();
+    extension::install_packages(&directory)?;
+    let mut outcome = one(run::watch(
+        extension::npm(&directory, &["run", "--silent", "typecheck"]),
+        |_| (),
+    )?);
+    run::capture(extension::npm(&directory, &["run", "--silent", "bundle"]))?;
+    let succeeded = run::watch(
+        extension::npm(&directory, &["run", "--silent", "test:unit"]),
+        |line| {
+            if let Some((_, number)) = line.split_once(" pass ") {
+                outcome.passed += number.trim().parse().unwrap_or(0);
+            }
+            if let Some((_, number)) = line.split_once(" fail ") {
+                outcome.failed += number.trim().parse().unwrap_or(0);
+            }
+        },
+    )?;
+    if !succeeded && outcome.failed == 0 {
+        outcome.failed = 1;
+    }
+    Ok(outcome)
+}
+
+fn grammar() -> Result<Outcome> {
+    let directory = extension::directory();
+    extension::install_packages(&directory)?;
+    let snapshots = directory.join("test/grammar/snap");
+    // The snapshot tool writes a missing snapshot and passes.
+    for source in files(&snapshots, "gen")? {
+        let snapshot = PathBuf::from(format!("{}.snap", source.display()));
+        if !snapshot.exists() {
+            bail!(
+                "{} is missing: run `npm run test:grammar` and commit it",
+                snapshot.display()
+            );
+        }
+    }
+    let sources = directory.join("test/grammar");
+    let tests = files(&sources, "gen")?.len()
+        + files(&sources, "scn")?.len()
+        + files(&snapshots, "gen")?.len();
+    let succeeded = run::watch(
+        extension::npm(&directory, &["run", "--silent", "test:grammar"]),
+        |_| (),
+    )?;
+    Ok(match succeeded {
+        true => Outcome {
+            passed: tests,
+            failed: 0,
+        },
+        false => one(false),
+    })
+}
+
+fn client() -> Result<Outcome> {
+    tools::ensure(tools::PYTHON)?;
+    let server = extension::build_server(Profile::Dev)?;
+    let scripts = crate::root().join("tests/editors/client");
+    let python = python(&scripts)?;
+    let arguments = ["-m", "pytest", "-q", "-p", "no:cacheprovider"];
+    let mut command = run::command(&scripts, &python.to_string_lossy(), &arguments);
+    command
+        .env("DOTGEN", server)
+        .env("WORKSPACE", crate::example())
+        .env("PYTHONDONTWRITEBYTECODE", "1");
+    let mut outcome = Outcome::default();
+    let succeeded = run::watch(command, |line| {
+        if line.contains(" in ") && line.ends_with('s') {
+            outcome.passed = count(line, " passed");
+            outcome.failed = count(line, " failed") + count(line, " error");
+        }
+    })?;
+    if !succeeded && outcome.failed == 0 {
+        outcome.failed = 1;
+    }
+    Ok(outcome)
+}
+
+/// A virtual environment with the test's packages; returns its Python.
+fn python(scripts: &Path) -> Result<PathBuf> {
+    let requirements = scripts.join("requirements.txt");
+    let wanted = std::fs::read_to_string(&requirements)?;
+    let directory = crate::target().join("tools/python");
+    let (python, stamp) = (
+        directory.join("bin/python"),
+        directory.join("requirements.txt"),
+    );
+    if std::fs::read_to_string(&stamp).ok().as_ref() != Some(&wanted) {
+        step("Installing pytest-lsp");
+        let venv = ["-m", "venv", "--clear", &*directory.to_string_lossy()];
+        run::capture(run::command(crate::root(), "python3", &venv))?;
+        let pip = [
+            "-m",
+            "pip",
+            "install",
+            "--quiet",
+            "--disable-pip-version-check",
+            "-r",
+            &*requirements.to_string_lossy(),
+        ];
+        run::capture(run::command(crate::root(), &python.to_string_lossy(), &pip))?;
+        std::fs::write(&stamp, wanted)?;
+    }
+    Ok(python)
+}
+
+fn neovim() -> Result<Outcome> {
+    tools::ensure(tools::NEOVIM)?;
+    let script = crate::root().join("tests/editors/neovim/nvim.lua");
+    let arguments = [
+        "--headless",
+        "--clean",
+        "-n",
+        "-i",
+        "NONE",
+        "-u",
+        &*script.to_string_lossy(),
+        "maneuver.gen",
+    ];
+    editor("neovim", "nvim", &arguments)
+}
+
+fn emacs() -> Result<Outcome> {
+    tools::ensure(tools::EMACS)?;
+    let script = crate::root().join("tests/editors/emacs/eglot.el");
+    editor(
+        "emacs",
+        "emacs",
+        &["--batch", "-l", &*script.to_string_lossy()],
+    )
+}
+
+/// Runs an editor's script in a copy of the example; it prints `ok …` for each thing that held.
+fn editor(name: &str, program: &str, arguments: &[&str]) -> Result<Outcome> {
+    let server = extension::build_server(Profile::Dev)?;
+    // Not below the root of this repository: editors take that for the project.
+    let workspace = std::env::temp_dir().join(format!("dotgen-{name}-{}", std::process::id()));
+    copy(&crate::example(), &workspace)?;
+    // Both say what they have to say on either stream; a limit, since an editor that waits for a key never ends.
+    let mut command = run::command(&workspace, "timeout", &["--kill-after=5", "120", program]);
+    command
+        .args(arguments)
+        .env("DOTGEN", server)
+        .env("FILE", workspace.join("maneuver.gen"));
+    let output = command
+        .output()
+        .with_context(|| format!("cannot run {program}"))?;
+    let text = [output.stdout, output.stderr].concat();
+    let text = String::from_utf8_lossy(&text);
+    println!("{}", text.trim_end());
+    std::fs::remove_dir_all(&workspace)?;
+    let passed = text.lines().filter(|line| line.starts_with("ok ")).count();
+    Ok(Outcome {
+        passed,
+        failed: (!output.status.success() || passed == 0).into(),
+    })
+}
+
+fn vscode() -> Result<Outcome> {
+    let server = extension::build_server(Profile::Dev)?;
+    let vsix = extension::package(&server)?;
+    let workbench = Workbench::set_up()?;
+    let scenario = workbench.scenario(&vsix, &[])?;
+    step("Driving VS Code; screenshots go to target/shots");
+    let mut outcome = Outcome::default();
+    let succeeded = run::watch(scenario, |line| {
+        outcome.passed += usize::from(line.contains(" ms  ok "));
+    })?;
+    outcome.failed = (!succeeded).into();
+    Ok(outcome)
+}
+
+/// The number before ` passed` and the like.
+fn count(line: &str, what: &str) -> usize {
+    let before = line.split(what).next().filter(|_| line.contains(what));
+    let number = before.and_then(|before| before.rsplit(|c: char| !c.is_ascii_digit()).next());
+    number.and_then(|number| number.parse().ok()).unwrap_or(0)
+}
+
+fn files(directory: &Path, extension: &str) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(directory)? {
+        let path = entry?.path();
+        if path.is_file() && path.extension().is_some_and(|it| it == extension) {
+            files.push(path);
+        }
+    }
+    files.sort();
+    Ok(files)
+}
+
+fn copy(from: &Path, to: &Path) -> Result<()> {
+    std::fs::create_dir_all(to)?;
+    for entry in std::fs::read_dir(from)? {
+        let entry = entry?;
+        let target = to.join(entry.file_name());
+        match entry.file_type()?.is_dir() {
+            true => copy(&entry.path(), &target)?,
+            false => drop(std::fs::copy(entry.path(), target)?),
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::count;
+
+    #[test]
+    fn counts_are_read_from_the_summaries_of_the_test_tools() {
+        assert_eq!(count("ok. 12 passed; 3 failed; 1 ignored", " passed"), 12);
+        assert_eq!(count("ok. 12 passed; 3 failed; 1 ignored", " failed"), 3);
+        assert_eq!(count("2 failed, 19 passed in 3.21s", " passed"), 19);
+        assert_eq!(count("21 passed in 3.21s", " failed"), 0);
+        assert_eq!(count("no number passed", " passed"), 0);
+    }
+}
