@@ -23,41 +23,55 @@ const shots = resolve(required('SHOTS'));
 mkdirSync(shots, { recursive: true });
 const started = Date.now();
 let passed = 0;
-let failed = 0;
+/** What failed at both tries, told again at the end: a log of the workbench is long. */
+const failures = [];
 
-async function run(name) {
-  const scenario = await import(`./scenarios/${name}.mjs`);
-  const wb = await startWorkbench({
-    node: required('CS_NODE'),
-    codeServer: required('CS_ENTRY'),
-    vsix: required('VSIX'),
-    workspace: join(required('EXAMPLES'), scenario.workspace),
-    beside: (scenario.beside ?? []).map((name) => join(required('EXAMPLES'), name)),
-    files: scenario.files,
-    settings: scenario.settings,
-    shots,
-  });
+/** Runs a scenario; the failure, if there is one. */
+async function attempt(name) {
+  let current = 'the workbench starts';
+  let wb;
   try {
+    const scenario = await import(`./scenarios/${name}.mjs`);
+    wb = await startWorkbench({
+      node: required('CS_NODE'),
+      codeServer: required('CS_ENTRY'),
+      vsix: required('VSIX'),
+      workspace: join(required('EXAMPLES'), scenario.workspace),
+      beside: (scenario.beside ?? []).map((name) => join(required('EXAMPLES'), name)),
+      files: scenario.files,
+      settings: scenario.settings,
+      shots,
+    });
     const { demo: first = [], more = [] } = scenario.checks(wb);
-    for (const [title, body] of demo ? first : [...first, ...more]) {
+    const steps = demo ? first : [...first, ...more];
+    for (const [title, body] of steps) {
+      current = title;
       await body();
-      passed += 1;
       console.log(`${String(Date.now() - started).padStart(6)} ms  ok ${title}`);
     }
+    passed += steps.length;
   } catch (error) {
-    failed += 1;
-    console.error(error);
     const picture = `99-failure-${name}.png`;
-    await wb.shot(picture).catch(() => {});
-    console.error(wb.logs());
-    console.error(`${name} failed (screenshot: ${join(shots, picture)})`);
+    await wb?.shot(picture).catch(() => {});
+    console.error(wb?.logs() ?? '');
+    return `${name}: "${current}" failed (screenshot: ${join(shots, picture)})\n${error?.stack ?? error}`;
   } finally {
-    await wb.close();
+    await wb?.close();
   }
 }
 
 const all = readdirSync(new URL('scenarios', import.meta.url)).map((name) => name.replace('.mjs', ''));
 const wanted = demo ? ['first-steps'] : only ? [only] : ['first-steps', ...all.filter((name) => name !== 'first-steps').sort()];
-for (const name of wanted) await run(name);
-console.log(`${passed} passed, ${failed} failed`);
-process.exitCode = failed === 0 ? 0 : 1;
+for (const name of wanted) {
+  const first = await attempt(name);
+  if (!first) continue;
+  // A busy machine loses a key now and then, between the browser and the workbench. What is broken fails twice, in a
+  // workbench of its own each time; what failed once is told.
+  console.error(`${first}\n\ntrying ${name} once more`);
+  const second = await attempt(name);
+  if (second) failures.push(second);
+  else console.error(`${name} passed at the second try; the first failure was: ${first.split('\n')[0]}`);
+}
+for (const failure of failures) console.error(`\n${failure}`);
+console.log(`${passed} passed, ${failures.length} failed`);
+process.exitCode = failures.length === 0 ? 0 : 1;

@@ -21,22 +21,7 @@ export function checks(wb) {
 
   const lens = (what) => page.locator('.contentWidgets .codelens-decoration a', { hasText: what }).first();
 
-  async function quickFix(title, shot) {
-    const row = page.locator('.action-widget .monaco-list-row', { hasText: title }).first();
-    // A key pressed while the editor is busy is lost, and actions come once the server knows the text.
-    for (let attempt = 0; ; attempt++) {
-      await page.keyboard.press('Control+.');
-      try {
-        await row.waitFor({ timeout: 4000 });
-        break;
-      } catch (error) {
-        if (attempt === 4) throw error;
-        await page.keyboard.press('Escape');
-      }
-    }
-    await wb.shot(shot);
-    await row.click();
-  }
+  const quickFix = (title, shot) => wb.action(title, () => wb.shot(shot));
 
   /** Puts the cursor into the word after `before`, in the line that begins with these. */
   async function into(name, line, before) {
@@ -94,8 +79,7 @@ export function checks(wb) {
     ['go to implementation opens it', async () => {
       await wb.open('tank.gen');
       await into('tank.gen', 'codel<wait> tank_drain_wait', 'codel<wait> ');
-      await page.keyboard.press('Control+F12');
-      await page.locator(`.tab.active[data-resource-name="${SOURCE}"]`).first().waitFor();
+      await wb.press('Control+F12', page.locator(`.tab.active[data-resource-name="${SOURCE}"]`).first());
       await page.locator('.monaco-editor .view-line', { hasText: 'tank_drain_wait(double until' }).first().waitFor();
       await wb.shot('codels-05-implementation.png');
     }],
@@ -132,9 +116,7 @@ export function checks(wb) {
     ['rename is on both sides', async () => {
       await wb.open('tank.gen');
       await into('tank.gen', 'codel<wait> tank_drain_wait', 'codel<wait> ');
-      await page.keyboard.press('F2');
-      const input = page.locator('.rename-box input.rename-input');
-      await input.waitFor();
+      const input = await wb.press('F2', page.locator('.rename-box input.rename-input'));
       await input.fill('tank_drain_watch');
       await page.keyboard.press('Enter');
       await applyPreview('codels-11-rename.png');

@@ -41,8 +41,7 @@ export function checks(wb) {
       await wb.open('half.gen');
       await behind('half.gen', 'half_wait(in speed)', 'pause::wait');
       await wb.type(', ');
-      await page.keyboard.press('Control+Space');
-      await suggestions.filter({ hasText: 'start' }).first().waitFor();
+      await wb.press('Control+Space', suggestions.filter({ hasText: 'start' }).first());
       await suggestions.filter({ hasText: 'ether' }).first().waitFor();
       await shot('completion');
       await wb.type('eth');
@@ -54,8 +53,7 @@ export function checks(wb) {
     ['completion of codel parameters offers what is not used', async () => {
       await behind('half.gen', 'half_wait(in speed)', 'in speed');
       await wb.type(', ');
-      await page.keyboard.press('Control+Space');
-      await suggestions.first().waitFor();
+      await wb.press('Control+Space', suggestions.first());
       await shot('completion-parameters');
       await page.keyboard.press('Escape');
       for (let i = 0; i < 2; i++) await page.keyboard.press('Backspace');
@@ -63,8 +61,7 @@ export function checks(wb) {
     ['signature help tells the parameters of a codel', async () => {
       await wb.open('maneuver.gen');
       await behind('maneuver.gen', 'mv_exec_wait(in state, in trajectory)', 'in trajectory');
-      await page.keyboard.press('Control+Shift+Space');
-      await page.locator('.parameter-hints-widget.visible').waitFor();
+      await wb.press('Control+Shift+Space', page.locator('.parameter-hints-widget.visible'));
       await shot('signature-help');
       await page.keyboard.press('Escape');
     }],
@@ -76,17 +73,14 @@ export function checks(wb) {
     }],
     ['references tell reads and writes', async () => {
       await behind('maneuver.gen', 'mv_plan_exec_stop(out trajectory)', 'out trajectory');
-      await page.keyboard.press('Shift+F12');
-      await page.locator('.reference-zone-widget .monaco-list-row').first().waitFor();
+      await wb.press('Shift+F12', page.locator('.reference-zone-widget .monaco-list-row').first());
       await shot('references');
       await page.keyboard.press('Escape');
       await page.locator('.reference-zone-widget').waitFor({ state: 'detached' });
     }],
     ['a state is renamed wherever it is named', async () => {
       await behind('maneuver.gen', 'codel<wait> mv_exec_wait', 'codel<wait');
-      await page.keyboard.press('F2');
-      const box = page.locator('.rename-box input');
-      await box.waitFor();
+      const box = await wb.press('F2', page.locator('.rename-box input'));
       await box.fill('idle');
       await shot('rename');
       await box.press('Enter');

@@ -33,8 +33,7 @@ export function checks(wb) {
       await page.keyboard.press('Escape');
       await wb.endOf('pump.scn', 'cores 1;');
       await wb.type('\nslots pu');
-      await page.keyboard.press('Control+Space');
-      await page.locator('.suggest-widget .monaco-list-row', { hasText: 'pump.fill' }).first().waitFor();
+      await wb.press('Control+Space', page.locator('.suggest-widget .monaco-list-row', { hasText: 'pump.fill' }).first());
       await wb.shot('61-scenario-completion.png');
       await page.keyboard.press('Escape');
       await lens('not verified: there are errors').waitFor();
