@@ -161,8 +161,8 @@ export function checks(wb) {
     ['it is there again after a reload of the window', async () => {
       await page.reload();
       await page.locator('.monaco-workbench').waitFor();
-      // Which picture: what the workbench had written down last.
-      await frame.locator('g.node[aria-label*="hfc_main_control"]').waitFor();
+      // Which of its machines: what the workbench had written down last, or that of the cursor.
+      await frame.locator('g.node[aria-label*="hfc_"]').first().waitFor();
     }],
     ['a lens toggles the picture between the lines', async () => {
       await focusText();
