@@ -130,6 +130,55 @@ fn one_core_makes_the_fast_task_late() {
     );
 }
 
+/// One activity that takes long, one that is soon over, and one that nobody requests.
+const JOBS: &str = r#"
+component c {
+  version "1"; lang "c";
+  task t {};
+  activity slow() { task t; codel <start> do_slow() yield ether wcet 10 ms; };
+  activity quick() { task t; codel <start> do_quick() yield ether wcet 5 ms; };
+  activity other() { task t; codel <start> do_other() yield ether wcet 1 ms; };
+};
+"#;
+
+/// Where the counterexample of the only check ends, and its value.
+fn excess(check: &str) -> (f64, Option<Value>) {
+    let unit = load(JOBS);
+    let text = format!(
+        "scenario s {{ durations fixed;
+           client u {{ choice {{ delay 1 ms; send c.slow; }} or {{ delay 3 ms; send c.quick; }} }}
+           check {check}; }}"
+    );
+    let parsed = parse(&text);
+    assert_eq!(parsed.errors, []);
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let report = verify(
+        &input,
+        &parsed.scenario,
+        &Options::default(),
+        &AtomicBool::new(false),
+    );
+    let check = &report.checks[0];
+    assert_eq!(check.verdict, Verdict::Refuted, "{}", report.to_text(true));
+    (check.counterexample.last().unwrap().time, check.value)
+}
+
+#[test]
+fn a_counterexample_ends_when_the_limit_is_exceeded_first() {
+    // The quick activity is over at 8 ms, before the end of the slow one at 11 ms is looked at.
+    let time = |it| Some(Value::Time(it));
+    assert_eq!(excess("response c.t <= 4 ms"), (6.0, time(10.0)));
+    assert_eq!(excess("response c.t <= 6 ms"), (8.0, time(10.0)));
+    // After the quick one nothing ever happens: that is known while the slow one still runs.
+    let within = "within c.t.running => c.other.run";
+    let unbounded = Some(Value::Unbounded);
+    assert_eq!(excess(&format!("{within} <= 4 ms")), (6.0, unbounded));
+    // Beyond that a run that exceeds the limit is shown, not the shortest.
+    assert_eq!(excess(&format!("{within} <= 2 s")), (2004.0, unbounded));
+}
+
 #[test]
 fn predicates() {
     let report = robot(

@@ -271,6 +271,7 @@ fn run(
         before = Some(it.time);
         let style = match it.kind {
             MomentKind::Wait => AnsiColor::Yellow.on_default(),
+            MomentKind::Excess => AnsiColor::Red.on_default(),
             MomentKind::Tick | MomentKind::Release | MomentKind::Grant => FAINT,
             _ => Style::new(),
         };

@@ -7,6 +7,7 @@ use std::time::Duration;
 use dotgen_analysis::host::Cancellable;
 use dotgen_diagram::theme::Theme;
 use dotgen_diagram::timeline::{self, Timeline};
+use dotgen_timing::explore::MomentKind;
 use dotgen_timing::report::{CheckReport, Event, Soundness, Verdict};
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::verify::{Options, settings};
@@ -468,7 +469,11 @@ fn shown_run(
         (false, _) => "a run that shows it",
     };
     let title = format!("{} {}: {what}", check.check, check.of);
-    let ending = match refuted && matches!(check.check, "schedulable" | "no-overdue" | "response") {
+    let says_so = events
+        .last()
+        .is_some_and(|it| it.kind == MomentKind::Excess);
+    let late = matches!(check.check, "schedulable" | "no-overdue" | "response");
+    let ending = match refuted && late && !says_so {
         true => Ending::Miss(&check.of),
         false => Ending::Fine,
     };
