@@ -1,11 +1,11 @@
 //! From specifications and a scenario to a report.
 
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use dotgen_analysis::model::{Seconds, Spec};
 use num_rational::Ratio;
 
+pub use crate::cancel::Cancel;
 use crate::explore::{
     Bound, Findings, Found, Limits, LivenessQuery, Measured, MomentKind, ResponseTime, Run, Stop,
     Watch, Within, explore, liveness,
@@ -42,9 +42,6 @@ pub struct Options {
     /// When to give up.
     pub limits: Limits,
 }
-
-/// Set to stop a verification.
-pub type Cancel = AtomicBool;
 
 /// Verifies a scenario.
 pub fn verify(
@@ -563,6 +560,10 @@ impl Group<'_> {
             Bound::Unbounded => Value::Unbounded,
             Bound::Finite(ticks) => Value::Time(to_f64(time(ticks) / self.unit)),
         });
+        if let (Some(Stop::Limit | Stop::Cancelled), Bound::Finite(_)) = (found.stopped, it.bound) {
+            let states = found.states;
+            out.note = Some(format!("gave up at {states} states: this is a lower bound"));
+        }
         if let Some(excess) = &it.excess {
             out.verdict = Verdict::Refuted;
             out.counterexample = self.events(&excess.run);
@@ -607,6 +608,7 @@ impl Group<'_> {
         };
         let found = liveness(&self.built.system, &query, self.limits, self.cancel);
         report.states += found.states;
+        report.memory = report.memory.max(found.bytes);
         match &found.counterexample {
             Some(run) => {
                 out.verdict = Verdict::Refuted;

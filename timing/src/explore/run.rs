@@ -5,6 +5,7 @@ use rustc_hash::FxHashMap;
 use super::observe::{self, Observer};
 use super::state::{Layout, State, TaskStatus, control, phase};
 use super::step::{Action, Stepper};
+use crate::cancel::Cancel;
 use crate::system::{FOREVER, Ticks, TimedSystem, Yield};
 
 /// Steps of a run that is made longer by repetition, at most.
@@ -74,15 +75,15 @@ impl Run {
     pub(crate) fn repetition(
         &self,
         stepper: &Stepper,
-        observers: &[Observer],
-        recent: Ticks,
+        (observers, recent): (&[Observer], Ticks),
+        cancel: &Cancel,
     ) -> Option<(u64, u64)> {
-        let from = self.end - u64::from(recent);
+        let from = self.end.checked_sub(u64::from(recent))?;
         let mut seen = FxHashMap::default();
         let mut found = None;
         self.replay(stepper, observers, |time, s, began| {
-            if time < from || found.is_some() {
-                return;
+            if time < from {
+                return !(time.is_multiple_of(64) && cancel.is_abandoned());
             }
             // Elapsed instead of remaining times.
             let elapsed: Vec<u64> = (0..stepper.layout.executors())
@@ -101,6 +102,7 @@ impl Run {
                 .collect();
             let key = (s.d.clone(), stepper.layout.key_times(s).to_vec(), elapsed);
             found = seen.insert(key, time).map(|before| (before, time));
+            found.is_none() && !(time.is_multiple_of(64) && cancel.is_abandoned())
         });
         found
     }
@@ -131,12 +133,12 @@ impl Run {
     }
 
     /// Calls `calm` with the state before every unit of time that passes, the time, and when each
-    /// executor began.
+    /// executor began. Ends when it says so.
     fn replay(
         &self,
         stepper: &Stepper,
         observers: &[Observer],
-        mut calm: impl FnMut(u64, &State, &[u64]),
+        mut calm: impl FnMut(u64, &State, &[u64]) -> bool,
     ) {
         let mut s = stepper.initial();
         observe::observe(stepper, observers, None, &mut s);
@@ -144,7 +146,9 @@ impl Run {
         let mut began = vec![0; stepper.layout.executors()];
         for &(time, action) in &self.steps {
             while now < time {
-                calm(now, &s, &began);
+                if !calm(now, &s, &began) {
+                    return;
+                }
                 advance(stepper, &mut s, 1);
                 now += 1;
             }
@@ -158,7 +162,9 @@ impl Run {
             }
         }
         while now < self.end {
-            calm(now, &s, &began);
+            if !calm(now, &s, &began) {
+                return;
+            }
             advance(stepper, &mut s, 1);
             now += 1;
         }

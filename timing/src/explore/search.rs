@@ -1,7 +1,6 @@
 //! Exploration in order of time, and what is watched meanwhile.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use rustc_hash::FxHashSet;
 
@@ -13,6 +12,7 @@ use super::run::Run;
 use super::state::{Layout, State, TaskStatus, phase};
 use super::step::{Action, Enabled, Stepper};
 use super::store::{Encoded, Store, decode, encode, holds};
+use crate::cancel::Cancel;
 use crate::property::Predicate;
 use crate::system::{Ticks, TimedSystem};
 
@@ -141,12 +141,7 @@ pub struct Findings {
 }
 
 /// Explores all runs of a system.
-pub fn explore(
-    system: &TimedSystem,
-    watch: &Watch,
-    limits: Limits,
-    cancel: &AtomicBool,
-) -> Findings {
+pub fn explore(system: &TimedSystem, watch: &Watch, limits: Limits, cancel: &Cancel) -> Findings {
     let mut gauges = Gauge::of(watch, &How::Shared);
     let mut findings = until_measured(system, watch, &mut gauges, limits, cancel);
     // What grew suspiciously is measured alone, so that clocks do not multiply.
@@ -180,7 +175,7 @@ fn until_measured(
     watch: &Watch,
     gauges: &mut [Gauge],
     limits: Limits,
-    cancel: &AtomicBool,
+    cancel: &Cancel,
 ) -> Findings {
     loop {
         let mut search = Search::new(system, watch, gauges, limits, cancel);
@@ -202,6 +197,12 @@ impl Findings {
 
 /// States looked at per state of a layer to find those that are reached by ends that can wait.
 const CLOSURES: usize = 4;
+
+/// States looked at between two looks at what may end the search.
+const LOOKS: usize = 64;
+
+/// Bytes of a node in the queue.
+const QUEUED: usize = 2 * size_of::<u32>();
 
 const ROOT: u32 = u32::MAX;
 
@@ -236,7 +237,7 @@ struct Search<'a> {
     watch: &'a Watch,
     observers: Vec<Observer>,
     limits: Limits,
-    cancel: &'a AtomicBool,
+    cancel: &'a Cancel,
     passed: Store,
     nodes: Vec<Node>,
     dims: Vec<Ticks>,
@@ -261,6 +262,8 @@ struct Search<'a> {
     stopped: Option<Stop>,
     /// Found while a layer was closed.
     diverging: Option<Diverging>,
+    /// Bytes of the states that a layer begins with.
+    under_way: usize,
     /// Look for repetition until it is found.
     patient: bool,
 }
@@ -281,7 +284,7 @@ impl<'a> Search<'a> {
         watch: &'a Watch,
         gauges: &'a [Gauge],
         limits: Limits,
-        cancel: &'a AtomicBool,
+        cancel: &'a Cancel,
     ) -> Self {
         let measured = |of: Timing| gauges.iter().any(|it| it.of == of && it.active());
         let measured_task = |task: usize| measured(Timing::Response(task));
@@ -355,6 +358,7 @@ impl<'a> Search<'a> {
             waiting_only,
             stopped: None,
             diverging: None,
+            under_way: 0,
             patient,
         }
     }
@@ -371,7 +375,11 @@ impl Search<'_> {
             && let Some((time, parents)) = self.queue.pop_first()
         {
             let mut states = Vec::with_capacity(parents.len());
-            for parent in parents {
+            self.under_way = states.capacity() * size_of::<(State, u32)>();
+            for (i, parent) in parents.into_iter().enumerate() {
+                if i % LOOKS == LOOKS - 1 && self.out_of_bounds() {
+                    break;
+                }
                 let mut s = self.node_state(parent);
                 let jump = (time - self.nodes[parent as usize].time) as Ticks;
                 self.limits_in_jump(&s, parent, jump);
@@ -381,7 +389,7 @@ impl Search<'_> {
                 }
                 states.push((s, parent));
             }
-            if self.diverging.is_none() {
+            if self.diverging.is_none() && self.stopped.is_none() {
                 self.close_layer(time, states, false);
             }
         }
@@ -598,10 +606,10 @@ impl Search<'_> {
     }
 
     fn out_of_bounds(&mut self) -> bool {
-        if self.cancel.load(Ordering::Relaxed) {
+        if self.cancel.is_over() {
             self.stopped = Some(Stop::Cancelled);
         } else if self.nodes.len() + self.layer.len() > self.limits.states
-            || ((self.steps >> 4).is_multiple_of(1 << 10) && self.memory() > self.limits.bytes)
+            || self.memory() > self.limits.bytes
         {
             self.stopped = Some(Stop::Limit);
         }
@@ -613,7 +621,9 @@ impl Search<'_> {
             + self.layer.memory()
             + self.nodes.capacity() * size_of::<Node>()
             + self.dims.capacity() * size_of::<Ticks>()
-            + self.edges.capacity() * 8
+            + self.edges.capacity() * size_of::<(u32, u32)>()
+            + self.nodes.len() * QUEUED
+            + self.under_way
     }
 
     // ---- What is watched -------------------------------------------------------------------
@@ -671,7 +681,10 @@ impl Search<'_> {
             return;
         }
         for (time, parents) in std::mem::take(&mut self.queue) {
-            for parent in parents {
+            for (i, parent) in parents.into_iter().enumerate() {
+                if i % LOOKS == 0 && self.cancel.is_abandoned() {
+                    return;
+                }
                 let s = self.node_state(parent);
                 let jump = (time - self.nodes[parent as usize].time) as Ticks;
                 self.limits_in_jump(&s, parent, jump);
@@ -707,7 +720,7 @@ impl Search<'_> {
                 continue;
             }
             self.longest[i] = Some(Longest { value, at });
-            if value <= self.patience {
+            if value <= self.patience || self.out_of_bounds() {
                 continue;
             }
             self.patience = self.patience.saturating_mul(2);
@@ -717,14 +730,15 @@ impl Search<'_> {
                 proof: None,
                 excess: None,
             };
-            if let Some(cycle) = run.repetition(&self.stepper, &self.observers, value) {
+            let clock = (&self.observers[..], value);
+            if let Some(cycle) = run.repetition(&self.stepper, clock, self.cancel) {
                 let limit = self.gauges[i].limit;
                 let left = limit.and_then(|it| it.checked_sub(value));
                 out.excess = left.and_then(|it| run.prolonged(cycle, it + 1));
                 out.proof = Some(run);
                 return Some(out);
             }
-            if !self.patient {
+            if !self.patient && !self.cancel.is_abandoned() {
                 return Some(out);
             }
         }
@@ -745,6 +759,17 @@ impl Search<'_> {
                 if let How::Unbounded(run) = &gauge.how {
                     return Some(Measured {
                         bound: Bound::Unbounded,
+                        longest: found(run.clone()),
+                        excess,
+                    });
+                }
+                let (reached, limit) = (self.longest[i].map(|it| it.value), gauge.limit);
+                if let (Some(run), Some(limit)) =
+                    (&gauge.excess, limit.filter(|it| reached <= Some(*it)))
+                {
+                    // Known from an exploration before, which this one has not come up with.
+                    return Some(Measured {
+                        bound: Bound::Finite(limit + 1),
                         longest: found(run.clone()),
                         excess,
                     });
@@ -827,7 +852,7 @@ fn join(links: &mut [(u32, u32)], one: u32, other: u32) -> u32 {
 type Point = Vec<Option<Ticks>>;
 
 impl Search<'_> {
-    /// A run to what was seen: segments from node to node, found backwards with the remaining times
+    /// A run to what was seen, empty if nobody wants it any more: segments from node to node, found backwards with the remaining times
     /// that the later part of the run needs.
     fn trace(&self, at: Sight, goal: &Goal) -> Run {
         let mut segments = Vec::new();
@@ -946,6 +971,9 @@ impl Search<'_> {
         let mut it = Encoded::default();
         let mut at = 0;
         while at < found.len() {
+            if at % LOOKS == 0 && self.cancel.is_abandoned() {
+                return None;
+            }
             let s = found[at].0.clone();
             let before = found.get(found[at].1).map(|it| it.0.clone());
             self.stepper.enabled(&s, &mut enabled);

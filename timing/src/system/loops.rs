@@ -72,7 +72,11 @@ pub(crate) fn can_pause(machine: &Machine, state: usize) -> bool {
     false
 }
 
-/// States in which a turn cannot go on under the loop limit of the machine, by name.
+/// More combinations of state and visits than this are not looked at.
+const COMBINATIONS: usize = 20_000;
+
+/// States in which a turn cannot go on under the loop limit of the machine, by name. Where there are very many
+/// combinations of states and visits, perhaps not all.
 pub fn loop_contradictions(machine: &Machine) -> Vec<String> {
     let Some(limit) = machine.loop_limit else {
         return Vec::new();
@@ -96,6 +100,9 @@ pub fn loop_contradictions(machine: &Machine) -> Vec<String> {
         })
         .collect();
     while let Some((at, visits)) = stack.pop() {
+        if seen.len() == COMBINATIONS {
+            break;
+        }
         if !seen.insert((at, visits.clone())) {
             continue;
         }

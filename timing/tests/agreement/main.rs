@@ -3,14 +3,13 @@
 mod brute;
 mod systems;
 
-use std::sync::atomic::AtomicBool;
-
 use brute::{Brute, CAP, Results};
 use dotgen_timing::analytic::response_bounds;
 use dotgen_timing::explore::{
     Bound, Found, Limits, Measured, ResponseTime, Watch, Within, explore,
 };
 use dotgen_timing::system::TimedSystem;
+use dotgen_timing::verify::Cancel;
 
 /// Compares everything on the system of one seed; `None` if it was too large for brute force.
 fn compare(seed: u64) -> Option<Result<(), String>> {
@@ -69,7 +68,7 @@ fn compare_system(
             states: 400_000,
             bytes: 1 << 28,
         },
-        &AtomicBool::new(false),
+        &Cancel::default(),
     );
     if found.stopped.is_some() {
         return Some(Err(format!(

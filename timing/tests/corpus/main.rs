@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use camino::Utf8Path;
 use dotgen_analysis::host::{
@@ -12,7 +11,7 @@ use dotgen_analysis::host::{
 use dotgen_timing::report::{Report, Value, Verdict};
 use dotgen_timing::scn::ast::{Durations, Item, Policy, Scenario};
 use dotgen_timing::scn::parse;
-use dotgen_timing::verify::{Options, SystemInput, verify};
+use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 use serde_json::Value as Json;
 
 /// Reads the disk; every package is the folder of the scenario.
@@ -80,7 +79,7 @@ fn run(path: &Path, options: &Options) -> Report {
     let input = SystemInput {
         specs: vec![&unit.spec],
     };
-    verify(&input, &scenario, options, &AtomicBool::new(false))
+    verify(&input, &scenario, options, &Cancel::default())
 }
 
 #[test]

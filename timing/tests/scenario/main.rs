@@ -1,7 +1,6 @@
 //! Scenario language and verification, on small specifications of our own.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use camino::Utf8Path;
 use dotgen_analysis::host::{
@@ -15,7 +14,7 @@ use dotgen_timing::scn::names::{Names, Target};
 use dotgen_timing::scn::{default_text, format, parse, parse_check};
 use dotgen_timing::system::build::build;
 use dotgen_timing::system::settings::Settings;
-use dotgen_timing::verify::{Options, SystemInput, verify};
+use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 
 struct Nothing;
 
@@ -94,7 +93,7 @@ fn robot(items: &str) -> Report {
         &input,
         &parsed.scenario,
         &Options::default(),
-        &AtomicBool::new(false),
+        &Cancel::default(),
     )
 }
 
@@ -158,7 +157,7 @@ fn excess(check: &str) -> (f64, Option<Value>) {
         &input,
         &parsed.scenario,
         &Options::default(),
-        &AtomicBool::new(false),
+        &Cancel::default(),
     );
     let check = &report.checks[0];
     assert_eq!(check.verdict, Verdict::Refuted, "{}", report.to_text(true));
@@ -243,7 +242,7 @@ fn the_default_scenario_is_one() {
         &input,
         &parsed.scenario,
         &Options::default(),
-        &AtomicBool::new(false),
+        &Cancel::default(),
     );
     insta::assert_snapshot!(format!("{text}\n{}", summary(&report)));
 }
@@ -283,7 +282,7 @@ fn derived_questions() {
     };
     let scenario = parse("scenario x { check schedulable *; }").scenario;
     let options = Options::default();
-    let cancel = AtomicBool::new(false);
+    let cancel = Cancel::default();
     let cores = minimum_cores(&input, &scenario, &options, &cancel).unwrap();
     assert_eq!(cores.cores, Some(2));
     assert_eq!(cores.tried, [(1, Verdict::Refuted), (2, Verdict::Proved)]);
@@ -330,7 +329,7 @@ fn giving_up_is_said() {
     let scenario = parse(text).scenario;
     let mut options = Options::default();
     options.limits.states = 3;
-    let report = verify(&input, &scenario, &options, &AtomicBool::new(false));
+    let report = verify(&input, &scenario, &options, &Cancel::default());
     assert!(
         report
             .checks
@@ -339,12 +338,9 @@ fn giving_up_is_said() {
     );
     let note = report.checks[0].note.as_deref().unwrap();
     assert!(note.starts_with("gave up at"), "{note}");
-    let report = verify(
-        &input,
-        &scenario,
-        &Options::default(),
-        &AtomicBool::new(true),
-    );
+    let cancelled = Cancel::default();
+    cancelled.abandon();
+    let report = verify(&input, &scenario, &Options::default(), &cancelled);
     assert!(
         report
             .checks

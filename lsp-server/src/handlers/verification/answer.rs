@@ -10,7 +10,7 @@ use dotgen_diagram::timeline::{self, Timeline};
 use dotgen_timing::explore::MomentKind;
 use dotgen_timing::report::{CheckReport, Event, Soundness, Verdict};
 use dotgen_timing::scn::names::Names;
-use dotgen_timing::verify::{Options, settings};
+use dotgen_timing::verify::{Cancel, Options, settings};
 use serde::{Deserialize, Serialize};
 use tokio::runtime::Handle;
 
@@ -22,7 +22,7 @@ use crate::verification::summary;
 use crate::verification::timeline::{Ending, of_run};
 use crate::verification::what_if::WhatIf;
 use crate::verification::{Problem, TaskBound};
-use crate::verifier::{self, Answer, Cancel, Found, Status, about};
+use crate::verifier::{self, Answer, Found, Status, about};
 
 /// Parameters of `dotgen/verification`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -207,7 +207,7 @@ struct CancelOnDrop(Arc<Cancel>);
 
 impl Drop for CancelOnDrop {
     fn drop(&mut self) {
-        self.0.cancel();
+        self.0.abandon();
     }
 }
 
