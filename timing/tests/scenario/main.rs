@@ -194,6 +194,34 @@ fn predicates() {
 }
 
 #[test]
+fn a_loop_limit_that_cannot_be_kept_is_explained() {
+    let unit = load(
+        r#"component c { version "1"; lang "c";
+             task t {
+               period 5 ms;
+               codel <start> begin() yield wait wcet 1 ms;
+               codel <wait> do_wait() yield pause::wait, main wcet 1 ms;
+               codel <main> do_main() yield wait, pause::main, start wcet 1 ms;
+             };
+           };"#,
+    );
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let said = |items: &str| {
+        let scenario = parse(&format!("scenario x {{ {items} check schedulable *; }}")).scenario;
+        let report = verify(&input, &scenario, &Options::default(), &Cancel::default());
+        summary(&report)
+    };
+    insta::assert_snapshot!(format!(
+        "{}\n{}\n{}",
+        said("loop once c.t;"),
+        said("loop 2;"),
+        said("")
+    ));
+}
+
+#[test]
 fn mistakes_are_explained() {
     let report = robot(
         "check response sensor.aquire; check schedulable sensor.record;
