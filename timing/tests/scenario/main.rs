@@ -12,6 +12,7 @@ use dotgen_timing::report::{Report, Value, Verdict};
 use dotgen_timing::scn::ast::{Path, Spanned};
 use dotgen_timing::scn::names::{Names, Target};
 use dotgen_timing::scn::{default_text, format, parse, parse_check};
+use dotgen_timing::system::SharedPorts;
 use dotgen_timing::system::build::build;
 use dotgen_timing::system::settings::Settings;
 use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
@@ -328,6 +329,28 @@ fn derived_questions() {
     let period = smallest_period(&input, &scenario, &options, &path("control.move"), &cancel);
     insta::assert_debug_snapshot!(period.unwrap().extreme);
     assert!(largest_wcet(&input, &scenario, &options, &path("control.move"), &cancel).is_err());
+}
+
+#[test]
+fn connections_that_make_codels_wait_are_named() {
+    let unit = load(ROBOT);
+    let names = Names::new(&[&unit.spec]);
+    let shared = |items: &str| {
+        let settings = Settings::new(&parse(&format!("scenario x {{ {items} }}")).scenario);
+        let built = build(&names, &settings, &|_| true);
+        let site = |path: &str| {
+            let mut codels = built.system.codels.iter();
+            codels.find(|it| it.path == path).unwrap().site.unwrap()
+        };
+        let (publish, step) = (site("sensor.acquire.publish"), site("control.move.step"));
+        let ports = SharedPorts::new(&names, &settings);
+        assert_eq!(ports.of(publish, step), ports.of(step, publish));
+        assert_eq!(ports.of(publish, publish), [""; 0]);
+        (ports.of(publish, step), ports.of(step, step))
+    };
+    let scan = vec!["sensor.scan → control.scan".to_owned()];
+    assert_eq!(shared(""), (scan.clone(), scan));
+    assert_eq!(shared("connect control.scan to none;"), (vec![], vec![]));
 }
 
 #[test]

@@ -41,6 +41,18 @@ pub(crate) struct VerificationParams {
     theme: Theme,
 }
 
+impl VerificationParams {
+    /// Everything about a document, with a variation.
+    pub(super) fn about(text_document: TextDocumentIdentifier, what_if: WhatIf) -> Self {
+        VerificationParams {
+            text_document,
+            check: None,
+            what_if,
+            theme: Theme::default(),
+        }
+    }
+}
+
 /// Answer of `dotgen/verification`.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
@@ -203,7 +215,8 @@ pub(crate) struct Shown {
     errors: Vec<String>,
 }
 
-struct CancelOnDrop(Arc<Cancel>);
+/// Ends work that nobody waits for.
+pub(super) struct CancelOnDrop(pub(super) Arc<Cancel>);
 
 impl Drop for CancelOnDrop {
     fn drop(&mut self) {
@@ -212,10 +225,37 @@ impl Drop for CancelOnDrop {
 }
 
 impl Prepared {
+    /// Version of the document.
+    pub(super) fn version(&self) -> Option<i32> {
+        self.version
+    }
+
+    /// What it is about.
+    pub(super) fn problem(&self) -> Arc<Problem> {
+        self.problem.clone()
+    }
+
+    fn errors(&self) -> Vec<String> {
+        let errors = self.problem.errors.iter();
+        errors.map(|it| it.message.clone()).collect()
+    }
+
+    /// What is to be verified, and how; or why it cannot be.
+    pub(super) fn varied(&self) -> Result<(Problem, Options), Vec<String>> {
+        let mut errors = self.errors();
+        let varied = self.what_if.apply(&self.problem);
+        let options = self.what_if.options(self.options.clone());
+        match (varied, options) {
+            (Ok(problem), Ok(options)) if errors.is_empty() => return Ok((problem, options)),
+            (Err(why), _) | (_, Err(why)) => errors.push(why),
+            _ => {}
+        }
+        Err(errors)
+    }
+
     /// Verifies if that has to be done. Dropping the future ends the work.
     pub(crate) async fn answer(mut self) -> Shown {
-        let errors = self.problem.errors.iter();
-        let mut failures: Vec<String> = errors.map(|it| it.message.clone()).collect();
+        let failures = self.errors();
         if let Some(answer) = self.known.clone() {
             return Shown {
                 prepared: self,
@@ -223,23 +263,17 @@ impl Prepared {
                 errors: failures,
             };
         }
-        let varied = self.what_if.apply(&self.problem);
-        let options = self.what_if.options(self.options.clone());
-        let (problem, options) = match (varied, options) {
-            (Ok(problem), Ok(options)) => (problem, options),
-            (Err(why), _) | (_, Err(why)) => {
-                failures.push(why);
-                (Problem::clone(&self.problem), self.options.clone())
+        let (problem, options) = match self.varied() {
+            Ok(varied) => varied,
+            Err(errors) => {
+                self.status = Status::Blocked;
+                return Shown {
+                    prepared: self,
+                    answer: None,
+                    errors,
+                };
             }
         };
-        if !failures.is_empty() {
-            self.status = Status::Blocked;
-            return Shown {
-                prepared: self,
-                answer: None,
-                errors: failures,
-            };
-        }
         let cancel = Arc::new(Cancel::default());
         let _guard = CancelOnDrop(cancel.clone());
         let (problem, limit, timer) = (Arc::new(problem), self.limit, Handle::current());
@@ -383,7 +417,8 @@ pub(crate) fn present(
     Ok(Some(out))
 }
 
-fn locate(
+/// A place of a specification for a client.
+pub(super) fn locate(
     snapshot: &Snapshot,
     places: &Problem,
     src: Option<(usize, dotgen_analysis::model::Src)>,
