@@ -731,6 +731,22 @@ impl Builder<'_> {
                 ));
             }
         }
+        let mut ordered: Vec<String> = Vec::new();
+        for &(c, s) in &self.requested {
+            let component = self.names.components[c].component;
+            let it = &component.services[s as usize];
+            let mut lists = [&it.before, &it.after].into_iter();
+            let path = format!("{}.{}", component.name, it.name);
+            if lists.any(|it| it.all || !it.services.is_empty()) && !ordered.contains(&path) {
+                ordered.push(path);
+            }
+        }
+        if !ordered.is_empty() {
+            self.out.assumptions.push(format!(
+                "requests: `before` and `after` of {} are not looked at; they are accepted at any time",
+                ordered.join(", ")
+            ));
+        }
         if self
             .out
             .diagnostics

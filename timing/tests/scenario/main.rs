@@ -233,6 +233,34 @@ fn mistakes_are_explained() {
 }
 
 #[test]
+fn orders_of_services_that_are_not_kept_are_an_assumption() {
+    let unit = load(
+        r#"component c { version "1"; lang "c"; task t {};
+             function calibrate() {};
+             activity move() { task t; codel <start> go() yield ether wcet 1 ms; after calibrate; };
+           };"#,
+    );
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let said = |service: &str| {
+        let text = format!("scenario x {{ client u {{ send c.{service}; }} check deadlock; }}");
+        let report = verify(
+            &input,
+            &parse(&text).scenario,
+            &Options::default(),
+            &Cancel::default(),
+        );
+        let mut all = report.assumptions.into_iter();
+        all.find(|it| it.starts_with("requests"))
+    };
+    let expected =
+        "requests: `before` and `after` of c.move are not looked at; they are accepted at any time";
+    assert_eq!(said("move").as_deref(), Some(expected));
+    assert_eq!(said("calibrate"), None);
+}
+
+#[test]
 fn broken_text_is_recovered_from() {
     let parsed = parse(
         "scenario x {\n  cores 0;\n  policy lifo;\n  unit 1 ms\n  check response a.b;\n  client c { send a.; repeat 3 { } }\n  wrong;\n",
