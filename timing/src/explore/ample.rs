@@ -138,6 +138,26 @@ impl Ample {
         }
     }
 
+    /// Whether a task has nothing to do with control tasks, clients or separate threads.
+    pub(super) fn plain(&self, task: usize) -> bool {
+        self.plain[task]
+    }
+
+    /// Whether predicates say something about a task.
+    pub(super) fn visible(&self, task: usize) -> bool {
+        self.visible[task]
+    }
+
+    /// Whether the cycle of a task never ends.
+    pub(super) fn endless(&self, task: usize) -> bool {
+        self.endless[task]
+    }
+
+    /// The codels that the same turn of an automaton can come to after a state.
+    pub(super) fn later(&self, automaton: usize, state: usize) -> &CodelSet {
+        &self.later[automaton][state]
+    }
+
     /// Writes an ample set of a state to `out`, or all enabled actions.
     pub(crate) fn select(
         &self,
