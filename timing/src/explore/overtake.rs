@@ -35,6 +35,15 @@ const TICKS: usize = 64;
 /// Sets of tasks.
 type Tasks = u64;
 
+/// A state and what can happen in it.
+#[derive(Clone, Copy)]
+pub(crate) struct Now<'n, 's> {
+    pub(crate) stepper: &'n Stepper<'s>,
+    pub(crate) ample: &'n Ample,
+    pub(crate) s: &'n State,
+    pub(crate) enabled: &'n Enabled,
+}
+
 /// What is known beforehand about a system.
 #[derive(Debug)]
 pub(crate) struct Overtake {
@@ -86,21 +95,16 @@ impl Overtake {
     /// that is enabled.
     pub(crate) fn select(
         &self,
-        stepper: &Stepper,
-        ample: &Ample,
-        s: &State,
-        enabled: &Enabled,
+        now: Now,
         held: Held,
         first: &[Action],
         out: &mut Vec<(Action, Held)>,
     ) {
         out.clear();
+        let enabled = now.enabled;
         let moment = Moment {
             overtake: self,
-            stepper,
-            ample,
-            s,
-            enabled,
+            now,
             held,
         };
         if !self.enabled || enabled.committed || !(enabled.urgent || enabled.forced) {
@@ -177,11 +181,16 @@ fn members(tasks: Tasks) -> impl Iterator<Item = usize> {
 /// One state in which something is due.
 struct Moment<'m, 's> {
     overtake: &'m Overtake,
-    stepper: &'m Stepper<'s>,
-    ample: &'m Ample,
-    s: &'m State,
-    enabled: &'m Enabled,
+    now: Now<'m, 's>,
     held: Held,
+}
+
+impl<'m, 's> std::ops::Deref for Moment<'m, 's> {
+    type Target = Now<'m, 's>;
+
+    fn deref(&self) -> &Now<'m, 's> {
+        &self.now
+    }
 }
 
 impl Moment<'_, '_> {

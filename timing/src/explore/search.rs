@@ -8,7 +8,7 @@ use rustc_hash::FxHashSet;
 use super::ample::{Ample, visible_tasks};
 use super::lazy::{self, Lazy};
 use super::observe::{self, Observer};
-use super::overtake::{Held, Overtake};
+use super::overtake::{Held, Now, Overtake};
 use super::run::Run;
 use super::state::{Layout, State, TaskStatus, phase};
 use super::step::{Action, Enabled, Stepper};
@@ -60,7 +60,7 @@ pub enum Stop {
     Limit,
     /// Cancelled from outside.
     Cancelled,
-    /// Nothing more was asked ([`Watch::stop_at_first`]).
+    /// Everything that was asked has been found, or with [`Watch::stop_at_first`] the first of it.
     Answered,
 }
 
@@ -343,7 +343,7 @@ impl<'a> Search<'a> {
             })
             .fold(0u32, |sum, it| sum.saturating_add(it));
         let lazy = Lazy::new(system, &visible, &observed);
-        let ample = Ample::new(system, visible);
+        let ample = Ample::new(system, visible, &observed);
         Search {
             stepper: Stepper::new(system, layout),
             lazy,
@@ -486,15 +486,13 @@ impl Search<'_> {
             let calm = !enabled.urgent && !enabled.forced;
             let waiters = calm.then(|| self.lazy.waiters(&self.stepper, &s)).flatten();
             self.ample.select(&self.stepper, &s, &enabled, &mut first);
-            self.overtake.select(
-                &self.stepper,
-                &self.ample,
-                &s,
-                &enabled,
-                held,
-                &first,
-                &mut followed,
-            );
+            let now = Now {
+                stepper: &self.stepper,
+                ample: &self.ample,
+                s: &s,
+                enabled: &enabled,
+            };
+            self.overtake.select(now, held, &first, &mut followed);
             for &(action, mut held) in &followed {
                 if let Action::Finish { executor, .. } = action
                     && let Some(waiters) = &waiters
@@ -653,8 +651,21 @@ impl Search<'_> {
             || ((self.steps >> 4).is_multiple_of(1 << 10) && self.memory() > self.limits.bytes)
         {
             self.stopped = Some(Stop::Limit);
+        } else if self.answered() {
+            self.stopped = Some(Stop::Answered);
         }
         self.stopped.is_some()
+    }
+
+    /// Whether everything that is asked has been seen. With clients the rest may still show that a request is refused.
+    fn answered(&self) -> bool {
+        self.watch.response.is_empty()
+            && self.watch.within.is_empty()
+            && self.stepper.system.clients.is_empty()
+            && self.missed.iter().all(Option::is_some)
+            && self.overdue.iter().all(Option::is_some)
+            && self.reached.iter().all(Option::is_some)
+            && (!self.watch.deadlock || self.deadlock.is_some())
     }
 
     fn memory(&self) -> usize {
