@@ -221,7 +221,7 @@ enum Diverging {
 }
 
 /// States looked at per state of a layer to find those that are reached by ends that can wait.
-const CLOSURES: usize = 4;
+const CLOSURES: usize = 1;
 
 const ROOT: u32 = u32::MAX;
 
