@@ -11,6 +11,7 @@ mod lazy;
 mod liveness;
 mod measure;
 mod observe;
+mod overtake;
 mod run;
 mod search;
 mod state;
