@@ -7,12 +7,13 @@
 //!   length *w* a periodic task does at most ⌈w/P⌉ + 3 turns (one carried in, one on a pending tick,
 //!   one in its start-up);
 //! * while a task waits for a core, all cores are held by other jobs, each for at most its own bound
-//!   counted from the grant.
+//!   counted from the grant; under FIFO only by jobs released before, at most one of each task. A cycle that
+//!   never ends holds one core.
 //!
 //! Both windows are least fixed points.
 
 use crate::system::{
-    ClientAction, CodelSet, FOREVER, LockOrder, Machine, Ticks, TimedSystem, Yield,
+    ClientAction, CodelSet, FOREVER, LockOrder, Machine, Policy, Ticks, TimedSystem, Yield,
 };
 
 /// A bound on the response time of every task; `None` where this method finds none.
@@ -39,6 +40,13 @@ pub fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
 
 /// Fixed points that are not found in so many rounds are given up: a quick bound must be quick.
 const ROUNDS: usize = 10_000;
+
+/// Whether a bound on the response time of a task proves that it meets its deadlines. Where a tick is kept it may
+/// be taken any time before the next one, so that nothing follows.
+pub fn meets_deadlines(system: &TimedSystem, task: usize, bound: Option<Ticks>) -> bool {
+    let it = &system.tasks[task];
+    bound.is_some_and(|bound| !it.keep_idle_tick && Some(bound) < it.period)
+}
 
 /// Fixed points above this are given up.
 const HORIZON: u64 = 1 << 31;
@@ -145,9 +153,15 @@ impl Analysis<'_> {
         if !self.system.needs_core(task) {
             return Some(0);
         }
+        let mut cores = u64::from(cores);
         let mut jobs = Vec::new();
         for (other, it) in self.system.tasks.iter().enumerate() {
             if other == task || !self.system.needs_core(other) {
+                continue;
+            }
+            if it.period.is_none() && self.never_ends(other) {
+                // At worst it has its core before anybody else, and for ever.
+                cores = cores.checked_sub(1).filter(|&left| left > 0)?;
                 continue;
             }
             let work = held[other]?;
@@ -155,7 +169,24 @@ impl Analysis<'_> {
                 jobs.push((it.period, work));
             }
         }
-        fixed_point(&jobs, 0, u64::from(cores))
+        if self.system.platform.policy == Policy::Fifo {
+            // Every other task has at most one job that was released before.
+            let ahead: u64 = jobs.iter().map(|it| it.1).sum();
+            let queue = ahead / cores;
+            return Some(fixed_point(&jobs, 0, cores).map_or(queue, |it| it.min(queue)));
+        }
+        fixed_point(&jobs, 0, cores)
+    }
+
+    /// Whether the cycle of an aperiodic task goes on for ever, if it is given a core at all.
+    fn never_ends(&self, task: usize) -> bool {
+        let it = &self.system.tasks[task];
+        it.slots.is_empty()
+            && it.permanent.is_some_and(|a| {
+                let states = &self.system.machine_of(a).states;
+                let mut yields = states.iter().flat_map(|it| &it.yields);
+                yields.all(|it| matches!(it, Yield::Next(_)))
+            })
     }
 }
 

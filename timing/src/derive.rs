@@ -9,6 +9,7 @@ use dotgen_analysis::model::Seconds;
 use num_rational::Ratio;
 use serde::Serialize;
 
+use crate::analytic::{meets_deadlines, response_bounds};
 use crate::explore::Stop;
 use crate::explore::{Watch, explore};
 use crate::property::resolve;
@@ -392,11 +393,19 @@ impl<'v> Variation<'v> {
         if built.has_errors() {
             return Verdict::Unknown;
         }
+        let tasks: Vec<usize> = self.tasks.iter().map(|it| built.tasks[it]).collect();
+        let bounds = response_bounds(&built.system);
+        let open = tasks
+            .into_iter()
+            .filter(|&task| !meets_deadlines(&built.system, task, bounds[task]));
         let watch = Watch {
-            schedulable: self.tasks.iter().map(|it| built.tasks[it]).collect(),
+            schedulable: open.collect(),
             stop_at_first: true,
             ..Watch::default()
         };
+        if watch.schedulable.is_empty() {
+            return Verdict::Proved;
+        }
         let found = explore(&built.system, &watch, self.options.limits, self.cancel);
         if found.missed.iter().any(Option::is_some) {
             Verdict::Refuted

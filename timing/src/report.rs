@@ -59,6 +59,8 @@ pub enum Soundness {
     Under,
     /// Neither of both.
     Neither,
+    /// The verdict is exact, the value an upper bound of the exact one.
+    UpperBound,
 }
 
 /// The answer to one check.
@@ -214,6 +216,7 @@ impl Report {
                 Soundness::Exact => {}
                 Soundness::Safe => out.push_str("  [safe: may be a false alarm]"),
                 Soundness::Under => out.push_str("  [for worst-case durations only]"),
+                Soundness::UpperBound => out.push_str("  [an upper bound]"),
                 Soundness::Neither => out.push_str("  [for worst-case durations only, indicative]"),
             }
             out.truncate(out.trim_end().len());

@@ -1,10 +1,17 @@
 //! From specifications and a scenario to a report.
 
+mod analysed;
+mod checks;
+mod groups;
+
 use std::time::Instant;
 
 use dotgen_analysis::model::{Seconds, Spec};
 use num_rational::Ratio;
 
+use self::analysed::Analysed;
+use self::checks::{Single, What, expand};
+use self::groups::groups;
 pub use crate::cancel::Cancel;
 use crate::explore::{
     Bound, Findings, Found, Limits, LivenessQuery, Measured, MomentKind, ResponseTime, Run, Stop,
@@ -13,13 +20,11 @@ use crate::explore::{
 use crate::property::{Predicate, resolve};
 use crate::report::{CheckReport, Event, Report, Soundness, Value, Verdict};
 use crate::scn::Diagnostic;
-use crate::scn::ast::{
-    Bound as AstBound, Check, CheckKind, Durations, Path, Policy, Pred, Scenario, Unit,
-};
+use crate::scn::ast::{Bound as AstBound, Check, Durations, Policy, Pred, Scenario, Unit};
 use crate::scn::names::Names;
+use crate::system::Ticks;
 use crate::system::build::{Built, build};
 use crate::system::settings::Settings;
-use crate::system::{ClientAction, Ticks};
 
 /// The specifications of a system.
 #[derive(Debug, Clone, Default)]
@@ -134,195 +139,6 @@ pub(crate) fn verify_settings(
     report
 }
 
-/// A check of one thing.
-struct Single<'c> {
-    check: &'c Check,
-    what: What<'c>,
-    /// Components it is about; none: all of them.
-    components: Vec<usize>,
-}
-
-enum What<'c> {
-    Schedulable((usize, u32)),
-    NoOverdue((usize, u32)),
-    Response((usize, u32), AstBound),
-    Within(&'c Pred, &'c Pred, AstBound),
-    LeadsTo(&'c Pred, &'c Pred),
-    Eventually(&'c Pred),
-    Always(&'c Pred),
-    Reachable(&'c Pred),
-    Deadlock,
-}
-
-/// Checks of everything (`*`) become one per task.
-fn expand<'c>(
-    names: &Names,
-    whole: &Built,
-    settings: &'c Settings,
-    diagnostics: &mut Vec<Diagnostic>,
-) -> Vec<Single<'c>> {
-    let mut out = Vec::new();
-    let tasks = |path: &Option<Path>, periodic: bool| -> Result<Vec<(usize, u32)>, Diagnostic> {
-        let has_period = |&(c, t): &(usize, u32)| {
-            names.components[c].component.tasks[t as usize]
-                .period
-                .is_some()
-        };
-        if let Some(path) = path {
-            let task = resolve::task(names, path)?;
-            if periodic && !has_period(&task) {
-                let message = format!(
-                    "`{}` has no period, so this does not apply to it",
-                    path.text()
-                );
-                return Err(Diagnostic::error("scn-aperiodic", path.range(), message));
-            }
-            return Ok(vec![task]);
-        }
-        let all =
-            names.components.iter().enumerate().flat_map(|(c, member)| {
-                (0..member.component.tasks.len() as u32).map(move |t| (c, t))
-            });
-        Ok(all.filter(|it| !periodic || has_period(it)).collect())
-    };
-    for check in &settings.checks {
-        let mut push = |what, components| {
-            out.push(Single {
-                check,
-                what,
-                components,
-            })
-        };
-        let mut preds = |list: &[&Pred]| -> Vec<usize> {
-            let mut components = Vec::new();
-            for pred in list {
-                if let Err(error) = resolve::resolve(names, whole, pred) {
-                    diagnostics.push(error);
-                }
-                resolve::components_of(names, whole, pred, &mut components);
-            }
-            components
-        };
-        let result: Result<(), Diagnostic> = match &check.kind {
-            CheckKind::Schedulable(path) => tasks(path, true).map(|it| {
-                it.into_iter()
-                    .for_each(|it| push(What::Schedulable(it), vec![it.0]))
-            }),
-            CheckKind::NoOverdue(path) => tasks(path, true).map(|it| {
-                it.into_iter()
-                    .for_each(|it| push(What::NoOverdue(it), vec![it.0]))
-            }),
-            CheckKind::Response(path, bound) => tasks(path, false).map(|it| {
-                it.into_iter()
-                    .for_each(|it| push(What::Response(it, *bound), vec![it.0]));
-            }),
-            CheckKind::Within(p, q, bound) => {
-                let components = preds(&[p, q]);
-                push(What::Within(p, q, *bound), components);
-                Ok(())
-            }
-            CheckKind::LeadsTo(p, q) => {
-                let components = preds(&[p, q]);
-                push(What::LeadsTo(p, q), components);
-                Ok(())
-            }
-            CheckKind::Eventually(p) => {
-                let components = preds(&[p]);
-                push(What::Eventually(p), components);
-                Ok(())
-            }
-            CheckKind::Always(p) => {
-                let components = preds(&[p]);
-                push(What::Always(p), components);
-                Ok(())
-            }
-            CheckKind::Reachable(p) => {
-                let components = preds(&[p]);
-                push(What::Reachable(p), components);
-                Ok(())
-            }
-            CheckKind::Deadlock => {
-                push(What::Deadlock, Vec::new());
-                Ok(())
-            }
-        };
-        if let Err(error) = result {
-            diagnostics.push(error);
-        }
-    }
-    if settings.checks.is_empty() {
-        let message = "the scenario checks nothing; add `check schedulable *;`".to_owned();
-        diagnostics.push(Diagnostic::warning("scn-no-check", 0..0, message));
-    }
-    out
-}
-
-/// Divides the components into groups that share no lock, core, client or check. What one group does
-/// is independent of the others (section 11).
-fn groups(names: &Names, whole: &Built, checks: &[Single]) -> Vec<Vec<usize>> {
-    let n = names.components.len();
-    let mut group: Vec<usize> = (0..n).collect();
-    let mut join = |one: usize, other: usize| {
-        let (from, to) = (group[one], group[other]);
-        for it in &mut group {
-            if *it == from {
-                *it = to;
-            }
-        }
-    };
-    let system = &whole.system;
-    let mut outer = vec![0; n];
-    for (&c, &number) in &whole.components {
-        outer[number] = c;
-    }
-    for codel in &system.codels {
-        for other in codel.conflicts.iter() {
-            join(
-                outer[codel.component],
-                outer[system.codels[other].component],
-            );
-        }
-    }
-    if system.platform.cores.is_some() {
-        let on_cores: Vec<usize> = (0..system.tasks.len())
-            .filter(|&it| system.needs_core(it))
-            .map(|it| outer[system.tasks[it].component])
-            .collect();
-        on_cores.windows(2).for_each(|it| join(it[0], it[1]));
-    }
-    for client in &system.clients {
-        let addressed: Vec<usize> = client
-            .steps
-            .iter()
-            .filter_map(|it| match it.action {
-                ClientAction::Send { service, .. } => {
-                    Some(outer[system.services[service].component])
-                }
-                _ => None,
-            })
-            .collect();
-        addressed.windows(2).for_each(|it| join(it[0], it[1]));
-    }
-    for check in checks {
-        check
-            .components
-            .windows(2)
-            .for_each(|it| join(it[0], it[1]));
-        if matches!(check.what, What::Deadlock) {
-            (1..n).for_each(|it| join(0, it));
-        }
-    }
-    let mut out: Vec<Vec<usize>> = Vec::new();
-    for root in 0..n {
-        let members: Vec<usize> = (0..n).filter(|&it| group[it] == root).collect();
-        if !members.is_empty() {
-            out.push(members);
-        }
-    }
-    out.sort();
-    out
-}
-
 /// Components that are explored together.
 struct Group<'g> {
     names: &'g Names<'g>,
@@ -334,6 +150,9 @@ struct Group<'g> {
     cancel: &'g Cancel,
 }
 
+/// Said when the checks needed no exploration.
+const NOT_EXAMINED: &str = "whether requests can be refused for want of a slot was not examined";
+
 impl Group<'_> {
     /// Answers the checks of this group.
     fn answer(
@@ -343,11 +162,20 @@ impl Group<'_> {
         answers: &mut [Option<CheckReport>],
         report: &mut Report,
     ) {
+        let analysed = Analysed::new(self.built);
         let mut watch = Watch::default();
         // Where the answer to each check will be found.
         let mut places = Vec::new();
         let predicate = |pred: &Pred| resolve::resolve(self.names, self.built, pred).ok();
         for &i in of_group {
+            if let Some(bound) = analysed.deadline(&checks[i]) {
+                answers[i] = Some(self.meets_deadlines(&checks[i], bound));
+                continue;
+            }
+            if analysed.is_zero(&checks[i]) {
+                answers[i] = Some(self.takes_no_time(&checks[i]));
+                continue;
+            }
             let mut task = |list: fn(&mut Watch) -> &mut Vec<usize>, it| {
                 let task = self.built.tasks[&it];
                 let list = list(&mut watch);
@@ -405,6 +233,9 @@ impl Group<'_> {
         let found = if explored {
             explore(&self.built.system, &watch, self.limits, self.cancel)
         } else {
+            if self.may_refuse() && !report.notes.iter().any(|it| it == NOT_EXAMINED) {
+                report.notes.push(NOT_EXAMINED.to_owned());
+            }
             Findings::default()
         };
         report.states += found.states;
@@ -420,8 +251,83 @@ impl Group<'_> {
             answers[i] = Some(match checks[i].what {
                 What::LeadsTo(p, q) => self.live(&checks[i], Some(p), q, report),
                 What::Eventually(p) => self.live(&checks[i], None, p, report),
-                _ => self.one(&checks[i], place, &found),
+                _ => {
+                    let mut it = self.one(&checks[i], place, &found);
+                    if let Some(bound) = analysed.response(&checks[i]) {
+                        self.bound_unknown(&checks[i], bound, &mut it);
+                    }
+                    it
+                }
             });
+        }
+    }
+
+    /// Whether there are requests of activities, which have a limited number of slots.
+    fn may_refuse(&self) -> bool {
+        let requested = self.built.system.requested();
+        let mut services = self.built.system.services.iter().zip(requested);
+        services.any(|(it, requested)| requested && it.activity)
+    }
+
+    fn time(&self, ticks: Ticks) -> Value {
+        let time = self.built.system.unit * Ratio::from_integer(i128::from(ticks));
+        Value::Time(to_f64(time / self.unit))
+    }
+
+    fn in_words(&self, ticks: Ticks) -> String {
+        let (count, unit) = self.settings.unit.unwrap_or((1, Unit::Milliseconds));
+        let unit = if count == 1 {
+            unit.name().to_owned()
+        } else {
+            format!("× {count} {}", unit.name())
+        };
+        format!("{} {unit}", self.time(ticks))
+    }
+
+    fn meets_deadlines(&self, check: &Single, bound: Ticks) -> CheckReport {
+        CheckReport {
+            verdict: Verdict::Proved,
+            note: Some(format!(
+                "by response-time analysis: a job takes at most {}",
+                self.in_words(bound)
+            )),
+            ..self.blank(check)
+        }
+    }
+
+    fn takes_no_time(&self, check: &Single) -> CheckReport {
+        CheckReport {
+            verdict: Verdict::Proved,
+            value: Some(self.time(0)),
+            note: Some("by response-time analysis: a job takes no time".to_owned()),
+            ..self.blank(check)
+        }
+    }
+
+    /// Where the exploration was given up, a bound from analysis may still be an answer.
+    fn bound_unknown(&self, check: &Single, bound: Ticks, out: &mut CheckReport) {
+        let What::Response(_, limit) = check.what else {
+            return;
+        };
+        let beyond = self.ticks(limit).is_some_and(|limit| bound > limit);
+        if out.verdict != Verdict::Unknown || beyond {
+            return;
+        }
+        let reached = match out.value {
+            Some(Value::Time(it)) => format!(", and {it} is reached"),
+            _ => String::new(),
+        };
+        out.verdict = Verdict::Proved;
+        out.note = Some(format!(
+            "by response-time analysis: at most {}{reached}; the exact value was not found",
+            self.in_words(bound)
+        ));
+        if out.value != Some(self.time(bound)) {
+            out.value = Some(self.time(bound));
+            out.soundness = Soundness::UpperBound;
+            out.witness.clear();
+        } else {
+            out.note = None;
         }
     }
 

@@ -4,7 +4,7 @@ mod brute;
 mod systems;
 
 use brute::{Brute, CAP, Results};
-use dotgen_timing::analytic::response_bounds;
+use dotgen_timing::analytic::{meets_deadlines, response_bounds};
 use dotgen_timing::explore::{
     Bound, Found, Limits, Measured, ResponseTime, Watch, Within, explore,
 };
@@ -132,6 +132,13 @@ fn compare_system(
                 return Err(format!(
                     "response {t} is {:?}, the quick bound says {quick}",
                     exact.bound
+                ));
+            }
+        }
+        for t in 0..system.tasks.len() {
+            if meets_deadlines(system, t, quick[t]) && expected.missed[t] {
+                return Err(format!(
+                    "task {t} misses a deadline, its quick bound is {quick:?}"
                 ));
             }
         }

@@ -145,6 +145,7 @@ impl Row {
             Soundness::Exact => None,
             Soundness::Safe => Some("safe: a failure may be a false alarm"),
             Soundness::Under => Some("for worst-case durations only"),
+            Soundness::UpperBound => Some("an upper bound"),
             Soundness::Neither => Some("for worst-case durations only, indicative"),
         };
         let remarks: Vec<&str> = check.note.as_deref().into_iter().chain(worth).collect();

@@ -475,6 +475,9 @@ fn shown_check(
             Soundness::Exact => None,
             Soundness::Safe => Some("safe: may be a false alarm, never misses".to_owned()),
             Soundness::Under => Some("for worst-case durations only".to_owned()),
+            Soundness::UpperBound => {
+                Some("an upper bound; the exact value was not found".to_owned())
+            }
             Soundness::Neither => Some("for worst-case durations only, indicative".to_owned()),
         },
         value: check

@@ -2,7 +2,7 @@
 //! and nothing else.
 
 use dotgen_analysis::host::Cancellable;
-use dotgen_timing::report::{CheckReport, Value, Verdict};
+use dotgen_timing::report::{CheckReport, Soundness, Value, Verdict};
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::verify::settings;
 
@@ -202,12 +202,19 @@ fn measured(answer: &Answer, check: &CheckReport) -> Vec<String> {
     let scale = answer.scale();
     let specs = answer.problem.specs();
     let limit = summary::limit(check, &Names::new(&specs), scale);
+    let (at_most, at_least) = match check.soundness {
+        Soundness::UpperBound => ("≤ ", "≥ "),
+        _ => ("", ""),
+    };
     match (value, limit) {
         (Value::Time(time), Some(limit)) => vec![
-            format!("R {} of {}", scale.show(time), scale.show(limit)),
-            format!("slack {}", summary::percent(summary::slack(time, limit))),
+            format!("R {at_most}{} of {}", scale.show(time), scale.show(limit)),
+            format!(
+                "slack {at_least}{}",
+                summary::percent(summary::slack(time, limit))
+            ),
         ],
-        _ => vec![format!("R {}", scale.show_value(value))],
+        _ => vec![format!("R {at_most}{}", scale.show_value(value))],
     }
 }
 

@@ -1,0 +1,59 @@
+//! What response-time analysis alone can answer.
+//!
+//! Its bounds are never below the exact values, so a task with a bound below its period meets its deadlines. That needs no
+//! exploration, and stands when one has to be given up.
+
+use super::checks::{Single, What};
+use crate::analytic::{meets_deadlines, response_bounds};
+use crate::system::Ticks;
+use crate::system::build::Built;
+
+/// Bounds on the response times of the tasks of a system.
+pub(super) struct Analysed<'b> {
+    built: &'b Built,
+    bounds: Vec<Option<Ticks>>,
+}
+
+impl<'b> Analysed<'b> {
+    pub(super) fn new(built: &'b Built) -> Self {
+        Analysed {
+            built,
+            bounds: response_bounds(&built.system),
+        }
+    }
+
+    /// The bound that proves that a check of deadlines holds.
+    pub(super) fn deadline(&self, check: &Single) -> Option<Ticks> {
+        let system = &self.built.system;
+        match check.what {
+            What::Schedulable(it) => {
+                let task = self.built.tasks[&it];
+                let bound = self.bounds[task];
+                bound.filter(|_| meets_deadlines(system, task, bound))
+            }
+            What::NoOverdue(it) => {
+                let task = self.built.tasks[&it];
+                self.bounds[task].filter(|&bound| Some(bound) < system.tasks[task].period)
+            }
+            _ => None,
+        }
+    }
+
+    /// A bound on the response time that a check asks for.
+    pub(super) fn response(&self, check: &Single) -> Option<Ticks> {
+        match check.what {
+            What::Response(it, _) => self.bounds[self.built.tasks[&it]],
+            _ => None,
+        }
+    }
+
+    /// Whether a response time is zero, of jobs that exist.
+    pub(super) fn is_zero(&self, check: &Single) -> bool {
+        let What::Response(it, _) = check.what else {
+            return false;
+        };
+        let task = self.built.tasks[&it];
+        let system = &self.built.system.tasks[task];
+        self.bounds[task] == Some(0) && system.period.is_some() && !system.keep_idle_tick
+    }
+}

@@ -1,0 +1,132 @@
+//! The checks of a scenario, each about one thing.
+
+use crate::property::resolve;
+use crate::scn::Diagnostic;
+use crate::scn::ast::{Bound, Check, CheckKind, Path, Pred};
+use crate::scn::names::Names;
+use crate::system::build::Built;
+use crate::system::settings::Settings;
+
+/// A check of one thing.
+pub(super) struct Single<'c> {
+    pub(super) check: &'c Check,
+    pub(super) what: What<'c>,
+    /// Components it is about; none: all of them.
+    pub(super) components: Vec<usize>,
+}
+
+/// What is checked, with everything (`*`) expanded.
+pub(super) enum What<'c> {
+    Schedulable((usize, u32)),
+    NoOverdue((usize, u32)),
+    Response((usize, u32), Bound),
+    Within(&'c Pred, &'c Pred, Bound),
+    LeadsTo(&'c Pred, &'c Pred),
+    Eventually(&'c Pred),
+    Always(&'c Pred),
+    Reachable(&'c Pred),
+    Deadlock,
+}
+
+/// Checks of everything (`*`) become one per task.
+pub(super) fn expand<'c>(
+    names: &Names,
+    whole: &Built,
+    settings: &'c Settings,
+    diagnostics: &mut Vec<Diagnostic>,
+) -> Vec<Single<'c>> {
+    let mut out = Vec::new();
+    let tasks = |path: &Option<Path>, periodic: bool| -> Result<Vec<(usize, u32)>, Diagnostic> {
+        let has_period = |&(c, t): &(usize, u32)| {
+            names.components[c].component.tasks[t as usize]
+                .period
+                .is_some()
+        };
+        if let Some(path) = path {
+            let task = resolve::task(names, path)?;
+            if periodic && !has_period(&task) {
+                let message = format!(
+                    "`{}` has no period, so this does not apply to it",
+                    path.text()
+                );
+                return Err(Diagnostic::error("scn-aperiodic", path.range(), message));
+            }
+            return Ok(vec![task]);
+        }
+        let all =
+            names.components.iter().enumerate().flat_map(|(c, member)| {
+                (0..member.component.tasks.len() as u32).map(move |t| (c, t))
+            });
+        Ok(all.filter(|it| !periodic || has_period(it)).collect())
+    };
+    for check in &settings.checks {
+        let mut push = |what, components| {
+            out.push(Single {
+                check,
+                what,
+                components,
+            })
+        };
+        let mut preds = |list: &[&Pred]| -> Vec<usize> {
+            let mut components = Vec::new();
+            for pred in list {
+                if let Err(error) = resolve::resolve(names, whole, pred) {
+                    diagnostics.push(error);
+                }
+                resolve::components_of(names, whole, pred, &mut components);
+            }
+            components
+        };
+        let result: Result<(), Diagnostic> = match &check.kind {
+            CheckKind::Schedulable(path) => tasks(path, true).map(|it| {
+                it.into_iter()
+                    .for_each(|it| push(What::Schedulable(it), vec![it.0]))
+            }),
+            CheckKind::NoOverdue(path) => tasks(path, true).map(|it| {
+                it.into_iter()
+                    .for_each(|it| push(What::NoOverdue(it), vec![it.0]))
+            }),
+            CheckKind::Response(path, bound) => tasks(path, false).map(|it| {
+                it.into_iter()
+                    .for_each(|it| push(What::Response(it, *bound), vec![it.0]));
+            }),
+            CheckKind::Within(p, q, bound) => {
+                let components = preds(&[p, q]);
+                push(What::Within(p, q, *bound), components);
+                Ok(())
+            }
+            CheckKind::LeadsTo(p, q) => {
+                let components = preds(&[p, q]);
+                push(What::LeadsTo(p, q), components);
+                Ok(())
+            }
+            CheckKind::Eventually(p) => {
+                let components = preds(&[p]);
+                push(What::Eventually(p), components);
+                Ok(())
+            }
+            CheckKind::Always(p) => {
+                let components = preds(&[p]);
+                push(What::Always(p), components);
+                Ok(())
+            }
+            CheckKind::Reachable(p) => {
+                let components = preds(&[p]);
+                push(What::Reachable(p), components);
+                Ok(())
+            }
+            CheckKind::Deadlock => {
+                push(What::Deadlock, Vec::new());
+                Ok(())
+            }
+        };
+        if let Err(error) = result {
+            diagnostics.push(error);
+        }
+    }
+    if settings.checks.is_empty() {
+        let message = "the scenario checks nothing; add `check schedulable *;`".to_owned();
+        diagnostics.push(Diagnostic::warning("scn-no-check", 0..0, message));
+    }
+    out
+}

@@ -1,0 +1,72 @@
+//! Components that have nothing to do with each other are verified apart.
+
+use super::checks::{Single, What};
+use crate::scn::names::Names;
+use crate::system::ClientAction;
+use crate::system::build::Built;
+
+/// Divides the components into groups that share no lock, core, client or check. What one group does
+/// is independent of the others (section 11).
+pub(super) fn groups(names: &Names, whole: &Built, checks: &[Single]) -> Vec<Vec<usize>> {
+    let n = names.components.len();
+    let mut group: Vec<usize> = (0..n).collect();
+    let mut join = |one: usize, other: usize| {
+        let (from, to) = (group[one], group[other]);
+        for it in &mut group {
+            if *it == from {
+                *it = to;
+            }
+        }
+    };
+    let system = &whole.system;
+    let mut outer = vec![0; n];
+    for (&c, &number) in &whole.components {
+        outer[number] = c;
+    }
+    for codel in &system.codels {
+        for other in codel.conflicts.iter() {
+            join(
+                outer[codel.component],
+                outer[system.codels[other].component],
+            );
+        }
+    }
+    if system.platform.cores.is_some() {
+        let on_cores: Vec<usize> = (0..system.tasks.len())
+            .filter(|&it| system.needs_core(it))
+            .map(|it| outer[system.tasks[it].component])
+            .collect();
+        on_cores.windows(2).for_each(|it| join(it[0], it[1]));
+    }
+    for client in &system.clients {
+        let addressed: Vec<usize> = client
+            .steps
+            .iter()
+            .filter_map(|it| match it.action {
+                ClientAction::Send { service, .. } => {
+                    Some(outer[system.services[service].component])
+                }
+                _ => None,
+            })
+            .collect();
+        addressed.windows(2).for_each(|it| join(it[0], it[1]));
+    }
+    for check in checks {
+        check
+            .components
+            .windows(2)
+            .for_each(|it| join(it[0], it[1]));
+        if matches!(check.what, What::Deadlock) {
+            (1..n).for_each(|it| join(0, it));
+        }
+    }
+    let mut out: Vec<Vec<usize>> = Vec::new();
+    for root in 0..n {
+        let members: Vec<usize> = (0..n).filter(|&it| group[it] == root).collect();
+        if !members.is_empty() {
+            out.push(members);
+        }
+    }
+    out.sort();
+    out
+}
