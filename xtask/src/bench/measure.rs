@@ -1,0 +1,81 @@
+//! What a whole process takes: time and peak memory.
+
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+
+use crate::{run, target};
+
+/// Runs of one command are ended after this many seconds.
+pub(crate) const LIMIT: u32 = 60;
+
+/// A command to measure, and the folder it runs in.
+pub(crate) struct Job<'a> {
+    pub(crate) program: &'a str,
+    pub(crate) arguments: Vec<String>,
+    pub(crate) directory: &'a Path,
+}
+
+/// What its runs took: medians.
+pub(crate) struct Taken {
+    pub(crate) seconds: f64,
+    /// Peak resident memory.
+    pub(crate) megabytes: f64,
+    /// Standard output of the last run.
+    pub(crate) output: String,
+}
+
+/// Measures some jobs in alternation, so that what disturbs the machine disturbs all alike. `None`: ended by [`LIMIT`].
+/// Jobs of more than two seconds run three times at most.
+pub(crate) fn alternate(jobs: &[Job], runs: usize) -> Result<Vec<Option<Taken>>> {
+    let mut all: Vec<Option<Vec<Taken>>> = jobs.iter().map(|_| Some(Vec::new())).collect();
+    for run in 0..runs {
+        for (job, taken) in std::iter::zip(jobs, &mut all) {
+            let Some(list) = taken else { continue };
+            if run >= 3 && list[0].seconds > 2.0 {
+                continue;
+            }
+            match once(job)? {
+                Some(it) => list.push(it),
+                None => *taken = None,
+            }
+        }
+    }
+    Ok(all.into_iter().map(|it| it.map(medians)).collect())
+}
+
+fn medians(mut runs: Vec<Taken>) -> Taken {
+    let mut megabytes: Vec<f64> = runs.iter().map(|it| it.megabytes).collect();
+    megabytes.sort_unstable_by(f64::total_cmp);
+    let megabytes = megabytes[runs.len() / 2];
+    runs.sort_unstable_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    let middle = runs.len() / 2;
+    Taken {
+        megabytes,
+        ..runs.swap_remove(middle)
+    }
+}
+
+/// One run. `None`: it took more than [`LIMIT`].
+fn once(job: &Job) -> Result<Option<Taken>> {
+    let report = target().join("measured");
+    let report = report.to_string_lossy();
+    let limit = LIMIT.to_string();
+    let mut arguments = vec!["-f", "%M", "-o", &*report, "timeout", &limit, job.program];
+    arguments.extend(job.arguments.iter().map(String::as_str));
+    let started = Instant::now();
+    let output = run::command(job.directory, "/usr/bin/time", &arguments).output()?;
+    let seconds = started.elapsed().as_secs_f64();
+    if output.status.code() == Some(124) {
+        return Ok(None);
+    }
+    let text = std::fs::read_to_string(&*report).context("`time` wrote nothing")?;
+    let kilobytes: f64 = (text.lines().last().unwrap_or_default().trim().parse())
+        .with_context(|| format!("{}: `time` wrote {text}", job.program))?;
+    Ok(Some(Taken {
+        seconds,
+        megabytes: kilobytes / 1024.0,
+        output: String::from_utf8_lossy(&output.stdout).into_owned(),
+    }))
+}
