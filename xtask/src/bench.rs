@@ -70,21 +70,14 @@ pub(crate) fn bench(options: &Options) -> Result<bool> {
         "dotgen-lsp-server",
     ]))?;
     let dotgen = target().join("release/dotgen");
-    if options.what == What::Server {
-        return server(&dotgen, options.runs.unwrap_or(101)).map(|()| true);
-    }
-    tools::ensure(tools::TIME)?;
-    step(&format!(
-        "Whole processes: medians of alternating runs, peak memory, states; given up after {} s",
-        measure::LIMIT
-    ));
-    let runs = options.runs.unwrap_or(5);
+    let runs = |default| options.runs.unwrap_or(default);
     match options.what {
-        What::Server => unreachable!("done above"),
-        What::Rivals => rivals::rivals(&dotgen, runs, options.sets),
-        What::Verify => growth::corpus(&dotgen, runs).map(|()| true),
-        What::Growth => growth::growth(&dotgen, runs).map(|()| true),
+        What::Server => server(&dotgen, runs(101))?,
+        What::Rivals => return rivals::rivals(&dotgen, runs(5), options.sets),
+        What::Verify => growth::corpus(&dotgen, runs(5))?,
+        What::Growth => growth::growth(&dotgen, runs(5))?,
     }
+    Ok(true)
 }
 
 fn server(dotgen: &Path, runs: usize) -> Result<()> {

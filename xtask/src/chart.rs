@@ -170,7 +170,9 @@ mod tests {
         }]);
         let middle = f64::midpoint(TOP, BOTTOM);
         assert!(
-            svg.contains(&format!("d=\"M74.0 {BOTTOM:.1}L277.0 {middle:.1}L480.0 {TOP:.1}\"")),
+            svg.contains(&format!(
+                "d=\"M74.0 {BOTTOM:.1}L277.0 {middle:.1}L480.0 {TOP:.1}\""
+            )),
             "{svg}"
         );
     }

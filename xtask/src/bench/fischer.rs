@@ -6,7 +6,7 @@
 //! | protocol | here |
 //! | --- | --- |
 //! | wait until the variable is 0 | `ask`*i*, which needs the lock that every `hold` has |
-//! | within [`WITHIN`] | a delay of the client |
+//! | within some time | a delay of the client |
 //! | set it to *i*, which overwrites | `hold`*i* and `claim`*i*; function `set`*i* interrupts the claims of the others |
 //! | wait | `claim`*i*, codel `start`, of fixed length |
 //! | go on if it is still *i* | an interrupted activity has no second turn |
@@ -14,24 +14,34 @@
 //! | set it to 0 | the end of `hold`*i*, after the longest critical section |
 //!
 //! Claims neither lock nor wait for each other: only the wait keeps them apart. As in the protocol, it must be longer than
-//! [`WITHIN`].
+//! the time between test and write.
 
 use std::fmt::Write;
 
-/// Time from test to write, at most.
-pub(crate) const WITHIN: u32 = 1;
-/// Length of the critical section, at most.
-const SECTION: u32 = 2;
+/// Lengths of its steps, in ms.
+#[derive(Clone, Copy)]
+pub(crate) struct Times {
+    /// From test to write, at most.
+    pub(crate) within: u32,
+    /// From write to critical section, exactly.
+    pub(crate) wait: u32,
+    /// In the critical section, at most.
+    pub(crate) section: u32,
+}
 
-/// Specification and scenario of `n` processes that wait for `wait` ms.
-pub(crate) fn dotgen(n: usize, wait: u32) -> (String, String) {
+/// Specification and scenario of `n` processes.
+pub(crate) fn dotgen(n: usize, times: Times) -> (String, String) {
+    let Times {
+        within,
+        wait,
+        section,
+    } = times;
     let mut genom = String::from(
         "component fischer {\n  version \"1.0\";\n  lang \"c\";\n  ids { long id; };\n",
     );
-    let mut scenario = String::from(
-        "scenario fischer {\n  use \"fischer.gen\";\n  unit 1 ms;\n  cores free;\n",
-    );
-    let hold = wait + SECTION;
+    let mut scenario =
+        String::from("scenario fischer {\n  use \"fischer.gen\";\n  unit 1 ms;\n  cores free;\n");
+    let hold = wait + section;
     for i in 1..=n {
         let others = (1..=n).filter(|&j| j != i).map(|j| format!("claim{j}"));
         let others = others.collect::<Vec<_>>().join(", ");
@@ -50,7 +60,7 @@ pub(crate) fn dotgen(n: usize, wait: u32) -> (String, String) {
   activity claim{i}() {{
     task t{i};
     codel<start> wait{i}() yield pause::cs wcet {wait} ms;
-    codel<cs> cs{i}() yield ether wcet {SECTION} ms;
+    codel<cs> cs{i}() yield ether wcet {section} ms;
   }};
   function set{i}() {{ interrupt {others}; }};"
         );
@@ -65,7 +75,7 @@ pub(crate) fn dotgen(n: usize, wait: u32) -> (String, String) {
     repeat * {{
       delay [0, *] ms;
       send fischer.ask{i}; await ended;
-      delay [0, {WITHIN}] ms;
+      delay [0, {within}] ms;
       send fischer.hold{i}; send fischer.claim{i}; send fischer.set{i};
       await ended fischer.claim{i}; await ended fischer.hold{i};
     }}
@@ -83,15 +93,19 @@ pub(crate) fn dotgen(n: usize, wait: u32) -> (String, String) {
 
 /// The same behaviour as a network of one automaton per process, with one clock each. The label `both` is reached when
 /// two are in their critical sections.
-pub(crate) fn tchecker(n: usize, wait: u32) -> String {
-    let mut out = format!(
-        "system:fischer\nevent:tau\nint:1:0:{n}:0:holders\nint:1:0:{n}:0:inside\n"
-    );
+pub(crate) fn tchecker(n: usize, times: Times) -> String {
+    let Times {
+        within,
+        wait,
+        section,
+    } = times;
+    let mut out =
+        format!("system:fischer\nevent:tau\nint:1:0:{n}:0:holders\nint:1:0:{n}:0:inside\n");
     for i in 1..=n {
         // 1: has claimed; 2: and was interrupted.
         let _ = writeln!(out, "int:1:0:2:0:claim{i}\nclock:1:x{i}");
     }
-    let hold = wait + SECTION;
+    let hold = wait + section;
     for i in 1..=n {
         let mut interrupt = Vec::new();
         for j in (1..=n).filter(|&j| j != i) {
@@ -102,7 +116,7 @@ pub(crate) fn tchecker(n: usize, wait: u32) -> String {
             out,
             "process:P{i}
 location:P{i}:idle{{initial:}}
-location:P{i}:write{{invariant:x{i}<={WITHIN}}}
+location:P{i}:write{{invariant:x{i}<={within}}}
 location:P{i}:set{{urgent:}}
 location:P{i}:wait{{invariant:x{i}<={wait}}}
 location:P{i}:cs{{invariant:x{i}<={hold}}}

@@ -6,7 +6,7 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use serde_json::Value;
 
-use super::measure::{Job, Taken, alternate};
+use super::measure::{Job, Taken, alternate, announce};
 use super::{SECONDS, show};
 use crate::chart::{Chart, Line};
 use crate::run::step;
@@ -14,6 +14,7 @@ use crate::{root, target};
 
 /// The published systems on 1 to 5 cores; skipped when they are not there.
 pub(crate) fn corpus(dotgen: &Path, runs: usize) -> Result<()> {
+    announce()?;
     for (name, scenario) in [
         ("RobNav", "robnav/robnav.scn"),
         ("Quadcopter", "quadcopter/hover.scn"),
@@ -117,41 +118,46 @@ const KINDS: [Kind; 4] = [
 
 /// Draws time and memory against the number of components.
 pub(crate) fn growth(dotgen: &Path, runs: usize) -> Result<()> {
+    announce()?;
     step("Growing systems of one task per component, durations from 0 to the WCET");
-    let folder = target().join("growth");
-    std::fs::create_dir_all(&folder)?;
-    let mut times = Vec::new();
-    let mut memory = Vec::new();
-    println!("| components | kind | time, memory, states |\n| --- | --- | --- |");
-    for kind in &KINDS {
-        let mut time = Vec::new();
-        let mut space = Vec::new();
-        for n in 1..=8 {
+    let mut lines = KINDS.map(|it| (it.name, Vec::new()));
+    let names = KINDS.map(|it| it.name).join(" | ");
+    println!("| components | {names} |\n| --- | --- | --- | --- | --- |");
+    for n in 1..=8 {
+        let mut jobs = Vec::new();
+        for (number, kind) in KINDS.iter().enumerate() {
+            let folder = target().join(format!("growth/{number}"));
+            std::fs::create_dir_all(&folder)?;
             let (genom, scenario) = stages(kind, n);
             std::fs::write(folder.join("growth.gen"), genom)?;
             let path = folder.join("growth.scn");
             std::fs::write(&path, scenario)?;
             let path = path.to_string_lossy();
-            let job = command(dotgen, &["verify", "--format", "json", &*path]);
-            let Some(taken) = alternate(&[job], runs)?.pop().flatten() else {
-                println!("| {n} | {} | gave up |", kind.name);
-                break;
-            };
-            println!("| {n} | {} | {} |", kind.name, cell(&taken)?);
-            time.push((n, taken.seconds));
-            space.push((n, taken.megabytes));
+            jobs.push(command(dotgen, &["verify", "--format", "json", &*path]));
         }
-        for (lines, points) in [(&mut times, time), (&mut memory, space)] {
-            let name = kind.name;
-            lines.push(Line { name, points });
+        let mut cells = Vec::new();
+        for ((_, points), taken) in std::iter::zip(&mut lines, alternate(&jobs, runs)?) {
+            cells.push(match &taken {
+                Some(it) => cell(it)?,
+                None => "gave up".to_owned(),
+            });
+            points.extend(taken.map(|it| (n, it.seconds, it.megabytes)));
         }
+        println!("| {n} | {} |", cells.join(" | "));
     }
+    let drawn = |what: fn(&(usize, f64, f64)) -> f64| {
+        let line = |(name, points): &(&'static str, Vec<(usize, f64, f64)>)| Line {
+            name,
+            points: points.iter().map(|it| (it.0, what(it))).collect(),
+        };
+        lines.iter().map(line).collect::<Vec<_>>()
+    };
     let pictures = root().join("docs/pictures");
     let chart = Chart {
         title: "Time of a verification",
         across: "components",
         powers: SECONDS,
-        lines: times,
+        lines: drawn(|it| it.1),
     };
     std::fs::write(pictures.join("growth-time.svg"), chart.svg())?;
     let chart = Chart {
@@ -163,7 +169,7 @@ pub(crate) fn growth(dotgen: &Path, runs: usize) -> Result<()> {
             (1000.0, "1 GB"),
             (10000.0, "10 GB"),
         ],
-        lines: memory,
+        lines: drawn(|it| it.2),
     };
     std::fs::write(pictures.join("growth-memory.svg"), chart.svg())?;
     step("Drew docs/pictures/growth-time.svg and growth-memory.svg");

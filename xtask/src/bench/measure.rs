@@ -5,10 +5,19 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 
-use crate::{run, target};
+use crate::{run, target, tools};
 
 /// Runs of one command are ended after this many seconds.
 pub(crate) const LIMIT: u32 = 60;
+
+/// Makes sure that measuring is possible, and says what is measured.
+pub(crate) fn announce() -> Result<()> {
+    tools::ensure(tools::TIME)?;
+    run::step(&format!(
+        "Whole processes: medians of alternating runs, peak memory, states; given up after {LIMIT} s"
+    ));
+    Ok(())
+}
 
 /// A command to measure, and the folder it runs in.
 pub(crate) struct Job<'a> {
@@ -27,13 +36,14 @@ pub(crate) struct Taken {
 }
 
 /// Measures some jobs in alternation, so that what disturbs the machine disturbs all alike. `None`: ended by [`LIMIT`].
-/// Jobs of more than two seconds run three times at most.
+/// Jobs of more than two seconds run three times at most, those of more than twenty once.
 pub(crate) fn alternate(jobs: &[Job], runs: usize) -> Result<Vec<Option<Taken>>> {
     let mut all: Vec<Option<Vec<Taken>>> = jobs.iter().map(|_| Some(Vec::new())).collect();
     for run in 0..runs {
         for (job, taken) in std::iter::zip(jobs, &mut all) {
             let Some(list) = taken else { continue };
-            if run >= 3 && list[0].seconds > 2.0 {
+            let first = list.first().map_or(0.0, |it| it.seconds);
+            if run >= 3 && first > 2.0 || run >= 1 && first > 20.0 {
                 continue;
             }
             match once(job)? {
