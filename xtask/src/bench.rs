@@ -1,7 +1,7 @@
 //! Measurements that no benchmark inside a crate can make: whole processes, and instruction counts.
 //!
-//! Times are medians of alternating runs, so that what disturbs the machine disturbs all alike. Instructions are
-//! counted by valgrind, which gives the same number on any day.
+//! Times are medians of alternating runs, so that what disturbs the machine disturbs all alike. Those of verification are
+//! processor time. Instructions are counted by valgrind, which gives the same number on any day.
 
 mod fischer;
 mod growth;

@@ -12,8 +12,8 @@
 //! * That tool takes a finite list of jobs: all of two hyperperiods. Without a miss every hyperperiod ends with all jobs
 //!   done, and all but the first begin with a release of every task, so the second stands for the others.
 //!
-//! In TChecker the timers are clocks, and deadlines are integers of the hyperperiod: without clock differences, which
-//! its abstractions do not allow.
+//! For TChecker the deadlines are integers within the hyperperiod, as its abstractions do not allow differences of clocks;
+//! and all timers have one clock together, which makes it three times faster than with a clock each.
 
 use std::fmt::Write;
 
@@ -62,58 +62,97 @@ pub(crate) fn dotgen(tasks: &[Task], responses: bool) -> (String, String) {
     (genom, scenario)
 }
 
-/// A network of timed automata: a timer per task, and the core. The label `miss` is reached when a job is late.
+/// A network of two timed automata, the timers and the core, with a clock each. The label `miss` is reached when a job is
+/// late.
 pub(crate) fn tchecker(tasks: &[Task]) -> String {
-    // Greater than any deadline: the task does not wait.
-    let never = (2 * HYPERPERIOD + 1) * 1000;
-    let mut out = String::from("system:periodic\nevent:tau\n");
-    for i in 0..tasks.len() {
-        let _ = writeln!(out, "event:tick{i}");
-    }
-    let _ = writeln!(out, "clock:1:e\nint:1:0:{}:0:waiting", tasks.len());
+    let mut out = format!(
+        "system:periodic\nevent:tau\nclock:1:t\nclock:1:e\nint:1:0:{n}:0:due\nint:1:0:{n}:0:waiting\n",
+        n = tasks.len()
+    );
     for (i, Task { period, .. }) in tasks.iter().enumerate() {
-        let jobs = HYPERPERIOD / period;
+        // A tick is due; the job is not done; which job it is; its deadline and release, while it waits.
         let _ = writeln!(
             out,
-            "clock:1:x{i}\nint:1:0:{}:0:n{i}\nint:1:0:1:0:busy{i}\nint:1:0:{never}:{never}:key{i}",
-            jobs - 1
-        );
-        // The key is the deadline, then the release.
-        let _ = writeln!(
-            out,
-            "process:T{i}
-location:T{i}:on{{initial: : invariant:x{i}<={period}}}
-location:T{i}:late{{labels:miss}}
-edge:T{i}:on:on:tick{i}{{provided:x{i}=={period}&&busy{i}==0 : do:x{i}=0;n{i}=(n{i}+1)%{jobs};\
-             key{i}=(n{i}+1)*{period}*1000+n{i}*{period};busy{i}=1;waiting=waiting+1}}
-edge:T{i}:on:late:tick{i}{{provided:x{i}=={period}&&busy{i}==1}}"
+            "int:1:0:1:0:due{i}\nint:1:0:1:0:busy{i}\nint:1:0:{}:0:n{i}\nint:1:0:{NEVER}:{NEVER}:key{i}",
+            HYPERPERIOD / period - 1
         );
     }
-    out.push_str("process:C\nlocation:C:free{initial:}\nlocation:C:choose{urgent:}\n");
-    for (i, Task { bcet, wcet, .. }) in tasks.iter().enumerate() {
+    timers(&mut out, tasks);
+    core(&mut out, tasks);
+    out
+}
+
+/// Greater than the key of any job: the task does not wait.
+const NEVER: u64 = (2 * HYPERPERIOD + 1) * 1000;
+
+/// Goes from one moment with ticks to the next, through one hyperperiod and again.
+fn timers(out: &mut String, tasks: &[Task]) {
+    let ticks = |at: &u64| tasks.iter().any(|it| at.is_multiple_of(it.period));
+    let moments: Vec<u64> = (1..=HYPERPERIOD).filter(ticks).collect();
+    out.push_str("process:T\n");
+    let mut before = 0;
+    for (k, &at) in moments.iter().enumerate() {
+        let initial = if k == 0 { "initial: : " } else { "" };
+        let gap = at - before;
+        before = at;
+        let _ = writeln!(
+            out,
+            "location:T:wait{k}{{{initial}invariant:t<={gap}}}\nlocation:T:tick{k}{{urgent:}}"
+        );
+    }
+    before = 0;
+    for (k, &at) in moments.iter().enumerate() {
+        let due = (0..tasks.len()).filter(|&i| at.is_multiple_of(tasks[i].period));
+        let due: Vec<String> = due.map(|i| format!("due{i}=1;")).collect();
+        let _ = writeln!(
+            out,
+            "edge:T:wait{k}:tick{k}:tau{{provided:t=={} : do:{}due={};t=0}}
+edge:T:tick{k}:wait{}:tau{{provided:due==0}}",
+            at - before,
+            due.concat(),
+            due.len(),
+            (k + 1) % moments.len()
+        );
+        before = at;
+    }
+}
+
+/// Takes ticks, in any order, and runs jobs.
+fn core(out: &mut String, tasks: &[Task]) {
+    out.push_str(
+        "process:C\nlocation:C:free{initial:}\nlocation:C:choose{urgent:}\nlocation:C:late{labels:miss}\n",
+    );
+    for (i, Task { wcet, .. }) in tasks.iter().enumerate() {
         let _ = writeln!(out, "location:C:run{i}{{invariant:e<={wcet}}}");
-        let mut first = format!("busy{i}==1&&key{i}<{never}");
+    }
+    for (i, task) in tasks.iter().enumerate() {
+        let Task { period, bcet, .. } = task;
+        let mut first = format!("key{i}<{NEVER}");
         for j in (0..tasks.len()).filter(|&j| j != i) {
             let _ = write!(first, "&&key{i}<key{j}");
         }
         let _ = writeln!(
             out,
-            "edge:C:choose:run{i}:tau{{provided:{first} : do:e=0;key{i}={never};waiting=waiting-1}}
+            "edge:C:choose:run{i}:tau{{provided:{first} : do:e=0;key{i}={NEVER};waiting=waiting-1}}
 edge:C:run{i}:choose:tau{{provided:e>={bcet}&&waiting>0 : do:busy{i}=0;e=0}}
 edge:C:run{i}:free:tau{{provided:e>={bcet}&&waiting==0 : do:busy{i}=0;e=0}}"
         );
-    }
-    for i in 0..tasks.len() {
-        let _ = writeln!(
-            out,
-            "edge:C:free:choose:tick{i}\nedge:C:choose:choose:tick{i}"
+        let jobs = HYPERPERIOD / period;
+        let tick = format!(
+            "due{i}=0;due=due-1;busy{i}=1;waiting=waiting+1;n{i}=(n{i}+1)%{jobs};\
+             key{i}=(n{i}+1)*{period}*1000+n{i}*{period}"
         );
-        for j in 0..tasks.len() {
-            let _ = writeln!(out, "edge:C:run{j}:run{j}:tick{i}");
+        let mut places = vec![("free".to_owned(), "choose".to_owned())];
+        places.push(("choose".to_owned(), "choose".to_owned()));
+        places.extend((0..tasks.len()).map(|j| (format!("run{j}"), format!("run{j}"))));
+        for (from, to) in places {
+            let _ = writeln!(
+                out,
+                "edge:C:{from}:{to}:tau{{provided:due{i}==1&&busy{i}==0 : do:{tick}}}
+edge:C:{from}:late:tau{{provided:due{i}==1&&busy{i}==1}}"
+            );
         }
-        let _ = writeln!(out, "sync:T{i}@tick{i}:C@tick{i}");
     }
-    out
 }
 
 /// A list of jobs.
