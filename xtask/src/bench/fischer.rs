@@ -19,7 +19,7 @@
 use std::fmt::Write;
 
 /// Lengths of its steps, in ms.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Times {
     /// From test to write, at most.
     pub(crate) within: u32,
