@@ -45,15 +45,9 @@ fn program(variable: &str, name: &str, repository: &str) -> Option<String> {
 }
 
 const NAMES: [&str; 3] = ["dotgen", "TChecker", "schedule abstraction"];
-const DOTGEN: [&str; 6] = [
-    "verify",
-    "--format",
-    "json",
-    // With late jobs there can be very many.
-    "--max-states",
-    "1000000",
-    "scenario.scn",
-];
+const DOTGEN: [&str; 4] = ["verify", "--format", "json", "scenario.scn"];
+/// For sets of tasks: with late jobs there can be very many states, and the first failure is enough.
+const LIMITED: [&str; 2] = ["--max-states", "1000000"];
 
 /// One question for all of them, as files in a folder.
 struct Question {
@@ -81,8 +75,9 @@ impl Question {
     fn ask(&self, rivals: &Rivals, runs: usize) -> Result<[Option<Answer>; 3]> {
         let dotgen = Some(&rivals.dotgen);
         let jobs = rivals.jobs.as_ref().filter(|_| self.jobs);
+        let limited = if self.jobs { &LIMITED[..] } else { &[] };
         let commands = [
-            (dotgen, DOTGEN.to_vec()),
+            (dotgen, [&DOTGEN, limited].concat()),
             (
                 rivals.tchecker.as_ref(),
                 vec!["-a", "covreach", "-l", self.label, "model.tck"],
