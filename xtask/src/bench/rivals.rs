@@ -194,6 +194,10 @@ fn of_tchecker(taken: Taken) -> Result<Answer> {
 pub(crate) fn rivals(dotgen: &Path, runs: usize, sets: u64) -> Result<bool> {
     announce()?;
     let rivals = Rivals::find(dotgen);
+    if rivals.tchecker.is_none() && rivals.jobs.is_none() {
+        step("Nothing to compare with: nothing measured");
+        return Ok(true);
+    }
     step(&format!("{sets} random sets of periodic tasks"));
     let mut agreed = agreement(&rivals, sets)?;
     step("Periodic tasks on one core, non-preemptive, earliest deadline first");
