@@ -1,14 +1,20 @@
 //! Measurements that no benchmark inside a crate can make: whole processes, and instruction counts.
 //!
-//! Times are medians of alternating runs, so that what disturbs the machine disturbs all alike. Instructions are
-//! counted by valgrind, which gives the same number on any day.
+//! Times are medians of alternating runs, so that what disturbs the machine disturbs all alike. Those of verification are
+//! processor time. Instructions are counted by valgrind, which gives the same number on any day.
 
+mod fischer;
+mod growth;
+mod measure;
+mod periodic;
+mod rivals;
 mod session;
 
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde_json::Value;
 
 use crate::run::{self, step};
@@ -17,14 +23,42 @@ use crate::{example, root, target, tools};
 /// See the module.
 #[derive(Args)]
 pub(crate) struct Options {
-    /// Runs of each process.
-    #[arg(long, default_value_t = 101)]
-    runs: usize,
+    /// What to measure.
+    #[arg(value_enum, default_value_t = What::Server)]
+    what: What,
+    /// Runs of each process. Default: 101 for `server`, 5 for the others.
+    #[arg(long)]
+    runs: Option<usize>,
+    /// Random sets of periodic tasks to compare verdicts on.
+    #[arg(long, default_value_t = 200)]
+    sets: u64,
 }
 
-/// Measures and prints.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum What {
+    /// Start of processes, an editing session, instructions of the front end.
+    Server,
+    /// Verification next to TChecker and the schedule-abstraction tool, by their paths in TCHECKER and SAG.
+    Rivals,
+    /// Verification of the published systems.
+    Verify,
+    /// Verification of growing systems; draws the charts in docs/pictures.
+    Growth,
+}
+
+/// The scale of times in charts.
+const SECONDS: &[(f64, &str)] = &[
+    (0.001, "1 ms"),
+    (0.01, "10 ms"),
+    (0.1, "100 ms"),
+    (1.0, "1 s"),
+    (10.0, "10 s"),
+    (100.0, "100 s"),
+];
+
+/// Measures and prints. Returns whether programs that have to agree did.
 pub(crate) fn bench(options: &Options) -> Result<bool> {
-    if options.runs == 0 {
+    if options.runs == Some(0) {
         bail!("--runs 0 measures nothing; give at least 1");
     }
     step("Building dotgen for release");
@@ -35,13 +69,34 @@ pub(crate) fn bench(options: &Options) -> Result<bool> {
         "--package",
         "dotgen-lsp-server",
     ]))?;
-    step("Whole processes, alternating");
-    processes(options.runs)?;
-    step("An editing session over the protocol, in a workspace of 100 components");
-    session::session(&target().join("release/dotgen"))?;
-    step("Instructions, counted by valgrind");
-    instructions()?;
+    let dotgen = target().join("release/dotgen");
+    let runs = |default| options.runs.unwrap_or(default);
+    match options.what {
+        What::Server => server(&dotgen, runs(101))?,
+        What::Rivals => return rivals::rivals(&dotgen, runs(5), options.sets),
+        What::Verify => growth::corpus(&dotgen, runs(5))?,
+        What::Growth => growth::growth(&dotgen, runs(5))?,
+    }
     Ok(true)
+}
+
+fn server(dotgen: &Path, runs: usize) -> Result<()> {
+    step("Whole processes, alternating");
+    processes(runs)?;
+    step("An editing session over the protocol, in a workspace of 100 components");
+    session::session(dotgen)?;
+    step("Instructions, counted by valgrind");
+    instructions()
+}
+
+/// Time, memory and states, as a cell of a table.
+fn show(seconds: f64, megabytes: f64, states: u64) -> String {
+    let time = match seconds {
+        it if it < 0.1 => format!("{:.1} ms", it * 1e3),
+        it if it < 1.0 => format!("{:.0} ms", it * 1e3),
+        it => format!("{it:.1} s"),
+    };
+    format!("{time}, {megabytes:.0} MB, {states}")
 }
 
 fn processes(runs: usize) -> Result<()> {

@@ -6,6 +6,7 @@
 //! | `test` | every test there is, as a list of suites |
 //! | `docs` | the pictures of the documentation |
 //! | `bench` | what whole processes take, and instruction counts |
+//! | `chart` | charts of what they take |
 //! | `package` | the extension as a platform `.vsix`, server inside |
 //! | `extension` | building the extension |
 //! | `workbench` | the browser-served VS Code that the demo and its test use |
@@ -13,6 +14,7 @@
 //! | `run` | running commands, with progress |
 
 mod bench;
+mod chart;
 mod demo;
 mod docs;
 mod extension;
@@ -44,7 +46,7 @@ enum Command {
     Demo(demo::Options),
     /// Install what the tests need and run all of them.
     Test(test::Options),
-    /// Measure whole processes, and count instructions.
+    /// Measure whole processes, and count instructions; draw what grows.
     Bench(bench::Options),
     /// Make the .vsix for this system, with a release build of the server inside.
     Package,

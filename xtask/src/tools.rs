@@ -25,6 +25,8 @@ pub(crate) const CHROMIUM: &[Tool] = &[
 /// Templates of GenoM3 are written in it.
 pub(crate) const TCL: &[Tool] = &[Tool::new("tclsh", "tcl")];
 pub(crate) const VALGRIND: &[Tool] = &[Tool::new("valgrind", "valgrind")];
+/// Reports the peak memory of a process.
+pub(crate) const TIME: &[Tool] = &[Tool::new("/usr/bin/time", "time")];
 pub(crate) const NEOVIM: &[Tool] = &[Tool::new("nvim", "neovim")];
 pub(crate) const EMACS: &[Tool] = &[
     Tool::new("emacs", "emacs-nox"),

@@ -1,0 +1,97 @@
+//! What a whole process takes: processor time, which others on the machine disturb least, and peak memory.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+
+use crate::{run, target, tools};
+
+/// Runs of one command are ended after this many seconds of processor time.
+pub(crate) const LIMIT: u32 = 60;
+
+/// Makes sure that measuring is possible, and says what is measured.
+pub(crate) fn announce() -> Result<()> {
+    tools::ensure(tools::TIME)?;
+    run::step(&format!(
+        "Whole processes: processor time, median of alternating runs; peak memory; states. Given up after {LIMIT} s"
+    ));
+    Ok(())
+}
+
+/// A command to measure, and the folder it runs in.
+pub(crate) struct Job<'a> {
+    pub(crate) program: &'a str,
+    pub(crate) arguments: Vec<String>,
+    pub(crate) directory: &'a Path,
+}
+
+/// What its runs took: medians.
+pub(crate) struct Taken {
+    pub(crate) seconds: f64,
+    /// Peak resident memory.
+    pub(crate) megabytes: f64,
+    /// Standard output of the last run.
+    pub(crate) output: String,
+}
+
+/// Measures some jobs in alternation, so that what disturbs the machine disturbs all alike. `None`: ended by [`LIMIT`].
+/// Jobs of more than two seconds run three times at most, those of more than twenty once.
+pub(crate) fn alternate(jobs: &[Job], runs: usize) -> Result<Vec<Option<Taken>>> {
+    let mut all: Vec<Option<Vec<Taken>>> = jobs.iter().map(|_| Some(Vec::new())).collect();
+    for run in 0..runs {
+        for (job, taken) in std::iter::zip(jobs, &mut all) {
+            let Some(list) = taken else { continue };
+            let first = list.first().map_or(0.0, |it| it.seconds);
+            if run >= 3 && first > 2.0 || run >= 1 && first > 20.0 {
+                continue;
+            }
+            match once(job)? {
+                Some(it) => list.push(it),
+                None => *taken = None,
+            }
+        }
+    }
+    Ok(all.into_iter().map(|it| it.map(medians)).collect())
+}
+
+fn medians(mut runs: Vec<Taken>) -> Taken {
+    let mut megabytes: Vec<f64> = runs.iter().map(|it| it.megabytes).collect();
+    megabytes.sort_unstable_by(f64::total_cmp);
+    let megabytes = megabytes[runs.len() / 2];
+    runs.sort_unstable_by(|a, b| a.seconds.total_cmp(&b.seconds));
+    let middle = runs.len() / 2;
+    Taken {
+        megabytes,
+        ..runs.swap_remove(middle)
+    }
+}
+
+/// Keeps what the shell says about time apart from what the program says, and is the last to be ended.
+const SCRIPT: &str = "ulimit -S -t $0; TIMEFORMAT='%3U %3S'; time \"$@\" 2>/dev/null";
+/// Status of a process that has used up its time: 128, and the number of SIGXCPU.
+const USED_UP: i32 = 128 + 24;
+
+/// One run. `None`: it took more than [`LIMIT`].
+fn once(job: &Job) -> Result<Option<Taken>> {
+    let report = target().join(format!("measured-{}", std::process::id()));
+    let report = report.to_string_lossy();
+    let limit = LIMIT.to_string();
+    let mut arguments = vec!["-c", SCRIPT, &limit];
+    arguments.extend(["/usr/bin/time", "-f", "%M", "-o", &*report, job.program]);
+    arguments.extend(job.arguments.iter().map(String::as_str));
+    let output = run::command(job.directory, "bash", &arguments).output()?;
+    if output.status.code() == Some(USED_UP) {
+        return Ok(None);
+    }
+    let text = std::fs::read_to_string(&*report).context("`time` wrote nothing")?;
+    std::fs::remove_file(&*report)?;
+    let kilobytes: f64 = (text.lines().last().unwrap_or_default().trim().parse())
+        .with_context(|| format!("{}: `time` wrote {text}", job.program))?;
+    let times = String::from_utf8_lossy(&output.stderr);
+    let times = times.split_whitespace().map(str::parse::<f64>);
+    Ok(Some(Taken {
+        seconds: times.sum::<Result<f64, _>>().context("bash told no time")?,
+        megabytes: kilobytes / 1024.0,
+        output: String::from_utf8_lossy(&output.stdout).into_owned(),
+    }))
+}
