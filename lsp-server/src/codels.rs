@@ -21,7 +21,7 @@ use dotgen_codegen::codels::stub::StubOptions;
 use dotgen_codegen::template::notice;
 use rustc_hash::{FxHashMap, FxHasher};
 
-use crate::snapshot::Snapshot;
+use crate::snapshot::{DocumentKind, Snapshot};
 use crate::vfs;
 
 /// What is known of sources, shared by all snapshots.
@@ -319,7 +319,10 @@ pub(crate) fn sources_with_findings(snapshot: &Snapshot) -> Cancellable<Vec<Utf8
 pub(crate) fn fingerprint(snapshot: &Snapshot) -> Cancellable<u64> {
     let mut hasher = FxHasher::default();
     let mut anything = false;
-    let code = snapshot.open.iter().filter(|it| it.1.is_code);
+    let code = snapshot
+        .open
+        .iter()
+        .filter(|it| it.1.kind == DocumentKind::Code);
     for path in code.map(|it| it.0) {
         for (lens, _) in crate::handlers::codels::lenses::lenses(snapshot, path)? {
             anything = true;

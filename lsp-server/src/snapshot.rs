@@ -19,6 +19,7 @@ use crate::codels;
 use crate::config::Config;
 use crate::convert::{Lines, uri};
 use crate::proto::{Location, Position, Uri};
+use crate::templates::Templates;
 use crate::vfs::Vfs;
 
 /// A document the client has open.
@@ -28,8 +29,28 @@ pub struct OpenFile {
     pub uri: Uri,
     /// Last version seen.
     pub version: i32,
-    /// It is C or C++, not a specification.
-    pub is_code: bool,
+    /// What it is.
+    pub kind: DocumentKind,
+}
+
+/// What a document is to this server.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DocumentKind {
+    /// Part of a specification, or a scenario.
+    Specification,
+    /// C or C++.
+    Code,
+    /// A file of a template.
+    Template,
+    /// A source of a template, because its client says so.
+    Source,
+}
+
+impl DocumentKind {
+    /// Whether it is of a template.
+    pub fn is_template(self) -> bool {
+        matches!(self, DocumentKind::Template | DocumentKind::Source)
+    }
 }
 
 /// See the module.
@@ -52,6 +73,8 @@ pub struct Snapshot {
     pub(crate) verification: Arc<crate::verifier::Results>,
     /// `.scn` files of the workspace.
     pub(crate) scenarios: Arc<BTreeSet<Utf8PathBuf>>,
+    /// Templates of the workspace.
+    pub(crate) templates: Arc<Templates>,
     /// The disk.
     pub(crate) vfs: Arc<Vfs>,
     /// What is known of sources of codels.
@@ -94,6 +117,7 @@ impl Snapshot {
             revision,
             verification: Arc::default(),
             scenarios: Arc::default(),
+            templates: Arc::default(),
             vfs,
             codels,
             lines: RefCell::default(),
@@ -154,13 +178,19 @@ impl Snapshot {
     /// Whether a file is C or C++, not part of a specification.
     pub fn is_code(&self, path: &Utf8Path) -> bool {
         match self.open.get(path) {
-            Some(open) => open.is_code,
+            Some(open) => open.kind == DocumentKind::Code,
             None if codels::is_header(path) => {
                 let config = self.config.codels.as_ref();
                 config.is_some_and(|it| codels::home(it, path).is_some())
             }
             None => codels::is_code(path, None),
         }
+    }
+
+    /// Whether a file is an open document of a template.
+    pub fn is_template(&self, path: &Utf8Path) -> bool {
+        let open = self.open.get(path);
+        open.is_some_and(|it| it.kind.is_template())
     }
 
     /// Whether a file belongs to the workspace.

@@ -13,6 +13,7 @@ mod ordering;
 mod pictures;
 mod random;
 mod scenario;
+mod templates;
 mod verification;
 
 use dotgen_analysis::host::Cancellable;
