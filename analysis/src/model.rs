@@ -11,6 +11,7 @@
 pub mod fsm;
 pub mod layout;
 pub mod mutex;
+pub mod system;
 pub mod turn;
 pub(crate) mod visit;
 

@@ -10,7 +10,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_analysis::host::{Analysis, Cancellable};
+use dotgen_analysis::host::{Analysis, Cancellable, UnitResult};
 use dotgen_analysis::ide::FilePosition;
 use rustc_hash::FxHashMap;
 
@@ -191,6 +191,23 @@ impl Snapshot {
     pub fn is_template(&self, path: &Utf8Path) -> bool {
         let open = self.open.get(path);
         open.is_some_and(|it| it.kind.is_template())
+    }
+
+    /// The units of the system that a file belongs to: what lies in the same workspace folder.
+    pub fn system_units(&self, path: &Utf8Path) -> Cancellable<Vec<UnitResult>> {
+        let folder = self.folders.iter().find(|it| path.starts_with(it));
+        let mut paths: Vec<&Utf8Path> = self
+            .roots
+            .iter()
+            .filter(|it| folder.is_some_and(|folder| it.starts_with(folder)))
+            .map(|it| it.as_path())
+            .collect();
+        if paths.is_empty() {
+            paths.push(path);
+        }
+        paths.sort();
+        let units = paths.into_iter().map(|it| self.analysis.root_unit(it));
+        units.collect()
     }
 
     /// Whether a file belongs to the workspace.

@@ -13,6 +13,7 @@ mod ordering;
 mod pictures;
 mod random;
 mod scenario;
+mod system;
 mod templates;
 mod verification;
 
