@@ -1,6 +1,6 @@
 //! `textDocument/codeAction`: the fixes that diagnostics bring along, and refactorings.
 
-use dotgen_analysis::diagnostic::{Diagnostic, FileEdit};
+use dotgen_analysis::diagnostic::{Diagnostic, FileEdit, Fix};
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::ide::AssistKind;
 
@@ -60,25 +60,26 @@ pub(crate) fn handle(
         return Ok(Some(actions));
     }
     let mut codes: Vec<&str> = Vec::new();
-    for it in &all {
-        if it.range.start > range.end || it.range.end < range.start {
-            continue;
-        }
+    let mut offered: Vec<&Fix> = Vec::new();
+    // What is wrong here comes first, then what is wrong elsewhere and mended here.
+    let (here, elsewhere): (Vec<_>, Vec<_>) = all.iter().partition(|it| touches(&it.range, &range));
+    for it in here {
         for (rank, fix) in it.fixes.iter().enumerate() {
-            let Some(edit) = workspace_edit(snapshot, &fix.edits)? else {
-                continue;
-            };
-            actions.push(CodeActionOrCommand::CodeAction(CodeAction {
-                title: fix.title.clone(),
-                kind: Some(CodeActionKind::QUICKFIX),
-                diagnostics: diagnostic::to_proto(snapshot, it)?.map(|it| vec![it]),
-                edit: Some(edit),
-                is_preferred: Some(rank == 0),
-                ..CodeAction::default()
-            }));
+            actions.extend(quick_fix(snapshot, it, fix, rank == 0)?);
+            offered.push(fix);
         }
         if !it.fixes.is_empty() && !codes.contains(&it.code) {
             codes.push(it.code);
+        }
+    }
+    for it in elsewhere {
+        for fix in &it.fixes {
+            let mut edits = fix.edits.iter();
+            let mends = edits.any(|it| it.path == subject.path && touches(&it.range, &range));
+            if mends && !offered.contains(&fix) {
+                actions.extend(quick_fix(snapshot, it, fix, false)?);
+                offered.push(fix);
+            }
         }
     }
     for code in codes {
@@ -94,6 +95,31 @@ pub(crate) fn handle(
     refactorings(snapshot, subject, &range, params, &mut actions)?;
     generate(snapshot, subject, &range, params, &mut actions)?;
     Ok(Some(actions))
+}
+
+/// Whether two ranges have a place in common; the ends count.
+fn touches(a: &std::ops::Range<usize>, b: &std::ops::Range<usize>) -> bool {
+    a.start <= b.end && b.start <= a.end
+}
+
+/// The action of a fix.
+fn quick_fix(
+    snapshot: &Snapshot,
+    it: &Diagnostic,
+    fix: &Fix,
+    preferred: bool,
+) -> Cancellable<Option<CodeActionOrCommand>> {
+    let Some(edit) = workspace_edit(snapshot, &fix.edits)? else {
+        return Ok(None);
+    };
+    Ok(Some(CodeActionOrCommand::CodeAction(CodeAction {
+        title: fix.title.clone(),
+        kind: Some(CodeActionKind::QUICKFIX),
+        diagnostics: diagnostic::to_proto(snapshot, it)?.map(|it| vec![it]),
+        edit: Some(edit),
+        is_preferred: Some(preferred),
+        ..CodeAction::default()
+    })))
 }
 
 /// Refactorings of the selection, and what changes the whole file when it is asked for.
@@ -155,8 +181,7 @@ fn generate(
         let symbols = snapshot.analysis.document_symbols(&subject.path)?;
         let here = symbols.iter().any(|it| {
             it.kind == dotgen_analysis::ide::SymbolKind::Component
-                && it.selection_range.start <= range.end
-                && range.start <= it.selection_range.end
+                && touches(&it.selection_range, range)
         });
         if !here {
             return Ok(());
