@@ -244,7 +244,7 @@ impl<'db> Report<'db> {
         {
             return;
         }
-        let severity = severity(it.severity);
+        let severity = it.severity;
         self.push_with(
             key.file(self.db),
             it.code,
@@ -433,15 +433,6 @@ impl<'db> Report<'db> {
                 new_text: text.to_owned(),
             }],
         })
-    }
-}
-
-fn severity(it: elab::Severity) -> Severity {
-    match it {
-        elab::Severity::Error => Severity::Error,
-        elab::Severity::Warning => Severity::Warning,
-        elab::Severity::Information => Severity::Information,
-        elab::Severity::Hint => Severity::Hint,
     }
 }
 

@@ -20,8 +20,7 @@ use dotgen_analysis::model::{
 };
 
 pub use kind::{
-    dir_word, kind_word, label_text, length_of, scope_word, service_word, source_word, value_kind,
-    value_text,
+    dir_word, label_text, length_of, scope_word, service_word, source_word, value_text,
 };
 pub use prototypes::prototypes;
 
@@ -254,7 +253,7 @@ impl<'a> Mapper<'a> {
             | TypeKind::Sequence { element, .. }
             | TypeKind::Optional { element } => {
                 let length = length_of(kind).map(|l| l.to_string()).unwrap_or_default();
-                format!("{}{length}_{}", kind_word(kind), self.mangle(*element)?)
+                format!("{}{length}_{}", kind.word(), self.mangle(*element)?)
             }
             TypeKind::String { bound } => {
                 format!("string{}", bound.map(|l| l.to_string()).unwrap_or_default())
@@ -262,7 +261,7 @@ impl<'a> Mapper<'a> {
             TypeKind::StructMember { ty }
             | TypeKind::UnionMember { ty, .. }
             | TypeKind::Const { ty, .. } => self.mangle(*ty)?,
-            _ => kind_word(kind).replace(' ', "_"),
+            _ => kind.word().replace(' ', "_"),
         })
     }
 
@@ -354,7 +353,7 @@ impl<'a> Mapper<'a> {
             };
             let c = self.language == Language::C;
             let kind = self.kind(ty);
-            let word = kind_word(kind);
+            let word = kind.word();
             match kind {
                 TypeKind::Boolean
                 | TypeKind::UnsignedShort

@@ -18,10 +18,7 @@ pub(crate) fn handle(
     subject: &Subject,
     params: &CodeActionParams,
 ) -> Cancellable<Option<CodeActionResponse>> {
-    let wanted = |kind: &CodeActionKind| {
-        let only = params.context.only.as_deref();
-        only.is_none_or(|only| only.iter().any(|it| kind.as_str().starts_with(it.as_str())))
-    };
+    let wanted = |kind: &CodeActionKind| is_wanted(params, kind);
     let Some(lines) = snapshot.lines(&subject.path)? else {
         return Ok(None);
     };
@@ -97,6 +94,12 @@ pub(crate) fn handle(
     Ok(Some(actions))
 }
 
+/// Whether a client wants actions of a kind.
+fn is_wanted(params: &CodeActionParams, kind: &CodeActionKind) -> bool {
+    let only = params.context.only.as_deref();
+    only.is_none_or(|only| only.iter().any(|it| kind.as_str().starts_with(it.as_str())))
+}
+
 /// Whether two ranges have a place in common; the ends count.
 fn touches(a: &std::ops::Range<usize>, b: &std::ops::Range<usize>) -> bool {
     a.start <= b.end && b.start <= a.end
@@ -131,9 +134,7 @@ fn refactorings(
     actions: &mut Vec<CodeActionOrCommand>,
 ) -> Cancellable<()> {
     let only = params.context.only.as_deref();
-    let wanted = |kind: &CodeActionKind| {
-        only.is_none_or(|only| only.iter().any(|it| kind.as_str().starts_with(it.as_str())))
-    };
+    let wanted = |kind: &CodeActionKind| is_wanted(params, kind);
     let organize = CodeActionKind::SOURCE_ORGANIZE_IMPORTS;
     let mut assists = Vec::new();
     // A client that asks on every move of the cursor for fixes alone does not pay for these.
