@@ -347,6 +347,28 @@ impl Analysis {
         self.with(|db| report::adjust(db, diagnostics))
     }
 
+    /// Codes of a layer above (`family`, of which `known` exist) that comments of a root allow although
+    /// no finding has them there. `found` are its findings before [`Analysis::adjusted`].
+    pub fn unused_allowances(
+        &self,
+        root: &Utf8Path,
+        family: &str,
+        known: &[&str],
+        found: &[Diagnostic],
+    ) -> Cancellable<Vec<Diagnostic>> {
+        self.with(|db| report::unused_allowances(db, root, family, known, found))
+    }
+
+    /// Whether the configuration switches a code off.
+    pub fn is_off(&self, code: &str) -> Cancellable<bool> {
+        self.with(|db| report::is_switched_off(db, code))
+    }
+
+    /// What is said of a code that a comment allows and that nothing has.
+    pub fn unused_allowance(code: &str, known: bool) -> String {
+        report::unused_allowance(code, known)
+    }
+
     /// The unit that serves a file: the unit of the active document, else of the first other root
     /// that includes it, else its own.
     pub fn unit(&self, path: &Utf8Path) -> Cancellable<UnitResult> {

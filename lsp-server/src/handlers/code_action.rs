@@ -34,7 +34,8 @@ pub(crate) fn handle(
         actions::actions(snapshot, subject, &range, &codels, &mut actions)?;
         return Ok(Some(actions));
     }
-    let all = snapshot.analysis.diagnostics(&subject.path)?;
+    let mut all = snapshot.analysis.diagnostics(&subject.path)?;
+    all.extend(crate::codels::unused_in(snapshot, &subject.path)?);
     // Only on request: it changes the whole file.
     if params.context.only.is_some()
         && wanted(&CodeActionKind::SOURCE_FIX_ALL)

@@ -695,6 +695,8 @@ async fn findings_follow_the_configuration_and_comments() {
         .notify(DID_CHANGE_FILES, folder.event("dotgen.toml", 2))
         .await;
     let elsewhere = [
+        // The function is there now.
+        "lint/unused-suppression",
         "codel/signature-mismatch",
         "codel/missing-definition",
         "codel/missing-definition",
@@ -705,6 +707,70 @@ async fn findings_follow_the_configuration_and_comments() {
         .notify(DID_CHANGE_FILES, folder.event("dotgen.toml", 2))
         .await;
     client.pushed_until(&uri, is(&[])).await;
+    client.ignore("textDocument/publishDiagnostics");
+    drop(client);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn comments_that_allow_nothing_are_told_on_both_sides() {
+    let specification = "component c {\n  // dotgen: allow(codel/missing-definition) written by hand\n  function f() { codel c_f(); };\n  // dotgen: allow(codel/mising-definition) as above\n  function g() { codel c_g(); };\n  // dotgen: allow(codel/missing-definition) to come\n  function h() { codel c_h(); };\n};\n";
+    let body = "(const genom_context self)\n{\n  return genom_ok;\n}\n";
+    let source = format!(
+        "// dotgen: allow(codel/orphan, codel/signature-mismatch) why\ngenom_event c_f(int x, const genom_context self)\n{{\n  return genom_ok;\n}}\n\
+         genom_event c_g{body}// dotgen: allow(codel/orphan) of another\nint other{body}"
+    );
+    let folder = Folder::new(&[("c.gen", specification), ("codels/c_codels.c", &source)]);
+    let (uri, code) = (folder.uri("c.gen"), folder.uri("codels/c_codels.c"));
+    let mut client = Client::start(folder.params(capable())).await;
+    client.open(&uri, specification).await;
+    client.open_code(&code, &source).await;
+    let unused = |wanted: usize| {
+        move |it: &[String]| {
+            it.iter()
+                .filter(|it| *it == "lint/unused-suppression")
+                .count()
+                == wanted
+        }
+    };
+    let shown = client.pushed_until(&uri, unused(2)).await;
+    assert_eq!(
+        messages(&shown),
+        [
+            "lint/unused-suppression: nothing here is reported as `codel/missing-definition`: remove it from the comment",
+            "lint/unused-suppression: `codel/mising-definition` is no code of a diagnostic",
+        ]
+    );
+    assert_eq!(shown[0]["severity"], 4);
+    assert_eq!(
+        shown[0]["range"]["start"],
+        place(specification, "codel/missing", 0)
+    );
+    let shown = client.pushed_until(&code, unused(1)).await;
+    assert_eq!(
+        messages(&shown),
+        [
+            "lint/unused-suppression: nothing here is reported as `codel/orphan`: remove it from the comment"
+        ]
+    );
+    assert_eq!(
+        shown[0]["range"]["start"],
+        place(&source, "codel/orphan", 0)
+    );
+
+    // It is mended where it stands.
+    let at = place(specification, "codel/missing", 0);
+    let actions = client
+        .actions(&uri, &json!({ "start": at, "end": at }), Some("quickfix"))
+        .await;
+    let titles: Vec<_> = actions.iter().map(title).collect();
+    assert!(titles.contains(&"Remove the comment"), "{titles:?}");
+
+    // Where nothing is compared, nothing is known.
+    folder.write("dotgen.toml", "[codels]\nfolder = \"src\"\n");
+    client
+        .notify(DID_CHANGE_FILES, folder.event("dotgen.toml", 1))
+        .await;
+    client.pushed_until(&uri, <[String]>::is_empty).await;
     client.ignore("textDocument/publishDiagnostics");
     drop(client);
 }
