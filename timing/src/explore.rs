@@ -10,6 +10,7 @@ mod ample;
 mod lazy;
 mod liveness;
 mod observe;
+mod overtake;
 mod run;
 mod search;
 mod state;

@@ -205,6 +205,14 @@ impl CodelSet {
             .is_some_and(|word| word >> (codel % 64) & 1 == 1)
     }
 
+    /// Whether the two have a member in common.
+    pub fn intersects(&self, other: &CodelSet) -> bool {
+        self.0
+            .iter()
+            .zip(&other.0)
+            .any(|(one, other)| one & other != 0)
+    }
+
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.0.iter().all(|&word| word == 0)

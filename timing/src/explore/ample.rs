@@ -17,7 +17,9 @@
 //!   free cores than tasks that can ask at this moment).
 //! * **All ticks** that are due, under FIFO, if no other task can ask for a core at this moment. The
 //!   order of ticks matters, so all of them are in the set; giving a core back commutes with a tick:
-//!   the queue is the same, and its head is granted, whichever comes first.
+//!   the queue is the same, and its head is granted, whichever comes first. A task that has nothing to do
+//!   delays nobody, so it is enough that its own tick comes last, which makes it wait longest. (Unless its response
+//!   time is measured: after a miss the next job would be measured from a later moment.)
 //! * **The end** of a codel whose window is over. It only gives locks back, which nobody else can do,
 //!   and begins to wait for the next ones. If it can end the cycle, no tick of the same task may be
 //!   due (the order of those two is what `schedulable` is about). If somebody can be waiting for the
@@ -71,6 +73,8 @@ pub(crate) struct Ample {
     visible_on_cores: bool,
     /// The cycle of its permanent activity never ends, and it has no activities.
     endless: Vec<bool>,
+    /// Its response time, or how long it waits, is measured.
+    measured: Vec<bool>,
     /// Who executes each codel.
     owner: Vec<Owner>,
     /// Tasks with activities that can run.
@@ -81,8 +85,8 @@ pub(crate) struct Ample {
 }
 
 impl Ample {
-    /// Examines a system of which `visible` tasks are observed by predicates.
-    pub(crate) fn new(system: &TimedSystem, visible: Vec<bool>) -> Self {
+    /// Examines a system of which `visible` tasks are observed by predicates and `measured` ones by clocks.
+    pub(crate) fn new(system: &TimedSystem, visible: Vec<bool>, measured: &[bool]) -> Self {
         let requested = system.requested();
         let plain = |task: usize| {
             let it = &system.tasks[task];
@@ -125,6 +129,7 @@ impl Ample {
             plain: tasks.clone().map(plain).collect(),
             visible_on_cores: tasks.clone().any(|t| visible[t] && system.needs_core(t)),
             visible,
+            measured: measured.to_vec(),
             endless: tasks.clone().map(endless).collect(),
             owner,
             active: tasks
@@ -136,6 +141,26 @@ impl Ample {
                 .collect(),
             enabled: system.platform.locks == LockOrder::Free,
         }
+    }
+
+    /// Whether a task has nothing to do with control tasks, clients or separate threads.
+    pub(super) fn plain(&self, task: usize) -> bool {
+        self.plain[task]
+    }
+
+    /// Whether predicates say something about a task.
+    pub(super) fn visible(&self, task: usize) -> bool {
+        self.visible[task]
+    }
+
+    /// Whether the cycle of a task never ends.
+    pub(super) fn endless(&self, task: usize) -> bool {
+        self.endless[task]
+    }
+
+    /// The codels that the same turn of an automaton can come to after a state.
+    pub(super) fn later(&self, automaton: usize, state: usize) -> &CodelSet {
+        &self.later[automaton][state]
     }
 
     /// Writes an ample set of a state to `out`, or all enabled actions.
@@ -350,7 +375,19 @@ impl Moment<'_, '_> {
         }
         let ticks = self.enabled.actions.iter();
         out.extend(ticks.filter(|it| matches!(it, Action::Tick { .. })));
+        let last =
+            |it: &Action| matches!(*it, Action::Tick { task } if self.has_nothing_to_do(task));
+        if !out.iter().all(last) {
+            out.retain(|it| !last(it));
+        }
         !out.is_empty()
+    }
+
+    /// Whether the jobs of a plain task end as soon as they get a core, and nobody measures how long that takes.
+    fn has_nothing_to_do(&self, task: usize) -> bool {
+        let permanent = self.system().tasks[task].permanent;
+        !self.ample.measured[task]
+            && permanent.is_none_or(|a| self.layout().mode(self.s, a) == mode::ENDED)
     }
 
     fn end_alone(&self, executor: usize) -> bool {

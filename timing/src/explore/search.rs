@@ -8,6 +8,7 @@ use rustc_hash::FxHashSet;
 use super::ample::{Ample, visible_tasks};
 use super::lazy::{self, Lazy};
 use super::observe::{self, Observer};
+use super::overtake::{Held, Now, Overtake};
 use super::run::Run;
 use super::state::{Layout, State, TaskStatus, phase};
 use super::step::{Action, Enabled, Stepper};
@@ -59,7 +60,7 @@ pub enum Stop {
     Limit,
     /// Cancelled from outside.
     Cancelled,
-    /// Nothing more was asked ([`Watch::stop_at_first`]).
+    /// Everything that was asked has been found, or with [`Watch::stop_at_first`] the first of it.
     Answered,
 }
 
@@ -220,7 +221,7 @@ enum Diverging {
 }
 
 /// States looked at per state of a layer to find those that are reached by ends that can wait.
-const CLOSURES: usize = 4;
+const CLOSURES: usize = 1;
 
 const ROOT: u32 = u32::MAX;
 
@@ -252,6 +253,7 @@ struct Search<'a> {
     stepper: Stepper<'a>,
     lazy: Lazy,
     ample: Ample,
+    overtake: Overtake,
     watch: &'a Watch,
     observers: Vec<Observer>,
     limits: Limits,
@@ -340,10 +342,13 @@ impl<'a> Search<'a> {
                 }
             })
             .fold(0u32, |sum, it| sum.saturating_add(it));
+        let lazy = Lazy::new(system, &visible, &observed);
+        let ample = Ample::new(system, visible, &observed);
         Search {
             stepper: Stepper::new(system, layout),
-            lazy: Lazy::new(system, &visible, &observed),
-            ample: Ample::new(system, visible),
+            lazy,
+            overtake: Overtake::new(system, &ample),
+            ample,
             watch,
             observers: watch
                 .within
@@ -421,9 +426,12 @@ impl Search<'_> {
         self.layer_calm.clear();
         // Parents of a merged state: lists in `links`, by number.
         let mut links: Vec<(u32, u32)> = Vec::new();
-        let mut stack = states;
+        let mut stack: Vec<(State, u32, Held)> = states
+            .into_iter()
+            .map(|(s, parent)| (s, parent, 0))
+            .collect();
         if initial {
-            for (s, parent) in &mut stack {
+            for (s, parent, _) in &mut stack {
                 observe::observe(&self.stepper, &self.observers, None, s);
                 self.check(
                     None,
@@ -436,9 +444,10 @@ impl Search<'_> {
             }
         }
         let mut enabled = Enabled::default();
+        let mut first = Vec::new();
         let mut followed = Vec::new();
         let mut it = Encoded::default();
-        while let Some((mut s, parent)) = stack.pop() {
+        while let Some((mut s, parent, mut held)) = stack.pop() {
             self.steps += 1;
             if self.stopped.is_some() || (self.steps % 16 == 1 && self.out_of_bounds()) {
                 return;
@@ -450,10 +459,18 @@ impl Search<'_> {
                 if !enabled.committed || enabled.actions.len() != 1 {
                     break;
                 }
-                self.step(&mut s, enabled.actions[0], Sight { parent, time });
+                self.step(
+                    &mut s,
+                    enabled.actions[0],
+                    &mut held,
+                    Sight { parent, time },
+                );
                 self.stepper.enabled(&s, &mut enabled);
             }
             encode(&self.stepper, &s, &mut it);
+            if held != 0 {
+                it.key.extend(held.to_le_bytes());
+            }
             let tag = links.len() as u32;
             links.push((parent, u32::MAX));
             let Some(key) = self
@@ -468,9 +485,15 @@ impl Search<'_> {
             }
             let calm = !enabled.urgent && !enabled.forced;
             let waiters = calm.then(|| self.lazy.waiters(&self.stepper, &s)).flatten();
-            self.ample
-                .select(&self.stepper, &s, &enabled, &mut followed);
-            for &action in &followed {
+            self.ample.select(&self.stepper, &s, &enabled, &mut first);
+            let now = Now {
+                stepper: &self.stepper,
+                ample: &self.ample,
+                s: &s,
+                enabled: &enabled,
+            };
+            self.overtake.select(now, held, &first, &mut followed);
+            for &(action, mut held) in &followed {
                 if let Action::Finish { executor, .. } = action
                     && let Some(waiters) = &waiters
                     && lazy::can_wait(waiters, &self.stepper, executor)
@@ -478,20 +501,21 @@ impl Search<'_> {
                     continue;
                 }
                 let mut next = s.clone();
-                self.step(&mut next, action, Sight { parent, time });
-                stack.push((next, parent));
+                self.step(&mut next, action, &mut held, Sight { parent, time });
+                stack.push((next, parent, held));
             }
         }
         self.keep_calm(time, &links);
     }
 
     /// Performs an action, and looks at the state it leads to.
-    fn step(&mut self, s: &mut State, action: Action, at: Sight) {
-        let needs_before = !self.observers.is_empty() || !self.watch.reach.is_empty();
+    fn step(&mut self, s: &mut State, action: Action, held: &mut Held, at: Sight) {
+        let needs_before = !self.observers.is_empty() || !self.watch.reach.is_empty() || *held != 0;
         let before = needs_before.then(|| s.clone());
         self.stepper.apply(s, action);
         if let Some(before) = &before {
             observe::observe(&self.stepper, &self.observers, Some(before), s);
+            *held = (self.overtake).after(&self.stepper, before, action, s, *held);
         }
         if let Action::Grant { task } = action
             && self.waiting_only[task]
@@ -627,8 +651,21 @@ impl Search<'_> {
             || ((self.steps >> 4).is_multiple_of(1 << 10) && self.memory() > self.limits.bytes)
         {
             self.stopped = Some(Stop::Limit);
+        } else if self.answered() {
+            self.stopped = Some(Stop::Answered);
         }
         self.stopped.is_some()
+    }
+
+    /// Whether everything that is asked has been seen. With clients the rest may still show that a request is refused.
+    fn answered(&self) -> bool {
+        self.watch.response.is_empty()
+            && self.watch.within.is_empty()
+            && self.stepper.system.clients.is_empty()
+            && self.missed.iter().all(Option::is_some)
+            && self.overdue.iter().all(Option::is_some)
+            && self.reached.iter().all(Option::is_some)
+            && (!self.watch.deadlock || self.deadlock.is_some())
     }
 
     fn memory(&self) -> usize {

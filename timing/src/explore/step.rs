@@ -337,7 +337,8 @@ impl<'s> Stepper<'s> {
         }
     }
 
-    fn can_acquire(&self, s: &State, executor: usize) -> bool {
+    /// Whether a codel that waits for its locks can take them.
+    pub(crate) fn can_acquire(&self, s: &State, executor: usize) -> bool {
         let Some(codel) = self.codel(s, executor) else {
             return false;
         };

@@ -34,12 +34,16 @@ pub(crate) fn encode(stepper: &Stepper, s: &State, out: &mut Encoded) {
     let l = &stepper.layout;
     out.key.clear();
     out.dims.clear();
-    for &value in &s.d {
-        if value < 255 {
-            out.key.push(value as u8);
-        } else {
-            out.key.push(255);
-            out.key.extend(value.to_le_bytes());
+    if s.d.iter().all(|&value| value < 255) {
+        out.key.extend(s.d.iter().map(|&value| value as u8));
+    } else {
+        for &value in &s.d {
+            if value < 255 {
+                out.key.push(value as u8);
+            } else {
+                out.key.push(255);
+                out.key.extend(value.to_le_bytes());
+            }
         }
     }
     for &value in l.key_times(s) {

@@ -161,13 +161,16 @@ fn cases() -> u64 {
         .unwrap_or(2000)
 }
 
+/// The first seed, to look at one system again.
+fn first() -> u64 {
+    let given = std::env::var("DOTGEN_TIMING_SEED").ok();
+    given.and_then(|it| it.parse().ok()).unwrap_or(0)
+}
+
 #[test]
 fn explorer_agrees_with_brute_force() {
     let mut compared = 0;
-    let first = std::env::var("DOTGEN_TIMING_SEED")
-        .ok()
-        .and_then(|it| it.parse().ok())
-        .unwrap_or(0);
+    let first = first();
     for seed in first..first + cases() {
         match compare(seed) {
             Some(Ok(())) => compared += 1,
@@ -177,6 +180,29 @@ fn explorer_agrees_with_brute_force() {
     }
     assert!(
         compared * 2 > cases(),
+        "only {compared} systems were small enough"
+    );
+}
+
+#[test]
+fn explorer_agrees_when_tasks_compete() {
+    let mut compared = 0;
+    let first = first();
+    for seed in first..first + cases() {
+        let system = systems::competing(&mut systems::Dice::new(seed));
+        // Some reductions need that nobody asks how long an aperiodic job is.
+        let all = 0..system.tasks.len();
+        let measured: Vec<usize> = all
+            .filter(|&t| seed % 2 == 0 || system.tasks[t].period.is_some())
+            .collect();
+        match compare_system(seed, &system, &[], &measured) {
+            Some(Ok(())) => compared += 1,
+            Some(Err(why)) => panic!("{why}"),
+            None => {}
+        }
+    }
+    assert!(
+        compared * 3 > cases(),
         "only {compared} systems were small enough"
     );
 }

@@ -124,6 +124,55 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
     (system, within)
 }
 
+/// A system of two to four tasks that compete for locks and cores, without services and mostly without anything that
+/// would hinder reductions. There is one tick after the other, as periods are few.
+pub(crate) fn competing(dice: &mut Dice) -> TimedSystem {
+    let mut system = empty(dice);
+    system.platform.policy = dice.pick(&[Policy::Fifo, Policy::Fifo, Policy::Edf, Policy::Any]);
+    let tasks = 2 + dice.below(3) as usize;
+    let from_zero = dice.in_ten(7);
+    for t in 0..tasks {
+        if t == 0 || dice.in_ten(6) {
+            system.components.push(Component {
+                name: format!("c{}", system.components.len()),
+                tasks: Vec::new(),
+                services: Vec::new(),
+            });
+        }
+        let component = system.components.len() - 1;
+        system.components[component].tasks.push(t);
+        let permanent = dice.in_ten(9).then(|| {
+            let name = format!("c{component}.t{t}");
+            let machine = machine(&mut system, dice, component, name);
+            automaton(&mut system, t, machine, None)
+        });
+        system.tasks.push(Task {
+            name: format!("t{t}"),
+            component,
+            period: (!dice.in_ten(1)).then(|| dice.pick(&[2, 3, 4, 4, 6])),
+            delay: 0,
+            keep_idle_tick: false,
+            permanent,
+            slots: Vec::new(),
+            src: None,
+        });
+    }
+    for it in &mut system.codels {
+        if it.upper != FOREVER {
+            it.upper = it.upper.min(2);
+        }
+        it.lower = if from_zero { 0 } else { it.lower.min(it.upper) };
+    }
+    for one in 0..system.codels.len() {
+        for other in 0..one {
+            if dice.in_ten(3) {
+                system.exclude(one, other);
+            }
+        }
+    }
+    system
+}
+
 /// A system with a task that polls for ever, periodic tasks that share locks with it and each other, and durations
 /// from 0 on: what the reductions are made for.
 pub(crate) fn polling(dice: &mut Dice) -> TimedSystem {
