@@ -34,9 +34,10 @@ function freePort() {
 
 /**
  * Starts a workbench. `node` and `codeServer` are what setup.sh wrote to its `env` file; `files` (text by name) are added to
- * the copy of the workspace; the folders `beside` are copied next to it, under their names.
+ * the copy of the workspace; the folders `beside` are copied next to it, under their names. `others` are extensions that
+ * stand in for those of others: `main` (text) and the rest of the manifest by identifier.
  */
-export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bin/chromium', vsix, workspace, beside = [], files = {}, settings = {}, shots }) {
+export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bin/chromium', vsix, workspace, beside = [], files = {}, settings = {}, others = {}, shots }) {
   const root = mkdtempSync(join(tmpdir(), 'dotgen-workbench-'));
   const directory = (name) => {
     const path = join(root, name);
@@ -65,6 +66,14 @@ export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bi
   for (const name of Object.keys(env).filter((name) => name.startsWith('VSCODE_'))) delete env[name];
 
   const base = [codeServer, '--config', join(root, 'config.yaml'), '--user-data-dir', user, '--extensions-dir', extensions];
+  // What lies there before the first installation is taken for installed.
+  for (const [id, { main, ...manifest }] of Object.entries(others)) {
+    const [publisher, name] = id.split('.');
+    const place = directory(`extensions/${id}-1.0.0`);
+    const whole = { name, publisher, version: '1.0.0', engines: { vscode: '^1.60.0' }, main: './main.js', activationEvents: ['onStartupFinished'], ...manifest };
+    writeFileSync(join(place, 'package.json'), JSON.stringify(whole));
+    writeFileSync(join(place, 'main.js'), main);
+  }
   execFileSync(node, [...base, '--install-extension', resolve(vsix)], { env, stdio: ['ignore', 'ignore', 'inherit'] });
   const port = await freePort();
   const server = spawn(
