@@ -4,7 +4,7 @@ import { execFileSync, spawn } from 'node:child_process';
 import { cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, readlinkSync, rmSync, writeFileSync } from 'node:fs';
 import { createServer } from 'node:net';
 import { tmpdir } from 'node:os';
-import { basename, join, resolve, sep } from 'node:path';
+import { basename, dirname, join, resolve, sep } from 'node:path';
 import { chromium } from 'playwright-core';
 
 const TIMEOUT_MS = Number(process.env.WORKBENCH_TIMEOUT_MS ?? 30_000);
@@ -47,7 +47,10 @@ export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bi
   const folder = join(root, 'workspace');
   cpSync(workspace, folder, { recursive: true });
   for (const path of beside) cpSync(path, join(root, basename(path)), { recursive: true });
-  for (const [name, text] of Object.entries(files)) writeFileSync(join(folder, name), text);
+  for (const [name, text] of Object.entries(files)) {
+    mkdirSync(dirname(join(folder, name)), { recursive: true });
+    writeFileSync(join(folder, name), text);
+  }
   const user = directory('user');
   const extensions = directory('extensions');
   writeFileSync(join(directory('user/User'), 'settings.json'), JSON.stringify({ ...SETTINGS, ...settings }, null, 2));
