@@ -158,6 +158,25 @@ impl Backend {
             .await
     }
 
+    /// `dotgen/sensitivity`
+    pub(crate) async fn sensitivity(
+        &self,
+        params: verification::SensitivityParams,
+    ) -> Result<Option<verification::SensitivityResult>> {
+        let uri = params.text_document.uri.clone();
+        let question = params.verification();
+        let found = self
+            .dispatch
+            .document(uri.clone(), question, verification::prepare);
+        let Some(prepared) = found.await? else {
+            return Ok(None);
+        };
+        let token = params.work_done_token;
+        let asked = verification::ask(prepared, token, self.dispatch.outbox()).await;
+        let answer = self.dispatch.document(uri, asked, verification::shown);
+        answer.await.map(Some)
+    }
+
     /// `dotgen/codelHeaders`
     pub(crate) async fn codel_headers(
         &self,

@@ -52,6 +52,7 @@ fn custom_methods(builder: Builder) -> Builder {
         .custom_method("dotgen/includingRoots", Backend::including_roots)
         .custom_method("dotgen/diagram", Backend::diagram)
         .custom_method("dotgen/verification", Backend::verification)
+        .custom_method("dotgen/sensitivity", Backend::sensitivity)
         .custom_method("dotgen/codelHeaders", Backend::codel_headers)
         .custom_method("dotgen/model", Backend::model)
         .custom_method("window/workDoneProgress/cancel", Backend::cancel_progress);

@@ -15,7 +15,7 @@ use std::time::Duration;
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_timing::derive::MinimumCores;
 use dotgen_timing::report::{Report, Verdict};
-use dotgen_timing::verify::Options;
+use dotgen_timing::verify::{Cancel, Options};
 use serde::{Deserialize, Serialize};
 use tokio::sync::mpsc::UnboundedSender;
 
@@ -26,7 +26,7 @@ use crate::snapshot::Snapshot;
 use crate::state::Event;
 use crate::verification::{Problem, TaskBound};
 
-pub(crate) use job::{Cancel, Found, Verified, run};
+pub(crate) use job::{Found, Verified, run};
 pub(crate) use wanted::{Wanted, problem_of, scenario, wanted};
 
 /// The pause in typing that is waited for.
@@ -149,7 +149,7 @@ impl Verifier {
         let mut changed = false;
         for (path, entry) in Arc::make_mut(&mut self.results) {
             if entry.status != Status::Stale && read(entry) {
-                entry.cancel.cancel();
+                entry.cancel.abandon();
                 entry.status = Status::Stale;
                 changed = true;
                 notify(&mut self.told, path, entry, outbox);
@@ -171,7 +171,7 @@ impl Verifier {
         results.retain(|path, entry| {
             let stays = wanted.iter().any(|it| it.path == *path);
             if !stays {
-                entry.cancel.cancel();
+                entry.cancel.abandon();
                 self.told.iter_mut().for_each(|it| drop(it.remove(path)));
             }
             stays
@@ -197,7 +197,7 @@ impl Verifier {
                 continue;
             }
             if let Some(entry) = &before {
-                entry.cancel.cancel();
+                entry.cancel.abandon();
             }
             self.jobs += 1;
             let mut known = self.remembered.iter();
@@ -242,7 +242,7 @@ impl Verifier {
     pub(crate) fn stop(&mut self) -> bool {
         let any = !self.results.is_empty();
         for entry in std::mem::take(&mut self.results).values() {
-            entry.cancel.cancel();
+            entry.cancel.abandon();
         }
         self.remembered.clear();
         any

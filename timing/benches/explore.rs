@@ -4,7 +4,6 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use camino::Utf8Path;
 use divan::Bencher;
@@ -13,7 +12,7 @@ use dotgen_analysis::host::{
 };
 use dotgen_timing::scn::ast::{Durations, Item, Scenario};
 use dotgen_timing::scn::parse;
-use dotgen_timing::verify::{Options, SystemInput, verify};
+use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 
 fn main() {
     divan::main();
@@ -68,7 +67,7 @@ fn bench(bencher: Bencher, path: &str, cores: u32, durations: Durations) {
         let input = SystemInput {
             specs: vec![&unit.spec],
         };
-        verify(&input, &scenario, &options, &AtomicBool::new(false))
+        verify(&input, &scenario, &options, &Cancel::default())
     });
 }
 

@@ -37,6 +37,9 @@ pub fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
         .collect()
 }
 
+/// Fixed points that are not found in so many rounds are given up: a quick bound must be quick.
+const ROUNDS: usize = 10_000;
+
 /// Fixed points above this are given up.
 const HORIZON: u64 = 1 << 31;
 
@@ -159,7 +162,7 @@ impl Analysis<'_> {
 /// The least w with w = (once + Σ (⌈w/P⌉ + 3)·work) / servers.
 fn fixed_point(jobs: &[(Option<Ticks>, u64)], once: u64, servers: u64) -> Option<u64> {
     let mut window = 0u64;
-    for _ in 0..100_000 {
+    for _ in 0..ROUNDS {
         let mut demand = once;
         for &(period, work) in jobs {
             let count = window.div_ceil(u64::from(period?)) + 3;

@@ -56,6 +56,19 @@ pub struct Sensitivity {
     pub wcet: Vec<Extreme>,
     /// The smallest period of each periodic task, the others as they are.
     pub period: Vec<Extreme>,
+    /// Set when it was cancelled: questions are missing.
+    pub incomplete: bool,
+}
+
+/// How far [`sensitivity`] has come.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Progress {
+    /// Questions answered, of all.
+    pub done: usize,
+    /// All of them.
+    pub of: usize,
+    /// What is asked now, in words.
+    pub asking: String,
 }
 
 /// Every derived question about a scenario. Takes as long as some dozen verifications for each codel and
@@ -65,27 +78,50 @@ pub fn sensitivity(
     scenario: &Scenario,
     options: &Options,
     cancel: &Cancel,
+    progress: &dyn Fn(Progress),
 ) -> Result<Sensitivity, Vec<Diagnostic>> {
-    let minimum_cores = minimum_cores(input, scenario, options, cancel)?;
     let names = Names::new(&input.specs);
     let system = build(&names, &settings(scenario, options), &|_| true).system;
+    let codels = system.codels.iter();
+    let codels: Vec<Path> = codels
+        .filter(|it| it.site.is_some() && it.upper != FOREVER)
+        .map(|it| Path::of(&it.path))
+        .collect();
+    let tasks = system.tasks.iter();
+    let tasks: Vec<Path> = tasks
+        .filter(|it| it.period.is_some())
+        .map(|it| {
+            let component = &system.components[it.component].name;
+            Path::of(&format!("{component}.{}", it.name))
+        })
+        .collect();
+    let of = 1 + codels.len() + tasks.len();
+    let asking = |done, asking| progress(Progress { done, of, asking });
+    asking(0, "the number of cores".to_owned());
     let mut out = Sensitivity {
-        minimum_cores,
+        minimum_cores: minimum_cores(input, scenario, options, cancel)?,
         wcet: Vec::new(),
         period: Vec::new(),
+        incomplete: false,
     };
-    let codels = system.codels.iter();
-    for codel in codels.filter(|it| it.site.is_some() && it.upper != FOREVER) {
-        let path = Path::of(&codel.path);
+    for (i, path) in codels.iter().enumerate() {
+        if cancel.is_over() {
+            break;
+        }
+        asking(1 + i, format!("the WCET of {}", path.text()));
         out.wcet
-            .push(largest_wcet(input, scenario, options, &path, cancel)?);
+            .push(largest_wcet(input, scenario, options, path, cancel)?);
     }
-    for task in system.tasks.iter().filter(|it| it.period.is_some()) {
-        let component = &system.components[task.component].name;
-        let path = Path::of(&format!("{component}.{}", task.name));
+    for (i, path) in tasks.iter().enumerate() {
+        if cancel.is_over() {
+            break;
+        }
+        let done = 1 + codels.len() + i;
+        asking(done, format!("the period of {}", path.text()));
         out.period
-            .push(smallest_period(input, scenario, options, &path, cancel)?);
+            .push(smallest_period(input, scenario, options, path, cancel)?);
     }
+    out.incomplete = cancel.is_over();
     Ok(out)
 }
 
@@ -108,6 +144,9 @@ pub fn minimum_cores(
         tried: Vec::new(),
     };
     for cores in 1..=most.max(1) {
+        if cancel.is_over() {
+            break;
+        }
         variation.settings.cores = Some(cores);
         let verdict = variation.schedulable();
         out.tried.push((cores, verdict));
@@ -346,6 +385,9 @@ impl<'v> Variation<'v> {
     }
 
     fn schedulable(&self) -> Verdict {
+        if self.cancel.is_over() {
+            return Verdict::Unknown;
+        }
         let built = build(self.names, &self.settings, &|_| true);
         if built.has_errors() {
             return Verdict::Unknown;

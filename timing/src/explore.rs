@@ -9,6 +9,7 @@
 mod ample;
 mod lazy;
 mod liveness;
+mod measure;
 mod observe;
 mod overtake;
 mod run;
@@ -19,5 +20,7 @@ mod store;
 
 pub use liveness::{Liveness, LivenessQuery, liveness};
 pub use run::{Moment, MomentKind, Run};
-pub use search::{Bound, Findings, Found, Limits, Stop, Watch, explore};
+pub use search::{
+    Bound, Findings, Found, Limits, Measured, ResponseTime, Stop, Watch, Within, explore,
+};
 pub use step::Action;

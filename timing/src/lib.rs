@@ -4,6 +4,7 @@
 //! [`explore`] explores once for all checks.
 
 pub mod analytic;
+mod cancel;
 pub mod derive;
 pub mod explore;
 pub mod property;

@@ -14,6 +14,7 @@ mod units;
 
 use dotgen_analysis::model::{CodelRef, Seconds, Src};
 
+pub use locks::SharedPorts;
 pub use loops::{loop_contradictions, pauseless_cycles};
 
 /// A number of base units.

@@ -1,13 +1,14 @@
 //! From specifications and a scenario to a report.
 
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use dotgen_analysis::model::{Seconds, Spec};
 use num_rational::Ratio;
 
+pub use crate::cancel::Cancel;
 use crate::explore::{
-    Bound, Findings, Found, Limits, LivenessQuery, Run, Stop, Watch, explore, liveness,
+    Bound, Findings, Found, Limits, LivenessQuery, Measured, MomentKind, ResponseTime, Run, Stop,
+    Watch, Within, explore, liveness,
 };
 use crate::property::{Predicate, resolve};
 use crate::report::{CheckReport, Event, Report, Soundness, Value, Verdict};
@@ -16,9 +17,9 @@ use crate::scn::ast::{
     Bound as AstBound, Check, CheckKind, Durations, Path, Policy, Pred, Scenario, Unit,
 };
 use crate::scn::names::Names;
-use crate::system::ClientAction;
 use crate::system::build::{Built, build};
 use crate::system::settings::Settings;
+use crate::system::{ClientAction, Ticks};
 
 /// The specifications of a system.
 #[derive(Debug, Clone, Default)]
@@ -41,9 +42,6 @@ pub struct Options {
     /// When to give up.
     pub limits: Limits,
 }
-
-/// Set to stop a verification.
-pub type Cancel = AtomicBool;
 
 /// Verifies a scenario.
 pub fn verify(
@@ -361,12 +359,26 @@ impl Group<'_> {
             let place = match checks[i].what {
                 What::Schedulable(it) => task(|it| &mut it.schedulable, it),
                 What::NoOverdue(it) => task(|it| &mut it.overdue, it),
-                What::Response(it, _) => task(|it| &mut it.response, it),
-                What::Within(p, q, _) => {
-                    let (Some(p), Some(q)) = (predicate(p), predicate(q)) else {
+                What::Response(it, bound) => {
+                    let it = ResponseTime {
+                        task: self.built.tasks[&it],
+                        limit: self.ticks(bound),
+                    };
+                    let same = watch.response.iter().position(|other| *other == it);
+                    same.unwrap_or_else(|| {
+                        watch.response.push(it);
+                        watch.response.len() - 1
+                    })
+                }
+                What::Within(p, q, bound) => {
+                    let (Some(trigger), Some(response)) = (predicate(p), predicate(q)) else {
                         continue;
                     };
-                    watch.within.push((p, q));
+                    watch.within.push(Within {
+                        trigger,
+                        response,
+                        limit: self.ticks(bound),
+                    });
                     watch.within.len() - 1
                 }
                 What::Always(p) => {
@@ -413,10 +425,16 @@ impl Group<'_> {
         }
     }
 
+    /// A limit in base units, rounded down: times are whole. Without one if it is beyond all that is counted.
+    fn ticks(&self, limit: AstBound) -> Option<Ticks> {
+        let ticks = (seconds(limit?) / self.built.system.unit).to_integer();
+        Ticks::try_from(ticks).ok().filter(|&it| it < Ticks::MAX)
+    }
+
     fn blank(&self, check: &Single) -> CheckReport {
-        let task = |&(c, t): &(usize, u32)| {
-            let component = self.names.components[c].component;
-            format!("{}.{}", component.name, component.tasks[t as usize].name)
+        let task = |it: &(usize, u32)| {
+            let (component, task) = self.task_names(*it);
+            format!("{component}.{task}")
         };
         let arrow = |p: &Pred, q: &Pred| format!("{} => {}", p.text(), q.text());
         let (kind, of) = match &check.what {
@@ -439,10 +457,7 @@ impl Group<'_> {
             name: check.check.name.as_ref().map(|it| it.value.clone()),
             check: kind,
             of,
-            bound: bound.map(|(count, unit)| {
-                let seconds = unit.seconds() * Ratio::from_integer(i128::from(count));
-                Value::Time(to_f64(seconds / self.unit))
-            }),
+            bound: bound.map(|it| Value::Time(to_f64(seconds(it) / self.unit))),
             verdict: Verdict::Unknown,
             soundness: match (self.settings.durations, live) {
                 (Durations::Interval, _) => Soundness::Exact,
@@ -456,6 +471,12 @@ impl Group<'_> {
             witness: Vec::new(),
             cycle: None,
         }
+    }
+
+    fn task_names(&self, (c, t): (usize, u32)) -> (String, String) {
+        let component = self.names.components[c].component;
+        let task = &component.tasks[t as usize].name;
+        (component.name.to_string(), task.to_string())
     }
 
     fn one(&self, check: &Single, place: usize, found: &Findings) -> CheckReport {
@@ -480,18 +501,32 @@ impl Group<'_> {
                 }
                 None => self.unless_stopped(stopped, found.states, Verdict::Refuted, &mut out),
             },
-            What::Response(_, bound) => {
-                self.bounded(
-                    &found.response[place],
-                    bound,
-                    "it is never released",
-                    found,
-                    &mut out,
-                );
+            What::Response(task, bound) => {
+                let never = "it is never released";
+                self.bounded(&found.response[place], never, found, &mut out);
+                if let (Some(end), Some(it)) = (exceeded(&found.response[place]), bound) {
+                    let what = format!("the job has taken more than {}", limit_text(it));
+                    let (component, name) = self.task_names(task);
+                    let src = self.built.system.tasks[self.built.tasks[&task]].src;
+                    out.counterexample.push(Event {
+                        task: Some(name),
+                        src: src.map(|(c, src)| (self.names.components[c].spec_index, src)),
+                        ..self.excess_event(end, component, what)
+                    });
+                }
             }
-            What::Within(_, _, bound) => {
+            What::Within(_, q, bound) => {
                 let never = "the first predicate never becomes true";
-                self.bounded(&found.within[place], bound, never, found, &mut out);
+                self.bounded(&found.within[place], never, found, &mut out);
+                if let (Some(end), Some(it)) = (exceeded(&found.within[place]), bound) {
+                    let what = format!("`{}` has not followed within {}", q.text(), limit_text(it));
+                    let about = check.components.last();
+                    let component = about.map_or(String::new(), |&it| {
+                        self.names.components[it].component.name.to_string()
+                    });
+                    out.counterexample
+                        .push(self.excess_event(end, component, what));
+                }
             }
             What::LeadsTo(..) | What::Eventually(_) => {}
         }
@@ -513,39 +548,45 @@ impl Group<'_> {
         }
     }
 
-    fn bounded(
-        &self,
-        it: &Option<(Bound, Found)>,
-        bound: AstBound,
-        never: &str,
-        found: &Findings,
-        out: &mut CheckReport,
-    ) {
-        let Some((value, it)) = it else {
+    fn bounded(&self, it: &Option<Measured>, never: &str, found: &Findings, out: &mut CheckReport) {
+        let Some(it) = it else {
             out.note = Some(never.to_owned());
             self.unless_stopped(found.stopped, found.states, Verdict::Proved, out);
             return;
         };
         let base = self.built.system.unit;
-        let exceeded = match *value {
-            Bound::Unbounded => {
-                out.value = Some(Value::Unbounded);
-                true
-            }
-            Bound::Finite(ticks) => {
-                let time = base * Ratio::from_integer(i128::from(ticks));
-                out.value = Some(Value::Time(to_f64(time / self.unit)));
-                bound.is_some_and(|(count, unit)| {
-                    time > unit.seconds() * Ratio::from_integer(i128::from(count))
-                })
-            }
-        };
-        if exceeded {
+        let time = |ticks| base * Ratio::from_integer(i128::from(ticks));
+        out.value = Some(match it.bound {
+            Bound::Unbounded => Value::Unbounded,
+            Bound::Finite(ticks) => Value::Time(to_f64(time(ticks) / self.unit)),
+        });
+        if let (Some(Stop::Limit | Stop::Cancelled), Bound::Finite(_)) = (found.stopped, it.bound) {
+            let states = found.states;
+            out.note = Some(format!("gave up at {states} states: this is a lower bound"));
+        }
+        if let Some(excess) = &it.excess {
             out.verdict = Verdict::Refuted;
-            out.counterexample = self.events(&it.run);
+            out.counterexample = self.events(&excess.run);
+        } else if it.bound == Bound::Unbounded {
+            out.verdict = Verdict::Refuted;
+            out.counterexample = self.events(&it.longest.run);
         } else {
-            out.witness = self.events(&it.run);
+            out.witness = self.events(&it.longest.run);
             self.unless_stopped(found.stopped, found.states, Verdict::Proved, out);
+        }
+    }
+
+    /// The end of a run that exceeds a limit.
+    fn excess_event(&self, end: u64, component: String, what: String) -> Event {
+        let factor = self.built.system.unit / self.unit;
+        Event {
+            time: to_f64(factor * Ratio::from_integer(i128::from(end))),
+            component,
+            task: None,
+            what,
+            kind: MomentKind::Excess,
+            codel: None,
+            src: None,
         }
     }
 
@@ -567,6 +608,7 @@ impl Group<'_> {
         };
         let found = liveness(&self.built.system, &query, self.limits, self.cancel);
         report.states += found.states;
+        report.memory = report.memory.max(found.bytes);
         match &found.counterexample {
             Some(run) => {
                 out.verdict = Verdict::Refuted;
@@ -611,6 +653,19 @@ impl Group<'_> {
             })
             .collect()
     }
+}
+
+/// When a limit is exceeded, in base units.
+fn exceeded(it: &Option<Measured>) -> Option<u64> {
+    Some(it.as_ref()?.excess.as_ref()?.run.end)
+}
+
+fn seconds((count, unit): (u64, Unit)) -> Seconds {
+    unit.seconds() * Ratio::from_integer(i128::from(count))
+}
+
+fn limit_text((count, unit): (u64, Unit)) -> String {
+    format!("{count} {}", unit.name())
 }
 
 pub(crate) fn to_f64(time: Seconds) -> f64 {

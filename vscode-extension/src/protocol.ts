@@ -186,6 +186,31 @@ export interface VerificationAnswer {
   whatIf: boolean;
 }
 
+/** How far a value can go with every deadline met. */
+export interface Limit {
+  of: string;
+  now: string;
+  extreme: string;
+  /** What the extreme is worth, if it is not exact. */
+  remark: string;
+  location: Place | null;
+}
+
+export interface LimitsAnswer {
+  version: number | null;
+  errors: string[];
+  cores: number | null;
+  wcet: Limit[];
+  period: Limit[];
+}
+
+/** Looks for the limits within which every deadline is met; takes its time. */
+export const sensitivity = new RequestType<
+  { textDocument: TextDocumentIdentifier; whatIf?: WhatIf; workDoneToken?: string },
+  LimitsAnswer | null,
+  void
+>('dotgen/sensitivity');
+
 /** All that is known about the verification of a document, or about a variation of it. */
 export const verification = new RequestType<
   { textDocument: TextDocumentIdentifier; check?: number; whatIf?: WhatIf; theme?: 'editor' },

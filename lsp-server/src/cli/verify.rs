@@ -3,8 +3,6 @@
 mod json;
 mod text;
 
-use std::sync::atomic::AtomicBool;
-
 use anyhow::bail;
 use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, ValueEnum};
@@ -15,7 +13,7 @@ use dotgen_timing::explore::Limits;
 use dotgen_timing::report::Report;
 use dotgen_timing::scn::ast::{Check, Durations, Policy};
 use dotgen_timing::scn::parse_check;
-use dotgen_timing::verify::{Options, settings};
+use dotgen_timing::verify::{Cancel, Options, settings};
 
 use super::session::{self, Session, Texts};
 use super::{Outcome, Reading, report};
@@ -128,14 +126,16 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             return Ok(Outcome::Unusable);
         }
         let options = arguments.options(&checks, problem.text.len())?;
-        let report = problem.verify(&options, &AtomicBool::new(false));
+        let report = problem.verify(&options, &Cancel::default());
         explain_report(&session, &problem, &report, &checks)?;
         if report.has_errors() {
             return Ok(Outcome::Unusable);
         }
         let sensitivity = match arguments.sensitivity {
             // What is wrong with the scenario has been said.
-            true => problem.sensitivity(&options, &AtomicBool::new(false)).ok(),
+            true => problem
+                .sensitivity(&options, &Cancel::default(), &|_| {})
+                .ok(),
             false => None,
         };
         answers.push(Answer {

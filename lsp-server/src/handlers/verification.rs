@@ -4,6 +4,7 @@
 mod answer;
 mod diagnostics;
 mod lens;
+mod sensitivity;
 
 use std::ops::Range;
 
@@ -21,6 +22,7 @@ use crate::verification::{Problem, problem};
 pub(crate) use answer::{Question, VerificationParams, VerificationResult, prepare, present};
 pub(crate) use diagnostics::{in_scenario, in_specification};
 pub(crate) use lens::{lenses, scenario_lenses};
+pub(crate) use sensitivity::{SensitivityParams, SensitivityResult, ask, shown};
 
 /// Client command that shows a verification; argument `{ uri, check }`.
 const SHOW: &str = "dotgen.showVerification";

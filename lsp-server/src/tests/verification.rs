@@ -206,6 +206,15 @@ async fn a_verification_is_cancelled_by_an_edit_and_limited_by_the_settings() {
         .await;
     client.open(&uri, &endless()).await;
     while client.notification(STATUS).await["status"] != "running" {}
+    // The search for limits has no end either, unless nobody waits for it.
+    let mut question = document(&uri);
+    question["workDoneToken"] = json!("limits");
+    let search = client.begin("dotgen/sensitivity", question).await;
+    client.notification("$/progress").await;
+    client
+        .notify("$/cancelRequest", json!({ "id": search }))
+        .await;
+    assert!(client.end(search).await.is_err());
     // The next does not wait for the end of the first, which is far away.
     client
         .change(&uri, 2, json!([{ "text": pump("4 ms") }]))
@@ -288,6 +297,37 @@ async fn one_answer_has_everything_a_panel_needs() {
             .expect("why")
             .contains("`many`")
     );
+    client.finish_ignoring(STATUS).await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn limits_are_looked_for_with_progress() {
+    let folder = Folder::new(&[("pump.gen", &pump("4 ms"))]);
+    let mut client = Client::start(telling(&folder)).await;
+    let scn = folder.uri("pump.scn");
+    client.open(&scn, SCENARIO).await;
+    until(&mut client, &scn, 1, "proved").await;
+    let mut question = document(&scn);
+    question["workDoneToken"] = json!("limits");
+    let answer = client.ok("dotgen/sensitivity", question.clone()).await;
+    assert_eq!(answer["cores"], 1);
+    let codels = answer["wcet"].as_array().expect("a list");
+    let main = codels.iter().find(|it| it["of"] == "pump.t.main");
+    let main = main.expect("it has a WCET");
+    assert_eq!(main["now"], "4 ms");
+    assert_eq!(main["extreme"], "9 ms");
+    assert_eq!(main["location"]["uri"], folder.uri("pump.gen"));
+    let period = &answer["period"][0];
+    assert_eq!(period["remark"], "not known to be the limit");
+    let told = client.notification("$/progress").await;
+    assert_eq!(told["token"], "limits");
+    assert_eq!(told["value"]["message"], "the number of cores");
+    while client.notification("$/progress").await["value"]["percentage"] != 85 {}
+
+    question["whatIf"] = json!({ "cores": "many" });
+    let answer = client.ok("dotgen/sensitivity", question).await;
+    let why = answer["errors"][0].as_str().expect("why");
+    assert!(why.contains("`many`"), "{why}");
     client.finish_ignoring(STATUS).await;
 }
 

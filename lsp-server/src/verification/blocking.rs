@@ -4,7 +4,7 @@ use dotgen_analysis::model::Src;
 use dotgen_analysis::model::mutex::collisions;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::build::build;
-use dotgen_timing::system::{Codel, FOREVER};
+use dotgen_timing::system::{Codel, FOREVER, SharedPorts};
 use dotgen_timing::verify::{Options, settings};
 use num_rational::Ratio;
 
@@ -51,6 +51,7 @@ pub(crate) fn table(problem: &Problem, options: &Options) -> Vec<Row> {
     if built.has_errors() {
         return Vec::new();
     }
+    let ports = SharedPorts::new(&names, &settings);
     let (scale, system) = (Scale::of(&settings), &built.system);
     let at = |codel: &Codel| {
         let time = system.unit * Ratio::from_integer(i128::from(codel.upper));
@@ -68,16 +69,16 @@ pub(crate) fn table(problem: &Problem, options: &Options) -> Vec<Row> {
         let (Some((c, a)), Some((d, b))) = (one.site, other.site) else {
             return vec!["an attribute".to_owned()];
         };
-        let (member, other) = (names.components[c], names.components[d]);
+        let mut words = ports.of((c, a), (d, b));
         if c != d {
-            return vec!["a connected port".to_owned()];
+            return words;
         }
+        let (member, other) = (names.components[c], names.components[d]);
         let found = collisions(
             member.spec,
             member.component.codel(a),
             other.component.codel(b),
         );
-        let mut words: Vec<String> = Vec::new();
         for it in found {
             let word = it.shared.describe(member.component);
             if !words.contains(&word) {

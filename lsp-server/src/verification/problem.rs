@@ -4,7 +4,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::{Diagnostic, Severity};
 use dotgen_analysis::host::{Analysis, BatchInput, Cancellable, FileContent, Input, UnitResult};
 use dotgen_analysis::model::{Component, ComponentKind, Spec};
-use dotgen_timing::derive::{Sensitivity, sensitivity};
+use dotgen_timing::derive::{Progress, Sensitivity, sensitivity};
 use dotgen_timing::report::Report;
 use dotgen_timing::scn::ast::{Item, Policy, Scenario, Spanned};
 use dotgen_timing::scn::{self, default_text_on};
@@ -241,11 +241,12 @@ impl Problem {
         &self,
         options: &Options,
         cancel: &Cancel,
+        progress: &dyn Fn(Progress),
     ) -> Result<Sensitivity, Vec<scn::Diagnostic>> {
         let input = SystemInput {
             specs: self.specs(),
         };
-        sensitivity(&input, &self.scenario, options, cancel)
+        sensitivity(&input, &self.scenario, options, cancel, progress)
     }
 
     /// Verifies. Only sensible without [`Problem::errors`].

@@ -1,6 +1,7 @@
 //! Answers in the words of users: times with units, deadlines, slack.
 
 use dotgen_analysis::model::Seconds;
+use dotgen_timing::derive::Extreme;
 use dotgen_timing::report::{CheckReport, Value};
 use dotgen_timing::scn::ast::{Durations, Policy, Unit};
 use dotgen_timing::scn::names::Names;
@@ -107,6 +108,21 @@ pub fn platform(settings: &Settings) -> String {
         Some(1) => format!("1 core, policy {policy}, durations {durations}"),
         Some(n) => format!("{n} cores, policy {policy}, durations {durations}"),
     }
+}
+
+/// How far a value can go, in words, and what that is worth if it is not exact.
+pub(crate) fn extreme(it: &Extreme, scale: Scale) -> (String, &'static str) {
+    let extreme = match it.extreme {
+        Some(extreme) => scale.show_value(extreme),
+        None => "missed already".to_owned(),
+    };
+    let remark = match (it.extreme, it.incomplete, it.exact) {
+        (Some(Value::Unbounded), ..) => "tried up to the longest period",
+        (_, true, _) => "given up there",
+        (_, false, false) => "not known to be the limit",
+        (_, false, true) => "",
+    };
+    (extreme, remark)
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use dotgen_timing::report::Event;
 /// How a run ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Ending<'t> {
-    /// With this task (`component.task`) too late.
+    /// With this task (`component.task`) too late, where the run does not say so itself.
     Miss(&'t str),
     /// As it may.
     Fine,
@@ -62,6 +62,7 @@ pub(crate) fn of_run(title: String, unit: &str, events: &[Event], ending: Ending
             MomentKind::Tick => Some(MarkKind::Tick),
             MomentKind::Request => Some(MarkKind::Request),
             MomentKind::Complete => Some(MarkKind::End),
+            MomentKind::Excess => Some(MarkKind::Miss),
             _ => None,
         };
         if let Some(kind) = mark {
@@ -229,5 +230,18 @@ mod tests {
              a.t: 0-1500 Run End@1500\n\
              a.u: 0-1500 WaitCore 1500-2000 WaitLock Tick@2000 Miss@2000\n"
         );
+    }
+
+    #[test]
+    fn a_run_lasts_until_its_limit_is_exceeded() {
+        use MomentKind::*;
+        let events = [
+            event(0.0, "t", Begin, "a.t.main begins"),
+            event(6.0, "t", Excess, "the job has taken more than 5 ms"),
+        ];
+        let timeline = of_run("x".to_owned(), "ms", &events, Ending::Fine);
+        let lane = &timeline.lanes[0];
+        assert_eq!((timeline.end, lane.bars[0].to), (6, 6));
+        assert_eq!((lane.marks[0].kind, lane.marks[0].at), (MarkKind::Miss, 6));
     }
 }

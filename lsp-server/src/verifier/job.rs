@@ -1,13 +1,12 @@
 //! The work itself: quick bounds, the exact answer, then the number of cores.
 
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use camino::Utf8PathBuf;
 use dotgen_timing::derive::minimum_cores;
 use dotgen_timing::report::Verdict;
-use dotgen_timing::verify::{Options, SystemInput};
+use dotgen_timing::verify::{Cancel, Options, SystemInput};
 use tokio::runtime::Handle;
 use tokio::sync::mpsc::UnboundedSender;
 
@@ -22,37 +21,6 @@ const QUICK_SECONDS: f64 = 1.0;
 
 /// One verification at a time: they are after the same memory, and the editor wants the other cores.
 static TURN: Mutex<()> = Mutex::new(());
-
-/// Ends a verification, for a reason.
-#[derive(Debug, Default)]
-pub(crate) struct Cancel {
-    /// What the explorer looks at.
-    flag: AtomicBool,
-    /// Nobody wants the answer any more; otherwise time is up.
-    abandoned: AtomicBool,
-}
-
-impl Cancel {
-    /// Nobody wants the answer any more.
-    pub(crate) fn cancel(&self) {
-        self.abandoned.store(true, Ordering::Release);
-        self.flag.store(true, Ordering::Release);
-    }
-
-    /// Time is up: what was found counts.
-    fn time_out(&self) {
-        self.flag.store(true, Ordering::Release);
-    }
-
-    /// Whether nobody wants the answer any more.
-    pub(crate) fn is_abandoned(&self) -> bool {
-        self.abandoned.load(Ordering::Acquire)
-    }
-
-    fn is_over(&self) -> bool {
-        self.flag.load(Ordering::Acquire)
-    }
-}
 
 /// What was found on the way.
 pub(crate) enum Found {
@@ -137,7 +105,7 @@ pub(crate) fn run(
     };
     let bounds = Arc::new(quick_bounds(&problem, &options));
     tell(Found::Bounds(bounds.clone()));
-    let mut report = problem.verify(&options, &cancel.flag);
+    let mut report = problem.verify(&options, cancel);
     if cancel.is_abandoned() {
         return time_up.abort();
     }
@@ -166,7 +134,7 @@ pub(crate) fn run(
         let input = SystemInput {
             specs: problem.specs(),
         };
-        let cores = minimum_cores(&input, &problem.scenario, &options, &cancel.flag);
+        let cores = minimum_cores(&input, &problem.scenario, &options, cancel);
         let decided = |it: &dotgen_timing::derive::MinimumCores| {
             it.cores.is_some() && it.tried.iter().all(|it| it.1 != Verdict::Unknown)
         };

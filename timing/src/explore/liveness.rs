@@ -1,6 +1,6 @@
 //! Unbounded response: is there a run that never answers?
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::rc::Rc;
 
 use rustc_hash::FxHashMap;
 
@@ -10,6 +10,7 @@ use super::search::{Limits, Stop};
 use super::state::{Layout, State};
 use super::step::{Action, Enabled, Stepper};
 use super::store::{Encoded, decode, encode};
+use crate::cancel::Cancel;
 use crate::property::Predicate;
 use crate::system::{Ticks, TimedSystem};
 
@@ -30,6 +31,8 @@ pub struct Liveness {
     pub counterexample: Option<Run>,
     /// States visited.
     pub states: usize,
+    /// Bytes used for states.
+    pub bytes: usize,
     /// Set when the exploration is not complete.
     pub stopped: Option<Stop>,
 }
@@ -39,7 +42,7 @@ pub fn liveness(
     system: &TimedSystem,
     query: &LivenessQuery,
     limits: Limits,
-    cancel: &AtomicBool,
+    cancel: &Cancel,
 ) -> Liveness {
     let layout = Layout::new(system, &vec![false; system.tasks.len()], &[false]);
     let stepper = Stepper::new(system, layout);
@@ -64,13 +67,16 @@ pub fn liveness(
     .search()
 }
 
+/// States looked at between two looks at what may end the search.
+const LOOKS: usize = 64;
+
 struct Graph<'a> {
     stepper: Stepper<'a>,
     observers: [Observer; 1],
     /// Nothing matters after the first answer.
     once: bool,
     limits: Limits,
-    cancel: &'a AtomicBool,
+    cancel: &'a Cancel,
 }
 
 /// How one state is entered from another.
@@ -81,7 +87,7 @@ enum Edge {
 }
 
 struct Visit {
-    state: Encoded,
+    state: Rc<Encoded>,
     parent: u32,
     edge: Edge,
     time: u64,
@@ -90,12 +96,14 @@ struct Visit {
 impl Graph<'_> {
     fn search(&self) -> Liveness {
         let mut visits: Vec<Visit> = Vec::new();
-        let mut ids: FxHashMap<Encoded, u32> = FxHashMap::default();
+        let mut ids: FxHashMap<Rc<Encoded>, u32> = FxHashMap::default();
         let mut successors: Vec<Vec<u32>> = Vec::new();
         let mut initial = self.stepper.initial();
         observe::observe(&self.stepper, &self.observers, None, &mut initial);
         let mut first = Encoded::default();
         encode(&self.stepper, &initial, &mut first);
+        let mut bytes = weight(&first);
+        let first = Rc::new(first);
         ids.insert(first.clone(), 0);
         visits.push(Visit {
             state: first,
@@ -107,13 +115,11 @@ impl Graph<'_> {
         let mut stopped = None;
         let mut at = 0;
         while at < visits.len() {
-            if at.is_multiple_of(256) && self.cancel.load(Ordering::Relaxed) {
+            if at.is_multiple_of(LOOKS) && self.cancel.is_over() {
                 stopped = Some(Stop::Cancelled);
                 break;
             }
-            if visits.len() > self.limits.states
-                || visits.len() * (size_of::<Visit>() + 200) > self.limits.bytes
-            {
+            if visits.len() > self.limits.states || bytes > self.limits.bytes {
                 stopped = Some(Stop::Limit);
                 break;
             }
@@ -133,33 +139,55 @@ impl Graph<'_> {
                         Edge::Act(_) => 0,
                     };
                     let time = visits[at].time + jump;
-                    let id = *ids.entry(it.clone()).or_insert_with(|| {
-                        visits.push(Visit {
-                            state: it,
-                            parent: at as u32,
-                            edge,
-                            time,
-                        });
-                        visits.len() as u32 - 1
-                    });
+                    let id = match ids.get(&it) {
+                        Some(&id) => id,
+                        None => {
+                            bytes += weight(&it);
+                            let state = Rc::new(it);
+                            ids.insert(state.clone(), visits.len() as u32);
+                            visits.push(Visit {
+                                state,
+                                parent: at as u32,
+                                edge,
+                                time,
+                            });
+                            visits.len() as u32 - 1
+                        }
+                    };
                     next_ids.push(id);
                 }
             }
+            bytes += next_ids.capacity() * size_of::<u32>();
             successors.push(next_ids);
             at += 1;
         }
         successors.resize(visits.len(), Vec::new());
-        let open: Vec<bool> = visits
-            .iter()
-            .map(|it| self.open(&decode(&self.stepper, &it.state.key, &it.state.dims)))
-            .collect();
-        let counterexample =
-            cycle(&successors, &open).map(|cycle| self.run(&visits, &successors, &cycle));
+        let counterexample = self
+            .unanswered(&visits)
+            .and_then(|open| self.cycle(&successors, &open))
+            .map(|cycle| self.run(&visits, &successors, &cycle));
+        if self.cancel.is_abandoned() {
+            stopped = Some(Stop::Cancelled);
+        }
         Liveness {
             counterexample,
             states: visits.len(),
+            bytes,
             stopped,
         }
+    }
+
+    /// The states in which the answer is still awaited; `None` if nobody wants to know any more.
+    fn unanswered(&self, visits: &[Visit]) -> Option<Vec<bool>> {
+        let mut open = Vec::with_capacity(visits.len());
+        for (i, it) in visits.iter().enumerate() {
+            if i.is_multiple_of(LOOKS) && self.cancel.is_abandoned() {
+                return None;
+            }
+            let s = decode(&self.stepper, &it.state.key, &it.state.dims);
+            open.push(self.open(&s));
+        }
+        Some(open)
     }
 
     fn open(&self, s: &State) -> bool {
@@ -223,7 +251,7 @@ impl Graph<'_> {
             for (edge, next, _) in self.successors(&s, &mut enabled) {
                 let mut encoded = Encoded::default();
                 encode(&self.stepper, &next, &mut encoded);
-                if encoded == *to {
+                if encoded == **to {
                     match edge {
                         Edge::Act(action) => run.steps.push((time, action)),
                         Edge::Pass(jump) => time += u64::from(jump),
@@ -237,40 +265,56 @@ impl Graph<'_> {
     }
 }
 
-/// A cycle through states that are all `open`.
-fn cycle(successors: &[Vec<u32>], open: &[bool]) -> Option<Vec<u32>> {
-    // Depth-first search with colours; a back edge closes a cycle.
-    let n = successors.len();
-    let mut colour = vec![0u8; n];
-    for root in 0..n {
-        if !open[root] || colour[root] != 0 {
-            continue;
-        }
-        let mut stack: Vec<(u32, usize)> = vec![(root as u32, 0)];
-        colour[root] = 1;
-        while let Some(top) = stack.last_mut() {
-            let node = top.0 as usize;
-            let Some(&next) = successors[node].get(top.1) else {
-                colour[node] = 2;
-                stack.pop();
-                continue;
-            };
-            top.1 += 1;
-            if !open[next as usize] {
+/// Bytes of a state that is visited: its own, those of the visit, of the index and of the successors.
+fn weight(it: &Encoded) -> usize {
+    let list = size_of::<Vec<u32>>();
+    let counts = 2 * size_of::<usize>();
+    let index = 2 * size_of::<(Rc<Encoded>, u32)>();
+    let own = size_of::<Encoded>() + it.key.capacity() + it.dims.capacity() * size_of::<Ticks>();
+    own + counts + index + 2 * (size_of::<Visit>() + list)
+}
+
+impl Graph<'_> {
+    /// A cycle through states that are all `open`.
+    fn cycle(&self, successors: &[Vec<u32>], open: &[bool]) -> Option<Vec<u32>> {
+        // Depth-first search with colours; a back edge closes a cycle.
+        let n = successors.len();
+        let mut colour = vec![0u8; n];
+        let mut steps = 0usize;
+        for root in 0..n {
+            if !open[root] || colour[root] != 0 {
                 continue;
             }
-            match colour[next as usize] {
-                0 => {
-                    colour[next as usize] = 1;
-                    stack.push((next, 0));
+            let mut stack: Vec<(u32, usize)> = vec![(root as u32, 0)];
+            colour[root] = 1;
+            while let Some(top) = stack.last_mut() {
+                steps += 1;
+                if steps.is_multiple_of(16 * LOOKS) && self.cancel.is_abandoned() {
+                    return None;
                 }
-                1 => {
-                    let from = stack.iter().position(|&(it, _)| it == next)?;
-                    return Some(stack[from..].iter().map(|&(it, _)| it).collect());
+                let node = top.0 as usize;
+                let Some(&next) = successors[node].get(top.1) else {
+                    colour[node] = 2;
+                    stack.pop();
+                    continue;
+                };
+                top.1 += 1;
+                if !open[next as usize] {
+                    continue;
                 }
-                _ => {}
+                match colour[next as usize] {
+                    0 => {
+                        colour[next as usize] = 1;
+                        stack.push((next, 0));
+                    }
+                    1 => {
+                        let from = stack.iter().position(|&(it, _)| it == next)?;
+                        return Some(stack[from..].iter().map(|&(it, _)| it).collect());
+                    }
+                    _ => {}
+                }
             }
         }
+        None
     }
-    None
 }

@@ -1,11 +1,15 @@
 //! Runs: what happened, and when.
 
-use rustc_hash::FxHashSet;
+use rustc_hash::FxHashMap;
 
 use super::observe::{self, Observer};
 use super::state::{Layout, State, TaskStatus, control, phase};
 use super::step::{Action, Stepper};
+use crate::cancel::Cancel;
 use crate::system::{FOREVER, Ticks, TimedSystem, Yield};
+
+/// Steps of a run that is made longer by repetition, at most.
+const PROLONGED: usize = 10_000;
 
 /// A run from time 0.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -55,6 +59,8 @@ pub enum MomentKind {
     Complete,
     /// A client or control task did something.
     Request,
+    /// A limit is exceeded.
+    Excess,
 }
 
 impl Run {
@@ -64,17 +70,22 @@ impl Run {
         self.end = time;
     }
 
-    /// Whether the last `recent` units of the run pass twice through the same state, observation
-    /// clocks apart: then it can go on so for ever.
-    pub(crate) fn repeats(&self, stepper: &Stepper, observers: &[Observer], recent: Ticks) -> bool {
-        let from = self.end - u64::from(recent);
-        let mut seen = FxHashSet::default();
-        let mut repeated = false;
+    /// Two moments of the last `recent` units of the run with the same state just before time passes,
+    /// observation clocks apart: what is between them can go on for ever.
+    pub(crate) fn repetition(
+        &self,
+        stepper: &Stepper,
+        (observers, recent): (&[Observer], Ticks),
+        cancel: &Cancel,
+    ) -> Option<(u64, u64)> {
+        let from = self.end.checked_sub(u64::from(recent))?;
+        let mut seen = FxHashMap::default();
+        let mut found = None;
         self.replay(stepper, observers, |time, s, began| {
-            // A moment just before time passes, with elapsed instead of remaining times.
-            if time < from || repeated {
-                return;
+            if time < from {
+                return !(time.is_multiple_of(64) && cancel.is_abandoned());
             }
+            // Elapsed instead of remaining times.
             let elapsed: Vec<u64> = (0..stepper.layout.executors())
                 .map(|e| {
                     if stepper.layout.phase(s, e) & !phase::ASYNC != phase::EXECUTING {
@@ -90,18 +101,44 @@ impl Run {
                 })
                 .collect();
             let key = (s.d.clone(), stepper.layout.key_times(s).to_vec(), elapsed);
-            repeated |= !seen.insert(key);
+            found = seen.insert(key, time).map(|before| (before, time));
+            found.is_none() && !(time.is_multiple_of(64) && cancel.is_abandoned())
         });
-        repeated
+        found
+    }
+
+    /// The run with what is between two moments repeated, until it is longer by `more`; `None` if that
+    /// takes too many steps to be of use to anybody.
+    pub(crate) fn prolonged(&self, (from, to): (u64, u64), more: Ticks) -> Option<Run> {
+        let end = self.end + u64::from(more);
+        let within = |a: u64, b: u64| {
+            let steps = self.steps.iter().copied();
+            steps.filter(move |it| a < it.0 && it.0 <= b)
+        };
+        let mut run = Run {
+            steps: self.steps.iter().copied().filter(|it| it.0 <= to).collect(),
+            end,
+            cycle: None,
+        };
+        let rounds = (end - to).div_ceil(to - from);
+        for round in 1..=rounds {
+            let shift = round * (to - from);
+            let again = within(from, to).map(|(time, action)| (time + shift, action));
+            run.steps.extend(again.filter(|it| it.0 < end));
+            if run.steps.len() > PROLONGED {
+                return None;
+            }
+        }
+        Some(run)
     }
 
     /// Calls `calm` with the state before every unit of time that passes, the time, and when each
-    /// executor began.
+    /// executor began. Ends when it says so.
     fn replay(
         &self,
         stepper: &Stepper,
         observers: &[Observer],
-        mut calm: impl FnMut(u64, &State, &[u64]),
+        mut calm: impl FnMut(u64, &State, &[u64]) -> bool,
     ) {
         let mut s = stepper.initial();
         observe::observe(stepper, observers, None, &mut s);
@@ -109,7 +146,9 @@ impl Run {
         let mut began = vec![0; stepper.layout.executors()];
         for &(time, action) in &self.steps {
             while now < time {
-                calm(now, &s, &began);
+                if !calm(now, &s, &began) {
+                    return;
+                }
                 advance(stepper, &mut s, 1);
                 now += 1;
             }
@@ -123,7 +162,9 @@ impl Run {
             }
         }
         while now < self.end {
-            calm(now, &s, &began);
+            if !calm(now, &s, &began) {
+                return;
+            }
             advance(stepper, &mut s, 1);
             now += 1;
         }

@@ -1,18 +1,19 @@
 //! Exploration in order of time, and what is watched meanwhile.
 
 use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use rustc_hash::FxHashSet;
 
 use super::ample::{Ample, visible_tasks};
 use super::lazy::{self, Lazy};
+use super::measure::{Diverging, Gauge, How, Timing};
 use super::observe::{self, Observer};
 use super::overtake::{Held, Now, Overtake};
 use super::run::Run;
 use super::state::{Layout, State, TaskStatus, phase};
 use super::step::{Action, Enabled, Stepper};
 use super::store::{Encoded, Store, decode, encode, holds};
+use crate::cancel::Cancel;
 use crate::property::Predicate;
 use crate::system::{Ticks, TimedSystem};
 
@@ -23,16 +24,36 @@ pub struct Watch {
     pub schedulable: Vec<usize>,
     /// Tasks that must not wait for a core as long as their period.
     pub overdue: Vec<usize>,
-    /// Tasks whose response time is wanted.
-    pub response: Vec<usize>,
+    /// Response times that are wanted.
+    pub response: Vec<ResponseTime>,
     /// Predicates to be reached.
     pub reach: Vec<Predicate>,
     /// Pairs of predicates whose least bound is wanted.
-    pub within: Vec<(Predicate, Predicate)>,
+    pub within: Vec<Within>,
     /// Look for states in which nothing will ever happen again.
     pub deadlock: bool,
     /// Stop as soon as a tick came too early.
     pub stop_at_first: bool,
+}
+
+/// The response time of a task.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ResponseTime {
+    /// The task.
+    pub task: usize,
+    /// If the time exceeds this, the shortest run that does so is wanted.
+    pub limit: Option<Ticks>,
+}
+
+/// The time that passes until one predicate follows another.
+#[derive(Debug, Clone)]
+pub struct Within {
+    /// Whenever this becomes true,
+    pub trigger: Predicate,
+    /// this is awaited.
+    pub response: Predicate,
+    /// If the time exceeds this, the shortest run that does so is wanted.
+    pub limit: Option<Ticks>,
 }
 
 /// Bounds on the effort.
@@ -80,6 +101,18 @@ pub struct Found {
     pub run: Run,
 }
 
+/// A time that was measured.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Measured {
+    /// Its supremum.
+    pub bound: Bound,
+    /// A run that reaches it, or shows that there is none.
+    pub longest: Found,
+    /// The limit is exceeded: by this run, which ends when that has happened. If the time has a bound, no
+    /// run exceeds the limit earlier.
+    pub excess: Option<Found>,
+}
+
 /// What an exploration found. Lists follow those of the [`Watch`].
 #[derive(Debug, Clone, Default)]
 pub struct Findings {
@@ -87,12 +120,12 @@ pub struct Findings {
     pub missed: Vec<Option<Found>>,
     /// Runs in which a task waited too long.
     pub overdue: Vec<Option<Found>>,
-    /// Response times and runs that reach them; `None` if the task was never released.
-    pub response: Vec<Option<(Bound, Found)>>,
+    /// Response times; `None` if the task was never released.
+    pub response: Vec<Option<Measured>>,
     /// Runs to the predicates.
     pub reached: Vec<Option<Found>>,
     /// Least bounds; `None` if the first predicate never became true.
-    pub within: Vec<Option<(Bound, Found)>>,
+    pub within: Vec<Option<Measured>>,
     /// A run to a deadlock.
     pub deadlock: Option<Found>,
     /// Services of which a request was refused because no slot was free.
@@ -109,64 +142,47 @@ pub struct Findings {
 }
 
 /// Explores all runs of a system.
-pub fn explore(
-    system: &TimedSystem,
-    watch: &Watch,
-    limits: Limits,
-    cancel: &AtomicBool,
-) -> Findings {
-    let mut state = Measures {
-        response: vec![Measure::Shared; watch.response.len()],
-        within: vec![Measure::Shared; watch.within.len()],
-    };
-    let mut findings = loop {
-        let mut search = Search::new(system, watch, &state, limits, cancel);
-        match search.run() {
-            Some(diverging) => state.note(diverging),
-            None => break search.findings(&state),
-        }
-    };
+pub fn explore(system: &TimedSystem, watch: &Watch, limits: Limits, cancel: &Cancel) -> Findings {
+    let mut gauges = Gauge::of(watch, &How::Shared);
+    let mut findings = until_measured(system, watch, &mut gauges, limits, cancel);
     // What grew suspiciously is measured alone, so that clocks do not multiply.
-    for i in 0..state.response.len() {
-        if state.response[i] == Measure::Alone && findings.stopped.is_none() {
-            let alone = Watch {
-                response: vec![watch.response[i]],
-                ..Watch::default()
-            };
-            let mut found = explore_alone(system, &alone, limits, cancel);
-            findings.response[i] = found.response.pop().flatten();
-            findings.absorb(&found);
+    for (i, gauge) in gauges.iter().enumerate() {
+        if gauge.how != How::Alone || findings.stopped.is_some() {
+            continue;
         }
-    }
-    for i in 0..state.within.len() {
-        if state.within[i] == Measure::Alone && findings.stopped.is_none() {
-            let alone = Watch {
-                within: vec![watch.within[i].clone()],
-                ..Watch::default()
-            };
-            let mut found = explore_alone(system, &alone, limits, cancel);
-            findings.within[i] = found.within.pop().flatten();
-            findings.absorb(&found);
-        }
+        let mut alone = Watch::default();
+        let place = match gauge.of {
+            Timing::Response(_) => {
+                alone.response.push(watch.response[i]);
+                &mut findings.response[i]
+            }
+            Timing::Within(i) => {
+                alone.within.push(watch.within[i].clone());
+                &mut findings.within[i]
+            }
+        };
+        let mut own = Gauge::of(&alone, &How::Patient);
+        own[0].excess.clone_from(&gauge.excess);
+        let mut found = until_measured(system, &alone, &mut own, limits, cancel);
+        *place = found.response.pop().or(found.within.pop()).flatten();
+        findings.absorb(&found);
     }
     findings
 }
 
-fn explore_alone(
+/// Explores, again without what turns out to diverge.
+fn until_measured(
     system: &TimedSystem,
     watch: &Watch,
+    gauges: &mut [Gauge],
     limits: Limits,
-    cancel: &AtomicBool,
+    cancel: &Cancel,
 ) -> Findings {
-    let mut state = Measures {
-        response: vec![Measure::Patient; watch.response.len()],
-        within: vec![Measure::Patient; watch.within.len()],
-    };
     loop {
-        let mut search = Search::new(system, watch, &state, limits, cancel);
+        let mut search = Search::new(system, watch, gauges, limits, cancel);
         match search.run() {
-            Some(diverging) => state.note(diverging),
-            None => return search.findings(&state),
+            Some(diverging) => gauges[diverging.gauge].note(diverging),
+            None => return search.findings(),
         }
     }
 }
@@ -180,48 +196,14 @@ impl Findings {
     }
 }
 
-/// How a time is measured.
-#[derive(Debug, Clone, PartialEq, Eq)]
-enum Measure {
-    /// Together with others.
-    Shared,
-    /// Not now, as it grew suspiciously; later on its own.
-    Alone,
-    /// On its own, until it repeats itself.
-    Patient,
-    /// No more, as this run proves that there is no bound.
-    Unbounded(Run),
-}
-
-impl Measure {
-    fn active(&self) -> bool {
-        matches!(self, Measure::Shared | Measure::Patient)
-    }
-}
-
-struct Measures {
-    response: Vec<Measure>,
-    within: Vec<Measure>,
-}
-
-impl Measures {
-    fn note(&mut self, diverging: Diverging) {
-        let of = |run: Option<Run>| run.map_or(Measure::Alone, Measure::Unbounded);
-        match diverging {
-            Diverging::Response(i, run) => self.response[i] = of(run),
-            Diverging::Within(i, run) => self.within[i] = of(run),
-        }
-    }
-}
-
-/// What grows, with a run that proves that it has no bound; without one it is only suspected.
-enum Diverging {
-    Response(usize, Option<Run>),
-    Within(usize, Option<Run>),
-}
-
 /// States looked at per state of a layer to find those that are reached by ends that can wait.
 const CLOSURES: usize = 1;
+
+/// States looked at between two looks at what may end the search.
+const LOOKS: usize = 64;
+
+/// Bytes of a node in the queue.
+const QUEUED: usize = 2 * size_of::<u32>();
 
 const ROOT: u32 = u32::MAX;
 
@@ -257,7 +239,7 @@ struct Search<'a> {
     watch: &'a Watch,
     observers: Vec<Observer>,
     limits: Limits,
-    cancel: &'a AtomicBool,
+    cancel: &'a Cancel,
     passed: Store,
     nodes: Vec<Node>,
     dims: Vec<Ticks>,
@@ -269,8 +251,11 @@ struct Search<'a> {
     missed: Vec<Option<Sight>>,
     overdue: Vec<Option<Sight>>,
     reached: Vec<Option<Sight>>,
-    response: Vec<Option<Longest>>,
-    within: Vec<Option<Longest>>,
+    gauges: &'a [Gauge],
+    /// Of each gauge.
+    longest: Vec<Option<Longest>>,
+    /// Where each gauge exceeds its limit first.
+    excess: Vec<Option<Sight>>,
     deadlock: Option<Sight>,
     /// Clocks are examined for divergence when they exceed this.
     patience: Ticks,
@@ -279,6 +264,8 @@ struct Search<'a> {
     stopped: Option<Stop>,
     /// Found while a layer was closed.
     diverging: Option<Diverging>,
+    /// Bytes of the states that a layer begins with.
+    under_way: usize,
     /// Look for repetition until it is found.
     patient: bool,
 }
@@ -288,8 +275,7 @@ enum Goal<'g> {
     Missed(usize),
     Overdue(usize),
     Reach(&'g Predicate),
-    Response(usize, Ticks),
-    Within(usize, Ticks),
+    Lasts(Timing, Ticks),
     Calm(&'g [u8], &'g [Ticks]),
     Deadlock,
 }
@@ -298,31 +284,29 @@ impl<'a> Search<'a> {
     fn new(
         system: &'a TimedSystem,
         watch: &'a Watch,
-        measures: &Measures,
+        gauges: &'a [Gauge],
         limits: Limits,
-        cancel: &'a AtomicBool,
+        cancel: &'a Cancel,
     ) -> Self {
-        let measured = |task: usize| {
-            watch
-                .response
-                .iter()
-                .zip(&measures.response)
-                .any(|(&t, measure)| t == task && measure.active())
-        };
+        let measured = |of: Timing| gauges.iter().any(|it| it.of == of && it.active());
+        let measured_task = |task: usize| measured(Timing::Response(task));
         let waiting_only: Vec<bool> = (0..system.tasks.len())
-            .map(|t| !measured(t) && watch.overdue.contains(&t) && system.tasks[t].period.is_some())
+            .map(|t| {
+                !measured_task(t) && watch.overdue.contains(&t) && system.tasks[t].period.is_some()
+            })
             .collect();
         let observed: Vec<bool> = (0..system.tasks.len())
-            .map(|t| measured(t) || waiting_only[t])
+            .map(|t| measured_task(t) || waiting_only[t])
             .collect();
-        let clocked: Vec<bool> = measures.within.iter().map(Measure::active).collect();
-        let patient = measures
-            .response
-            .iter()
-            .chain(&measures.within)
-            .any(|it| *it == Measure::Patient);
+        let clocked: Vec<bool> = (0..watch.within.len())
+            .map(|it| measured(Timing::Within(it)))
+            .collect();
+        let patient = gauges.iter().any(|it| it.how == How::Patient);
         let layout = Layout::new(system, &observed, &clocked);
-        let predicates = watch.within.iter().flat_map(|(p, q)| [p, q]);
+        let predicates = watch
+            .within
+            .iter()
+            .flat_map(|it| [&it.trigger, &it.response]);
         let visible = visible_tasks(system, predicates.chain(&watch.reach));
         let clocks = layout.clocks();
         let longest = system
@@ -353,9 +337,9 @@ impl<'a> Search<'a> {
             observers: watch
                 .within
                 .iter()
-                .map(|(trigger, response)| Observer {
-                    trigger: trigger.clone(),
-                    response: response.clone(),
+                .map(|it| Observer {
+                    trigger: it.trigger.clone(),
+                    response: it.response.clone(),
                 })
                 .collect(),
             limits,
@@ -371,13 +355,15 @@ impl<'a> Search<'a> {
             missed: vec![None; watch.schedulable.len()],
             overdue: vec![None; watch.overdue.len()],
             reached: vec![None; watch.reach.len()],
-            response: vec![None; watch.response.len()],
-            within: vec![None; watch.within.len()],
+            gauges,
+            longest: vec![None; gauges.len()],
+            excess: vec![None; gauges.len()],
             deadlock: None,
             patience: longest.saturating_add(work).max(16),
             waiting_only,
             stopped: None,
             diverging: None,
+            under_way: 0,
             patient,
         }
     }
@@ -389,29 +375,35 @@ impl Search<'_> {
     fn run(&mut self) -> Option<Diverging> {
         let initial = self.stepper.initial();
         self.close_layer(0, vec![(initial, ROOT)], true);
-        if self.diverging.is_some() {
-            return self.diverging.take();
-        }
-        while let Some((time, parents)) = self.queue.pop_first() {
+        while self.diverging.is_none()
+            && self.stopped.is_none()
+            && let Some((time, parents)) = self.queue.pop_first()
+        {
             let mut states = Vec::with_capacity(parents.len());
-            for parent in parents {
+            self.under_way = states.capacity() * size_of::<(State, u32)>();
+            for (i, parent) in parents.into_iter().enumerate() {
+                if i % LOOKS == LOOKS - 1 && self.out_of_bounds() {
+                    break;
+                }
                 let mut s = self.node_state(parent);
                 let jump = (time - self.nodes[parent as usize].time) as Ticks;
+                self.limits_in_jump(&s, parent, jump);
                 self.stepper.elapse(&mut s, jump);
-                if let Some(diverging) = self.clocks_after_jump(&mut s, Sight { parent, time }) {
-                    return Some(diverging);
+                if self.diverging.is_none() {
+                    self.diverging = self.clocks_after_jump(&mut s, Sight { parent, time });
                 }
                 states.push((s, parent));
             }
-            self.close_layer(time, states, false);
-            if self.diverging.is_some() {
-                return self.diverging.take();
-            }
-            if self.stopped.is_some() {
-                return None;
+            if self.diverging.is_none() && self.stopped.is_none() {
+                self.close_layer(time, states, false);
             }
         }
-        self.diverging.take()
+        self.limits_under_way();
+        let mut diverging = self.diverging.take()?;
+        if let Some(it) = self.excess_run(diverging.gauge) {
+            diverging.excess = Some(it);
+        }
+        Some(diverging)
     }
 
     fn node_state(&self, node: u32) -> State {
@@ -626,29 +618,22 @@ impl Search<'_> {
         if self.diverging.is_some() {
             return;
         }
-        let l = &self.stepper.layout;
-        let response = self.watch.response.iter().position(|&task| {
-            !self.waiting_only[task]
-                && l.response[task].is_some()
-                && l.status(s, task) != TaskStatus::Idle
-        });
-        let within =
-            (0..self.observers.len()).find(|&i| l.observer_clock[i].is_some() && l.open(s, i) != 0);
-        if let Some(i) = response {
-            self.diverging = Some(Diverging::Response(
-                i,
-                Some(self.trace(at, &Goal::Deadlock)),
-            ));
-        } else if let Some(i) = within {
-            self.diverging = Some(Diverging::Within(i, Some(self.trace(at, &Goal::Deadlock))));
+        let gauge = (0..self.gauges.len()).find(|&it| self.measures(it, s).is_some());
+        if let Some(gauge) = gauge {
+            self.limits_in_jump(s, at.parent, Ticks::MAX);
+            self.diverging = Some(Diverging {
+                gauge,
+                proof: Some(self.trace(at, &Goal::Deadlock)),
+                excess: None,
+            });
         }
     }
 
     fn out_of_bounds(&mut self) -> bool {
-        if self.cancel.load(Ordering::Relaxed) {
+        if self.cancel.is_over() {
             self.stopped = Some(Stop::Cancelled);
         } else if self.nodes.len() + self.layer.len() > self.limits.states
-            || ((self.steps >> 4).is_multiple_of(1 << 10) && self.memory() > self.limits.bytes)
+            || self.memory() > self.limits.bytes
         {
             self.stopped = Some(Stop::Limit);
         } else if self.answered() {
@@ -673,7 +658,9 @@ impl Search<'_> {
             + self.layer.memory()
             + self.nodes.capacity() * size_of::<Node>()
             + self.dims.capacity() * size_of::<Ticks>()
-            + self.edges.capacity() * 8
+            + self.edges.capacity() * size_of::<(u32, u32)>()
+            + self.nodes.len() * QUEUED
+            + self.under_way
     }
 
     // ---- What is watched -------------------------------------------------------------------
@@ -693,17 +680,58 @@ impl Search<'_> {
                 self.reached[i] = Some(at);
             }
         }
-        for (i, &task) in self.watch.response.iter().enumerate() {
-            if self.response[i].is_none() && self.stepper.layout.status(s, task) != TaskStatus::Idle
-            {
-                self.response[i] = Some(Longest { value: 0, at });
+        for (i, gauge) in self.gauges.iter().enumerate() {
+            if self.longest[i].is_none() && gauge.of.runs(&self.stepper.layout, s) {
+                self.longest[i] = Some(Longest { value: 0, at });
             }
         }
-        for i in 0..self.observers.len() {
-            if self.within[i].is_none() && self.stepper.layout.open(s, i) != 0 {
-                self.within[i] = Some(Longest { value: 0, at });
+    }
+
+    /// The clock of a gauge, if it measures now.
+    fn measures(&self, gauge: usize, s: &State) -> Option<usize> {
+        let (l, of) = (&self.stepper.layout, self.gauges[gauge].of);
+        let other = matches!(of, Timing::Response(task) if self.waiting_only[task]);
+        of.clock(l).filter(|_| !other && of.runs(l, s))
+    }
+
+    /// Notes the limits that are exceeded in a jump from a node, and when. The first moment counts, and jumps
+    /// overlap.
+    fn limits_in_jump(&mut self, s: &State, parent: u32, jump: Ticks) {
+        for i in 0..self.gauges.len() {
+            let (Some(limit), Some(clock)) = (self.gauges[i].limit, self.measures(i, s)) else {
+                continue;
+            };
+            // Clocks beyond the limit were seen when they passed it.
+            let Some(left) = limit.checked_sub(s.t[clock]).filter(|&it| it < jump) else {
+                continue;
+            };
+            let time = self.nodes[parent as usize].time + u64::from(left) + 1;
+            if self.excess[i].is_none_or(|it| time < it.time) {
+                self.excess[i] = Some(Sight { parent, time });
             }
         }
+    }
+
+    /// The same for the jumps that have begun when the exploration ends.
+    fn limits_under_way(&mut self) {
+        if self.gauges.iter().all(|it| it.limit.is_none()) {
+            return;
+        }
+        for (time, parents) in std::mem::take(&mut self.queue) {
+            for (i, parent) in parents.into_iter().enumerate() {
+                if i % LOOKS == 0 && self.cancel.is_abandoned() {
+                    return;
+                }
+                let s = self.node_state(parent);
+                let jump = (time - self.nodes[parent as usize].time) as Ticks;
+                self.limits_in_jump(&s, parent, jump);
+            }
+        }
+    }
+
+    fn excess_run(&self, gauge: usize) -> Option<Run> {
+        let Gauge { of, limit, .. } = self.gauges[gauge];
+        Some(self.trace(self.excess[gauge]?, &Goal::Lasts(of, limit? + 1)))
     }
 
     /// Looks at clocks after time has passed.
@@ -720,64 +748,84 @@ impl Search<'_> {
                 s.t[clock] = if running { 0 } else { s.t[clock].min(most) };
             }
         }
-        for (i, &task) in self.watch.response.iter().enumerate() {
-            let Some(clock) = self.stepper.layout.response[task] else {
+        for i in 0..self.gauges.len() {
+            let Some(clock) = self.measures(i, s) else {
                 continue;
             };
-            if self.waiting_only[task] || self.stepper.layout.status(s, task) == TaskStatus::Idle {
-                continue;
-            }
             let value = s.t[clock];
-            if self.response[i].is_none_or(|it| it.value < value) {
-                self.response[i] = Some(Longest { value, at });
-                if value > self.patience {
-                    self.patience = self.patience.saturating_mul(2);
-                    let run = self.trace(at, &Goal::Response(task, value));
-                    if run.repeats(&self.stepper, &self.observers, value) {
-                        return Some(Diverging::Response(i, Some(run)));
-                    }
-                    if !self.patient {
-                        return Some(Diverging::Response(i, None));
-                    }
-                }
-            }
-        }
-        for i in 0..self.observers.len() {
-            let Some(clock) = self.stepper.layout.observer_clock[i] else {
+            if self.longest[i].is_some_and(|it| it.value >= value) {
                 continue;
+            }
+            self.longest[i] = Some(Longest { value, at });
+            if value <= self.patience || self.out_of_bounds() {
+                continue;
+            }
+            self.patience = self.patience.saturating_mul(2);
+            let run = self.trace(at, &Goal::Lasts(self.gauges[i].of, value));
+            let mut out = Diverging {
+                gauge: i,
+                proof: None,
+                excess: None,
             };
-            if self.stepper.layout.open(s, i) == 0 {
-                continue;
+            let clock = (&self.observers[..], value);
+            if let Some(cycle) = run.repetition(&self.stepper, clock, self.cancel) {
+                let limit = self.gauges[i].limit;
+                let left = limit.and_then(|it| it.checked_sub(value));
+                out.excess = left.and_then(|it| run.prolonged(cycle, it + 1));
+                out.proof = Some(run);
+                return Some(out);
             }
-            let value = s.t[clock];
-            if self.within[i].is_none_or(|it| it.value < value) {
-                self.within[i] = Some(Longest { value, at });
-                if value > self.patience {
-                    self.patience = self.patience.saturating_mul(2);
-                    let run = self.trace(at, &Goal::Within(i, value));
-                    if run.repeats(&self.stepper, &self.observers, value) {
-                        return Some(Diverging::Within(i, Some(run)));
-                    }
-                    if !self.patient {
-                        return Some(Diverging::Within(i, None));
-                    }
-                }
+            if !self.patient && !self.cancel.is_abandoned() {
+                return Some(out);
             }
         }
         None
     }
 
-    fn findings(self, measures: &Measures) -> Findings {
+    /// What is known of each gauge.
+    fn measured(&self) -> Vec<Option<Measured>> {
+        let found = |run| Found { run };
+        (0..self.gauges.len())
+            .map(|i| {
+                let gauge = &self.gauges[i];
+                let excess = gauge
+                    .excess
+                    .clone()
+                    .or_else(|| self.excess_run(i))
+                    .map(found);
+                if let How::Unbounded(run) = &gauge.how {
+                    return Some(Measured {
+                        bound: Bound::Unbounded,
+                        longest: found(run.clone()),
+                        excess,
+                    });
+                }
+                let (reached, limit) = (self.longest[i].map(|it| it.value), gauge.limit);
+                if let (Some(run), Some(limit)) =
+                    (&gauge.excess, limit.filter(|it| reached <= Some(*it)))
+                {
+                    // Known from an exploration before, which this one has not come up with.
+                    return Some(Measured {
+                        bound: Bound::Finite(limit + 1),
+                        longest: found(run.clone()),
+                        excess,
+                    });
+                }
+                self.longest[i].map(|it| Measured {
+                    bound: Bound::Finite(it.value),
+                    longest: found(self.trace(it.at, &Goal::Lasts(gauge.of, it.value))),
+                    excess,
+                })
+            })
+            .collect()
+    }
+
+    fn findings(self) -> Findings {
         let found = |at: Sight, goal: Goal| Found {
             run: self.trace(at, &goal),
         };
-        let responses = self
-            .watch
-            .response
-            .iter()
-            .zip(&self.response)
-            .zip(&measures.response);
-        let withins = self.within.iter().zip(&measures.within).enumerate();
+        let mut response = self.measured();
+        let within = response.split_off(self.watch.response.len());
         Findings {
             missed: (self.watch.schedulable.iter().zip(&self.missed))
                 .map(|(&task, at)| at.map(|at| found(at, Goal::Missed(task))))
@@ -785,29 +833,11 @@ impl Search<'_> {
             overdue: (self.watch.overdue.iter().zip(&self.overdue))
                 .map(|(&task, at)| at.map(|at| found(at, Goal::Overdue(task))))
                 .collect(),
-            response: responses
-                .map(|((&task, longest), measure)| match measure {
-                    Measure::Unbounded(run) => Some((Bound::Unbounded, Found { run: run.clone() })),
-                    _ => longest.map(|it| {
-                        let goal = Goal::Response(task, it.value);
-                        (Bound::Finite(it.value), found(it.at, goal))
-                    }),
-                })
-                .collect(),
+            response,
             reached: (self.watch.reach.iter().zip(&self.reached))
                 .map(|(it, at)| at.map(|at| found(at, Goal::Reach(it))))
                 .collect(),
-            within: withins
-                .map(|(i, (longest, measure))| match measure {
-                    Measure::Unbounded(run) => Some((Bound::Unbounded, Found { run: run.clone() })),
-                    _ => longest.map(|it| {
-                        (
-                            Bound::Finite(it.value),
-                            found(it.at, Goal::Within(i, it.value)),
-                        )
-                    }),
-                })
-                .collect(),
+            within,
             deadlock: self
                 .deadlock
                 .filter(|_| self.watch.deadlock)
@@ -859,7 +889,7 @@ fn join(links: &mut [(u32, u32)], one: u32, other: u32) -> u32 {
 type Point = Vec<Option<Ticks>>;
 
 impl Search<'_> {
-    /// A run to what was seen: segments from node to node, found backwards with the remaining times
+    /// A run to what was seen, empty if nobody wants it any more: segments from node to node, found backwards with the remaining times
     /// that the later part of the run needs.
     fn trace(&self, at: Sight, goal: &Goal) -> Run {
         let mut segments = Vec::new();
@@ -978,6 +1008,9 @@ impl Search<'_> {
         let mut it = Encoded::default();
         let mut at = 0;
         while at < found.len() {
+            if at % LOOKS == 0 && self.cancel.is_abandoned() {
+                return None;
+            }
             let s = found[at].0.clone();
             let before = found.get(found[at].1).map(|it| it.0.clone());
             self.stepper.enabled(&s, &mut enabled);
@@ -1033,12 +1066,8 @@ impl Search<'_> {
             Goal::Missed(task) => missed(&self.stepper, s, task),
             Goal::Overdue(task) => overdue(&self.stepper, s, task),
             Goal::Reach(it) => observe::predicate(&self.stepper, before, s, it),
-            Goal::Response(task, value) => {
-                l.status(s, task) != TaskStatus::Idle
-                    && l.response[task].is_none_or(|clock| s.t[clock] >= value)
-            }
-            Goal::Within(i, value) => {
-                l.open(s, i) != 0 && l.observer_clock[i].is_none_or(|clock| s.t[clock] >= value)
+            Goal::Lasts(of, value) => {
+                of.runs(l, s) && of.clock(l).is_none_or(|clock| s.t[clock] >= value)
             }
             Goal::Calm(key, dims) => {
                 if enabled.committed || enabled.urgent {

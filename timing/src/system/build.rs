@@ -574,14 +574,23 @@ impl Builder<'_> {
             let permanent = used.service.is_none();
             let it = &mut self.out.system.machines[machine];
             let cycles = loops::pauseless_cycles(it);
+            let name = &it.name;
+            let rounds = aperiodic
+                && permanent
+                && (0..it.states.len()).any(|state| !loops::can_pause(it, state));
             if it.loop_limit.is_none() {
+                let advice = match rounds || loops::can_be_limited(it) {
+                    true => format!("unless the scenario says `loop once {name};`"),
+                    false => {
+                        "until one of its codels yields `pause::` or `ether` instead".to_owned()
+                    }
+                };
                 for cycle in cycles {
                     found.push(Diagnostic::warning(
                         "timing-state-cycle",
                         0..0,
                         format!(
-                            "{}: state cycle without pause: {cycle}; a turn may take arbitrarily long unless the scenario says `loop once {};`",
-                            it.name, it.name
+                            "{name}: state cycle without pause: {cycle}; a turn may take arbitrarily long {advice}"
                         ),
                     ));
                 }
@@ -592,16 +601,20 @@ impl Builder<'_> {
                 it.loop_limit = None;
                 continue;
             }
-            it.rounds = aperiodic
-                && permanent
-                && (0..it.states.len()).any(|state| !loops::can_pause(it, state));
+            it.rounds = rounds;
+            let limits = match it.loop_limit {
+                Some(1) => "no limit helps, as what led there can be repeated",
+                _ => "a greater limit need not help",
+            };
             for state in loop_contradictions(it) {
                 found.push(Diagnostic::error(
                     "scn-contradictory-loop",
                     0..0,
                     format!(
-                        "the scenario is contradictory: under its loop limit, {} can go nowhere from state {state}; raise the limit",
-                        it.name
+                        "the scenario is contradictory: under its loop limit, {name} can go nowhere from state \
+                         `{state}`; {limits}: let the codel of `{state}` yield `pause::` or `ether` as well, or \
+                         leave the turns without a limit: `loop free {name};`",
+                        name = it.name
                     ),
                 ));
             }
@@ -717,6 +730,22 @@ impl Builder<'_> {
                     machine.name
                 ));
             }
+        }
+        let mut ordered: Vec<String> = Vec::new();
+        for &(c, s) in &self.requested {
+            let component = self.names.components[c].component;
+            let it = &component.services[s as usize];
+            let mut lists = [&it.before, &it.after].into_iter();
+            let path = format!("{}.{}", component.name, it.name);
+            if lists.any(|it| it.all || !it.services.is_empty()) && !ordered.contains(&path) {
+                ordered.push(path);
+            }
+        }
+        if !ordered.is_empty() {
+            self.out.assumptions.push(format!(
+                "requests: `before` and `after` of {} are not looked at; they are accepted at any time",
+                ordered.join(", ")
+            ));
         }
         if self
             .out

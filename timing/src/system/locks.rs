@@ -29,14 +29,9 @@ pub(crate) fn exclude_codels(
         if !live[id] {
             continue;
         }
-        for param in &names.components[c].component.codel(it).params {
-            let ParamSource::Port(p) = param.source else {
-                continue;
-            };
-            for port in locks_of(names, &connections, (c, p)) {
-                if !users.contains(&(port, id)) {
-                    users.push((port, id));
-                }
+        for (_, port) in port_locks(names, &connections, (c, it)) {
+            if !users.contains(&(port, id)) {
+                users.push((port, id));
             }
         }
     }
@@ -50,6 +45,63 @@ pub(crate) fn exclude_codels(
         if out.system.platform.async_free {
             out.system.exclude(one, one);
         }
+    }
+}
+
+/// The ports that a codel names, each with the locks it takes.
+fn port_locks(
+    names: &Names,
+    connections: &Connections,
+    (c, it): (usize, CodelRef),
+) -> Vec<(Port, Port)> {
+    let mut out = Vec::new();
+    for param in &names.components[c].component.codel(it).params {
+        if let ParamSource::Port(p) = param.source {
+            let locks = locks_of(names, connections, (c, p)).into_iter();
+            out.extend(locks.map(|lock| ((c, p), lock)));
+        }
+    }
+    out
+}
+
+/// Says through which connections codels exclude each other.
+pub struct SharedPorts<'n> {
+    names: &'n Names<'n>,
+    connections: Connections,
+}
+
+impl<'n> SharedPorts<'n> {
+    /// For the connections of a scenario.
+    pub fn new(names: &'n Names<'n>, settings: &Settings) -> Self {
+        SharedPorts {
+            names,
+            connections: connections(names, settings, &mut Vec::new()),
+        }
+    }
+
+    /// The connections that both codels (component, codel) use, as `sensor.scan → control.scan`: the output, then
+    /// the inputs by which they use it. None for an output that both name themselves.
+    pub fn of(&self, one: (usize, CodelRef), other: (usize, CodelRef)) -> Vec<String> {
+        let path = |(c, p): Port| {
+            let component = self.names.components[c].component;
+            format!("{}.{}", component.name, component.ports[p as usize].name)
+        };
+        let mut out = Vec::new();
+        for (used, lock) in port_locks(self.names, &self.connections, one) {
+            for (also, same) in port_locks(self.names, &self.connections, other) {
+                let mut inputs = vec![used, also];
+                inputs.retain(|it| *it != lock);
+                inputs.dedup();
+                if same == lock && !inputs.is_empty() {
+                    let inputs: Vec<String> = inputs.into_iter().map(path).collect();
+                    let text = format!("{} → {}", path(lock), inputs.join(" and "));
+                    if !out.contains(&text) {
+                        out.push(text);
+                    }
+                }
+            }
+        }
+        out
     }
 }
 

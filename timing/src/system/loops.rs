@@ -72,11 +72,31 @@ pub(crate) fn can_pause(machine: &Machine, state: usize) -> bool {
     false
 }
 
-/// States in which a turn cannot go on under the loop limit of the machine, by name.
+/// More combinations of state and visits than this are not looked at.
+const COMBINATIONS: usize = 20_000;
+
+/// States in which a turn cannot go on under the loop limit of the machine, by name. Where there are very many
+/// combinations of states and visits, perhaps not all.
 pub fn loop_contradictions(machine: &Machine) -> Vec<String> {
     let Some(limit) = machine.loop_limit else {
         return Vec::new();
     };
+    let (stuck, _) = stuck_states(machine, limit);
+    stuck
+        .into_iter()
+        .map(|it| machine.states[it].name.clone())
+        .collect()
+}
+
+/// Whether `loop once` makes sense for the machine. If it does not, no limit does: the way on which a state used up
+/// its yields enters no state twice, so the part of it that begins with the first of these can be repeated as
+/// often as a limit allows.
+pub(crate) fn can_be_limited(machine: &Machine) -> bool {
+    stuck_states(machine, 1).0.is_empty()
+}
+
+/// States in which a turn cannot go on under a limit, and whether all combinations were looked at.
+fn stuck_states(machine: &Machine, limit: u16) -> (Vec<usize>, bool) {
     let mut begins: Vec<usize> = vec![machine.start];
     begins.extend(machine.stop);
     for state in &machine.states {
@@ -86,6 +106,7 @@ pub fn loop_contradictions(machine: &Machine) -> Vec<String> {
         }));
     }
     let mut found: Vec<usize> = Vec::new();
+    let mut all = true;
     let mut seen = FxHashSet::default();
     let mut stack: Vec<(usize, Vec<u16>)> = begins
         .into_iter()
@@ -96,6 +117,10 @@ pub fn loop_contradictions(machine: &Machine) -> Vec<String> {
         })
         .collect();
     while let Some((at, visits)) = stack.pop() {
+        if seen.len() == COMBINATIONS {
+            all = false;
+            break;
+        }
         if !seen.insert((at, visits.clone())) {
             continue;
         }
@@ -117,8 +142,5 @@ pub fn loop_contradictions(machine: &Machine) -> Vec<String> {
         }
     }
     found.sort_unstable();
-    found
-        .into_iter()
-        .map(|it| machine.states[it].name.clone())
-        .collect()
+    (found, all)
 }

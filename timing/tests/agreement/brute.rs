@@ -2,9 +2,9 @@
 //! states are plain structures with a clock per executing codel, time passes unit by unit, every
 //! order of simultaneous actions is followed, and nothing is merged.
 
-use std::collections::{HashMap, VecDeque};
+use std::collections::HashSet;
 
-use dotgen_timing::explore::Action;
+use dotgen_timing::explore::{Action, Within};
 use dotgen_timing::property::{Atom, Predicate, SlotStatus, StatePhase, TaskState};
 use dotgen_timing::system::{ClientAction, FOREVER, LockOrder, Policy, TimedSystem, Yield};
 
@@ -109,7 +109,7 @@ pub(crate) struct State {
 
 pub(crate) struct Brute<'s> {
     pub(crate) system: &'s TimedSystem,
-    pub(crate) within: &'s [(Predicate, Predicate)],
+    pub(crate) within: &'s [Within],
 }
 
 #[derive(Debug, Default, PartialEq, Eq)]
@@ -119,6 +119,9 @@ pub(crate) struct Results {
     /// `Some(CAP)`: unbounded.
     pub(crate) response: Vec<Option<u32>>,
     pub(crate) within: Vec<Option<u32>>,
+    /// The earliest moment at which each response time, and each obligation, has reached each age.
+    pub(crate) response_at: Vec<Vec<u64>>,
+    pub(crate) within_at: Vec<Vec<u64>>,
     pub(crate) deadlock: bool,
     pub(crate) refused: Vec<bool>,
     pub(crate) states: usize,
@@ -820,7 +823,8 @@ impl Brute<'_> {
     }
 
     fn watch(&self, before: Option<&State>, now: &mut State) {
-        for (i, (p, q)) in self.within.iter().enumerate() {
+        for (i, it) in self.within.iter().enumerate() {
+            let (p, q) = (&it.trigger, &it.response);
             let value = |it: &Predicate| self.predicate(before, now, it);
             if now.obligations[i].is_some() {
                 if value(q) {
@@ -889,7 +893,10 @@ impl Brute<'_> {
         }
     }
 
-    fn inspect(&self, s: &State, out: &mut Results) {
+    fn inspect(&self, s: &State, now: u64, out: &mut Results) {
+        let reach = |ages: &mut Vec<u64>, age: u32| {
+            ages.resize(ages.len().max(age as usize + 1), now);
+        };
         for (t, task) in s.tasks.iter().enumerate() {
             if task.status == Status::Idle {
                 continue;
@@ -899,9 +906,13 @@ impl Brute<'_> {
                 out.overdue[t] |= task.status == Status::Waiting && task.age >= period;
             }
             out.response[t] = out.response[t].max(Some(task.age));
+            reach(&mut out.response_at[t], task.age);
         }
         for (i, it) in s.obligations.iter().enumerate() {
             out.within[i] = out.within[i].max(*it);
+            if let Some(age) = *it {
+                reach(&mut out.within_at[i], age);
+            }
         }
     }
 
@@ -912,6 +923,8 @@ impl Brute<'_> {
             overdue: vec![false; n],
             response: vec![None; n],
             within: vec![None; self.within.len()],
+            response_at: vec![Vec::new(); n],
+            within_at: vec![Vec::new(); self.within.len()],
             deadlock: false,
             refused: vec![false; self.system.services.len()],
             states: 0,
@@ -922,28 +935,31 @@ impl Brute<'_> {
     pub(crate) fn explore(&self, limit: usize) -> Option<Results> {
         let mut out = self.blank();
         let initial = self.initial();
-        let mut seen: HashMap<State, ()> = HashMap::new();
-        seen.insert(initial.clone(), ());
-        let mut todo = VecDeque::from([initial]);
-        while let Some(s) = todo.pop_front() {
-            if seen.len() > limit {
-                return None;
-            }
-            self.inspect(&s, &mut out);
-            let (actions, urgent) = self.actions(&s);
-            let mut next: Vec<State> = actions
-                .iter()
-                .map(|&it| self.perform(&s, it, &mut out))
-                .collect();
-            if !urgent {
-                out.deadlock |= self.dead(&s);
-                next.push(self.pass(&s));
-            }
-            for n in next {
-                if seen.insert(n.clone(), ()).is_none() {
-                    todo.push_back(n);
+        // Moment by moment, so that a state is seen at the earliest moment at which it can be reached.
+        let mut seen: HashSet<State> = HashSet::new();
+        let mut later = vec![initial];
+        let mut now = 0;
+        while !later.is_empty() {
+            let mut todo = std::mem::take(&mut later);
+            todo.retain(|it| seen.insert(it.clone()));
+            while let Some(s) = todo.pop() {
+                if seen.len() > limit {
+                    return None;
+                }
+                self.inspect(&s, now, &mut out);
+                let (actions, urgent) = self.actions(&s);
+                for action in actions {
+                    let next = self.perform(&s, action, &mut out);
+                    if seen.insert(next.clone()) {
+                        todo.push(next);
+                    }
+                }
+                if !urgent {
+                    out.deadlock |= self.dead(&s);
+                    later.push(self.pass(&s));
                 }
             }
+            now += 1;
         }
         out.states = seen.len();
         Some(out)
@@ -973,7 +989,7 @@ impl Brute<'_> {
         }
         advance(&mut s, &mut now, end)?;
         let mut last = self.blank();
-        self.inspect(&s, &mut last);
+        self.inspect(&s, end, &mut last);
         last.deadlock = self.dead(&s);
         Ok(last)
     }

@@ -3,17 +3,25 @@
 mod brute;
 mod systems;
 
-use std::sync::atomic::AtomicBool;
-
 use brute::{Brute, CAP, Results};
 use dotgen_timing::analytic::response_bounds;
-use dotgen_timing::explore::{Bound, Found, Limits, Watch, explore};
-use dotgen_timing::property::Predicate;
+use dotgen_timing::explore::{
+    Bound, Found, Limits, Measured, ResponseTime, Watch, Within, explore,
+};
 use dotgen_timing::system::TimedSystem;
+use dotgen_timing::verify::Cancel;
 
 /// Compares everything on the system of one seed; `None` if it was too large for brute force.
 fn compare(seed: u64) -> Option<Result<(), String>> {
     let (system, within) = systems::random(&mut systems::Dice::new(seed));
+    let pairs = within.into_iter();
+    let within: Vec<Within> = pairs
+        .map(|(trigger, response)| Within {
+            trigger,
+            response,
+            limit: None,
+        })
+        .collect();
     let all: Vec<usize> = (0..system.tasks.len()).collect();
     compare_system(seed, &system, &within, &all)
 }
@@ -22,17 +30,34 @@ fn compare(seed: u64) -> Option<Result<(), String>> {
 fn compare_system(
     seed: u64,
     system: &TimedSystem,
-    within: &[(Predicate, Predicate)],
+    within: &[Within],
     measured: &[usize],
 ) -> Option<Result<(), String>> {
     let brute = Brute { system, within };
     let expected = brute.explore(30_000)?;
     let all: Vec<usize> = (0..system.tasks.len()).collect();
+    // Limits that are never exceeded, sometimes, and soon.
+    let limit = |i: usize, longest: Option<u32>| match (seed as usize + i) % 4 {
+        0 => None,
+        1 => longest,
+        2 => longest.map(|it| it.saturating_sub(1)),
+        _ => longest.map(|it| it / 2),
+    };
     let watch = Watch {
         schedulable: all.clone(),
         overdue: all,
-        response: measured.to_vec(),
-        within: within.to_vec(),
+        response: (measured.iter().enumerate())
+            .map(|(i, &task)| ResponseTime {
+                task,
+                limit: limit(i, expected.response[task]),
+            })
+            .collect(),
+        within: (within.iter().enumerate())
+            .map(|(i, it)| Within {
+                limit: limit(i + 1, expected.within[i]),
+                ..it.clone()
+            })
+            .collect(),
         deadlock: true,
         ..Watch::default()
     };
@@ -43,7 +68,7 @@ fn compare_system(
             states: 400_000,
             bytes: 1 << 28,
         },
-        &AtomicBool::new(false),
+        &Cancel::default(),
     );
     if found.stopped.is_some() {
         return Some(Err(format!(
@@ -86,23 +111,27 @@ fn compare_system(
                 }
             }
         }
-        for (&t, response) in measured.iter().zip(&found.response) {
-            bound("response", t, expected.response[t], response, |it| {
-                Ok(replay(it)?.response[t])
-            })?;
+        for (asked, response) in watch.response.iter().zip(&found.response) {
+            let t = asked.task;
+            let age = |it: &Found| Ok(replay(it)?.response[t]);
+            bound("response", t, expected.response[t], response, age)?;
+            let first = &expected.response_at[t];
+            excess("response", t, asked.limit, first, response, age)?;
         }
-        for i in 0..within.len() {
-            bound("within", i, expected.within[i], &found.within[i], |it| {
-                Ok(replay(it)?.within[i])
-            })?;
+        for (i, asked) in watch.within.iter().enumerate() {
+            let age = |it: &Found| Ok(replay(it)?.within[i]);
+            bound("within", i, expected.within[i], &found.within[i], age)?;
+            let first = &expected.within_at[i];
+            excess("within", i, asked.limit, first, &found.within[i], age)?;
         }
         let quick = response_bounds(system);
         for (&t, response) in measured.iter().zip(&found.response) {
-            if let (Some(quick), Some((exact, _))) = (quick[t], response)
-                && *exact > Bound::Finite(quick)
+            if let (Some(quick), Some(exact)) = (quick[t], response)
+                && exact.bound > Bound::Finite(quick)
             {
                 return Err(format!(
-                    "response {t} is {exact:?}, the quick bound says {quick}"
+                    "response {t} is {:?}, the quick bound says {quick}",
+                    exact.bound
                 ));
             }
         }
@@ -130,27 +159,66 @@ fn bound(
     what: &str,
     i: usize,
     expected: Option<u32>,
-    found: &Option<(Bound, Found)>,
+    found: &Option<Measured>,
     replay: impl Fn(&Found) -> Result<Option<u32>, String>,
 ) -> Result<(), String> {
-    let value = found.as_ref().map(|(bound, _)| match *bound {
+    let value = found.as_ref().map(|it| match it.bound {
         Bound::Unbounded => CAP,
         Bound::Finite(value) => value.min(CAP),
     });
     if value != expected {
         return Err(format!("{what} {i}: brute {expected:?}, found {value:?}"));
     }
-    let Some((bound, it)) = found else {
+    let Some(found) = found else {
         return Ok(());
     };
+    let it = &found.longest;
     let reached = replay(it)?;
-    match *bound {
+    match found.bound {
         Bound::Finite(value) if reached != Some(value.min(CAP)) => Err(format!(
             "{what} {i} is {value}, its run reaches {reached:?}: {:?}",
             it.run
         )),
         _ => Ok(()),
     }
+}
+
+/// A run that exceeds a limit does so when it ends, and none does so earlier (`first`: when each time is
+/// reached first). There is one if and only if the limit can be exceeded.
+fn excess(
+    what: &str,
+    i: usize,
+    limit: Option<u32>,
+    first: &[u64],
+    found: &Option<Measured>,
+    replay: impl Fn(&Found) -> Result<Option<u32>, String>,
+) -> Result<(), String> {
+    let expected = limit.and_then(|limit| first.get(limit as usize + 1));
+    let run = found.as_ref().and_then(|it| it.excess.as_ref());
+    let (Some(limit), Some(it)) = (limit, run) else {
+        // Beyond the cap brute force knows nothing.
+        let unknown = limit == Some(CAP) && expected.is_none();
+        return match expected.is_some() == run.is_some() || unknown {
+            true => Ok(()),
+            false => Err(format!(
+                "{what} {i}, limit {limit:?}: brute exceeds it at {expected:?}, found {run:?}"
+            )),
+        };
+    };
+    let reached = replay(it)?;
+    let unbounded = found
+        .as_ref()
+        .is_some_and(|it| it.bound == Bound::Unbounded);
+    let as_early = expected
+        .is_none_or(|&it_ends| it.run.end == it_ends || (unbounded && it.run.end > it_ends));
+    if reached <= Some(limit).min(Some(CAP - 1)) || !as_early {
+        return Err(format!(
+            "{what} {i}, limit {limit}: brute exceeds it at {expected:?}, this run reaches {reached:?} \
+             at {}: {:?}",
+            it.run.end, it.run
+        ));
+    }
+    Ok(())
 }
 
 /// Number of systems, more on demand.

@@ -3,16 +3,15 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use camino::Utf8Path;
 use dotgen_analysis::host::{
     AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags, UnitResult,
 };
-use dotgen_timing::report::{Report, Value, Verdict};
+use dotgen_timing::report::{CheckReport, Report, Value, Verdict};
 use dotgen_timing::scn::ast::{Durations, Item, Policy, Scenario};
 use dotgen_timing::scn::parse;
-use dotgen_timing::verify::{Options, SystemInput, verify};
+use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 use serde_json::Value as Json;
 
 /// Reads the disk; every package is the folder of the scenario.
@@ -60,7 +59,7 @@ fn load(path: &Path) -> (Scenario, UnitResult) {
         .collect();
     let input = BatchInput {
         inputs,
-        include_dirs: vec![folder],
+        include_dirs: vec![folder.join("idl"), folder],
         defines: Vec::new(),
     };
     let host = AnalysisHost::new(Arc::new(Disk));
@@ -80,7 +79,7 @@ fn run(path: &Path, options: &Options) -> Report {
     let input = SystemInput {
         specs: vec![&unit.spec],
     };
-    verify(&input, &scenario, options, &AtomicBool::new(false))
+    verify(&input, &scenario, options, &Cancel::default())
 }
 
 #[test]
@@ -141,6 +140,30 @@ fn ground_truth() {
         }
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+#[test]
+fn the_scenarios_of_the_examples_hold() {
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples");
+    let mut checks = 0;
+    for folder in std::fs::read_dir(examples).unwrap() {
+        for file in std::fs::read_dir(folder.unwrap().path()).unwrap() {
+            let path = file.unwrap().path();
+            if path.extension().is_none_or(|it| it != "scn") {
+                continue;
+            }
+            let report = run(&path, &Options::default());
+            let proved = |it: &CheckReport| it.verdict == Verdict::Proved;
+            assert!(
+                report.checks.iter().all(proved) && !report.has_errors(),
+                "{}\n{}",
+                path.display(),
+                report.to_text(true)
+            );
+            checks += report.checks.len();
+        }
+    }
+    assert!(checks >= 7, "only {checks} checks");
 }
 
 /// Not a test of results: prints what is found for a scenario given by the environment.

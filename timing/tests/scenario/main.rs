@@ -1,7 +1,6 @@
 //! Scenario language and verification, on small specifications of our own.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use camino::Utf8Path;
 use dotgen_analysis::host::{
@@ -13,9 +12,10 @@ use dotgen_timing::report::{Report, Value, Verdict};
 use dotgen_timing::scn::ast::{Path, Spanned};
 use dotgen_timing::scn::names::{Names, Target};
 use dotgen_timing::scn::{default_text, format, parse, parse_check};
+use dotgen_timing::system::SharedPorts;
 use dotgen_timing::system::build::build;
 use dotgen_timing::system::settings::Settings;
-use dotgen_timing::verify::{Options, SystemInput, verify};
+use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 
 struct Nothing;
 
@@ -94,7 +94,7 @@ fn robot(items: &str) -> Report {
         &input,
         &parsed.scenario,
         &Options::default(),
-        &AtomicBool::new(false),
+        &Cancel::default(),
     )
 }
 
@@ -130,6 +130,55 @@ fn one_core_makes_the_fast_task_late() {
     );
 }
 
+/// One activity that takes long, one that is soon over, and one that nobody requests.
+const JOBS: &str = r#"
+component c {
+  version "1"; lang "c";
+  task t {};
+  activity slow() { task t; codel <start> do_slow() yield ether wcet 10 ms; };
+  activity quick() { task t; codel <start> do_quick() yield ether wcet 5 ms; };
+  activity other() { task t; codel <start> do_other() yield ether wcet 1 ms; };
+};
+"#;
+
+/// Where the counterexample of the only check ends, and its value.
+fn excess(check: &str) -> (f64, Option<Value>) {
+    let unit = load(JOBS);
+    let text = format!(
+        "scenario s {{ durations fixed;
+           client u {{ choice {{ delay 1 ms; send c.slow; }} or {{ delay 3 ms; send c.quick; }} }}
+           check {check}; }}"
+    );
+    let parsed = parse(&text);
+    assert_eq!(parsed.errors, []);
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let report = verify(
+        &input,
+        &parsed.scenario,
+        &Options::default(),
+        &Cancel::default(),
+    );
+    let check = &report.checks[0];
+    assert_eq!(check.verdict, Verdict::Refuted, "{}", report.to_text(true));
+    (check.counterexample.last().unwrap().time, check.value)
+}
+
+#[test]
+fn a_counterexample_ends_when_the_limit_is_exceeded_first() {
+    // The quick activity is over at 8 ms, before the end of the slow one at 11 ms is looked at.
+    let time = |it| Some(Value::Time(it));
+    assert_eq!(excess("response c.t <= 4 ms"), (6.0, time(10.0)));
+    assert_eq!(excess("response c.t <= 6 ms"), (8.0, time(10.0)));
+    // After the quick one nothing ever happens: that is known while the slow one still runs.
+    let within = "within c.t.running => c.other.run";
+    let unbounded = Some(Value::Unbounded);
+    assert_eq!(excess(&format!("{within} <= 4 ms")), (6.0, unbounded));
+    // Beyond that a run that exceeds the limit is shown, not the shortest.
+    assert_eq!(excess(&format!("{within} <= 2 s")), (2004.0, unbounded));
+}
+
 #[test]
 fn predicates() {
     let report = robot(
@@ -146,6 +195,34 @@ fn predicates() {
 }
 
 #[test]
+fn a_loop_limit_that_cannot_be_kept_is_explained() {
+    let unit = load(
+        r#"component c { version "1"; lang "c";
+             task t {
+               period 5 ms;
+               codel <start> begin() yield wait wcet 1 ms;
+               codel <wait> do_wait() yield pause::wait, main wcet 1 ms;
+               codel <main> do_main() yield wait, pause::main, start wcet 1 ms;
+             };
+           };"#,
+    );
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let said = |items: &str| {
+        let scenario = parse(&format!("scenario x {{ {items} check schedulable *; }}")).scenario;
+        let report = verify(&input, &scenario, &Options::default(), &Cancel::default());
+        summary(&report)
+    };
+    insta::assert_snapshot!(format!(
+        "{}\n{}\n{}",
+        said("loop once c.t;"),
+        said("loop 2;"),
+        said("")
+    ));
+}
+
+#[test]
 fn mistakes_are_explained() {
     let report = robot(
         "check response sensor.aquire; check schedulable sensor.record;
@@ -153,6 +230,34 @@ fn mistakes_are_explained() {
          check within sensor.acquire.read.idle => control.move;",
     );
     insta::assert_snapshot!(summary(&report));
+}
+
+#[test]
+fn orders_of_services_that_are_not_kept_are_an_assumption() {
+    let unit = load(
+        r#"component c { version "1"; lang "c"; task t {};
+             function calibrate() {};
+             activity move() { task t; codel <start> go() yield ether wcet 1 ms; after calibrate; };
+           };"#,
+    );
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let said = |service: &str| {
+        let text = format!("scenario x {{ client u {{ send c.{service}; }} check deadlock; }}");
+        let report = verify(
+            &input,
+            &parse(&text).scenario,
+            &Options::default(),
+            &Cancel::default(),
+        );
+        let mut all = report.assumptions.into_iter();
+        all.find(|it| it.starts_with("requests"))
+    };
+    let expected =
+        "requests: `before` and `after` of c.move are not looked at; they are accepted at any time";
+    assert_eq!(said("move").as_deref(), Some(expected));
+    assert_eq!(said("calibrate"), None);
 }
 
 #[test]
@@ -194,7 +299,7 @@ fn the_default_scenario_is_one() {
         &input,
         &parsed.scenario,
         &Options::default(),
-        &AtomicBool::new(false),
+        &Cancel::default(),
     );
     insta::assert_snapshot!(format!("{text}\n{}", summary(&report)));
 }
@@ -234,7 +339,7 @@ fn derived_questions() {
     };
     let scenario = parse("scenario x { check schedulable *; }").scenario;
     let options = Options::default();
-    let cancel = AtomicBool::new(false);
+    let cancel = Cancel::default();
     let cores = minimum_cores(&input, &scenario, &options, &cancel).unwrap();
     assert_eq!(cores.cores, Some(2));
     assert_eq!(cores.tried, [(1, Verdict::Refuted), (2, Verdict::Proved)]);
@@ -252,6 +357,28 @@ fn derived_questions() {
     let period = smallest_period(&input, &scenario, &options, &path("control.move"), &cancel);
     insta::assert_debug_snapshot!(period.unwrap().extreme);
     assert!(largest_wcet(&input, &scenario, &options, &path("control.move"), &cancel).is_err());
+}
+
+#[test]
+fn connections_that_make_codels_wait_are_named() {
+    let unit = load(ROBOT);
+    let names = Names::new(&[&unit.spec]);
+    let shared = |items: &str| {
+        let settings = Settings::new(&parse(&format!("scenario x {{ {items} }}")).scenario);
+        let built = build(&names, &settings, &|_| true);
+        let site = |path: &str| {
+            let mut codels = built.system.codels.iter();
+            codels.find(|it| it.path == path).unwrap().site.unwrap()
+        };
+        let (publish, step) = (site("sensor.acquire.publish"), site("control.move.step"));
+        let ports = SharedPorts::new(&names, &settings);
+        assert_eq!(ports.of(publish, step), ports.of(step, publish));
+        assert_eq!(ports.of(publish, publish), [""; 0]);
+        (ports.of(publish, step), ports.of(step, step))
+    };
+    let scan = vec!["sensor.scan → control.scan".to_owned()];
+    assert_eq!(shared(""), (scan.clone(), scan));
+    assert_eq!(shared("connect control.scan to none;"), (vec![], vec![]));
 }
 
 #[test]
@@ -281,7 +408,7 @@ fn giving_up_is_said() {
     let scenario = parse(text).scenario;
     let mut options = Options::default();
     options.limits.states = 3;
-    let report = verify(&input, &scenario, &options, &AtomicBool::new(false));
+    let report = verify(&input, &scenario, &options, &Cancel::default());
     assert!(
         report
             .checks
@@ -290,12 +417,9 @@ fn giving_up_is_said() {
     );
     let note = report.checks[0].note.as_deref().unwrap();
     assert!(note.starts_with("gave up at"), "{note}");
-    let report = verify(
-        &input,
-        &scenario,
-        &Options::default(),
-        &AtomicBool::new(true),
-    );
+    let cancelled = Cancel::default();
+    cancelled.abandon();
+    let report = verify(&input, &scenario, &Options::default(), &cancelled);
     assert!(
         report
             .checks

@@ -1,5 +1,5 @@
 // What the verification panel and its page say to each other.
-import type { VerificationAnswer, WhatIf } from '../protocol';
+import type { LimitsAnswer, VerificationAnswer, WhatIf } from '../protocol';
 
 /** What a panel shows; kept by the page, so that it survives a reload of the window. */
 export interface Subject {
@@ -12,7 +12,15 @@ export type ToPage =
   /** A new answer. `pinned`: the run on show is of an earlier text, and stays until it is dismissed. */
   | { type: 'answer'; subject: Subject; answer: VerificationAnswer; pinned: boolean }
   /** A question is under way. */
-  | { type: 'busy'; text: string };
+  | { type: 'busy'; text: string }
+  /** Where the search for limits stands. */
+  | { type: 'limits'; limits: Limits };
+
+export type Limits =
+  /** Nobody has asked, or what was found is of an earlier text. */
+  | { state: 'none'; text: string }
+  | { state: 'running'; text: string; percentage: number }
+  | { state: 'found'; answer: LimitsAnswer };
 
 export type FromPage =
   | { type: 'ready' }
@@ -22,4 +30,6 @@ export type FromPage =
   | { type: 'check'; check: number }
   | { type: 'dismiss' }
   | { type: 'writeOut' }
+  | { type: 'findLimits' }
+  | { type: 'stopLimits' }
   | { type: 'whatIf'; whatIf: WhatIf | undefined };

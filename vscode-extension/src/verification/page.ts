@@ -38,6 +38,8 @@ input.cores { width: 4em; }
 .legend .run { background: var(--vscode-textLink-foreground); }
 .legend .core { background: var(--vscode-descriptionForeground); opacity: .5; }
 .legend .lock { background: var(--vscode-editorWarning-foreground); opacity: .7; }
+.limits { display: flex; flex-wrap: wrap; gap: 4px 8px; align-items: center; margin: 4px 0; }
+progress { width: 10em; accent-color: var(--vscode-progressBar-background); }
 ul { margin: 2px 0; padding-left: 1.4em; }
 `;
 
@@ -66,6 +68,11 @@ const BODY = `<header aria-label="Verification">
 <button type="submit">Verify</button><button type="button" id="reset" hidden>As written</button>
 </form>
 <table id="codels"></table>
+<h2>Limits</h2>
+<p class="limits"><button id="findLimits" title="Look for the smallest number of cores, the largest WCET of each codel and the smallest period of each task with which every deadline is met">Find limits</button><button id="stopLimits" hidden>Stop</button>
+<progress id="limitsDone" max="100" value="0" aria-label="Progress of the search" hidden></progress>
+<span id="limitsText" class="faint" role="status" aria-live="polite"></span></p>
+<table id="limits"></table>
 <h2>Blocking</h2>
 <table id="blocking"></table>
 <h2>Assumptions</h2>

@@ -1,14 +1,16 @@
 // The verification panel: verdicts, the timeline of a run, what blocks what, and variations. It follows the text; a run
 // that somebody looks at stays until it is dismissed.
 import * as vscode from 'vscode';
+import { WorkDoneProgress } from 'vscode-languageclient/node';
 import type { Server } from '../client';
 import { notRunning } from '../commands/server';
 import { SidePanel } from '../panel/panel';
 import { reveal } from '../panel/reveal';
-import { LANGUAGE, SCENARIO, verification, type VerificationAnswer, type WhatIf } from '../protocol';
-import type { FromPage, Subject, ToPage } from './messages';
+import { LANGUAGE, SCENARIO, sensitivity, verification, type VerificationAnswer, type WhatIf } from '../protocol';
+import type { FromPage, Limits, Subject, ToPage } from './messages';
 import { page } from './page';
 
+const NO_LIMITS: Limits = { state: 'none', text: '' };
 const WRITE_OUT = 'Write the verification scenario to ';
 
 /** Argument of the command, as lenses and code actions give it. */
@@ -24,6 +26,10 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
   private pinnedRefutes = false;
   // Answers to older questions are dropped, and their work is ended.
   private asked: vscode.CancellationTokenSource | undefined;
+  // The search for limits, and what the page shows of it.
+  private searching: vscode.CancellationTokenSource | undefined;
+  private limits: Limits = NO_LIMITS;
+  private searches = 0;
   private readonly subscriptions: vscode.Disposable;
 
   constructor(
@@ -35,6 +41,7 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
       server.onDidVerify((status) => {
         // What is asked about a specification may be answered by its scenario.
         if (this.panel !== undefined && (status.uri === this.subject?.uri || status.uri === this.answer?.uri)) {
+          if (['stale', 'running'].includes(status.status)) this.endSearch(NO_LIMITS);
           void this.ask();
         }
       }),
@@ -44,6 +51,7 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
 
   override dispose(): void {
     this.asked?.cancel();
+    this.searching?.cancel();
     this.subscriptions.dispose();
     super.dispose();
   }
@@ -63,6 +71,7 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
     }
     this.subject = { uri, ...(typeof target?.check === 'number' ? { check: target.check } : {}) };
     this.pinned = null;
+    this.endSearch(NO_LIMITS);
     this.open();
     await this.ask();
   }
@@ -73,6 +82,7 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
 
   protected closed(): void {
     this.asked?.cancel();
+    this.endSearch(NO_LIMITS);
     this.answer = undefined;
     this.pinned = null;
   }
@@ -83,7 +93,12 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
     }
     switch (message.type) {
       case 'ready':
+        this.send({ type: 'limits', limits: this.limits });
         return this.ask();
+      case 'findLimits':
+        return this.findLimits();
+      case 'stopLimits':
+        return this.endSearch({ state: 'none', text: 'Stopped.' });
       case 'link': {
         const place = (this.pinned ?? this.answer?.timeline)?.links[message.index];
         return place === null || place === undefined ? undefined : reveal(place.uri, place.range);
@@ -107,6 +122,7 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
         const { whatIf: _, check: __, ...rest } = this.subject;
         this.subject = message.whatIf === undefined ? rest : { ...rest, whatIf: message.whatIf };
         this.pinned = null;
+        this.endSearch(NO_LIMITS);
         return this.ask();
       }
       case 'writeOut':
@@ -154,6 +170,51 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
       this.pinnedRefutes = answer.timeline !== null && refuted(answer.timeline.check);
     }
     this.send({ type: 'answer', subject, answer: keeps ? { ...answer, timeline: pinned } : answer, pinned: keeps });
+  }
+
+  private showLimits(limits: Limits): void {
+    this.limits = limits;
+    this.send({ type: 'limits', limits });
+  }
+
+  private endSearch(limits: Limits): void {
+    this.searching?.cancel();
+    this.searching = undefined;
+    this.showLimits(limits);
+  }
+
+  private async findLimits(): Promise<void> {
+    const { running: client } = this.server;
+    const { subject } = this;
+    if (client === undefined || subject === undefined) {
+      return;
+    }
+    this.endSearch({ state: 'running', text: 'Looking …', percentage: 0 });
+    const searching = new vscode.CancellationTokenSource();
+    this.searching = searching;
+    const workDoneToken = `dotgen/limits/${++this.searches}`;
+    const progress = client.onProgress(WorkDoneProgress.type, workDoneToken, (it) => {
+      if (this.searching === searching && it.kind === 'report') {
+        this.showLimits({ state: 'running', text: `Looking for ${it.message ?? 'limits'} …`, percentage: it.percentage ?? 0 });
+      }
+    });
+    const { uri, whatIf } = subject;
+    let found: Limits;
+    try {
+      const answer = await client.sendRequest(
+        sensitivity,
+        { textDocument: { uri }, workDoneToken, ...(whatIf === undefined ? {} : { whatIf: strip(whatIf) }) },
+        searching.token,
+      );
+      found = answer === null ? { state: 'none', text: 'There is nothing to verify here.' } : { state: 'found', answer };
+    } catch {
+      found = { state: 'none', text: 'The search ended without an answer.' };
+    } finally {
+      progress.dispose();
+    }
+    if (this.searching === searching) {
+      this.endSearch(found);
+    }
   }
 
   private async writeOut(): Promise<void> {

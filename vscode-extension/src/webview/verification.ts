@@ -1,5 +1,5 @@
 // The page of the verification panel: shows what it is sent, and tells what is done to it.
-import type { FromPage, Subject, ToPage } from '../verification/messages';
+import type { FromPage, Limits, Subject, ToPage } from '../verification/messages';
 import type { Place, VerificationAnswer, WhatIf } from '../protocol';
 import { Canvas } from './canvas';
 
@@ -180,6 +180,29 @@ function showBlocking(it: VerificationAnswer): void {
   );
 }
 
+function showLimits(limits: Limits): void {
+  const running = limits.state === 'running';
+  element('findLimits').hidden = running;
+  element('stopLimits').hidden = !running;
+  const done = element<HTMLProgressElement>('limitsDone');
+  done.hidden = !running;
+  done.value = running ? limits.percentage : 0;
+  const table = element('limits');
+  if (limits.state !== 'found') {
+    element('limitsText').textContent = limits.text;
+    table.replaceChildren();
+    return;
+  }
+  const { answer: found } = limits;
+  element('limitsText').textContent = found.errors.join(' ');
+  if (found.errors.length > 0) return table.replaceChildren();
+  const rows = [row(['smallest number of cores', '', '', found.cores === null ? 'no number is enough' : String(found.cores)], [2, 3])];
+  for (const [what, all] of [['largest WCET', found.wcet], ['smallest period', found.period]] as const) {
+    rows.push(...all.map((it) => row([what, link(it.of, it.location), it.now, it.extreme, node('span', it.remark, 'faint')], [2, 3])));
+  }
+  table.replaceChildren(heads(['', 'of', 'now', 'limit', '']), ...rows);
+}
+
 function show(next: VerificationAnswer, of: Subject, pinned: boolean): void {
   answer = next;
   subject = of;
@@ -196,6 +219,8 @@ window.addEventListener('message', ({ data }: MessageEvent<ToPage>) => {
   switch (data.type) {
     case 'answer':
       return show(data.answer, data.subject, data.pinned);
+    case 'limits':
+      return showLimits(data.limits);
     case 'busy': {
       const state = element('state');
       state.textContent = 'verifying …';
@@ -212,6 +237,8 @@ element('whatIf').addEventListener('submit', (event) => {
 });
 element('reset').addEventListener('click', () => host.postMessage({ type: 'whatIf', whatIf: undefined }));
 element('dismiss').addEventListener('click', () => host.postMessage({ type: 'dismiss' }));
+element('findLimits').addEventListener('click', () => host.postMessage({ type: 'findLimits' }));
+element('stopLimits').addEventListener('click', () => host.postMessage({ type: 'stopLimits' }));
 element('writeOut').addEventListener('click', () => host.postMessage({ type: 'writeOut' }));
 view.addEventListener('keydown', (event) => {
   const bar = event.target instanceof Element ? event.target.closest<SVGGElement>('[data-link]') : null;

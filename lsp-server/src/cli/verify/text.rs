@@ -100,16 +100,11 @@ fn sensitivity(out: &mut impl Write, it: &Sensitivity, scale: Scale) -> anyhow::
     let width = width.unwrap_or_default();
     for (what, all) in [("largest WCET", &it.wcet), ("smallest period", &it.period)] {
         for it in all {
-            let extreme = match it.extreme {
-                Some(extreme) => scale.show_value(extreme),
-                None => "missed already".to_owned(),
-            };
+            let (extreme, remark) = summary::extreme(it, scale);
             let now = scale.show_value(it.now);
-            let remark = match (it.extreme, it.incomplete, it.exact) {
-                (Some(Value::Unbounded), ..) => ", tried up to the longest period",
-                (_, true, _) => ", given up there",
-                (_, false, false) => ", not known to be the limit",
-                (_, false, true) => "",
+            let remark = match remark {
+                "" => String::new(),
+                remark => format!(", {remark}"),
             };
             writeln!(
                 out,
@@ -271,6 +266,7 @@ fn run(
         before = Some(it.time);
         let style = match it.kind {
             MomentKind::Wait => AnsiColor::Yellow.on_default(),
+            MomentKind::Excess => AnsiColor::Red.on_default(),
             MomentKind::Tick | MomentKind::Release | MomentKind::Grant => FAINT,
             _ => Style::new(),
         };

@@ -7,9 +7,10 @@ use std::time::Duration;
 use dotgen_analysis::host::Cancellable;
 use dotgen_diagram::theme::Theme;
 use dotgen_diagram::timeline::{self, Timeline};
+use dotgen_timing::explore::MomentKind;
 use dotgen_timing::report::{CheckReport, Event, Soundness, Verdict};
 use dotgen_timing::scn::names::Names;
-use dotgen_timing::verify::{Options, settings};
+use dotgen_timing::verify::{Cancel, Options, settings};
 use serde::{Deserialize, Serialize};
 use tokio::runtime::Handle;
 
@@ -21,7 +22,7 @@ use crate::verification::summary;
 use crate::verification::timeline::{Ending, of_run};
 use crate::verification::what_if::WhatIf;
 use crate::verification::{Problem, TaskBound};
-use crate::verifier::{self, Answer, Cancel, Found, Status, about};
+use crate::verifier::{self, Answer, Found, Status, about};
 
 /// Parameters of `dotgen/verification`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -38,6 +39,18 @@ pub(crate) struct VerificationParams {
     /// Colours of the timeline.
     #[serde(default)]
     theme: Theme,
+}
+
+impl VerificationParams {
+    /// Everything about a document, with a variation.
+    pub(super) fn about(text_document: TextDocumentIdentifier, what_if: WhatIf) -> Self {
+        VerificationParams {
+            text_document,
+            check: None,
+            what_if,
+            theme: Theme::default(),
+        }
+    }
 }
 
 /// Answer of `dotgen/verification`.
@@ -202,19 +215,47 @@ pub(crate) struct Shown {
     errors: Vec<String>,
 }
 
-struct CancelOnDrop(Arc<Cancel>);
+/// Ends work that nobody waits for.
+pub(super) struct CancelOnDrop(pub(super) Arc<Cancel>);
 
 impl Drop for CancelOnDrop {
     fn drop(&mut self) {
-        self.0.cancel();
+        self.0.abandon();
     }
 }
 
 impl Prepared {
+    /// Version of the document.
+    pub(super) fn version(&self) -> Option<i32> {
+        self.version
+    }
+
+    /// What it is about.
+    pub(super) fn problem(&self) -> Arc<Problem> {
+        self.problem.clone()
+    }
+
+    fn errors(&self) -> Vec<String> {
+        let errors = self.problem.errors.iter();
+        errors.map(|it| it.message.clone()).collect()
+    }
+
+    /// What is to be verified, and how; or why it cannot be.
+    pub(super) fn varied(&self) -> Result<(Problem, Options), Vec<String>> {
+        let mut errors = self.errors();
+        let varied = self.what_if.apply(&self.problem);
+        let options = self.what_if.options(self.options.clone());
+        match (varied, options) {
+            (Ok(problem), Ok(options)) if errors.is_empty() => return Ok((problem, options)),
+            (Err(why), _) | (_, Err(why)) => errors.push(why),
+            _ => {}
+        }
+        Err(errors)
+    }
+
     /// Verifies if that has to be done. Dropping the future ends the work.
     pub(crate) async fn answer(mut self) -> Shown {
-        let errors = self.problem.errors.iter();
-        let mut failures: Vec<String> = errors.map(|it| it.message.clone()).collect();
+        let failures = self.errors();
         if let Some(answer) = self.known.clone() {
             return Shown {
                 prepared: self,
@@ -222,23 +263,17 @@ impl Prepared {
                 errors: failures,
             };
         }
-        let varied = self.what_if.apply(&self.problem);
-        let options = self.what_if.options(self.options.clone());
-        let (problem, options) = match (varied, options) {
-            (Ok(problem), Ok(options)) => (problem, options),
-            (Err(why), _) | (_, Err(why)) => {
-                failures.push(why);
-                (Problem::clone(&self.problem), self.options.clone())
+        let (problem, options) = match self.varied() {
+            Ok(varied) => varied,
+            Err(errors) => {
+                self.status = Status::Blocked;
+                return Shown {
+                    prepared: self,
+                    answer: None,
+                    errors,
+                };
             }
         };
-        if !failures.is_empty() {
-            self.status = Status::Blocked;
-            return Shown {
-                prepared: self,
-                answer: None,
-                errors: failures,
-            };
-        }
         let cancel = Arc::new(Cancel::default());
         let _guard = CancelOnDrop(cancel.clone());
         let (problem, limit, timer) = (Arc::new(problem), self.limit, Handle::current());
@@ -382,7 +417,8 @@ pub(crate) fn present(
     Ok(Some(out))
 }
 
-fn locate(
+/// A place of a specification for a client.
+pub(super) fn locate(
     snapshot: &Snapshot,
     places: &Problem,
     src: Option<(usize, dotgen_analysis::model::Src)>,
@@ -468,7 +504,11 @@ fn shown_run(
         (false, _) => "a run that shows it",
     };
     let title = format!("{} {}: {what}", check.check, check.of);
-    let ending = match refuted && matches!(check.check, "schedulable" | "no-overdue" | "response") {
+    let says_so = events
+        .last()
+        .is_some_and(|it| it.kind == MomentKind::Excess);
+    let late = matches!(check.check, "schedulable" | "no-overdue" | "response");
+    let ending = match refuted && late && !says_so {
         true => Ending::Miss(&check.of),
         false => Ending::Fine,
     };

@@ -114,6 +114,26 @@ export function checks(wb) {
       await frame.locator('#dismiss').click();
       await frame.locator('#runTitle', { hasText: 'of an earlier text' }).waitFor({ state: 'detached' });
     }],
+    ['the limits are looked for on demand, and forgotten when the text changes', async () => {
+      const limit = (of) => frame.locator('#limits tr', { hasText: of });
+      await frame.locator('#findLimits').click();
+      await limit('smallest number of cores').waitFor();
+      assert.match(await limit('largest WCET').filter({ hasText: 'pump.control.main' }).textContent(), /ms/);
+      assert.match(await limit('smallest period').filter({ hasText: 'pump.control' }).textContent(), /8\.5 ms/);
+      assert.ok(await frame.locator('#stopLimits').isHidden());
+      await limit('pump.control.main').locator('a').click();
+      await page.locator('.monaco-editor .line-numbers.active-line-number', { hasText: /^18$/ }).waitFor();
+      await frame.locator('#limits').scrollIntoViewIfNeeded();
+      await wb.shot('69-limits.png');
+      wb.folderSettings({ 'workbench.colorTheme': 'Default High Contrast' });
+      await page.locator('.monaco-workbench.hc-black').waitFor();
+      await wb.shot('69-limits-high-contrast.png');
+      wb.folderSettings({});
+      await wcet(4, 5);
+      await limit('smallest number of cores').waitFor({ state: 'detached' });
+      await wcet(5, 4);
+      await state('proved').waitFor();
+    }],
   ];
   return { more };
 }

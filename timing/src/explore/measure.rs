@@ -1,0 +1,95 @@
+//! Times that are measured by clocks: response times, and times from one event to another.
+
+use super::run::Run;
+use super::search::Watch;
+use super::state::{Layout, State, TaskStatus};
+use crate::system::Ticks;
+
+/// What is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Timing {
+    /// The response time of a task.
+    Response(usize),
+    /// The time until an observer is answered.
+    Within(usize),
+}
+
+impl Timing {
+    /// Its clock, if it has one.
+    pub(super) fn clock(self, l: &Layout) -> Option<usize> {
+        match self {
+            Timing::Response(task) => l.response[task],
+            Timing::Within(observer) => l.observer_clock[observer],
+        }
+    }
+
+    /// Whether it is being measured in a state.
+    pub(super) fn runs(self, l: &Layout, s: &State) -> bool {
+        match self {
+            Timing::Response(task) => l.status(s, task) != TaskStatus::Idle,
+            Timing::Within(observer) => l.open(s, observer) != 0,
+        }
+    }
+}
+
+/// A time that is asked for.
+#[derive(Debug, Clone)]
+pub(super) struct Gauge {
+    pub(super) of: Timing,
+    /// What it must not exceed.
+    pub(super) limit: Option<Ticks>,
+    pub(super) how: How,
+    /// A run that exceeds the limit, from an exploration that has ended.
+    pub(super) excess: Option<Run>,
+}
+
+/// How a time is measured.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum How {
+    /// Together with others.
+    Shared,
+    /// Not now, as it grew suspiciously; later on its own.
+    Alone,
+    /// On its own, until it repeats itself.
+    Patient,
+    /// No more, as this run proves that there is no bound.
+    Unbounded(Run),
+}
+
+impl Gauge {
+    /// What a [`Watch`] asks for: responses, then the others.
+    pub(super) fn of(watch: &Watch, how: &How) -> Vec<Gauge> {
+        let responses = watch.response.iter();
+        let responses = responses.map(|it| (Timing::Response(it.task), it.limit));
+        let withins = watch.within.iter().enumerate();
+        let withins = withins.map(|(i, it)| (Timing::Within(i), it.limit));
+        responses
+            .chain(withins)
+            .map(|(of, limit)| Gauge {
+                of,
+                limit,
+                how: how.clone(),
+                excess: None,
+            })
+            .collect()
+    }
+
+    /// Whether it is measured in the next exploration.
+    pub(super) fn active(&self) -> bool {
+        matches!(self.how, How::Shared | How::Patient)
+    }
+
+    pub(super) fn note(&mut self, diverging: Diverging) {
+        self.how = diverging.proof.map_or(How::Alone, How::Unbounded);
+        self.excess = self.excess.take().or(diverging.excess);
+    }
+}
+
+/// A time that grows, with a run that proves that it has no bound; without one it is only suspected.
+#[derive(Debug)]
+pub(super) struct Diverging {
+    pub(super) gauge: usize,
+    pub(super) proof: Option<Run>,
+    /// A run that exceeds the limit.
+    pub(super) excess: Option<Run>,
+}

@@ -1,0 +1,322 @@
+//! How much is done: what a search costs in memory, and how soon it ends when it has to.
+
+mod counting;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use camino::Utf8Path;
+use counting::Counting;
+use dotgen_analysis::host::{
+    AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags, UnitResult,
+};
+use dotgen_timing::derive::{largest_wcet, minimum_cores, sensitivity, smallest_period};
+use dotgen_timing::explore::Limits;
+use dotgen_timing::report::{Value, Verdict};
+use dotgen_timing::scn::ast::{Path, Scenario};
+use dotgen_timing::scn::names::Names;
+use dotgen_timing::scn::parse;
+use dotgen_timing::system::build::build;
+use dotgen_timing::verify::{Cancel, Options, SystemInput, settings, verify};
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+struct Nothing;
+
+impl Loader for Nothing {
+    fn read(&self, _: &Utf8Path) -> FileContent {
+        FileContent::Missing
+    }
+
+    fn packages(&self, _: &[String]) -> Result<PackageFlags, String> {
+        Ok(PackageFlags::default())
+    }
+}
+
+/// Three tasks of two components that share data and a port, with activities that any client can request.
+const ROBOT: &str = r#"
+typedef long scan_data;
+component sensor {
+  version "1"; lang "c";
+  ids { long raw; long log; };
+  port out scan_data scan;
+  task acquire {
+    period 10 ms;
+    codel <start> init(out raw) yield read wcet 1 ms;
+    codel <read> acquire_read(out raw) yield publish wcet 2 ms;
+    codel <publish> acquire_publish(in raw, port out scan) yield pause::read wcet 3 ms;
+  };
+  task watch {
+    period 15 ms;
+    codel <start> look(in raw, out log) yield pause::start, again wcet 1 ms;
+    codel <again> look_again(in raw) yield pause::start wcet 1 ms;
+  };
+  function reset() { codel reset_raw(out raw) wcet 1 ms; };
+  activity record() {
+    task acquire;
+    codel <start> record_start(in raw) yield pause::start, ether wcet 1 ms;
+    codel <stop> record_stop() yield ether wcet 1 ms;
+    interrupts record;
+  };
+};
+component control {
+  version "1"; lang "c";
+  ids { long goal; };
+  port in scan_data scan;
+  task move {
+    period 7 ms;
+    codel <start> init(out goal) yield step wcet 1 ms;
+    codel <step> move_step(in goal, port in scan) yield pause::step wcet 1 ms;
+  };
+};
+"#;
+
+/// Everything that is explored in one go.
+const CHECKS: &str = "scenario robot {
+  cores 2;
+  client user { delay [0,9] ms; send sensor.record; delay 3 ms; send sensor.record; send sensor.reset; }
+  check schedulable *; check no-overdue *; check response * <= 3 ms; check deadlock;
+  check always not sensor.record.stop;
+  MORE
+}";
+
+fn load(text: &str) -> UnitResult {
+    let host = AnalysisHost::new(Arc::new(Nothing));
+    let batch = BatchInput {
+        inputs: vec![Input::Text {
+            name: "test.gen".into(),
+            text: text.into(),
+        }],
+        ..BatchInput::default()
+    };
+    host.analysis().batch(&batch).unwrap()
+}
+
+fn scenario(more: &str) -> Scenario {
+    let parsed = parse(&CHECKS.replace("MORE", more));
+    assert_eq!(parsed.errors, []);
+    parsed.scenario
+}
+
+/// What needs clocks of its own and is unbounded, and what is decided by looking for cycles.
+const MORE: &str = "check within sensor.record.run => sensor.record.void <= 5 ms;
+  check leadsto sensor.record.run => sensor.record.void;";
+
+fn with<T>(more: &str, ask: impl Fn(&SystemInput, &Scenario) -> T) -> T {
+    let unit = load(ROBOT);
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    ask(&input, &scenario(more))
+}
+
+fn limited(bytes: usize) -> Options {
+    Options {
+        limits: Limits {
+            bytes,
+            ..Limits::default()
+        },
+        ..Options::default()
+    }
+}
+
+// ---- Ending -----------------------------------------------------------------------------------
+
+/// Counts looks, and raises the flag at one of them.
+struct Looks {
+    seen: Arc<AtomicU64>,
+    /// Allocations between two looks at most, since `counting::mark`.
+    gap: Arc<AtomicU64>,
+}
+
+fn raised_at(look: u64) -> (Cancel, Looks) {
+    let looks = Looks {
+        seen: Arc::default(),
+        gap: Arc::default(),
+    };
+    let (seen, gap) = (looks.seen.clone(), looks.gap.clone());
+    counting::mark();
+    let cancel = Cancel::asking(move || {
+        gap.fetch_max(counting::since_mark(), Ordering::Relaxed);
+        counting::mark();
+        seen.fetch_add(1, Ordering::Relaxed) + 1 >= look
+    });
+    (cancel, looks)
+}
+
+impl Looks {
+    fn seen(&self) -> u64 {
+        self.seen.load(Ordering::Relaxed)
+    }
+
+    /// The greatest number of allocations between two looks, before the first and after the last.
+    fn gap(&self) -> u64 {
+        self.gap.load(Ordering::Relaxed).max(counting::since_mark())
+    }
+}
+
+#[test]
+fn a_search_looks_every_few_steps_and_ends_when_cancelled() {
+    with("", |input, scenario| {
+        let run = |look| {
+            let (cancel, looks) = raised_at(look);
+            let report = verify(input, scenario, &Options::default(), &cancel);
+            (report, looks.seen())
+        };
+        let (whole, looks) = run(u64::MAX);
+        assert!(whole.refuted() && looks > 500, "{}", whole.to_text(false));
+        for look in (1..looks).step_by(looks as usize / 40) {
+            let ((one, seen), (other, _)) = (run(look), run(look + 1));
+            let steps = other.steps - one.steps;
+            assert!(steps <= 64, "{steps} steps after look {look}");
+            assert!(
+                seen - look < 50,
+                "{} looks after number {look}",
+                seen - look
+            );
+        }
+    });
+}
+
+/// Allocations between two looks: a measure of work that no part of the program had to be told about. Ten
+/// thousand take about a millisecond.
+const WORK: u64 = 10_000;
+
+/// Asks without end, then with the flag raised early, in the middle and late.
+fn cancelled_anywhere(more: &str, ask: impl Fn(&SystemInput, &Scenario, &Cancel)) {
+    with(more, |input, scenario| {
+        let run = |look| {
+            let (cancel, looks) = raised_at(look);
+            ask(input, scenario, &cancel);
+            looks
+        };
+        let whole = run(u64::MAX);
+        assert!(
+            whole.gap() < WORK,
+            "{} allocations without a look",
+            whole.gap()
+        );
+        let all = whole.seen();
+        assert!(all > 100, "only {all} looks");
+        for look in [1, 2, all / 10, all / 2, all - all / 10] {
+            let looks = run(look);
+            let after = looks.seen() - look;
+            assert!(after < 100, "{after} looks after number {look} of {all}");
+            assert!(looks.gap() < WORK, "{} allocations", looks.gap());
+        }
+    });
+}
+
+#[test]
+fn checks_of_all_kinds_end_when_cancelled() {
+    cancelled_anywhere(MORE, |input, scenario, cancel| {
+        verify(input, scenario, &Options::default(), cancel);
+    });
+}
+
+#[test]
+fn derived_questions_end_when_cancelled() {
+    let options = Options::default();
+    cancelled_anywhere("", |input, scenario, cancel| {
+        minimum_cores(input, scenario, &options, cancel).unwrap();
+    });
+    cancelled_anywhere("", |input, scenario, cancel| {
+        let codel = Path::of("control.move.step");
+        largest_wcet(input, scenario, &options, &codel, cancel).unwrap();
+    });
+    cancelled_anywhere("", |input, scenario, cancel| {
+        let task = Path::of("sensor.watch");
+        smallest_period(input, scenario, &options, &task, cancel).unwrap();
+    });
+    cancelled_anywhere("", |input, scenario, cancel| {
+        sensitivity(input, scenario, &options, cancel, &|_| {}).unwrap();
+    });
+}
+
+#[test]
+fn a_machine_with_very_many_turns_is_built_quickly() {
+    let states: Vec<String> = (0..14).map(|it| format!("s{it}")).collect();
+    let all = states.join(", ");
+    let codels: String = (states.iter())
+        .map(|it| format!("codel <{it}> do_{it}() yield {all}, ether;"))
+        .collect();
+    let unit = load(&format!(
+        "component c {{ version \"1\"; lang \"c\";
+           task t {{ period 1 s; codel <start> begin() yield {all}; {codels} }}; }};"
+    ));
+    let names = Names::new(&[&unit.spec]);
+    let scenario = parse("scenario x { loop 3; }").scenario;
+    let settings = settings(&scenario, &Options::default());
+    counting::mark();
+    assert!(!build(&names, &settings, &|_| true).has_errors());
+    assert!(counting::since_mark() < 2_000_000);
+}
+
+// ---- Memory -----------------------------------------------------------------------------------
+
+/// The model, the report, the names: what is not counted as it does not grow with the number of states.
+const FIXED: usize = 200_000;
+
+#[test]
+fn bytes_are_counted_truly() {
+    for more in ["", MORE] {
+        with(more, |input, scenario| {
+            let ask = || verify(input, scenario, &Options::default(), &Cancel::default());
+            let (report, peak) = counting::peak(ask);
+            let counted = report.memory;
+            assert!(
+                counted > 5 * FIXED,
+                "only {counted} bytes: this shows nothing"
+            );
+            assert!(
+                counted / 4 * 3 < peak && peak < counted / 4 * 5 + FIXED,
+                "{counted} bytes counted, {peak} used"
+            );
+        });
+    }
+}
+
+#[test]
+fn a_search_without_memory_gives_up_honestly() {
+    let whole = with(MORE, |input, scenario| {
+        verify(input, scenario, &Options::default(), &Cancel::default())
+    });
+    for bytes in [50_000, 200_000, 400_000, 800_000, 1_200_000] {
+        let (report, peak) = counting::peak(|| {
+            with(MORE, |input, scenario| {
+                verify(input, scenario, &limited(bytes), &Cancel::default())
+            })
+        });
+        // The specification is read within as well; what holds states doubles when it is full.
+        assert!(
+            peak < 2 * bytes + 5 * FIXED,
+            "{peak} bytes used with a limit of {bytes}"
+        );
+        assert!(report.unknown());
+        for (it, known) in report.checks.iter().zip(&whole.checks) {
+            let text = format!("{bytes}: {} {}, {:?}", it.check, it.of, it.value);
+            // Never a proof, never a refutation of what holds, and times are lower bounds.
+            assert!(
+                it.verdict == Verdict::Unknown || it.verdict == known.verdict,
+                "{text}"
+            );
+            assert!(it.verdict != Verdict::Proved, "{text}");
+            if let (Some(Value::Time(it)), Some(Value::Time(known))) = (it.value, known.value) {
+                assert!(it <= known, "{text}, in truth {known}");
+            }
+            if let (Verdict::Refuted, Some(Value::Time(it)), Some(Value::Time(limit))) =
+                (it.verdict, it.value, it.bound)
+            {
+                assert!(it > limit, "{text}");
+            }
+            let says_so = it
+                .note
+                .as_deref()
+                .is_some_and(|it| it.starts_with("gave up at"));
+            let has_run = !it.counterexample.is_empty();
+            assert!(says_so || has_run, "{text}");
+            assert!(says_so || it.value.is_none(), "{text}");
+        }
+    }
+}
