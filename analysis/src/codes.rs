@@ -9,7 +9,7 @@ pub mod verification;
 
 use dotgen_syntax::{codes as syntax, preproc};
 
-use crate::{check, diagnostic::Severity, elab, lint};
+use crate::{check, diagnostic::Severity, lint};
 
 /// A diagnostic code as its users know it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,7 +53,7 @@ pub fn all() -> impl Iterator<Item = Code> {
     });
     let checks = check::codes::CODES.iter().map(|it| Code {
         id: it.id,
-        severity: severity(it.severity),
+        severity: it.severity,
         on: true,
         meaning: it.meaning,
         why: None,
@@ -66,7 +66,7 @@ pub fn all() -> impl Iterator<Item = Code> {
         .chain(verification::CODES)
         .map(|it| Code {
             id: it.id,
-            severity: severity(it.severity),
+            severity: it.severity,
             on: it.on,
             meaning: it.meaning,
             why: Some(it.why),
@@ -75,13 +75,4 @@ pub fn all() -> impl Iterator<Item = Code> {
             reference: false,
         });
     syntax.chain(checks).chain(lints)
-}
-
-fn severity(it: elab::Severity) -> Severity {
-    match it {
-        elab::Severity::Error => Severity::Error,
-        elab::Severity::Warning => Severity::Warning,
-        elab::Severity::Information => Severity::Information,
-        elab::Severity::Hint => Severity::Hint,
-    }
 }

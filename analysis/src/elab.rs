@@ -28,6 +28,7 @@ mod task;
 pub(crate) mod types;
 mod union;
 
+pub use crate::diagnostic::Severity;
 use std::sync::Arc;
 
 use smol_str::SmolStr;
@@ -75,19 +76,6 @@ pub struct Elaborated {
     pub definitions: Vec<Definition>,
     /// One entry for each body of a component or interface, in the order in which they end.
     pub closings: Vec<Closing>,
-}
-
-/// How bad a problem is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Severity {
-    /// The specification is rejected.
-    Error,
-    /// Probably a mistake.
-    Warning,
-    /// Worth knowing.
-    Information,
-    /// A matter of taste.
-    Hint,
 }
 
 /// A problem, at a node of the item tree.

@@ -11,6 +11,7 @@
 pub mod fsm;
 pub mod layout;
 pub mod mutex;
+pub mod system;
 pub mod turn;
 pub(crate) mod visit;
 
@@ -95,6 +96,47 @@ pub enum ScopeKind {
     Union,
     /// An exception.
     Exception,
+}
+
+impl TypeKind {
+    /// The word for the kind: what IDL calls base types, and templates the others.
+    pub fn word(&self) -> &'static str {
+        match self {
+            TypeKind::Boolean => "boolean",
+            TypeKind::Octet => "octet",
+            TypeKind::Char => "char",
+            TypeKind::Short => "short",
+            TypeKind::UnsignedShort => "unsigned short",
+            TypeKind::Long => "long",
+            TypeKind::UnsignedLong => "unsigned long",
+            TypeKind::LongLong => "long long",
+            TypeKind::UnsignedLongLong => "unsigned long long",
+            TypeKind::Float => "float",
+            TypeKind::Double => "double",
+            TypeKind::Any => "any",
+            TypeKind::String { .. } => "string",
+            TypeKind::Array { .. } => "array",
+            TypeKind::Sequence { .. } => "sequence",
+            TypeKind::Optional { .. } => "optional",
+            TypeKind::Enum { .. } => "enum",
+            TypeKind::Enumerator { .. } => "enumerator",
+            TypeKind::Struct { .. } => "struct",
+            TypeKind::StructMember { .. } => "struct member",
+            TypeKind::Union { .. } => "union",
+            TypeKind::UnionMember { .. } => "union member",
+            TypeKind::Exception { .. } => "exception",
+            TypeKind::Native => "native",
+            TypeKind::Typedef { .. } => "typedef",
+            TypeKind::Const { .. } => "const",
+            TypeKind::ForwardStruct { .. } => "forward struct",
+            TypeKind::ForwardUnion { .. } => "forward union",
+            TypeKind::Event => "event",
+            TypeKind::PauseEvent => "pause event",
+            TypeKind::Port { .. } => "port",
+            TypeKind::Remote { .. } => "remote",
+            TypeKind::Unknown => "unknown",
+        }
+    }
 }
 
 /// Kinds of type objects.
@@ -220,6 +262,21 @@ pub enum Value {
     String(String),
     /// An enumerator.
     Enum(TypeId),
+}
+
+impl Value {
+    /// The word for the kind.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Value::Bool(_) => "bool",
+            Value::Uint(_) => "uint",
+            Value::Int(_) => "int",
+            Value::Float(_) => "float",
+            Value::Char(_) => "char",
+            Value::String(_) => "string",
+            Value::Enum(_) => "enum",
+        }
+    }
 }
 impl Eq for Value {}
 

@@ -8,7 +8,7 @@
 use serde_json::{Map, Value as Json, json};
 
 use crate::{
-    elab::types::{base_name, elements, look_through, member_named},
+    elab::types::{elements, look_through, member_named},
     model::{
         Codel, CodelKind, CodelRef, Component, ComponentKind, InitValue, Initializer, Label, Name,
         Owner, Param, ParamSource, PathElement, Quantity, ServiceList, Spec, Src, State, Task,
@@ -387,7 +387,7 @@ impl Writer<'_> {
         match &init.value {
             InitValue::Void => out.put("kind", "void"),
             InitValue::Scalar(value) => out
-                .put("kind", value_kind(value))
+                .put("kind", value.word())
                 .put("value", self.value(value)),
             InitValue::Compound(parts) => {
                 let parts: Vec<Json> = parts.iter().map(|it| self.initializer(it)).collect();
@@ -416,7 +416,7 @@ impl Writer<'_> {
     fn ty(&self, id: TypeId) -> Json {
         let ty: &Type = self.spec.ty(id);
         let mut out = Object::default();
-        out.put("kind", kind_name(&ty.kind));
+        out.put("kind", ty.kind.word());
         match &ty.kind {
             TypeKind::Typedef { ty } => {
                 out.put("type", self.type_name(*ty));
@@ -424,7 +424,7 @@ impl Writer<'_> {
             TypeKind::Const { ty, value } => {
                 out.put("type", self.type_name(*ty));
                 out.put("value", self.value(value));
-                out.put("valuekind", value_kind(value));
+                out.put("valuekind", value.word());
             }
             TypeKind::Enum { enumerators } => {
                 let names = enumerators.iter().map(|it| self.short_name(*it));
@@ -456,7 +456,7 @@ impl Writer<'_> {
         let ty = self.spec.ty(id);
         let mut out = Object::default();
         out.put("name", self.short_name(id));
-        out.put("kind", kind_name(&ty.kind));
+        out.put("kind", ty.kind.word());
         out.put("type", self.type_name(value_type(self.spec, id)));
         if let TypeKind::UnionMember { labels, .. } = &ty.kind {
             let labels = labels.iter().map(|it| match it {
@@ -499,7 +499,7 @@ impl Writer<'_> {
                 None => format!("sequence<{}>", self.type_name(*element)),
             },
             TypeKind::Optional { element } => format!("optional<{}>", self.type_name(*element)),
-            kind => base_name(kind).to_owned(),
+            kind => kind.word().to_owned(),
         }
     }
 
@@ -572,32 +572,6 @@ fn is_listed(kind: &TypeKind) -> bool {
             | TypeKind::ForwardUnion { .. }
             | TypeKind::Unknown
     )
-}
-
-fn kind_name(kind: &TypeKind) -> &'static str {
-    match kind {
-        TypeKind::Typedef { .. } => "typedef",
-        TypeKind::Const { .. } => "const",
-        TypeKind::Enum { .. } => "enum",
-        TypeKind::Struct { .. } => "struct",
-        TypeKind::StructMember { .. } => "struct member",
-        TypeKind::Union { .. } => "union",
-        TypeKind::UnionMember { .. } => "union member",
-        TypeKind::Exception { .. } => "exception",
-        kind => base_name(kind),
-    }
-}
-
-fn value_kind(value: &Value) -> &'static str {
-    match value {
-        Value::Bool(_) => "bool",
-        Value::Uint(_) => "uint",
-        Value::Int(_) => "int",
-        Value::Float(_) => "float",
-        Value::Char(_) => "char",
-        Value::String(_) => "string",
-        Value::Enum(_) => "enum",
-    }
 }
 
 /// The type of a member.

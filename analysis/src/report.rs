@@ -244,7 +244,7 @@ impl<'db> Report<'db> {
         {
             return;
         }
-        let severity = severity(it.severity);
+        let severity = it.severity;
         self.push_with(
             key.file(self.db),
             it.code,
@@ -304,34 +304,7 @@ impl<'db> Report<'db> {
                     continue;
                 }
                 let root = root.get_or_insert_with(|| parsed(self.db, visit.key).syntax());
-                let related: Vec<TextRange> = found
-                    .related
-                    .iter()
-                    .filter(|it| it.path == *path)
-                    .map(|it| text_range(&it.range))
-                    .collect();
-                let finding = Finding {
-                    code: found.code,
-                    message: &found.message,
-                    range: at,
-                    related: &related,
-                };
-                found
-                    .fixes
-                    .extend(fixes::fixes(root, &finding).into_iter().map(|fix| {
-                        Fix {
-                            title: fix.title,
-                            edits: fix
-                                .edits
-                                .into_iter()
-                                .map(|(range, new_text)| FileEdit {
-                                    path: path.clone(),
-                                    range: bytes(range),
-                                    new_text,
-                                })
-                                .collect(),
-                        }
-                    }));
+                attach_fixes(root, found);
             }
         }
     }
@@ -362,16 +335,13 @@ impl<'db> Report<'db> {
                     continue;
                 }
                 for (code, range) in unused {
+                    // What codels differ in is not known here: see `unused_allowances`.
                     if is_switched_off(self.db, code) || code.starts_with(codes::CODEL) {
                         continue;
                     }
-                    let message = if lint::codes::find(code).is_none()
-                        && check::codes::find(code).is_none()
-                    {
-                        format!("`{code}` is no code of a diagnostic")
-                    } else {
-                        format!("nothing here is reported as `{code}`: remove it from the comment")
-                    };
+                    let known =
+                        lint::codes::find(code).is_some() || check::codes::find(code).is_some();
+                    let message = unused_allowance(code, known);
                     self.push_with(
                         file,
                         lint::codes::UNUSED_SUPPRESSION,
@@ -436,18 +406,94 @@ impl<'db> Report<'db> {
     }
 }
 
-fn severity(it: elab::Severity) -> Severity {
-    match it {
-        elab::Severity::Error => Severity::Error,
-        elab::Severity::Warning => Severity::Warning,
-        elab::Severity::Information => Severity::Information,
-        elab::Severity::Hint => Severity::Hint,
-    }
-}
-
 fn text_range(range: &std::ops::Range<usize>) -> TextRange {
     let offset = crate::source_map::offset;
     TextRange::new(offset(range.start), offset(range.end.max(range.start)))
+}
+
+/// Adds to a diagnostic of a file the fixes that are made from its text.
+fn attach_fixes(root: &dotgen_syntax::SyntaxNode, found: &mut Diagnostic) {
+    let path = &found.path;
+    let related = found.related.iter().filter(|it| it.path == *path);
+    let related: Vec<TextRange> = related.map(|it| text_range(&it.range)).collect();
+    let finding = Finding {
+        code: found.code,
+        message: &found.message,
+        range: text_range(&found.range),
+        related: &related,
+    };
+    let edit = |(range, new_text)| FileEdit {
+        path: path.clone(),
+        range: bytes(range),
+        new_text,
+    };
+    let fixes = fixes::fixes(root, &finding).into_iter();
+    let fixes: Vec<Fix> = fixes
+        .map(|fix| Fix {
+            title: fix.title,
+            edits: fix.edits.into_iter().map(edit).collect(),
+        })
+        .collect();
+    found.fixes.extend(fixes);
+}
+
+/// What is said of a code that a comment allows and that nothing has.
+pub(crate) fn unused_allowance(code: &str, known: bool) -> String {
+    match known {
+        true => format!("nothing here is reported as `{code}`: remove it from the comment"),
+        false => format!("`{code}` is no code of a diagnostic"),
+    }
+}
+
+/// Codes of a layer above (`family`, of which `known` exist) that comments of a root allow, and that
+/// none of its findings has there: those that comments allow are among `found`.
+pub(crate) fn unused_allowances(
+    db: &dyn Db,
+    path: &Utf8Path,
+    family: &str,
+    known: &[&str],
+    found: &[Diagnostic],
+) -> Vec<Diagnostic> {
+    let file = db.file(path);
+    // Another unit may need what an included file allows.
+    if roots_of(db, file).first() != Some(&file) {
+        return Vec::new();
+    }
+    let unit = unit::serving_unit(db, file);
+    let Some((_, key)) = unit::serving_visit(db, unit, file) else {
+        return Vec::new();
+    };
+    let mut out = Vec::new();
+    for it in suppressions(db, key).iter() {
+        let scope = bytes(it.scope);
+        let has = |found: &Diagnostic, code: &str| {
+            let related = found.related.iter().map(|it| (&it.path, &it.range));
+            let mut places = std::iter::once((&found.path, &found.range)).chain(related);
+            found.code == code && places.any(|it| it.0 == path && scope.contains(&it.1.start))
+        };
+        let codes = it.codes.iter().filter(|it| it.0.starts_with(family));
+        for (code, range) in codes {
+            if is_switched_off(db, code) || found.iter().any(|it| has(it, code)) {
+                continue;
+            }
+            out.push(Diagnostic {
+                code: lint::codes::UNUSED_SUPPRESSION,
+                severity: Severity::Hint,
+                message: unused_allowance(code, known.contains(&code.as_str())),
+                path: path.to_owned(),
+                range: bytes(*range),
+                related: Vec::new(),
+                tags: Vec::new(),
+                fixes: Vec::new(),
+            });
+        }
+    }
+    if !out.is_empty() {
+        let root = parsed(db, key).syntax();
+        out.iter_mut().for_each(|it| attach_fixes(&root, it));
+    }
+    configure(db, &mut out);
+    out
 }
 
 /// Applies the configured severities, and removes what comments allow, from findings of a layer
@@ -491,7 +537,7 @@ fn is_configured(db: &dyn Db, code: &str) -> bool {
 }
 
 /// Whether the configuration switches a code off.
-fn is_switched_off(db: &dyn Db, code: &str) -> bool {
+pub(crate) fn is_switched_off(db: &dyn Db, code: &str) -> bool {
     let configured = db.workspace().severities(db);
     configured
         .iter()

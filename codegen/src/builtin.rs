@@ -7,6 +7,7 @@ mod json_schema;
 mod manifest;
 mod mappings;
 mod render;
+mod words;
 
 use std::path::{Path, PathBuf};
 

@@ -7,21 +7,20 @@
 //!
 //! Rules: "Mappings" chapter of the GenoM3 manual.
 
+mod access;
 mod c;
 mod c_types;
+mod codel;
 mod cxx;
 mod cxx_types;
 mod kind;
 mod prototypes;
 pub mod text;
 
-use dotgen_analysis::model::{
-    Codel, CodelRef, Name, Param, ParamDir, ParamSource, PathElement, Spec, Src, TypeId, TypeKind,
-};
+use dotgen_analysis::model::{CodelRef, Name, Param, ParamSource, Spec, Src, TypeId, TypeKind};
 
 pub use kind::{
-    dir_word, kind_word, label_text, length_of, scope_word, service_word, source_word, value_kind,
-    value_text,
+    dir_word, label_text, length_of, scope_word, service_word, source_word, value_text,
 };
 pub use prototypes::prototypes;
 
@@ -254,7 +253,7 @@ impl<'a> Mapper<'a> {
             | TypeKind::Sequence { element, .. }
             | TypeKind::Optional { element } => {
                 let length = length_of(kind).map(|l| l.to_string()).unwrap_or_default();
-                format!("{}{length}_{}", kind_word(kind), self.mangle(*element)?)
+                format!("{}{length}_{}", kind.word(), self.mangle(*element)?)
             }
             TypeKind::String { bound } => {
                 format!("string{}", bound.map(|l| l.to_string()).unwrap_or_default())
@@ -262,7 +261,7 @@ impl<'a> Mapper<'a> {
             TypeKind::StructMember { ty }
             | TypeKind::UnionMember { ty, .. }
             | TypeKind::Const { ty, .. } => self.mangle(*ty)?,
-            _ => kind_word(kind).replace(' ', "_"),
+            _ => kind.word().replace(' ', "_"),
         })
     }
 
@@ -318,212 +317,6 @@ impl<'a> Mapper<'a> {
             Language::Cxx => cxx::argument(self, ty, passing, ""),
             Language::Tcl => self.unsupported("return-value"),
         }
-    }
-
-    /// The text that reaches a member from a variable of the type. `path` holds member names and
-    /// indexes.
-    pub fn member(&self, ty: TypeId, path: &[String]) -> LangResult {
-        match self.language {
-            Language::C | Language::Cxx => self.access(ty, path),
-            Language::Tcl => self.unsupported("member"),
-        }
-    }
-
-    /// [`Mapper::member`] for a path of the model.
-    pub fn member_path(&self, ty: TypeId, path: &[PathElement]) -> LangResult {
-        let path: Vec<String> = path
-            .iter()
-            .map(|element| match element {
-                PathElement::Member(name) => name.to_string(),
-                PathElement::Index(index) => index.to_string(),
-            })
-            .collect();
-        self.member(ty, &path)
-    }
-
-    fn access(&self, ty: TypeId, path: &[String]) -> LangResult {
-        let mut out = String::new();
-        let mut ty = ty;
-        let mut path = path;
-        // Each turn without using up an element goes one step down a chain of types.
-        let mut steps = self.spec.types.len();
-        while let Some((first, rest)) = path.split_first() {
-            steps = match steps.checked_sub(1) {
-                Some(left) => left,
-                None => return Err(LangError::error("type refers to itself")),
-            };
-            let c = self.language == Language::C;
-            let kind = self.kind(ty);
-            let word = kind_word(kind);
-            match kind {
-                TypeKind::Boolean
-                | TypeKind::UnsignedShort
-                | TypeKind::Short
-                | TypeKind::UnsignedLong
-                | TypeKind::Long
-                | TypeKind::UnsignedLongLong
-                | TypeKind::LongLong
-                | TypeKind::Float
-                | TypeKind::Double
-                | TypeKind::Char
-                | TypeKind::Octet
-                | TypeKind::Enum { .. }
-                | TypeKind::Enumerator { .. }
-                | TypeKind::String { .. } => {
-                    return Err(LangError::fatal(format!("{word} has no member")));
-                }
-                TypeKind::Array { element, .. } => {
-                    out += &format!("[{first}]");
-                    (ty, path) = (*element, rest);
-                }
-                TypeKind::Sequence { element, .. } => {
-                    out += &format!("{}[{first}]", if c { "._buffer" } else { "" });
-                    (ty, path) = (*element, rest);
-                }
-                TypeKind::Struct { members } | TypeKind::Union { members, .. } => {
-                    let union = matches!(kind, TypeKind::Union { .. });
-                    ty = self.find_member(members, word, first)?;
-                    out += &format!("{}.{first}", if union { "._u" } else { "" });
-                    path = rest;
-                }
-                TypeKind::Exception { members } if c => {
-                    ty = self.find_member(members, word, first)?;
-                    out += &format!(".{first}");
-                    path = rest;
-                }
-                TypeKind::Optional { element } => {
-                    out += "._value";
-                    ty = *element;
-                }
-                TypeKind::ForwardStruct { .. }
-                | TypeKind::ForwardUnion { .. }
-                | TypeKind::StructMember { .. }
-                | TypeKind::UnionMember { .. }
-                | TypeKind::Typedef { .. } => ty = self.inner_or_error(ty)?,
-                _ => {
-                    return Err(LangError::error(format!(
-                        "internal error: unhandled type '{word}'"
-                    )));
-                }
-            }
-        }
-        Ok(out)
-    }
-
-    fn find_member(&self, members: &[TypeId], word: &str, name: &str) -> Result<TypeId, LangError> {
-        let named = |id: &&TypeId| self.spec.ty(**id).name.as_deref() == Some(name);
-        members
-            .iter()
-            .find(named)
-            .copied()
-            .ok_or_else(|| LangError::fatal(format!("{word} has no member {name}")))
-    }
-
-    /// The prototype of a codel. `separator` stands between the return type and the name;
-    /// `location` puts a `#line` mark in front.
-    ///
-    /// It is cut into lines as GenoM3 does, which loses a character where an argument holds a comma
-    /// (C++ templates): [`Mapper::prototype`] does not.
-    pub fn signature(
-        &self,
-        component: u32,
-        codel: &Codel,
-        separator: &str,
-        location: bool,
-    ) -> LangResult {
-        let result = self.event_type()?;
-        let arguments = self.codel_arguments(component, codel)?;
-        let symbol = self.cname(&codel.name)?;
-        let prefix = " ".repeat(symbol.chars().count() + 1);
-        let call = format!("{symbol}({})", arguments.join(", "));
-        let mut out = String::new();
-        if location {
-            out += &self.line_mark(self.places.place(codel.src, Anchor::First));
-            out.push('\n');
-        }
-        out += result;
-        out += separator;
-        out += &text::wrap(&call, &prefix, ",", 70);
-        Ok(out)
-    }
-
-    /// The prototype of a codel as a compiler takes it, cut into lines between arguments only.
-    pub fn prototype(&self, component: u32, codel: &Codel, separator: &str) -> LangResult {
-        let arguments = self.codel_arguments(component, codel)?;
-        let symbol = self.cname(&codel.name)?;
-        let indent = symbol.chars().count() + 1;
-        let mut out = format!("{}{separator}{symbol}(", self.event_type()?);
-        let mut column = indent;
-        for (index, argument) in arguments.iter().enumerate() {
-            let last = index + 1 == arguments.len();
-            let width = argument.chars().count() + 1;
-            if index > 0 {
-                // As `signature` does: a comma may stand after the last column.
-                if column + 1 + width > if last { 70 } else { 71 } {
-                    out.push('\n');
-                    out += &" ".repeat(indent);
-                    column = indent;
-                } else {
-                    out.push(' ');
-                    column += 1;
-                }
-            }
-            out += argument;
-            out.push(if last { ')' } else { ',' });
-            column += width;
-        }
-        Ok(out)
-    }
-
-    fn event_type(&self) -> Result<&'static str, LangError> {
-        match self.language {
-            Language::C => Ok("genom_event"),
-            Language::Cxx => Ok("genom::event"),
-            Language::Tcl => self.unsupported("signature"),
-        }
-    }
-
-    fn codel_arguments(&self, component: u32, codel: &Codel) -> Result<Vec<String>, LangError> {
-        let mut arguments = Vec::with_capacity(codel.params.len() + 1);
-        for param in &codel.params {
-            let remote = matches!(param.source, ParamSource::Port(_) | ParamSource::Remote(_));
-            let passing = match param.dir {
-                _ if remote => Passing::Value,
-                ParamDir::In => Passing::Value,
-                ParamDir::Out | ParamDir::Inout => Passing::Reference,
-                ParamDir::Local => {
-                    arguments.push(String::new());
-                    continue;
-                }
-            };
-            let ty = param_types(self.spec, component, param).1;
-            arguments.push(self.argument(ty, passing, &param.name)?);
-        }
-        match self.language {
-            Language::C => arguments.push("const genom_context self".into()),
-            _ if arguments.is_empty() => arguments.push("void".into()),
-            _ => {}
-        }
-        Ok(arguments)
-    }
-
-    /// A call of a codel with the given arguments.
-    pub fn invoke(&self, component: u32, codel: &Codel, arguments: &[String]) -> LangResult {
-        let expected = match self.language {
-            Language::C => codel.params.len() + 1,
-            Language::Cxx => codel.params.len(),
-            Language::Tcl => return self.unsupported("invoke"),
-        };
-        if arguments.len() != expected {
-            return Err(LangError::fatal(format!(
-                "wrong # arguments in \"{} invoke\":\n{}\nexpecting:\n{}",
-                codel.name,
-                arguments.join(", "),
-                self.signature(component, codel, " ", false)?
-            )));
-        }
-        let symbol = self.cname(&codel.name)?;
-        Ok(format!("{symbol}({})", arguments.join(", ")))
     }
 
     /// The definitions of types and the prototypes of codels, with the includes they need.

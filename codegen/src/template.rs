@@ -8,9 +8,11 @@
 
 mod api;
 mod blame;
+pub mod check;
 mod closure;
 pub mod console;
 pub mod discover;
+pub mod files;
 mod host;
 mod marker;
 pub mod merge;
@@ -18,6 +20,7 @@ mod mutex;
 mod notice;
 mod object;
 pub(crate) mod output;
+mod script;
 mod session;
 pub(crate) mod tcl;
 pub(crate) mod throws;

@@ -3,30 +3,12 @@
 //! A component is a card with its tasks and services, a port an octagon beside it; data flows from
 //! the writer through the port to every reader.
 
-use dotgen_analysis::model::{Component, ComponentKind, PortDir, Spec, Src, TypeId};
+pub use dotgen_analysis::model::system::{Connection, Part};
+use dotgen_analysis::model::system::{System, type_name};
+use dotgen_analysis::model::{PortDir, Src};
 
 use crate::fsm::duration;
 use crate::graph::{Direction, Edge, Graph, Line, LineStyle, Node, Origin, Shape};
-
-/// A component to draw, with the specification it belongs to.
-#[derive(Debug, Clone, Copy)]
-pub struct Part<'a> {
-    /// Where its types live.
-    pub spec: &'a Spec,
-    /// The component.
-    pub component: &'a Component,
-    /// Number of the specification: what [`crate::graph::Origin::part`] says.
-    pub number: usize,
-}
-
-/// `a.in_port` is fed by `b.out_port`.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Connection {
-    /// Component and output port.
-    pub from: (String, String),
-    /// Component and input port.
-    pub to: (String, String),
-}
 
 /// What to show.
 #[derive(Debug, Clone, Default)]
@@ -43,17 +25,14 @@ pub struct Options {
 
 /// Builds the graph of a system.
 pub fn graph(parts: &[Part], options: &Options) -> Graph {
-    let parts: Vec<Part> = parts
-        .iter()
-        .copied()
-        .filter(|p| p.component.kind == ComponentKind::Component)
-        .collect();
+    let system = System::new(parts.iter().copied(), &options.connections);
+    let parts = &system.parts;
     let mut graph = Graph {
         title: options.title.clone(),
         direction: Direction::Right,
         ..Graph::default()
     };
-    for part in &parts {
+    for part in parts {
         graph.nodes.push(card(part, options));
         for port in part
             .component
@@ -76,10 +55,11 @@ pub fn graph(parts: &[Part], options: &Options) -> Graph {
             ));
         }
     }
-    for part in &parts {
+    for (number, part) in parts.iter().enumerate() {
         let name = &part.component.name;
-        for port in part.component.ports.iter().filter(|p| p.dir == PortDir::In) {
-            let sources = sources(&parts, part, &port.name, port.data, options);
+        let inputs = (0..).zip(&part.component.ports);
+        for (index, port) in inputs.filter(|it| it.1.dir == PortDir::In) {
+            let sources = system.sources((number, index));
             if sources.is_empty() {
                 let id = format!("{name}.{}", port.name);
                 let link = origin(part, port.src);
@@ -97,13 +77,16 @@ pub fn graph(parts: &[Part], options: &Options) -> Graph {
                 ));
             }
             for (component, source) in sources {
+                let component = parts[component].component;
+                let source = &component.ports[source as usize].name;
+                let component = &component.name;
                 let id = format!("{component}.{source}");
                 let mut edge = flow(
                     &id,
                     name,
                     format!("{name} reads {component}.{source} as {}", port.name),
                 );
-                if source != port.name {
+                if *source != port.name {
                     edge.label = port.name.to_string();
                 }
                 graph.edges.push(edge);
@@ -118,63 +101,11 @@ pub fn graph(parts: &[Part], options: &Options) -> Graph {
     graph
 }
 
-/// Output ports that feed an input port: the configured ones; else those of equal name and type;
-/// else the only one of that type.
-fn sources(
-    parts: &[Part],
-    reader: &Part,
-    port: &str,
-    ty: TypeId,
-    options: &Options,
-) -> Vec<(String, String)> {
-    let name = reader.component.name.as_str();
-    let configured: Vec<(String, String)> = options
-        .connections
-        .iter()
-        .filter(|c| c.to.0 == name && c.to.1 == port)
-        .map(|c| c.from.clone())
-        .filter(|(component, port)| {
-            parts.iter().any(|p| {
-                p.component.name == component.as_str()
-                    && p.component
-                        .ports
-                        .iter()
-                        .any(|it| it.name == port.as_str() && it.dir == PortDir::Out)
-            })
-        })
-        .collect();
-    if !configured.is_empty() {
-        return configured;
-    }
-    let ty = type_name(reader.spec, ty);
-    let candidates: Vec<(String, String)> = parts
-        .iter()
-        .filter(|p| p.component.name != name)
-        .flat_map(|p| p.component.ports.iter().map(move |port| (p, port)))
-        .filter(|(p, it)| it.dir == PortDir::Out && type_name(p.spec, it.data) == ty)
-        .map(|(p, it)| (p.component.name.to_string(), it.name.to_string()))
-        .collect();
-    let same_name: Vec<_> = candidates
-        .iter()
-        .filter(|(_, it)| it == port)
-        .cloned()
-        .collect();
-    match (same_name.is_empty(), candidates.len()) {
-        (false, _) => same_name,
-        (true, 1) => candidates,
-        _ => Vec::new(),
-    }
-}
-
 fn origin(part: &Part, src: Src) -> Option<Origin> {
     Some(Origin {
         part: part.number,
         src,
     })
-}
-
-fn type_name(spec: &Spec, ty: TypeId) -> String {
-    spec.full_name(spec.resolve_alias(ty)).unwrap_or_default()
 }
 
 fn card(part: &Part, options: &Options) -> Node {

@@ -1,7 +1,9 @@
 //! Capabilities: what the client can do, what this server offers. Every decision that depends on
 //! the client is made here.
 
-use camino::Utf8Path;
+use std::collections::BTreeSet;
+
+use camino::Utf8PathBuf;
 use serde_json::{Value, json};
 
 use crate::convert::Encoding;
@@ -335,6 +337,7 @@ pub(crate) fn registrations(client: &ClientCaps) -> Vec<Registration> {
             "**/*.pc",
             "**/*.{c,cc,cpp,cxx,h,hh,hpp,hxx}",
             "**/Makefile.am",
+            "**/template.tcl",
         ]
         .map(|glob| FileSystemWatcher {
             glob_pattern: GlobPattern::String(glob.to_owned()),
@@ -360,53 +363,110 @@ pub(crate) fn registrations(client: &ClientCaps) -> Vec<Registration> {
     registrations
 }
 
-/// Ids of the registrations for sources of codels.
-const CODELS: [(&str, &str); 6] = [
-    ("dotgen-codels-open", "textDocument/didOpen"),
-    ("dotgen-codels-change", "textDocument/didChange"),
-    ("dotgen-codels-close", "textDocument/didClose"),
+/// What is registered for documents in other languages: its id and method.
+type Registered = (&'static str, &'static str);
+
+/// Documents are sent, those of codels and of templates by one registration: one that two
+/// registrations match may be sent twice.
+const SENT: [Registered; 3] = [
+    ("dotgen-documents-open", "textDocument/didOpen"),
+    ("dotgen-documents-change", "textDocument/didChange"),
+    ("dotgen-documents-close", "textDocument/didClose"),
+];
+
+/// What is asked about sources of codels.
+const ASKED: [Registered; 3] = [
     ("dotgen-codels-action", "textDocument/codeAction"),
     ("dotgen-codels-lens", "textDocument/codeLens"),
     ("dotgen-codels-references", "textDocument/references"),
 ];
 
-/// What is offered for the sources in folders of that name, and nothing else of the server: the
-/// editor's server for C and C++ keeps the rest.
-pub(crate) fn codel_registrations(folder: &Utf8Path) -> Vec<Registration> {
-    // What is above the folder cannot be told by a pattern.
-    let last = folder.file_name();
-    let pattern = match last {
-        Some(name) => format!("**/{name}/**"),
-        None => "**/*".to_owned(),
-    };
-    let selector =
-        |language: &str| json!({ "language": language, "scheme": "file", "pattern": pattern });
-    let selector = json!([selector("c"), selector("cpp")]);
-    let registration = |(id, method): (&str, &str)| {
-        let mut options = json!({ "documentSelector": selector });
-        match method {
-            "textDocument/didChange" => options["syncKind"] = json!(2),
-            "textDocument/codeAction" => {
-                options["codeActionKinds"] = json!(["quickfix", actions::SYNC]);
-                options["resolveProvider"] = json!(true);
-            }
-            "textDocument/codeLens" => options["resolveProvider"] = json!(false),
-            _ => {}
-        }
-        Registration {
-            id: id.to_owned(),
-            method: method.to_owned(),
-            register_options: Some(options),
-        }
-    };
-    CODELS.map(registration).to_vec()
+/// Languages of the files that templates are made of: those whose markers are coloured. Not ours:
+/// these documents are sent anyway.
+const TEMPLATE_LANGUAGES: [&str; 18] = [
+    "asciidoc",
+    "c",
+    "cmake",
+    "cpp",
+    "dockerfile",
+    "html",
+    "ini",
+    "java",
+    "json",
+    "makefile",
+    "markdown",
+    "plaintext",
+    "properties",
+    "python",
+    "shellscript",
+    "tcl",
+    "xml",
+    "yaml",
+];
+
+/// The documents in other languages that a client is to send, and nothing else of the server: the
+/// editor's server for those languages keeps the rest.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(crate) struct ForeignDocuments {
+    /// Name of the folders with sources of codels.
+    pub(crate) codels: Option<Utf8PathBuf>,
+    /// Globs of the files of templates.
+    pub(crate) templates: BTreeSet<String>,
 }
 
-/// Takes back [`codel_registrations`].
-pub(crate) fn codel_unregistrations() -> Vec<Unregistration> {
-    let one = |(id, method): (&str, &str)| Unregistration {
-        id: id.to_owned(),
-        method: method.to_owned(),
-    };
-    CODELS.map(one).to_vec()
+impl ForeignDocuments {
+    fn registered(&self) -> Vec<Registered> {
+        let asked = self.codels.iter().flat_map(|_| ASKED);
+        let sent = SENT.into_iter().filter(|_| *self != Self::default());
+        sent.chain(asked).collect()
+    }
+
+    /// What is to be registered.
+    pub(crate) fn registrations(&self) -> Vec<Registration> {
+        let selector = |language: &str, pattern: &str| json!({ "language": language, "scheme": "file", "pattern": pattern });
+        let codels = self.codels.iter().flat_map(|folder| {
+            // What is above the folder cannot be told by a pattern.
+            let pattern = match folder.file_name() {
+                Some(name) => format!("**/{name}/**"),
+                None => "**/*".to_owned(),
+            };
+            ["c", "cpp"].map(|it| selector(it, &pattern))
+        });
+        let codels: Vec<Value> = codels.collect();
+        let templates = self
+            .templates
+            .iter()
+            .flat_map(|glob| TEMPLATE_LANGUAGES.map(|it| selector(it, glob)));
+        let sent: Vec<Value> = codels.iter().cloned().chain(templates).collect();
+        let registration = |(id, method): Registered| {
+            let mut options = json!({ "documentSelector": codels });
+            match method {
+                "textDocument/codeAction" => {
+                    options["codeActionKinds"] = json!(["quickfix", actions::SYNC]);
+                    options["resolveProvider"] = json!(true);
+                }
+                "textDocument/codeLens" => options["resolveProvider"] = json!(false),
+                "textDocument/references" => {}
+                _ => options["documentSelector"] = json!(sent),
+            }
+            if method == "textDocument/didChange" {
+                options["syncKind"] = json!(2);
+            }
+            Registration {
+                id: id.to_owned(),
+                method: method.to_owned(),
+                register_options: Some(options),
+            }
+        };
+        self.registered().into_iter().map(registration).collect()
+    }
+
+    /// Takes [`ForeignDocuments::registrations`] back.
+    pub(crate) fn unregistrations(&self) -> Vec<Unregistration> {
+        let one = |(id, method): Registered| Unregistration {
+            id: id.to_owned(),
+            method: method.to_owned(),
+        };
+        self.registered().into_iter().map(one).collect()
+    }
 }

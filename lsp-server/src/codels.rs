@@ -11,6 +11,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::Diagnostic;
 use dotgen_analysis::host::{Cancellable, Cancelled, FileContent};
+use dotgen_codegen::codels::allow;
 use dotgen_codegen::codels::command::{Side, diagnostics};
 use dotgen_codegen::codels::drift::Drift;
 use dotgen_codegen::codels::expected::Expected;
@@ -21,7 +22,7 @@ use dotgen_codegen::codels::stub::StubOptions;
 use dotgen_codegen::template::notice;
 use rustc_hash::{FxHashMap, FxHasher};
 
-use crate::snapshot::Snapshot;
+use crate::snapshot::{DocumentKind, Snapshot};
 use crate::vfs;
 
 /// What is known of sources, shared by all snapshots.
@@ -288,8 +289,26 @@ pub(crate) fn file_diagnostics(
             }
         }
     }
+    out.extend(unused_in(snapshot, path)?);
     out.sort_by_key(|it| (it.range.start, it.range.end));
     Ok(out)
+}
+
+/// Comments of a file that allow what nothing is.
+pub(crate) fn unused_in(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
+    let mut unused = unused_allowances(snapshot, &around(snapshot, path)?)?;
+    unused.retain(|it| it.path == *path);
+    Ok(unused)
+}
+
+/// Comments that allow what nothing is.
+fn unused_allowances(
+    snapshot: &Snapshot,
+    compared: &[Arc<Compared>],
+) -> Cancellable<Vec<Diagnostic>> {
+    let folders = compared.iter().flat_map(|it| &it.folders);
+    let folders: Vec<_> = folders.map(|it| (&it.0, it.1.as_slice())).collect();
+    allow::unused(&folders, &snapshot.analysis)
 }
 
 /// The sources of the workspace that something is to be said of.
@@ -319,7 +338,10 @@ pub(crate) fn sources_with_findings(snapshot: &Snapshot) -> Cancellable<Vec<Utf8
 pub(crate) fn fingerprint(snapshot: &Snapshot) -> Cancellable<u64> {
     let mut hasher = FxHasher::default();
     let mut anything = false;
-    let code = snapshot.open.iter().filter(|it| it.1.is_code);
+    let code = snapshot
+        .open
+        .iter()
+        .filter(|it| it.1.kind == DocumentKind::Code);
     for path in code.map(|it| it.0) {
         for (lens, _) in crate::handlers::codels::lenses::lenses(snapshot, path)? {
             anything = true;
@@ -327,7 +349,7 @@ pub(crate) fn fingerprint(snapshot: &Snapshot) -> Cancellable<u64> {
         }
     }
     let compared: Vec<_> = lock(&snapshot.codels.compared).values().cloned().collect();
-    let mut seen = Vec::new();
+    let (mut seen, mut seen_unused) = (Vec::new(), Vec::new());
     for found in compared.iter().flat_map(|it| it.findings(snapshot)) {
         seen.extend(
             found?
@@ -336,6 +358,12 @@ pub(crate) fn fingerprint(snapshot: &Snapshot) -> Cancellable<u64> {
                 .map(|it| (it.code, it.severity, it.message)),
         );
     }
+    for it in unused_allowances(snapshot, &compared)? {
+        seen_unused.push((it.path, it.message));
+    }
+    seen_unused.sort();
+    seen_unused.hash(&mut hasher);
+    anything |= !seen_unused.is_empty();
     seen.sort();
     seen.hash(&mut hasher);
     anything |= !seen.is_empty();

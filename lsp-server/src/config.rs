@@ -37,7 +37,7 @@ pub struct Config {
     pub generate: Vec<Generate>,
     /// Severity by diagnostic code.
     pub severity: BTreeMap<String, Level>,
-    /// Connections between components, for pictures.
+    /// Connections between components.
     pub connections: Vec<Connection>,
     /// What the rules about time need to know.
     pub lints: LintConfig,

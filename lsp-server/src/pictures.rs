@@ -2,6 +2,7 @@
 
 use dotgen_analysis::host::UnitResult;
 use dotgen_analysis::model::mutex::{self, Excluded};
+use dotgen_analysis::model::system::parts;
 use dotgen_analysis::model::{
     CodelRef, Component, ComponentKind, Owner, ParamDir, ParamSource, Spec, Src,
 };
@@ -9,7 +10,7 @@ use dotgen_analysis::source_map::{Location, Locations};
 use dotgen_diagram::graph::{Graph, Origin};
 use dotgen_diagram::layout::{Layout, layout};
 use dotgen_diagram::render::{dot::dot, mermaid::mermaid, svg::svg};
-use dotgen_diagram::system::{self, Connection, Part};
+use dotgen_diagram::system::{self, Connection};
 use dotgen_diagram::theme::Theme;
 use dotgen_diagram::{fsm, locks};
 use serde::{Deserialize, Serialize};
@@ -157,20 +158,7 @@ fn system_picture(
     connections: &[Connection],
     wish: &Wish,
 ) -> Option<Picture> {
-    let mut parts: Vec<Part> = Vec::new();
-    for (number, unit) in units.iter().enumerate() {
-        for component in &unit.spec.components {
-            // A component seen through several units is drawn once.
-            let known = parts.iter().any(|it| it.component.name == component.name);
-            if component.kind == ComponentKind::Component && !known {
-                parts.push(Part {
-                    spec: &unit.spec,
-                    component,
-                    number,
-                });
-            }
-        }
-    }
+    let parts = parts(units.iter().map(|it| &*it.spec));
     if parts.is_empty() {
         return None;
     }

@@ -2,7 +2,8 @@
 //! version they hold for, and only when they differ from what the client has.
 //!
 //! Clients that pull diagnostics get those of specifications that way (see `handlers::diagnostic`),
-//! and only those of sources of codels pushed: editors ask other servers for these.
+//! and only those of sources of codels and files of templates pushed: editors ask other servers for
+//! these.
 
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
@@ -264,11 +265,12 @@ fn file(
     if is_code && around(snapshot, path)?.is_empty() {
         return Ok(None);
     }
-    let diagnostics = match push || is_code {
+    let is_template = snapshot.is_template(path);
+    let diagnostics = match push || is_code || is_template {
         true => Some(file_diagnostics(snapshot, path, least(snapshot, path))?),
         false => None,
     };
-    let regions = match regions && open.is_some() && !is_code {
+    let regions = match regions && open.is_some() && !is_code && !is_template {
         true => Some(inactive_ranges(snapshot, path)?),
         false => None,
     };

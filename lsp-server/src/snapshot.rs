@@ -10,7 +10,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_analysis::host::{Analysis, Cancellable};
+use dotgen_analysis::host::{Analysis, Cancellable, UnitResult};
 use dotgen_analysis::ide::FilePosition;
 use rustc_hash::FxHashMap;
 
@@ -19,6 +19,7 @@ use crate::codels;
 use crate::config::Config;
 use crate::convert::{Lines, uri};
 use crate::proto::{Location, Position, Uri};
+use crate::templates::Templates;
 use crate::vfs::Vfs;
 
 /// A document the client has open.
@@ -28,8 +29,28 @@ pub struct OpenFile {
     pub uri: Uri,
     /// Last version seen.
     pub version: i32,
-    /// It is C or C++, not a specification.
-    pub is_code: bool,
+    /// What it is.
+    pub kind: DocumentKind,
+}
+
+/// What a document is to this server.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DocumentKind {
+    /// Part of a specification, or a scenario.
+    Specification,
+    /// C or C++.
+    Code,
+    /// A file of a template.
+    Template,
+    /// A source of a template, because its client says so.
+    Source,
+}
+
+impl DocumentKind {
+    /// Whether it is of a template.
+    pub fn is_template(self) -> bool {
+        matches!(self, DocumentKind::Template | DocumentKind::Source)
+    }
 }
 
 /// See the module.
@@ -52,6 +73,8 @@ pub struct Snapshot {
     pub(crate) verification: Arc<crate::verifier::Results>,
     /// `.scn` files of the workspace.
     pub(crate) scenarios: Arc<BTreeSet<Utf8PathBuf>>,
+    /// Templates of the workspace.
+    pub(crate) templates: Arc<Templates>,
     /// The disk.
     pub(crate) vfs: Arc<Vfs>,
     /// What is known of sources of codels.
@@ -94,6 +117,7 @@ impl Snapshot {
             revision,
             verification: Arc::default(),
             scenarios: Arc::default(),
+            templates: Arc::default(),
             vfs,
             codels,
             lines: RefCell::default(),
@@ -154,13 +178,36 @@ impl Snapshot {
     /// Whether a file is C or C++, not part of a specification.
     pub fn is_code(&self, path: &Utf8Path) -> bool {
         match self.open.get(path) {
-            Some(open) => open.is_code,
+            Some(open) => open.kind == DocumentKind::Code,
             None if codels::is_header(path) => {
                 let config = self.config.codels.as_ref();
                 config.is_some_and(|it| codels::home(it, path).is_some())
             }
             None => codels::is_code(path, None),
         }
+    }
+
+    /// Whether a file is an open document of a template.
+    pub fn is_template(&self, path: &Utf8Path) -> bool {
+        let open = self.open.get(path);
+        open.is_some_and(|it| it.kind.is_template())
+    }
+
+    /// The units of the system that a file belongs to: what lies in the same workspace folder.
+    pub fn system_units(&self, path: &Utf8Path) -> Cancellable<Vec<UnitResult>> {
+        let folder = self.folders.iter().find(|it| path.starts_with(it));
+        let mut paths: Vec<&Utf8Path> = self
+            .roots
+            .iter()
+            .filter(|it| folder.is_some_and(|folder| it.starts_with(folder)))
+            .map(|it| it.as_path())
+            .collect();
+        if paths.is_empty() {
+            paths.push(path);
+        }
+        paths.sort();
+        let units = paths.into_iter().map(|it| self.analysis.root_unit(it));
+        units.collect()
     }
 
     /// Whether a file belongs to the workspace.

@@ -12,12 +12,13 @@ use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::{AnalysisHost, Change};
+use dotgen_codegen::template::files::SCRIPT;
 use rustc_hash::FxHashSet;
 use serde_json::Value;
 use tokio::sync::mpsc::{UnboundedReceiver, WeakUnboundedSender};
 use tokio::sync::{oneshot, watch};
 
-use crate::caps::{self, ClientCaps};
+use crate::caps::{self, ClientCaps, ForeignDocuments};
 use crate::codels;
 use crate::config::Config;
 use crate::convert::uri;
@@ -26,7 +27,8 @@ use crate::outbox::Outbox;
 use crate::panic;
 use crate::proto::*;
 use crate::publish::Publisher;
-use crate::snapshot::{OpenFile, Snapshot, Subject};
+use crate::snapshot::{DocumentKind, OpenFile, Snapshot, Subject};
+use crate::templates;
 use crate::verifier::Verifier;
 use crate::vfs::{self, Vfs};
 
@@ -108,8 +110,8 @@ pub(crate) struct State {
     outbox: Outbox,
     events: WeakUnboundedSender<Event>,
     codels: Arc<codels::Cache>,
-    /// The folder whose sources the client was asked to send.
-    codels_folder: Option<Utf8PathBuf>,
+    /// The documents in other languages that the client was asked to send.
+    foreign: ForeignDocuments,
 }
 
 /// What the database does not know yet.
@@ -152,7 +154,7 @@ impl State {
             outbox,
             events,
             codels: Arc::default(),
-            codels_folder: None,
+            foreign: ForeignDocuments::default(),
         }
     }
 
@@ -236,30 +238,34 @@ impl State {
                 }
             });
         }
-        self.register_codels();
+        self.register_documents();
         self.pull_settings();
         self.scan();
     }
 
-    /// Asks the client for the sources of codels, again when their folder has another name.
-    fn register_codels(&mut self) {
-        let wanted = self.config.codels.as_ref().map(|it| it.folder.clone());
-        let wanted = wanted.filter(|_| self.client.documents_registration);
-        if self.codels_folder == wanted {
+    /// Asks the client for sources of codels and files of templates, again when others are wanted.
+    fn register_documents(&mut self) {
+        if !self.initialized || !self.client.documents_registration {
             return;
         }
-        let before = std::mem::replace(&mut self.codels_folder, wanted.clone());
+        let wanted = ForeignDocuments {
+            codels: self.config.codels.as_ref().map(|it| it.folder.clone()),
+            templates: self.workspace.templates.globs(),
+        };
+        if self.foreign == wanted {
+            return;
+        }
+        let before = std::mem::replace(&mut self.foreign, wanted.clone());
         self.outbox.converse(|client| async move {
-            if before.is_some() {
-                let _ = client
-                    .unregister_capability(caps::codel_unregistrations())
-                    .await;
+            let gone = before.unregistrations();
+            if !gone.is_empty() {
+                let _ = client.unregister_capability(gone).await;
             }
-            if let Some(folder) = wanted {
-                let registrations = caps::codel_registrations(&folder);
-                if let Err(error) = client.register_capability(registrations).await {
-                    tracing::warn!("the client refused a registration: {error}");
-                }
+            let new = wanted.registrations();
+            if !new.is_empty()
+                && let Err(error) = client.register_capability(new).await
+            {
+                tracing::warn!("the client refused a registration: {error}");
             }
         });
     }
@@ -272,7 +278,7 @@ impl State {
                 let file = OpenFile {
                     uri: document.uri,
                     version: document.version,
-                    is_code: codels::is_code(&path, Some(&document.language_id)),
+                    kind: self.kind(&path, &document.language_id),
                 };
                 self.documents.open(path.clone(), file, document.text);
                 if self.workspace.adopt(&path) {
@@ -331,30 +337,46 @@ impl State {
                 self.pending.files.insert(file);
             }
             Mutation::Scanned(files) => {
-                let (scenarios, files) = files.into_iter().partition(|it| {
-                    it.extension() == Some(crate::verification::problem::EXTENSION)
-                });
-                self.workspace.files = files;
-                self.workspace.scenarios = Arc::new(scenarios);
+                self.workspace.set_files(files);
                 self.pending.roots = true;
+                self.register_documents();
             }
         }
     }
 
     fn touch(&mut self, path: Utf8PathBuf) {
-        let is_code = self.is_code(&path);
-        if !is_code && self.active.as_ref() != Some(&path) {
+        let is_specification = self.kind_of(&path) == DocumentKind::Specification;
+        if is_specification && self.active.as_ref() != Some(&path) {
             self.active = Some(path.clone());
             self.pending.active = true;
         }
         self.pending.files.insert(path);
     }
 
-    fn is_code(&self, path: &Utf8Path) -> bool {
-        self.documents
-            .open_files()
-            .get(path)
-            .is_some_and(|it| it.is_code)
+    /// What an open document is.
+    fn kind_of(&self, path: &Utf8Path) -> DocumentKind {
+        let open = self.documents.open_files().get(path);
+        open.map_or(DocumentKind::Specification, |it| it.kind)
+    }
+
+    /// What a document is that is being opened.
+    fn kind(&self, path: &Utf8Path, language: &str) -> DocumentKind {
+        if language == templates::LANGUAGE {
+            return DocumentKind::Source;
+        }
+        let is_code = codels::is_code(path, Some(language));
+        // Codels that lie below a template remain codels.
+        let is_codel = || {
+            let home = (self.config.codels.as_ref()).and_then(|it| codels::home(it, path));
+            home.is_some_and(|it| !vfs::specifications_in(&it).is_empty())
+        };
+        if templates::is_template(&self.workspace.templates, path) && !(is_code && is_codel()) {
+            return DocumentKind::Template;
+        }
+        match is_code {
+            true => DocumentKind::Code,
+            false => DocumentKind::Specification,
+        }
     }
 
     fn watched(&mut self, changes: Vec<FileEvent>) {
@@ -364,6 +386,12 @@ impl State {
                 self.workspace.reload_files();
                 self.reconfigure();
                 continue;
+            }
+            if path.file_name() == Some(SCRIPT) && self.workspace.contains(&path) {
+                let templates = Arc::make_mut(&mut self.workspace.templates);
+                if templates.add(&path) {
+                    self.register_documents();
+                }
             }
             match path.extension() {
                 Some("pc") => self.pending.packages = true,
@@ -415,8 +443,8 @@ impl State {
         }
         if self.initialized {
             self.report_problems();
-            self.register_codels();
         }
+        self.register_documents();
     }
 
     /// Shows what is wrong with configuration files, and takes back what no longer is.
@@ -464,7 +492,7 @@ impl State {
         self.outbox.converse(move |client| async move {
             let progress = crate::progress::begin(&client, wants_progress, "Indexing").await;
             let listing = tokio::task::spawn_blocking(move || {
-                let below = |it: &Utf8PathBuf| vfs::files_below(it, &["gen", "scn"]);
+                let below = |it: &Utf8PathBuf| vfs::files_below(it, &["gen", "scn", "tcl"]);
                 folders.iter().flat_map(below).collect::<Vec<_>>()
             });
             let files = listing.await.unwrap_or_default();
@@ -489,8 +517,10 @@ impl State {
             let open = open.filter(|it| {
                 !self.documents.is_lost(it)
                     && it.extension() != Some(crate::verification::problem::EXTENSION)
+                    && !self.kind_of(it).is_template()
             });
-            let (code, open): (Vec<_>, Vec<_>) = open.partition(|it| self.is_code(it));
+            let (code, open): (Vec<_>, Vec<_>) =
+                open.partition(|it| self.kind_of(it) == DocumentKind::Code);
             let mut roots: Vec<_> = self.workspace.files.iter().chain(open).cloned().collect();
             // Without a folder that is searched, a source still finds its specification.
             let homes = self.config.codels.iter().flat_map(|config| {
@@ -621,6 +651,7 @@ impl State {
         );
         snapshot.verification = self.verifier.results().clone();
         snapshot.scenarios = self.workspace.scenarios.clone();
+        snapshot.templates = self.workspace.templates.clone();
         snapshot
     }
 
@@ -639,8 +670,9 @@ impl State {
                 Some(_) => self.documents.is_lost(&subject.path),
                 None => !subject.path.is_file(),
             };
-            // What is said of C and C++ is said by few.
-            let unserved = !read.code && self.is_code(&subject.path);
+            // What is said of C and C++ is said by few; of templates, by none.
+            let kind = self.kind_of(&subject.path);
+            let unserved = kind.is_template() || !read.code && kind == DocumentKind::Code;
             if unknown || unserved {
                 return (read.work)(Admission::UnknownDocument);
             }

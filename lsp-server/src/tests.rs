@@ -13,6 +13,8 @@ mod ordering;
 mod pictures;
 mod random;
 mod scenario;
+mod system;
+mod templates;
 mod verification;
 
 use dotgen_analysis::host::Cancellable;

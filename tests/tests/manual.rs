@@ -7,6 +7,7 @@ use std::fmt::Write as _;
 use dotgen_analysis::codes::{self, Code};
 use dotgen_analysis::diagnostic::Severity;
 use dotgen_codegen::codels::codes::{CODES, CodelCode};
+use dotgen_codegen::template::check;
 use dotgen_tests::workspace_root;
 
 /// The codes of all layers.
@@ -21,12 +22,19 @@ fn all() -> impl Iterator<Item = Code> {
         fix: Some(it.fix),
         reference: false,
     });
-    codes::all().chain(codels)
+    codes::all()
+        .chain(codels)
+        .chain(check::CODES.iter().copied())
 }
 
 /// The entry of a code that compares specification and codels.
 fn codel(id: &str) -> Option<&'static CodelCode> {
     CODES.iter().find(|it| it.code.as_str() == id)
+}
+
+/// Whether a code is about a file of a template.
+fn of_template(id: &str) -> bool {
+    check::CODES.iter().any(|it| it.id == id)
 }
 
 /// The text of a fixture that triggers a code, without its marks.
@@ -68,7 +76,8 @@ fn page(code: &Code) -> String {
     if let Some(example) = code.example.map(str::to_owned).or_else(|| fixture(id)) {
         let _ = write!(
             out,
-            "\n## Example\n\n```genom\n{}\n```\n",
+            "\n## Example\n\n```{}\n{}\n```\n",
+            if of_template(id) { "text" } else { "genom" },
             example.trim_end()
         );
     }
@@ -79,7 +88,11 @@ fn page(code: &Code) -> String {
         let _ = write!(out, "\n## What to do\n\n{fix}\n");
     }
     if code.severity == Severity::Error {
-        out.push_str("\nAn error cannot be switched off: the specification is rejected.\n");
+        let rejected = match of_template(id) {
+            true => "the template fails",
+            false => "the specification is rejected",
+        };
+        let _ = writeln!(out, "\nAn error cannot be switched off: {rejected}.");
     } else {
         let _ = write!(
             out,

@@ -13,7 +13,7 @@ import {
   type ServerOptions,
 } from 'vscode-languageclient/node';
 import { SECTION, serverSettings } from './config';
-import { LANGUAGE, SCENARIO, verificationStatus, type InitializationOptions, type VerificationStatus } from './protocol';
+import { LANGUAGE, SCENARIO, TEMPLATE, verificationStatus, type InitializationOptions, type VerificationStatus } from './protocol';
 import { locateServer, surroundings, type Located } from './server';
 
 /** What the server is doing. */
@@ -164,6 +164,7 @@ export class Server implements vscode.Disposable {
         { language: LANGUAGE, scheme: 'file' },
         { language: LANGUAGE, scheme: 'untitled' },
         { language: SCENARIO, scheme: 'file' },
+        { language: TEMPLATE, scheme: 'file' },
       ],
       outputChannel: this.output,
       traceOutputChannel: this.output,

@@ -114,6 +114,8 @@ export const codelHeaders = new RequestType<{ textDocument: TextDocumentIdentifi
 
 /** The language of scenarios. */
 export const SCENARIO = 'genom3-scenario';
+/** Sources of templates that the user calls so; others are asked for by the server. */
+export const TEMPLATE = 'genom3-template';
 
 export type VerificationState = 'stale' | 'running' | 'proved' | 'refuted' | 'gave-up' | 'blocked';
 

@@ -477,30 +477,8 @@ pub(crate) fn display(spec: &Spec, ty: TypeId) -> String {
                 format!("optional<{}>", display(spec, *element))
             }
             (None, TypeKind::String { bound: Some(bound) }) => format!("string<{bound}>"),
-            (None, kind) => base_name(kind).to_owned(),
+            (None, kind) => kind.word().to_owned(),
         },
-    }
-}
-
-/// The IDL name of a type without name of its own.
-pub(crate) fn base_name(kind: &TypeKind) -> &'static str {
-    match kind {
-        TypeKind::Boolean => "boolean",
-        TypeKind::Octet => "octet",
-        TypeKind::Char => "char",
-        TypeKind::Short => "short",
-        TypeKind::UnsignedShort => "unsigned short",
-        TypeKind::Long => "long",
-        TypeKind::UnsignedLong => "unsigned long",
-        TypeKind::LongLong => "long long",
-        TypeKind::UnsignedLongLong => "unsigned long long",
-        TypeKind::Float => "float",
-        TypeKind::Double => "double",
-        TypeKind::Any => "any",
-        TypeKind::String { .. } => "string",
-        TypeKind::Native => "native",
-        TypeKind::Unknown => "unknown",
-        _ => "type",
     }
 }
 

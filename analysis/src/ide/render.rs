@@ -181,7 +181,7 @@ pub(crate) fn type_text(spec: &Spec, id: TypeId) -> String {
         },
         TypeKind::Optional { element } => format!("optional<{}>", type_text(spec, *element)),
         TypeKind::String { bound: Some(bound) } => format!("string<{bound}>"),
-        kind => base_name(kind).to_owned(),
+        kind => kind.word().to_owned(),
     }
 }
 
@@ -255,23 +255,4 @@ fn size(spec: &Spec, id: TypeId, depth: u32) -> Option<u64> {
 
 fn count(n: usize, what: &str) -> String {
     format!("{n} {what}{}", if n == 1 { "" } else { "s" })
-}
-
-fn base_name(kind: &TypeKind) -> &'static str {
-    match kind {
-        TypeKind::Boolean => "boolean",
-        TypeKind::Octet => "octet",
-        TypeKind::Char => "char",
-        TypeKind::Short => "short",
-        TypeKind::UnsignedShort => "unsigned short",
-        TypeKind::Long => "long",
-        TypeKind::UnsignedLong => "unsigned long",
-        TypeKind::LongLong => "long long",
-        TypeKind::UnsignedLongLong => "unsigned long long",
-        TypeKind::Float => "float",
-        TypeKind::Double => "double",
-        TypeKind::Any => "any",
-        TypeKind::String { .. } => "string",
-        _ => "unknown",
-    }
 }

@@ -4,7 +4,8 @@
 //! different tasks (reference manual, "Codel mutual exclusion"; language reference, section 14).
 
 use super::{
-    Codel, CodelKind, CodelRef, Component, Owner, Param, ParamDir, ParamSource, PathElement, Spec,
+    Codel, CodelKind, CodelRef, Component, Owner, Param, ParamDir, ParamSource, PathElement,
+    ServiceKind, Spec,
 };
 
 /// Something that a codel excludes.
@@ -157,6 +158,22 @@ pub fn service_exclusions(spec: &Spec, component: &Component, service: u32) -> V
         }
     }
     found
+}
+
+/// For messages: ``task `t` ``, ``activity `a` ``.
+pub fn describe_owner(component: &Component, owner: Owner) -> String {
+    match owner {
+        Owner::Task(it) => format!("task `{}`", component.tasks[it as usize].name),
+        Owner::Service(it) => {
+            let service = &component.services[it as usize];
+            let word = match service.kind {
+                ServiceKind::Attribute => "attribute",
+                ServiceKind::Function => "function",
+                ServiceKind::Activity => "activity",
+            };
+            format!("{word} `{}`", service.name)
+        }
+    }
 }
 
 /// Whether a service interrupts the one that a codel belongs to.

@@ -1,5 +1,6 @@
 //! `mappings`: the types of a specification, and the prototypes of its codels, in C or C++.
 
+use super::words::{self, Next};
 use crate::command::Environment;
 use crate::compiler::Compiler;
 use crate::frontend::Frontend;
@@ -34,22 +35,8 @@ pub(super) fn run(
     env: &mut Environment<'_>,
 ) -> Result<i32, String> {
     let mut options = Options::default();
-    let mut words = args.iter().cloned();
-    while let Some(word) = words.next() {
-        if !word.starts_with('-') {
-            options.inputs.push(word);
-            options.inputs.extend(words.by_ref());
-            break;
-        }
-        let (option, value) = match word.split_once('=') {
-            Some((option, value)) => (option.to_owned(), Some(value.to_owned())),
-            None => (word, None),
-        };
-        let mut value = || {
-            let value = value.clone().or_else(|| words.next());
-            value.ok_or_else(|| format!("missing argument to {option}"))
-        };
-        match option.as_str() {
+    let files = words::read(args, |option, value| {
+        match option {
             "-l" | "--language" => options.language = Some(value()?),
             "-MF" => options.file = Some(value()?),
             "-MT" => options.target = Some(value()?),
@@ -57,11 +44,16 @@ pub(super) fn run(
             "-MD" => options.dependencies = true,
             "-h" | "--help" => {
                 env.console.out(format!("{USAGE}\n").as_bytes());
-                return Ok(0);
+                return Ok(Next::Stop);
             }
-            other => return Err(format!("unknown option {other}")),
+            other => return Err(words::unknown(other)),
         }
-    }
+        Ok(Next::Go)
+    })?;
+    let Some(files) = files else {
+        return Ok(0);
+    };
+    options.inputs = files;
     if options.inputs.is_empty() {
         env.console.out(format!("{USAGE}\n").as_bytes());
         return Ok(2);

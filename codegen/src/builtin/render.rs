@@ -10,6 +10,7 @@ use minijinja::value::Value;
 use minijinja::{Environment as Jinja, context};
 use serde_json::Value as Json;
 
+use super::words::{self, Next};
 use super::{Each, Manifest, Texts};
 use crate::codels::expected::Expected;
 use crate::codels::stub::{StubOptions, Stubs};
@@ -168,22 +169,8 @@ fn options(
         output.merge_tool = tool;
         let _ = output.modes.set("merge-if-change");
     };
-    let mut words = args.iter().cloned();
-    while let Some(word) = words.next() {
-        if !word.starts_with('-') {
-            options.inputs.push(word);
-            options.inputs.extend(words.by_ref());
-            break;
-        }
-        let (option, value) = match word.split_once('=') {
-            Some((option, value)) => (option.to_owned(), Some(value.to_owned())),
-            None => (word, None),
-        };
-        let mut value = || {
-            let value = value.clone().or_else(|| words.next());
-            value.ok_or_else(|| format!("missing argument to {option}"))
-        };
-        match option.as_str() {
+    let files = words::read(args, |option, value| {
+        match option {
             "-C" | "--directory" => options.directory = Some(value()?),
             "-l" | "--language" => options.language = Some(value()?),
             "-m" | "--merge" => merge(output, value()?),
@@ -195,12 +182,13 @@ fn options(
             "-t" | "--terse" => options.terse = true,
             "-h" | "--help" => {
                 console.out(usage(name, manifest).as_bytes());
-                return Ok(None);
+                return Ok(Next::Stop);
             }
-            other => return Err(format!("unknown option {other}")),
+            other => return Err(words::unknown(other)),
         }
-    }
-    Ok(Some(options))
+        Ok(Next::Go)
+    })?;
+    Ok(files.map(|inputs| Options { inputs, ..options }))
 }
 
 /// What the texts see.
@@ -386,16 +374,8 @@ struct Files<'a> {
 }
 
 impl Surroundings for Files<'_> {
-    fn print(&mut self, line: &str) {
-        self.console.out(format!("{line}\n").as_bytes());
-    }
-
-    fn prompt(&mut self, text: &str) {
-        self.console.out(text.as_bytes());
-    }
-
-    fn read_line(&mut self) -> Option<String> {
-        self.console.read_line()
+    fn console(&mut self) -> &mut dyn Console {
+        &mut *self.console
     }
 
     fn temporary(&mut self) -> PathBuf {

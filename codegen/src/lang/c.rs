@@ -2,7 +2,7 @@
 
 use dotgen_analysis::model::{TypeId, TypeKind};
 
-use super::{LangError, LangResult, Mapper, Passing, kind_word, length_of};
+use super::{LangError, LangResult, Mapper, Passing, length_of};
 
 /// Kinds that C passes by pointer to constant.
 fn is_aggregate(kind: &TypeKind) -> bool {
@@ -64,7 +64,7 @@ pub(super) fn declarator(m: &Mapper<'_>, ty: TypeId, var: &str) -> LangResult {
         kind @ (TypeKind::PauseEvent | TypeKind::Unknown) => {
             return Err(LangError::fatal(format!(
                 "internal error: unhandled type '{}'",
-                kind_word(kind)
+                kind.word()
             )));
         }
     };
@@ -82,7 +82,7 @@ pub(super) fn with_dimension(declarator: &str, length: u64) -> String {
 /// Name of the structure that stands for a sequence or optional: kinds, lengths and element names,
 /// outermost first.
 fn structure_name(m: &Mapper<'_>, ty: TypeId) -> LangResult {
-    let mut out = kind_word(m.kind(ty)).to_owned();
+    let mut out = m.kind(ty).word().to_owned();
     let length = |out: &mut String, ty: TypeId| {
         if let Some(length) = length_of(m.kind(ty)) {
             *out += &length.to_string();
@@ -93,7 +93,7 @@ fn structure_name(m: &Mapper<'_>, ty: TypeId) -> LangResult {
     while let TypeKind::Sequence { element, .. } | TypeKind::Optional { element } = m.kind(ty) {
         ty = *element;
         let name = m.spec.full_name(ty);
-        let name = name.as_deref().unwrap_or(kind_word(m.kind(ty)));
+        let name = name.as_deref().unwrap_or(m.kind(ty).word());
         out.push('_');
         out += &m.cname(name)?;
         length(&mut out, ty);

@@ -2,7 +2,7 @@
 
 use dotgen_analysis::model::{TypeId, TypeKind};
 
-use super::{LangError, LangResult, Mapper, Passing, c::with_dimension, kind_word};
+use super::{LangError, LangResult, Mapper, Passing, c::with_dimension};
 
 pub(super) fn declarator(m: &Mapper<'_>, ty: TypeId, var: &str) -> LangResult {
     let abstract_declarator = match m.kind(ty) {
@@ -55,7 +55,7 @@ pub(super) fn declarator(m: &Mapper<'_>, ty: TypeId, var: &str) -> LangResult {
         kind @ (TypeKind::PauseEvent | TypeKind::Unknown) => {
             return Err(LangError::fatal(format!(
                 "internal error: unhandled type '{}'",
-                kind_word(kind)
+                kind.word()
             )));
         }
     };

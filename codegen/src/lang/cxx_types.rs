@@ -5,7 +5,7 @@ use dotgen_analysis::model::{ParamDir, PortDir, ScopeKind, TypeId, TypeKind, Val
 use super::c_types::{literal, mentions_sized_integer};
 use super::cxx::declarator;
 use super::text::cxx_name;
-use super::{LangError, LangResult, MapObject, Mapper, Passing, kind_word};
+use super::{LangError, LangResult, MapObject, Mapper, Passing};
 
 const EVENT_HEADER: &str = "\n#include \"genom3/c++/event.h\"";
 
@@ -208,7 +208,7 @@ impl Writer<'_, '_> {
             "{}member '{}' of type {} not allowed in C++",
             place.unwrap_or_default(),
             self.m.short_name(member)?,
-            kind_word(self.m.kind(self.m.inner_or_error(member)?))
+            self.m.kind(self.m.inner_or_error(member)?).word()
         )))
     }
 

@@ -6,45 +6,6 @@ use dotgen_analysis::model::{
 
 use super::text::format_g;
 
-/// `kind` of a type object.
-pub fn kind_word(kind: &TypeKind) -> &'static str {
-    match kind {
-        TypeKind::Boolean => "boolean",
-        TypeKind::Octet => "octet",
-        TypeKind::Char => "char",
-        TypeKind::Short => "short",
-        TypeKind::UnsignedShort => "unsigned short",
-        TypeKind::Long => "long",
-        TypeKind::UnsignedLong => "unsigned long",
-        TypeKind::LongLong => "long long",
-        TypeKind::UnsignedLongLong => "unsigned long long",
-        TypeKind::Float => "float",
-        TypeKind::Double => "double",
-        TypeKind::Any => "any",
-        TypeKind::String { .. } => "string",
-        TypeKind::Array { .. } => "array",
-        TypeKind::Sequence { .. } => "sequence",
-        TypeKind::Optional { .. } => "optional",
-        TypeKind::Enum { .. } => "enum",
-        TypeKind::Enumerator { .. } => "enumerator",
-        TypeKind::Struct { .. } => "struct",
-        TypeKind::StructMember { .. } => "struct member",
-        TypeKind::Union { .. } => "union",
-        TypeKind::UnionMember { .. } => "union member",
-        TypeKind::Exception { .. } => "exception",
-        TypeKind::Native => "native",
-        TypeKind::Typedef { .. } => "typedef",
-        TypeKind::Const { .. } => "const",
-        TypeKind::ForwardStruct { .. } => "forward struct",
-        TypeKind::ForwardUnion { .. } => "forward union",
-        TypeKind::Event => "event",
-        TypeKind::PauseEvent => "pause event",
-        TypeKind::Port { .. } => "port",
-        TypeKind::Remote { .. } => "remote",
-        TypeKind::Unknown => "unknown",
-    }
-}
-
 /// Length of an array, bound of a sequence or string; `None` when unbounded or of another kind.
 pub fn length_of(kind: &TypeKind) -> Option<u64> {
     match kind {
@@ -90,19 +51,6 @@ pub fn service_word(kind: ServiceKind) -> &'static str {
         ServiceKind::Attribute => "attribute",
         ServiceKind::Function => "function",
         ServiceKind::Activity => "activity",
-    }
-}
-
-/// Kind of a constant.
-pub fn value_kind(value: &Value) -> &'static str {
-    match value {
-        Value::Bool(_) => "bool",
-        Value::Uint(_) => "uint",
-        Value::Int(_) => "int",
-        Value::Float(_) => "float",
-        Value::Char(_) => "char",
-        Value::String(_) => "string",
-        Value::Enum(_) => "enum",
     }
 }
 

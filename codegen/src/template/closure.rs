@@ -9,7 +9,7 @@ use rustc_hash::FxHashMap;
 use super::object::{Lookup, Object, ParamRef};
 use super::throws::{remote_throws, service_throws, task_throws};
 use super::{Failure, api::Model};
-use crate::lang::{dir_word, kind_word, length_of, service_word};
+use crate::lang::{dir_word, length_of, service_word};
 
 /// Says which objects take part.
 pub(crate) type Filter<'f> = dyn FnMut(&Object) -> Result<bool, Failure> + 'f;
@@ -296,7 +296,7 @@ impl Chunks {
             TypeKind::Array { element, .. }
             | TypeKind::Sequence { element, .. }
             | TypeKind::Optional { element } => {
-                self.push(kind_word(kind));
+                self.push(kind.word());
                 if let Some(length) = length_of(kind) {
                     self.push(&length.to_string());
                 }
@@ -313,7 +313,7 @@ impl Chunks {
                     self.type_(spec, *member, filter, depth)?;
                 }
             }
-            other => self.push(kind_word(other)),
+            other => self.push(other.word()),
         }
         Ok(())
     }

@@ -3,6 +3,8 @@
 //! A source mixes literal text with `<' CODE '>` and `<" TEXT ">` markers. The program keeps the
 //! line breaks of the source, so that Tcl's line numbers are those of the source.
 
+use std::ops::Range;
+
 /// The command that prints literal text and the word that ends its call.
 pub(crate) const LITERAL: (&str, &str) = ("\u{2}=", "=\u{3}");
 /// The command that prints a substituted text and the word that ends its call.
@@ -18,14 +20,79 @@ pub(crate) struct MarkerError {
     /// Line where reading had arrived, from 1: that of the last complete marker before.
     pub line: usize,
     /// What is wrong.
-    pub message: String,
+    pub fault: Fault,
+}
+
+/// What is wrong with a marker, with the quotes of its tags and where they are, in characters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Fault {
+    /// A closing tag after no opening one.
+    Unopened { close: Tag },
+    /// An opening tag before no closing one.
+    Unclosed { open: Tag },
+    /// Tags of different kinds.
+    Unbalanced { open: Tag, close: Tag },
+}
+
+/// A tag of a marker: its quote, and the index of its first character.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Tag {
+    pub quote: char,
+    pub at: usize,
+}
+
+impl std::fmt::Display for Fault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Fault::Unopened { .. } => f.write_str("missing opening tag"),
+            Fault::Unclosed { .. } => f.write_str("missing closing tag"),
+            Fault::Unbalanced { open, close } => {
+                write!(
+                    f,
+                    "unbalanced tags '<{}' and '{}>'",
+                    open.quote, close.quote
+                )
+            }
+        }
+    }
+}
+
+/// A translated source.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Program {
+    /// The Tcl program.
+    pub text: String,
+    /// What came from where, in order.
+    pub pieces: Vec<Piece>,
+}
+
+/// A stretch of a program that came from a stretch of the source.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Piece {
+    /// Where it begins in the program, in bytes.
+    pub program: usize,
+    /// Where it was in the source, in characters; without tags.
+    pub source: Range<usize>,
+    /// What it was there.
+    pub kind: PieceKind,
+}
+
+/// What a piece of a source is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum PieceKind {
+    /// Text between markers.
+    Literal,
+    /// The code of a marker, as it is.
+    Code,
+    /// The text of a marker that is to be substituted.
+    Substitution,
 }
 
 /// Translates a source.
 ///
 /// # Errors
 /// A marker that is not closed, not opened, or closed with the other quote.
-pub(crate) fn translate(source: &str) -> Result<String, MarkerError> {
+pub(crate) fn translate(source: &str) -> Result<Program, MarkerError> {
     Translator::new(source).run()
 }
 
@@ -39,6 +106,7 @@ struct Translator {
     start: usize,
     line: usize,
     program: String,
+    pieces: Vec<Piece>,
 }
 
 /// A complete marker in a buffer: indexes of `<`, of the closing quote, and the two quotes.
@@ -57,29 +125,34 @@ impl Translator {
             start: 0,
             line: 1,
             program: String::with_capacity(source.len() + source.len() / 4),
+            pieces: Vec::new(),
         }
     }
 
-    fn run(mut self) -> Result<String, MarkerError> {
+    fn run(mut self) -> Result<Program, MarkerError> {
         while !self.ended {
             self.read_block();
             while let Some(found) = self.find_marker() {
                 self.translate_marker(&found)?;
             }
-            if self.find_close(self.start, self.read).is_some() {
-                return Err(self.error("missing opening tag"));
+            if let Some(at) = self.find_close(self.start, self.read) {
+                let close = self.tag(at, at);
+                return Err(self.error(Fault::Unopened { close }));
             }
-            if self.has_open() {
+            if self.find_open(self.start, self.read).is_some() {
                 continue;
             }
-            let rest = escape(&self.source[self.start..self.read]);
-            self.push_command(LITERAL, &rest);
+            self.push_command(LITERAL, self.start..self.read, PieceKind::Literal);
             self.start = self.read;
         }
-        if self.start < self.read {
-            return Err(self.error("missing closing tag"));
+        if let Some(at) = self.find_open(self.start, self.read) {
+            let open = self.tag(at, at + 1);
+            return Err(self.error(Fault::Unclosed { open }));
         }
-        Ok(self.program)
+        Ok(Program {
+            text: self.program,
+            pieces: self.pieces,
+        })
     }
 
     fn read_more(&mut self, count: usize) {
@@ -104,8 +177,7 @@ impl Translator {
 
     fn find_marker(&self) -> Option<Found> {
         let text = &self.source[..self.read];
-        let open = (self.start..text.len().saturating_sub(1))
-            .find(|&at| text[at] == '<' && is_quote(text[at + 1]))?;
+        let open = self.find_open(self.start, self.read)?;
         let close = self.find_close(open + 2, self.read)?;
         Some(Found {
             open,
@@ -119,17 +191,24 @@ impl Translator {
         (from..until.saturating_sub(1)).find(|&at| is_quote(text[at]) && text[at + 1] == '>')
     }
 
-    fn has_open(&self) -> bool {
-        let text = &self.source[self.start..self.read];
-        text.windows(2)
-            .any(|pair| pair[0] == '<' && is_quote(pair[1]))
+    fn find_open(&self, from: usize, until: usize) -> Option<usize> {
+        let text = &self.source[..until];
+        (from..until.saturating_sub(1)).find(|&at| text[at] == '<' && is_quote(text[at + 1]))
+    }
+
+    fn tag(&self, at: usize, quote: usize) -> Tag {
+        Tag {
+            quote: self.source[quote],
+            at,
+        }
     }
 
     fn translate_marker(&mut self, found: &Found) -> Result<(), MarkerError> {
         if found.open > self.start {
             if let Some(at) = self.find_close(self.start, found.open) {
                 self.line += newlines(&self.source[self.start..=at]);
-                return Err(self.error("missing opening tag"));
+                let close = self.tag(at, at);
+                return Err(self.error(Fault::Unopened { close }));
             }
             self.line += newlines(&self.source[self.start..found.open]);
             // A line that holds nothing but code leaves no trace: one of its two newlines goes.
@@ -140,22 +219,23 @@ impl Translator {
                 && self.source[after] == '\n';
             let end = found.open - usize::from(drop);
             if end > self.start {
-                let literal = escape(&self.source[self.start..end]);
-                self.push_command(LITERAL, &literal);
+                self.push_command(LITERAL, self.start..end, PieceKind::Literal);
             }
             if drop {
                 self.program.push('\n');
             }
         }
-        let inside = &self.source[found.open + 2..found.close];
+        let inside = found.open + 2..found.close;
         match found.quotes {
-            ('\'', '\'') => self.program.extend(inside),
-            ('"', '"') => {
-                let text = escape(inside);
-                self.push_command(SUBSTITUTE, &text);
+            ('\'', '\'') => {
+                self.piece(inside.clone(), PieceKind::Code);
+                self.program.extend(&self.source[inside]);
             }
-            (open, close) => {
-                return Err(self.error(&format!("unbalanced tags '<{open}' and '{close}>'")));
+            ('"', '"') => self.push_command(SUBSTITUTE, inside, PieceKind::Substitution),
+            _ => {
+                let open = self.tag(found.open, found.open + 1);
+                let close = self.tag(found.close, found.close);
+                return Err(self.error(Fault::Unbalanced { open, close }));
             }
         }
         self.line += newlines(&self.source[found.open + 2..found.close]);
@@ -163,21 +243,30 @@ impl Translator {
         Ok(())
     }
 
-    fn push_command(&mut self, command: (&str, &str), text: &str) {
+    fn push_command(&mut self, command: (&str, &str), source: Range<usize>, kind: PieceKind) {
         let (name, end) = command;
         self.program.push(';');
         self.program.push_str(name);
         self.program.push_str(" {");
-        self.program.push_str(text);
+        self.piece(source.clone(), kind);
+        escape(&self.source[source], &mut self.program);
         self.program.push_str("} ");
         self.program.push_str(end);
         self.program.push(';');
     }
 
-    fn error(&self, message: &str) -> MarkerError {
+    fn piece(&mut self, source: Range<usize>, kind: PieceKind) {
+        self.pieces.push(Piece {
+            program: self.program.len(),
+            source,
+            kind,
+        });
+    }
+
+    fn error(&self, fault: Fault) -> MarkerError {
         MarkerError {
             line: self.line,
-            message: message.to_owned(),
+            fault,
         }
     }
 }
@@ -191,15 +280,13 @@ fn newlines(text: &[char]) -> usize {
 }
 
 /// Text between braces that stays as it is, line breaks included; the printing command undoes it.
-fn escape(text: &[char]) -> String {
-    let mut out = String::with_capacity(text.len());
+fn escape(text: &[char], out: &mut String) {
     for &c in text {
         if matches!(c, '{' | '}' | '\\') {
             out.push('\\');
         }
         out.push(c);
     }
-    out
 }
 
 /// Shows a command of a translated program as it was written, for error messages.
@@ -226,11 +313,12 @@ mod tests {
     fn shown(source: &str) -> String {
         match translate(source) {
             Ok(program) => program
+                .text
                 .replace(";\u{2}= {", "[=")
                 .replace("} =\u{3};", "]")
                 .replace(";\u{2}? {", "[\"")
                 .replace("} ?\u{3};", "]"),
-            Err(error) => format!("{}: {}", error.line, error.message),
+            Err(error) => format!("{}: {}", error.line, error.fault),
         }
     }
 
@@ -274,7 +362,7 @@ mod tests {
     fn commands_are_shown_as_written() {
         let program = translate("<\"$nosuch\">").unwrap();
         assert_eq!(
-            restore(program.split('\n').next().unwrap()),
+            restore(program.text.split('\n').next().unwrap()),
             "<\"$nosuch\">'><'"
         );
     }

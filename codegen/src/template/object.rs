@@ -10,8 +10,6 @@ use dotgen_analysis::model::{
 };
 use rustc_hash::FxHashMap;
 
-use crate::lang::kind_word;
-
 /// An object of the model, by its indexes.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(crate) enum Object {
@@ -154,7 +152,7 @@ impl Registry {
         let mut alike: FxHashMap<(&'static str, Src, String), u32> = FxHashMap::default();
         for (index, ty) in spec.types.iter().enumerate() {
             let id = TypeId(index as u32);
-            let kind = kind_word(&ty.kind);
+            let kind = ty.kind.word();
             let name = spec.full_name(id).unwrap_or_default();
             let count = alike.entry((kind, ty.src, name.clone())).or_default();
             let identity = Identity::Type(kind, ty.src, name, *count);

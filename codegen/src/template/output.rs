@@ -6,6 +6,7 @@ use std::path::{Component, Path, PathBuf};
 use std::time::SystemTime;
 
 use super::Failure;
+use super::console::Console;
 use super::merge::{self, Choice, Conflict};
 use super::tcl;
 
@@ -200,12 +201,20 @@ impl Modes {
 
 /// What committing a file needs from the running session.
 pub(crate) trait Environment {
+    /// The standard channels.
+    fn console(&mut self) -> &mut dyn Console;
     /// Prints a line on standard output.
-    fn print(&mut self, line: &str);
+    fn print(&mut self, line: &str) {
+        self.console().out(format!("{line}\n").as_bytes());
+    }
     /// Prints without a newline.
-    fn prompt(&mut self, text: &str);
+    fn prompt(&mut self, text: &str) {
+        self.console().out(text.as_bytes());
+    }
     /// A line of standard input.
-    fn read_line(&mut self) -> Option<String>;
+    fn read_line(&mut self) -> Option<String> {
+        self.console().read_line()
+    }
     /// A name for a temporary file.
     fn temporary(&mut self) -> PathBuf;
     /// A time as Tcl's `clock format` shows it.

@@ -293,16 +293,8 @@ fn empty_output() -> Output {
 }
 
 impl Environment for Session<'_> {
-    fn print(&mut self, line: &str) {
-        self.console.out(format!("{line}\n").as_bytes());
-    }
-
-    fn prompt(&mut self, text: &str) {
-        self.console.out(text.as_bytes());
-    }
-
-    fn read_line(&mut self) -> Option<String> {
-        self.console.read_line()
+    fn console(&mut self) -> &mut dyn Console {
+        &mut *self.console
     }
 
     fn temporary(&mut self) -> PathBuf {

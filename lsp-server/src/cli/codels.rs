@@ -139,21 +139,29 @@ fn check(arguments: &Check) -> anyhow::Result<Outcome> {
     for mut session in session::open(files, &arguments.reading)? {
         let roots = roots(&session);
         let mut project = project(&mut session);
-        for folder in project.folders(&roots, &mut errors) {
-            let found = project.findings(&folder, &folder.expected());
-            let found = command::diagnostics(&found, &*folder.unit.locations, Side::First);
-            for it in &found {
-                for path in std::iter::once(&it.path).chain(it.related.iter().map(|it| &it.path)) {
-                    let text = project.text(path).unwrap_or_default();
-                    report
-                        .texts
-                        .entry(path.clone())
-                        .or_insert_with(|| Lines::new(text, Encoding::Utf16));
-                }
-            }
-            report.diagnostics.extend(found);
-            report.checked += 1;
+        let folders = project.folders(&roots, &mut errors);
+        let folders = folders.into_iter().map(|it| {
+            let found = it.check(&it.expected());
+            (it, found)
+        });
+        let compared: Vec<_> = folders.collect();
+        let mut found = project.unused_allowances(&compared);
+        report.checked += compared.len();
+        for (folder, differs) in compared {
+            let differs = project.adjusted(&folder, differs);
+            let locations = &*folder.unit.locations;
+            found.extend(command::diagnostics(&differs, locations, Side::First));
         }
+        for it in &found {
+            for path in std::iter::once(&it.path).chain(it.related.iter().map(|it| &it.path)) {
+                let text = project.text(path).unwrap_or_default();
+                report
+                    .texts
+                    .entry(path.clone())
+                    .or_insert_with(|| Lines::new(text, Encoding::Utf16));
+            }
+        }
+        report.diagnostics.extend(found);
     }
     report.finish();
     report::print(&report, arguments.format)?;

@@ -1,6 +1,6 @@
 //! `textDocument/codeAction`: the fixes that diagnostics bring along, and refactorings.
 
-use dotgen_analysis::diagnostic::{Diagnostic, FileEdit};
+use dotgen_analysis::diagnostic::{Diagnostic, FileEdit, Fix};
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::ide::AssistKind;
 
@@ -18,10 +18,7 @@ pub(crate) fn handle(
     subject: &Subject,
     params: &CodeActionParams,
 ) -> Cancellable<Option<CodeActionResponse>> {
-    let wanted = |kind: &CodeActionKind| {
-        let only = params.context.only.as_deref();
-        only.is_none_or(|only| only.iter().any(|it| kind.as_str().starts_with(it.as_str())))
-    };
+    let wanted = |kind: &CodeActionKind| is_wanted(params, kind);
     let Some(lines) = snapshot.lines(&subject.path)? else {
         return Ok(None);
     };
@@ -37,7 +34,8 @@ pub(crate) fn handle(
         actions::actions(snapshot, subject, &range, &codels, &mut actions)?;
         return Ok(Some(actions));
     }
-    let all = snapshot.analysis.diagnostics(&subject.path)?;
+    let mut all = snapshot.analysis.diagnostics(&subject.path)?;
+    all.extend(crate::codels::unused_in(snapshot, &subject.path)?);
     // Only on request: it changes the whole file.
     if params.context.only.is_some()
         && wanted(&CodeActionKind::SOURCE_FIX_ALL)
@@ -60,25 +58,26 @@ pub(crate) fn handle(
         return Ok(Some(actions));
     }
     let mut codes: Vec<&str> = Vec::new();
-    for it in &all {
-        if it.range.start > range.end || it.range.end < range.start {
-            continue;
-        }
+    let mut offered: Vec<&Fix> = Vec::new();
+    // What is wrong here comes first, then what is wrong elsewhere and mended here.
+    let (here, elsewhere): (Vec<_>, Vec<_>) = all.iter().partition(|it| touches(&it.range, &range));
+    for it in here {
         for (rank, fix) in it.fixes.iter().enumerate() {
-            let Some(edit) = workspace_edit(snapshot, &fix.edits)? else {
-                continue;
-            };
-            actions.push(CodeActionOrCommand::CodeAction(CodeAction {
-                title: fix.title.clone(),
-                kind: Some(CodeActionKind::QUICKFIX),
-                diagnostics: diagnostic::to_proto(snapshot, it)?.map(|it| vec![it]),
-                edit: Some(edit),
-                is_preferred: Some(rank == 0),
-                ..CodeAction::default()
-            }));
+            actions.extend(quick_fix(snapshot, it, fix, rank == 0)?);
+            offered.push(fix);
         }
         if !it.fixes.is_empty() && !codes.contains(&it.code) {
             codes.push(it.code);
+        }
+    }
+    for it in elsewhere {
+        for fix in &it.fixes {
+            let mut edits = fix.edits.iter();
+            let mends = edits.any(|it| it.path == subject.path && touches(&it.range, &range));
+            if mends && !offered.contains(&fix) {
+                actions.extend(quick_fix(snapshot, it, fix, false)?);
+                offered.push(fix);
+            }
         }
     }
     for code in codes {
@@ -96,6 +95,37 @@ pub(crate) fn handle(
     Ok(Some(actions))
 }
 
+/// Whether a client wants actions of a kind.
+fn is_wanted(params: &CodeActionParams, kind: &CodeActionKind) -> bool {
+    let only = params.context.only.as_deref();
+    only.is_none_or(|only| only.iter().any(|it| kind.as_str().starts_with(it.as_str())))
+}
+
+/// Whether two ranges have a place in common; the ends count.
+fn touches(a: &std::ops::Range<usize>, b: &std::ops::Range<usize>) -> bool {
+    a.start <= b.end && b.start <= a.end
+}
+
+/// The action of a fix.
+fn quick_fix(
+    snapshot: &Snapshot,
+    it: &Diagnostic,
+    fix: &Fix,
+    preferred: bool,
+) -> Cancellable<Option<CodeActionOrCommand>> {
+    let Some(edit) = workspace_edit(snapshot, &fix.edits)? else {
+        return Ok(None);
+    };
+    Ok(Some(CodeActionOrCommand::CodeAction(CodeAction {
+        title: fix.title.clone(),
+        kind: Some(CodeActionKind::QUICKFIX),
+        diagnostics: diagnostic::to_proto(snapshot, it)?.map(|it| vec![it]),
+        edit: Some(edit),
+        is_preferred: Some(preferred),
+        ..CodeAction::default()
+    })))
+}
+
 /// Refactorings of the selection, and what changes the whole file when it is asked for.
 fn refactorings(
     snapshot: &Snapshot,
@@ -105,9 +135,7 @@ fn refactorings(
     actions: &mut Vec<CodeActionOrCommand>,
 ) -> Cancellable<()> {
     let only = params.context.only.as_deref();
-    let wanted = |kind: &CodeActionKind| {
-        only.is_none_or(|only| only.iter().any(|it| kind.as_str().starts_with(it.as_str())))
-    };
+    let wanted = |kind: &CodeActionKind| is_wanted(params, kind);
     let organize = CodeActionKind::SOURCE_ORGANIZE_IMPORTS;
     let mut assists = Vec::new();
     // A client that asks on every move of the cursor for fixes alone does not pay for these.
@@ -155,8 +183,7 @@ fn generate(
         let symbols = snapshot.analysis.document_symbols(&subject.path)?;
         let here = symbols.iter().any(|it| {
             it.kind == dotgen_analysis::ide::SymbolKind::Component
-                && it.selection_range.start <= range.end
-                && range.start <= it.selection_range.end
+                && touches(&it.selection_range, range)
         });
         if !here {
             return Ok(());

@@ -14,6 +14,7 @@ use crate::convert::{diagnostic, uri};
 use crate::panic;
 use crate::proto::*;
 use crate::snapshot::{Snapshot, Subject};
+use crate::templates;
 
 /// Marks text that a conditional leaves out.
 const INACTIVE_CODE: &str = "inactive-code";
@@ -179,12 +180,14 @@ pub(crate) fn file_diagnostics(
     least: Severity,
 ) -> Cancellable<Vec<Diagnostic>> {
     let mut items = Vec::new();
+    let is_template = snapshot.is_template(path);
     let mut all = match snapshot.is_code(path) {
         true => Vec::new(),
+        false if is_template => templates::diagnostics(snapshot, path)?,
         false if scenario::is(path) => scenario::diagnostics(snapshot, path)?,
         false => snapshot.analysis.diagnostics(path)?,
     };
-    if !scenario::is(path) {
+    if !scenario::is(path) && !is_template {
         all.extend(verification::in_specification(snapshot, path)?);
         all.extend(codels::file_diagnostics(snapshot, path)?);
     }

@@ -167,23 +167,7 @@ fn units(snapshot: &Snapshot, subject: &Subject, wish: &Wish) -> Cancellable<Vec
     if wish.kind != Kind::System {
         return Ok(vec![snapshot.analysis.unit(&subject.path)?]);
     }
-    // The system is what lies in the same workspace folder.
-    let folder = snapshot
-        .folders
-        .iter()
-        .find(|it| subject.path.starts_with(it));
-    let mut paths: Vec<_> = snapshot
-        .roots
-        .iter()
-        .filter(|it| folder.is_some_and(|folder| it.starts_with(folder)))
-        .cloned()
-        .collect();
-    if paths.is_empty() {
-        paths.push(subject.path.clone());
-    }
-    paths.sort();
-    let units = paths.iter().map(|it| snapshot.analysis.root_unit(it));
-    units.collect()
+    snapshot.system_units(&subject.path)
 }
 
 /// Names what is declared around an offset; keeps the names there are when nothing is.

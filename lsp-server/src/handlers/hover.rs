@@ -1,6 +1,8 @@
 //! `textDocument/hover`
 
 use dotgen_analysis::host::Cancellable;
+use dotgen_analysis::model::system::{System, listed, parts};
+use dotgen_analysis::model::{CodelRef, Component, ParamSource};
 use dotgen_codegen::lang::prototypes as prototypes_of;
 
 use crate::proto::*;
@@ -27,6 +29,10 @@ pub(crate) fn handle(
     };
     let mut markdown = hover.info.markdown;
     for (component, codel) in &hover.info.codels {
+        if let Some(excluded) = remote_exclusions(snapshot, subject, component, codel)? {
+            // One more of the facts.
+            markdown = format!("{markdown}\n{excluded}");
+        }
         if let Some(prototypes) = prototypes(snapshot, subject, component, codel)? {
             markdown = format!("{markdown}\n\n{prototypes}");
         }
@@ -42,6 +48,49 @@ pub(crate) fn handle(
         }),
         range: location.map(|it| it.range),
     }))
+}
+
+/// More codels of other components than are worth reading.
+const MANY: usize = 6;
+
+/// The codels of other components that a codel excludes.
+fn remote_exclusions(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    component: &str,
+    codel: &str,
+) -> Cancellable<Option<String>> {
+    // Most codels use no port, and need no system.
+    let unit = snapshot.analysis.unit(&subject.path)?;
+    let own = unit.spec.components.iter();
+    let own = own.filter(|it| it.name.as_str() == component);
+    let mut params = own.flat_map(|it| uses(it, codel).flat_map(|at| &it.codel(at).params));
+    if !params.any(|it| matches!(it.source, ParamSource::Port(_))) {
+        return Ok(None);
+    }
+    let units = snapshot.system_units(&subject.path)?;
+    let specs = units.iter().map(|it| &*it.spec);
+    let system = System::new(parts(specs), &snapshot.config.connections);
+    let Some(part) = system.part(component) else {
+        return Ok(None);
+    };
+    let mut names: Vec<String> = Vec::new();
+    for at in uses(system.parts[part].component, codel) {
+        for it in system.exclusions(part, at) {
+            let name = system.describe(&it);
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+    }
+    let text = || format!("* excludes in other components {}", listed(&names, MANY));
+    Ok((!names.is_empty()).then(text))
+}
+
+/// The places in a component that have a codel of that name.
+fn uses<'a>(component: &'a Component, codel: &'a str) -> impl Iterator<Item = CodelRef> + 'a {
+    let all = component.all_codels();
+    all.filter(move |at| component.codel(*at).name.as_str() == codel)
 }
 
 /// What a codel looks like in C and in C++.

@@ -15,6 +15,7 @@ use dotgen_timing::scn::outline::{self, EntryKind};
 use dotgen_timing::scn::{self, describe};
 
 use crate::convert::Lines;
+use crate::convert::symbol::{Symbol, response};
 use crate::proto::{self, *};
 use crate::snapshot::{Snapshot, Subject};
 use crate::verification::Problem;
@@ -331,15 +332,9 @@ pub(crate) fn symbols(
         return Ok(None);
     };
     let entries = outline::outline(&text, &scn::parse(&text).scenario);
-    if snapshot.client.hierarchical_symbols {
-        let nested = entries.into_iter().map(|it| nested(it, &lines)).collect();
-        return Ok(Some(DocumentSymbolResponse::Nested(nested)));
-    }
-    let mut flat = Vec::new();
-    for it in entries {
-        flatten(it, None, &subject.uri, &lines, &mut flat);
-    }
-    Ok(Some(DocumentSymbolResponse::Flat(flat)))
+    let symbols = entries.into_iter().map(symbol);
+    let nested = snapshot.client.hierarchical_symbols;
+    Ok(Some(response(symbols, nested, &subject.uri, &lines)))
 }
 
 fn symbol_kind(kind: EntryKind) -> SymbolKind {
@@ -352,39 +347,14 @@ fn symbol_kind(kind: EntryKind) -> SymbolKind {
     }
 }
 
-fn nested(it: outline::Entry, lines: &Lines) -> DocumentSymbol {
-    let children = it.children.into_iter().map(|it| nested(it, lines));
-    #[allow(deprecated, reason = "the field has to be given")]
-    DocumentSymbol {
-        children: Some(children.collect()),
+fn symbol(it: outline::Entry) -> Symbol {
+    Symbol {
         name: it.name,
         detail: None,
         kind: symbol_kind(it.kind),
-        tags: None,
-        deprecated: None,
-        range: lines.range(&it.range),
-        selection_range: lines.range(&it.selection),
-    }
-}
-
-fn flatten(
-    it: outline::Entry,
-    container: Option<&str>,
-    uri: &Uri,
-    lines: &Lines,
-    out: &mut Vec<SymbolInformation>,
-) {
-    #[allow(deprecated, reason = "the field has to be given")]
-    out.push(SymbolInformation {
-        name: it.name.clone(),
-        kind: symbol_kind(it.kind),
-        tags: None,
-        deprecated: None,
-        location: Location::new(uri.clone(), lines.range(&it.range)),
-        container_name: container.map(str::to_owned),
-    });
-    for child in it.children {
-        flatten(child, Some(&it.name), uri, lines, out);
+        range: it.range,
+        selection: it.selection,
+        children: it.children.into_iter().map(symbol).collect(),
     }
 }
 

@@ -112,6 +112,7 @@ impl Documents {
 mod tests {
     use super::*;
     use crate::proto::{Position, Range};
+    use crate::snapshot::DocumentKind;
 
     fn edit(range: Option<(u32, u32, u32, u32)>, text: &str) -> TextDocumentContentChangeEvent {
         TextDocumentContentChangeEvent {
@@ -128,7 +129,7 @@ mod tests {
         let file = OpenFile {
             uri,
             version: 1,
-            is_code: false,
+            kind: DocumentKind::Specification,
         };
         documents.open(path.clone(), file, text.to_owned());
         (documents, path)

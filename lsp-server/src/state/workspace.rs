@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::FileContent;
+use dotgen_codegen::template::files::SCRIPT;
 use serde_json::Value;
 
 use crate::config::{self, Config, Problem, Settings};
@@ -13,6 +14,8 @@ use crate::proto::{
     self, Diagnostic, DiagnosticSeverity, InitializeParams, NumberOrString, Uri,
     WorkspaceFoldersChangeEvent,
 };
+use crate::templates::Templates;
+use crate::verification::problem::EXTENSION;
 use crate::vfs;
 
 /// See the module.
@@ -23,6 +26,8 @@ pub(super) struct Workspace {
     pub(super) files: BTreeSet<Utf8PathBuf>,
     /// `.scn` files below the folders.
     pub(super) scenarios: Arc<BTreeSet<Utf8PathBuf>>,
+    /// Templates below the folders.
+    pub(super) templates: Arc<Templates>,
     /// Settings of the editor that hold for every folder.
     editor: Settings,
     trusted: bool,
@@ -116,9 +121,27 @@ impl Workspace {
         self.folders.retain(|it| !removed.contains(&it.path));
         self.files
             .retain(|file| !removed.iter().any(|folder| file.starts_with(folder)));
+        let kept = |it: &Utf8Path| !removed.iter().any(|folder| it.starts_with(folder));
+        Arc::make_mut(&mut self.templates).retain(kept);
         for folder in &event.added {
             self.add(folder.uri.clone());
         }
+    }
+
+    /// The files found below the folders.
+    pub(super) fn set_files(&mut self, files: Vec<Utf8PathBuf>) {
+        let (mut scripts, mut scenarios) = (Vec::new(), BTreeSet::new());
+        self.files.clear();
+        for file in files {
+            match file.extension() {
+                Some(EXTENSION) => _ = scenarios.insert(file),
+                Some("tcl") => scripts.push(file),
+                _ => _ = self.files.insert(file),
+            }
+        }
+        scripts.retain(|it| it.file_name() == Some(SCRIPT));
+        self.scenarios = Arc::new(scenarios);
+        self.templates = Arc::new(Templates::new(scripts));
     }
 
     /// Without workspace folders, the nearest directory around the first file opened that has a

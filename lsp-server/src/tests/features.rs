@@ -308,3 +308,46 @@ async fn fixes_are_offered_where_they_apply() {
     }));
     client.finish().await;
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn fixes_are_offered_where_they_change_something() {
+    let literals = json!({ "codeActionKind": { "valueSet": ["quickfix"] } });
+    let capabilities = json!({ "codeAction": { "codeActionLiteralSupport": literals } });
+    let (mut client, folder, _) = start(capabilities).await;
+    let uri = folder.uri("bare.gen");
+    let text = "component c {\n  task t { period 10 ms;\n    codel<start> first() yield pause::lopp;\n    \
+                codel<loop> second() yield pause::loop, ether;\n  };\n};\n";
+    client.open(&uri, text).await;
+    let mut offered = Vec::new();
+    for (line, character) in [(2, 19), (2, 40), (2, 30)] {
+        let at = json!({ "line": line, "character": character });
+        let mut params = document(&uri);
+        params["range"] = json!({ "start": at, "end": at });
+        params["context"] = json!({ "diagnostics": [], "only": ["quickfix"] });
+        let actions = client.ok("textDocument/codeAction", params).await;
+        let shown = actions.as_array().expect("a list").iter().map(|it| {
+            let code = it["diagnostics"][0]["code"].as_str().unwrap_or_default();
+            let title = it["title"].as_str().expect("a title");
+            (format!("{code}: {title}"), it["isPreferred"] == true)
+        });
+        offered.push(shown.collect::<Vec<_>>());
+    }
+    let fix = |text: &str, preferred| (format!("fsm/{text}"), preferred);
+    assert_eq!(
+        offered,
+        [
+            // At the codel that is reported, all there is.
+            vec![
+                fix("undefined-state: Change to `loop`", true),
+                fix(
+                    "undefined-state: Declare a codel for the state `lopp`",
+                    false
+                ),
+            ],
+            // At the state, what changes it.
+            vec![fix("undefined-state: Change to `loop`", false)],
+            vec![],
+        ]
+    );
+    client.finish().await;
+}

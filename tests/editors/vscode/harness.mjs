@@ -4,7 +4,7 @@ import { execFileSync, spawn } from 'node:child_process';
 import { cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, readlinkSync, rmSync, writeFileSync } from 'node:fs';
 import { createServer } from 'node:net';
 import { tmpdir } from 'node:os';
-import { basename, join, resolve, sep } from 'node:path';
+import { basename, dirname, join, resolve, sep } from 'node:path';
 import { chromium } from 'playwright-core';
 
 const TIMEOUT_MS = Number(process.env.WORKBENCH_TIMEOUT_MS ?? 30_000);
@@ -34,9 +34,10 @@ function freePort() {
 
 /**
  * Starts a workbench. `node` and `codeServer` are what setup.sh wrote to its `env` file; `files` (text by name) are added to
- * the copy of the workspace; the folders `beside` are copied next to it, under their names.
+ * the copy of the workspace; the folders `beside` are copied next to it, under their names. `others` are extensions that
+ * stand in for those of others: `main` (text) and the rest of the manifest by identifier.
  */
-export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bin/chromium', vsix, workspace, beside = [], files = {}, settings = {}, shots }) {
+export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bin/chromium', vsix, workspace, beside = [], files = {}, settings = {}, others = {}, shots }) {
   const root = mkdtempSync(join(tmpdir(), 'dotgen-workbench-'));
   const directory = (name) => {
     const path = join(root, name);
@@ -46,7 +47,10 @@ export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bi
   const folder = join(root, 'workspace');
   cpSync(workspace, folder, { recursive: true });
   for (const path of beside) cpSync(path, join(root, basename(path)), { recursive: true });
-  for (const [name, text] of Object.entries(files)) writeFileSync(join(folder, name), text);
+  for (const [name, text] of Object.entries(files)) {
+    mkdirSync(dirname(join(folder, name)), { recursive: true });
+    writeFileSync(join(folder, name), text);
+  }
   const user = directory('user');
   const extensions = directory('extensions');
   writeFileSync(join(directory('user/User'), 'settings.json'), JSON.stringify({ ...SETTINGS, ...settings }, null, 2));
@@ -65,6 +69,14 @@ export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bi
   for (const name of Object.keys(env).filter((name) => name.startsWith('VSCODE_'))) delete env[name];
 
   const base = [codeServer, '--config', join(root, 'config.yaml'), '--user-data-dir', user, '--extensions-dir', extensions];
+  // What lies there before the first installation is taken for installed.
+  for (const [id, { main, ...manifest }] of Object.entries(others)) {
+    const [publisher, name] = id.split('.');
+    const place = directory(`extensions/${id}-1.0.0`);
+    const whole = { name, publisher, version: '1.0.0', engines: { vscode: '^1.60.0' }, main: './main.js', activationEvents: ['onStartupFinished'], ...manifest };
+    writeFileSync(join(place, 'package.json'), JSON.stringify(whole));
+    writeFileSync(join(place, 'main.js'), main);
+  }
   execFileSync(node, [...base, '--install-extension', resolve(vsix)], { env, stdio: ['ignore', 'ignore', 'inherit'] });
   const port = await freePort();
   const server = spawn(

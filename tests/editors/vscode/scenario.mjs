@@ -2,7 +2,7 @@
 // the first for `cargo xtask demo --check`. SCENARIO=name runs one of them.
 //
 // A scenario is a module in scenarios/: `workspace` (a folder of examples/), `beside` (others it refers to), `files` (text by name, added to the copy of it),
-// `settings` (the user's), and `checks(wb)`, which gives pairs of name and function to run in their order, as `more` and
+// `settings` (the user's), `others` (extensions that stand in for those of others), and `checks(wb)`, which gives pairs of name and function to run in their order, as `more` and
 // (proved by the demo as well, run first) `demo`.
 //
 // CS_NODE, CS_ENTRY: from setup.sh. VSIX: the packaged extension, server inside. EXAMPLES: the folder of the examples.
@@ -40,6 +40,7 @@ async function attempt(name) {
       beside: (scenario.beside ?? []).map((name) => join(required('EXAMPLES'), name)),
       files: scenario.files,
       settings: scenario.settings,
+      others: scenario.others,
       shots,
     });
     const { demo: first = [], more = [] } = scenario.checks(wb);

@@ -4,11 +4,11 @@ import type { Server } from '../client';
 import { notRunning } from '../commands/server';
 import { diagram, LANGUAGE, type DiagramAnswer, type DiagramKind, type DiagramNode, type DiagramParams } from '../protocol';
 import { isDark } from './inline';
+import { SidePanel } from '../panel/panel';
 import { range, reveal } from '../panel/reveal';
 import type { FromPage, Subject, ToPage } from './messages';
 import { page } from './page';
 
-const VIEW_TYPE = 'dotgen.diagram';
 const TYPING_PAUSE_MS = 120;
 
 /** Argument of the command, as code lenses give it. */
@@ -18,9 +18,7 @@ export interface Target {
   owner?: string;
 }
 
-export class DiagramPreview implements vscode.Disposable, vscode.WebviewPanelSerializer<Subject> {
-  private panel: vscode.WebviewPanel | undefined;
-  private subject: Subject | undefined;
+export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
   private nodes: DiagramNode[] = [];
   private selected: string | undefined;
   private timer: NodeJS.Timeout | undefined;
@@ -32,10 +30,10 @@ export class DiagramPreview implements vscode.Disposable, vscode.WebviewPanelSer
 
   constructor(
     private readonly server: Server,
-    private readonly extension: vscode.Uri,
+    extension: vscode.Uri,
   ) {
+    super({ type: 'dotgen.diagram', title: 'Diagram', find: false, page }, extension);
     this.subscriptions = vscode.Disposable.from(
-      vscode.window.registerWebviewPanelSerializer(VIEW_TYPE, this),
       vscode.workspace.onDidChangeTextDocument(({ document }) => {
         if (document.languageId === LANGUAGE && this.panel !== undefined) {
           this.refresh(TYPING_PAUSE_MS);
@@ -48,10 +46,10 @@ export class DiagramPreview implements vscode.Disposable, vscode.WebviewPanelSer
     );
   }
 
-  dispose(): void {
+  override dispose(): void {
     clearTimeout(this.timer);
     this.subscriptions.dispose();
-    this.panel?.dispose();
+    super.dispose();
   }
 
   /** Opens the preview on what a lens names, or on what is at the cursor. */
@@ -73,39 +71,19 @@ export class DiagramPreview implements vscode.Disposable, vscode.WebviewPanelSer
       ...(target?.component === undefined ? {} : { component: target.component }),
       ...(target?.owner === undefined ? {} : { owner: target.owner }),
     };
-    if (this.panel === undefined) {
-      this.adopt(
-        vscode.window.createWebviewPanel(
-          VIEW_TYPE,
-          'Diagram',
-          { viewColumn: vscode.ViewColumn.Beside, preserveFocus: true },
-          { enableFindWidget: false },
-        ),
-      );
-    } else {
-      this.panel.reveal(undefined, true);
-    }
+    this.open();
     await this.draw(target === undefined ? editor?.selection.active : undefined);
   }
 
-  async deserializeWebviewPanel(panel: vscode.WebviewPanel, state: Subject | undefined): Promise<void> {
-    this.subject = state;
-    this.adopt(panel);
-    await this.draw();
+  protected update(): Promise<void> {
+    return this.draw();
   }
 
-  private adopt(panel: vscode.WebviewPanel): void {
-    this.panel = panel;
-    panel.webview.options = { enableScripts: true, localResourceRoots: [vscode.Uri.joinPath(this.extension, 'dist')] };
-    panel.onDidDispose(() => {
-      this.panel = undefined;
-      this.nodes = [];
-    });
-    panel.webview.onDidReceiveMessage((message: FromPage) => this.receive(message));
-    panel.webview.html = page(panel.webview, this.extension);
+  protected closed(): void {
+    this.nodes = [];
   }
 
-  private receive(message: FromPage): Promise<void> | void {
+  protected receive(message: FromPage): Promise<void> | void {
     switch (message.type) {
       case 'ready':
         return this.draw();
@@ -129,10 +107,6 @@ export class DiagramPreview implements vscode.Disposable, vscode.WebviewPanelSer
       case 'png':
         return this.save('png', Buffer.from(message.data, 'base64'));
     }
-  }
-
-  private send(message: ToPage): void {
-    void this.panel?.webview.postMessage(message);
   }
 
   private refresh(delay: number): void {

@@ -4,12 +4,12 @@ import * as vscode from 'vscode';
 import { WorkDoneProgress } from 'vscode-languageclient/node';
 import type { Server } from '../client';
 import { notRunning } from '../commands/server';
+import { SidePanel } from '../panel/panel';
 import { reveal } from '../panel/reveal';
 import { LANGUAGE, SCENARIO, sensitivity, verification, type VerificationAnswer, type WhatIf } from '../protocol';
 import type { FromPage, Limits, Subject, ToPage } from './messages';
 import { page } from './page';
 
-const VIEW_TYPE = 'dotgen.verification';
 const NO_LIMITS: Limits = { state: 'none', text: '' };
 const WRITE_OUT = 'Write the verification scenario to ';
 
@@ -19,9 +19,7 @@ export interface VerificationTarget {
   check?: number | null;
 }
 
-export class VerificationPanel implements vscode.Disposable, vscode.WebviewPanelSerializer<Subject> {
-  private panel: vscode.WebviewPanel | undefined;
-  private subject: Subject | undefined;
+export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
   private answer: VerificationAnswer | undefined;
   // The run on show, when somebody chose it: kept while the text changes.
   private pinned: VerificationAnswer['timeline'] = null;
@@ -36,10 +34,10 @@ export class VerificationPanel implements vscode.Disposable, vscode.WebviewPanel
 
   constructor(
     private readonly server: Server,
-    private readonly extension: vscode.Uri,
+    extension: vscode.Uri,
   ) {
+    super({ type: 'dotgen.verification', title: 'Verification', find: true, page }, extension);
     this.subscriptions = vscode.Disposable.from(
-      vscode.window.registerWebviewPanelSerializer(VIEW_TYPE, this),
       server.onDidVerify((status) => {
         // What is asked about a specification may be answered by its scenario.
         if (this.panel !== undefined && (status.uri === this.subject?.uri || status.uri === this.answer?.uri)) {
@@ -51,11 +49,11 @@ export class VerificationPanel implements vscode.Disposable, vscode.WebviewPanel
     );
   }
 
-  dispose(): void {
+  override dispose(): void {
     this.asked?.cancel();
     this.searching?.cancel();
     this.subscriptions.dispose();
-    this.panel?.dispose();
+    super.dispose();
   }
 
   /** Opens the panel on what a lens names, or on the active document. */
@@ -74,41 +72,22 @@ export class VerificationPanel implements vscode.Disposable, vscode.WebviewPanel
     this.subject = { uri, ...(typeof target?.check === 'number' ? { check: target.check } : {}) };
     this.pinned = null;
     this.endSearch(NO_LIMITS);
-    if (this.panel === undefined) {
-      this.adopt(
-        vscode.window.createWebviewPanel(VIEW_TYPE, 'Verification', { viewColumn: vscode.ViewColumn.Beside, preserveFocus: true }, { enableFindWidget: true }),
-      );
-    } else {
-      this.panel.reveal(undefined, true);
-    }
+    this.open();
     await this.ask();
   }
 
-  async deserializeWebviewPanel(panel: vscode.WebviewPanel, state: Subject | undefined): Promise<void> {
-    this.subject = state;
-    this.adopt(panel);
-    await this.ask();
+  protected update(): Promise<void> {
+    return this.ask();
   }
 
-  private adopt(panel: vscode.WebviewPanel): void {
-    this.panel = panel;
-    panel.webview.options = { enableScripts: true, localResourceRoots: [vscode.Uri.joinPath(this.extension, 'dist')] };
-    panel.onDidDispose(() => {
-      this.asked?.cancel();
-      this.endSearch(NO_LIMITS);
-      this.panel = undefined;
-      this.answer = undefined;
-      this.pinned = null;
-    });
-    panel.webview.onDidReceiveMessage((message: FromPage) => this.receive(message));
-    panel.webview.html = page(panel.webview, this.extension);
+  protected closed(): void {
+    this.asked?.cancel();
+    this.endSearch(NO_LIMITS);
+    this.answer = undefined;
+    this.pinned = null;
   }
 
-  private send(message: ToPage): void {
-    void this.panel?.webview.postMessage(message);
-  }
-
-  private async receive(message: FromPage): Promise<void> {
+  protected async receive(message: FromPage): Promise<void> {
     if (this.subject === undefined) {
       return;
     }

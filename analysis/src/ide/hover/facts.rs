@@ -6,10 +6,10 @@ use crate::{
     ide::inlay_hints::percent,
     lint::duration,
     model::{
-        Codel, CodelKind, CodelRef, Component, Owner, Seconds, ServiceKind, ServiceList, Spec,
-        State,
+        Codel, CodelKind, CodelRef, Component, Seconds, ServiceList, Spec, State,
         fsm::Machine,
-        mutex::{self, Excluded},
+        mutex::{self, Excluded, describe_owner},
+        system,
     },
 };
 
@@ -98,7 +98,7 @@ fn codel(spec: &Spec, component: &Component, name: &str) -> Vec<String> {
     let uses = component.all_codels();
     for it in uses.filter(|it| component.codel(*it).name.as_str() == name) {
         let codel = component.codel(it);
-        let owner = owner(component, it.owner);
+        let owner = describe_owner(component, it.owner);
         if codel.kind == CodelKind::Fsm {
             let machine = Machine::new(component.codels_of(it.owner));
             out.push(format!("{owner}: {}", callers(&machine, codel)));
@@ -163,7 +163,7 @@ fn exclusions(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<String
                 Excluded::Codel(other) => format!(
                     "`{}` of {}",
                     component.codel(other).name,
-                    owner(component, other.owner)
+                    describe_owner(component, other.owner)
                 ),
                 Excluded::Service(other) => {
                     format!("attribute `{}`", component.services[other as usize].name)
@@ -190,7 +190,7 @@ fn state(component: &Component, name: &str) -> Vec<String> {
         if from.is_empty() && codel.is_none() {
             continue;
         }
-        let mut line = owner(component, owner_index);
+        let mut line = describe_owner(component, owner_index);
         if !from.is_empty() {
             line += &format!(": from {}", listed(&from));
         }
@@ -210,26 +210,6 @@ fn state_text(state: &State) -> String {
     }
 }
 
-fn owner(component: &Component, owner: Owner) -> String {
-    match owner {
-        Owner::Task(it) => format!("task `{}`", component.tasks[it as usize].name),
-        Owner::Service(it) => {
-            let service = &component.services[it as usize];
-            let word = match service.kind {
-                ServiceKind::Attribute => "attribute",
-                ServiceKind::Function => "function",
-                ServiceKind::Activity => "activity",
-            };
-            format!("{word} `{}`", service.name)
-        }
-    }
-}
-
 fn listed(names: &[String]) -> String {
-    match names.get(..MANY) {
-        Some(first) if names.len() > MANY => {
-            format!("{} and {} more", first.join(", "), names.len() - MANY)
-        }
-        _ => names.join(", "),
-    }
+    system::listed(names, MANY)
 }

@@ -5,11 +5,13 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::diagnostic::Diagnostic;
 use dotgen_analysis::host::{AnalysisHost, Change};
 use dotgen_analysis::model::Name;
 use rustc_hash::FxHashSet;
 
 use crate::codels::{
+    allow,
     drift::Drift,
     expected::Expected,
     files::{Files, FilesConfig, Indexes, Sources},
@@ -112,10 +114,20 @@ impl<'a> Project<'a> {
 
     /// What differs in a folder, as the configuration and comments want it.
     pub fn findings(&self, folder: &Folder, all: &[Expected<'_>]) -> Vec<Drift> {
-        let found = folder.check(all);
+        self.adjusted(folder, folder.check(all))
+    }
+
+    /// Differences of a folder as the configuration and comments want them.
+    pub fn adjusted(&self, folder: &Folder, found: Vec<Drift>) -> Vec<Drift> {
         // Nothing cancels: the host is ours alone.
         let adjusted = folder.adjust(found, &self.host.analysis());
         adjusted.unwrap_or_default()
+    }
+
+    /// Comments on both sides that allow what nothing is.
+    pub fn unused_allowances(&self, compared: &[(Folder, Vec<Drift>)]) -> Vec<Diagnostic> {
+        let compared: Vec<_> = compared.iter().map(|it| (&it.0, &*it.1)).collect();
+        allow::unused(&compared, &self.host.analysis()).unwrap_or_default()
     }
 
     /// How stubs of a specification are written: with its notice.

@@ -3,7 +3,7 @@
 use dotgen_analysis::model::{InitValue, Initializer, ParamSource, PathElement, TypeId, TypeKind};
 
 use super::{Answer, Model, Result_, method, undefined, wrong_args};
-use crate::lang::{Anchor, dir_word, inner, param_types, source_word, value_kind, value_text};
+use crate::lang::{Anchor, dir_word, inner, param_types, source_word, value_text};
 use crate::template::Failure;
 use crate::template::object::{Lookup, Object, ParamRef};
 
@@ -188,7 +188,7 @@ pub(super) fn initializer(
         "kind" => Some(Answer::pure(
             match &it.value {
                 InitValue::Void => "void",
-                InitValue::Scalar(value) => value_kind(value),
+                InitValue::Scalar(value) => value.word(),
                 InitValue::Compound(_) => "compound",
             }
             .into(),

@@ -4,9 +4,7 @@ use dotgen_analysis::model::{TypeId, TypeKind};
 
 use super::component::{digest, types};
 use super::{Answer, Lambda, Model, Result_, method, wrong_args};
-use crate::lang::{
-    Passing, kind_word, label_text, length_of, nested, scope_word, value_kind, value_text,
-};
+use crate::lang::{Passing, label_text, length_of, nested, scope_word, value_text};
 use crate::template::object::Object;
 use crate::template::{Failure, tcl};
 
@@ -62,7 +60,7 @@ pub(super) fn call(
     let pure = |text: String| Some(Answer::pure(text));
     let argument = |index: usize| arguments.get(index).map_or("", String::as_str);
     let answer = match method {
-        "kind" => pure(kind_word(&it.kind).into()),
+        "kind" => pure(it.kind.word().into()),
         "name" => it.name.as_ref().and_then(|name| pure(name.to_string())),
         "fullname" => spec.full_name(ty).map(Answer::pure),
         "scope" => {
@@ -89,7 +87,7 @@ pub(super) fn call(
             _ => None,
         },
         "valuekind" => match &it.kind {
-            TypeKind::Const { value, .. } => pure(value_kind(value).into()),
+            TypeKind::Const { value, .. } => pure(value.word().into()),
             _ => None,
         },
         "members" => {

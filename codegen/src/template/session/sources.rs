@@ -20,7 +20,7 @@ impl Session<'_> {
             ("<string>".to_owned(), tcl::low_bytes(source))
         };
         let program = marker::translate(&text)
-            .map_err(|error| Failure::Error(format!("{name}:{}: {}", error.line, error.message)))?;
+            .map_err(|error| Failure::Error(format!("{name}:{}: {}", error.line, error.fault)))?;
         let path = self.temporary();
         if self.output.modes.is_on("debug") && !self.output.modes.is_on("silent") {
             self.print(&format!(
@@ -28,7 +28,7 @@ impl Session<'_> {
                 path.display()
             ));
         }
-        std::fs::write(&path, &program).map_err(|error| {
+        std::fs::write(&path, &program.text).map_err(|error| {
             Failure::Error(format!(
                 "couldn't open \"{}\": {}",
                 path.display(),
@@ -39,7 +39,7 @@ impl Session<'_> {
         self.scripts.push(Script {
             path: path.clone(),
             name,
-            text: program,
+            text: program.text,
         });
         Ok(Answer::volatile(path))
     }

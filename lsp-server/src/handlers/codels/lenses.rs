@@ -1,9 +1,10 @@
 //! Lenses above the functions of codels: what the specification says of them, and the way there.
 
 use camino::Utf8Path;
-use dotgen_analysis::host::Cancellable;
+use dotgen_analysis::host::{Cancellable, UnitResult};
 use dotgen_analysis::lint::duration;
-use dotgen_analysis::model::{CodelKind, CodelRef, State, mutex};
+use dotgen_analysis::model::system::{System, listed, parts};
+use dotgen_analysis::model::{Codel, CodelKind, CodelRef, Component, ParamSource, State, mutex};
 use dotgen_analysis::source_map::Locations;
 use dotgen_codegen::codels::expected::{Expected, owner_words, state_text};
 use dotgen_codegen::codels::links;
@@ -18,6 +19,9 @@ pub(crate) const SHOW_CODEL: &str = "dotgen.showCodel";
 
 /// More uses of one function than have a lens each.
 const MAX_USES: usize = 3;
+
+/// More codels of other components than a lens names.
+const MAX_REMOTE: usize = 3;
 
 /// A line above a function, and the place of the function's name.
 pub(crate) fn handle(snapshot: &Snapshot, subject: &Subject) -> Cancellable<Option<Vec<CodeLens>>> {
@@ -65,7 +69,20 @@ pub(crate) fn lenses(
     path: &Utf8Path,
 ) -> Cancellable<Vec<(Lens, std::ops::Range<usize>)>> {
     let mut out = Vec::new();
-    for compared in codels::around(snapshot, path)? {
+    let around = codels::around(snapshot, path)?;
+    // Made when the first codel uses a port.
+    let mut units: Option<Vec<UnitResult>> = None;
+    for folder in around.iter().flat_map(|it| it.folders()) {
+        let all = folder.expected();
+        let mut components = all.iter().map(Expected::component);
+        let meets = |it: &Component| it.all_codels().any(|at| uses_port(it.codel(at)));
+        if units.is_none() && components.any(meets) {
+            units = Some(snapshot.system_units(path)?);
+        }
+    }
+    let specs = units.iter().flatten().map(|it| &*it.spec);
+    let system = System::new(parts(specs), &snapshot.config.connections);
+    for compared in &around {
         for folder in compared.folders() {
             let all = folder.expected();
             for function in links::codel_functions(&all, &folder.sources, path) {
@@ -76,7 +93,7 @@ pub(crate) fn lenses(
                     let place = expected.component().codel(*at).src;
                     let place = folder.unit.locations.locate(place);
                     let places = place.into_iter().map(|it| (it.path, it.range)).collect();
-                    let title = title(expected, *at);
+                    let title = title(expected, *at, &system);
                     found.push(Lens { title, places });
                 }
                 if found.len() > MAX_USES {
@@ -93,7 +110,7 @@ pub(crate) fn lenses(
 }
 
 /// `activity fill: start → wait, ether · wcet 5 us · excludes tank_mix`
-fn title(expected: &Expected<'_>, at: CodelRef) -> String {
+fn title(expected: &Expected<'_>, at: CodelRef, system: &System<'_>) -> String {
     let component = expected.component();
     let codel = component.codel(at);
     let (kind, owner) = owner_words(component, at.owner);
@@ -120,6 +137,45 @@ fn title(expected: &Expected<'_>, at: CodelRef) -> String {
         [] => {}
         names if names.len() <= 3 => out += &format!(" · excludes {}", names.join(", ")),
         names => out += &format!(" · excludes {} codels", names.len()),
+    }
+    let remote = remote_exclusions(component, at, system);
+    if !remote.is_empty() {
+        out += &format!(" · excludes elsewhere {}", listed(&remote, MAX_REMOTE));
+    }
+    out
+}
+
+fn uses_port(codel: &Codel) -> bool {
+    let mut params = codel.params.iter();
+    params.any(|it| matches!(it.source, ParamSource::Port(_)))
+}
+
+/// Codels of other components that a codel excludes: `nav.go_codel through pom.pose`.
+fn remote_exclusions(component: &Component, at: CodelRef, system: &System<'_>) -> Vec<String> {
+    let Some(part) = system
+        .part(&component.name)
+        .filter(|_| uses_port(component.codel(at)))
+    else {
+        return Vec::new();
+    };
+    // Another unit may have read it otherwise.
+    let read = system.parts[part].component;
+    let name = |it: &Component| it.codel(at).name.clone();
+    if !read.all_codels().any(|it| it == at) || name(read) != name(component) {
+        return Vec::new();
+    }
+    let mut out = Vec::new();
+    for it in system.exclusions(part, at) {
+        let other = system.parts[it.part].component;
+        let codel = &other.codel(it.codel).name;
+        let name = format!(
+            "{}.{codel} through {}",
+            other.name,
+            system.port_name(it.port)
+        );
+        if !out.contains(&name) {
+            out.push(name);
+        }
     }
     out
 }

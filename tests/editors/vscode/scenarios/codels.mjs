@@ -6,6 +6,26 @@ import { until } from '../harness.mjs';
 
 export const workspace = 'drift';
 
+// A folder of an earlier day is replaced, the rest is kept.
+export const settings = { 'clangd.arguments': ['--background-index', '--compile-commands-dir=/elsewhere'] };
+
+// In place of clangd's extension: it says with what it would start.
+export const others = {
+  'llvm-vs-code-extensions.vscode-clangd': {
+    contributes: {
+      commands: [{ command: 'clangd.restart', title: 'Restart' }],
+      configuration: { properties: { 'clangd.arguments': { type: 'array', default: [] } } },
+    },
+    main: `
+      const vscode = require('vscode');
+      exports.activate = (context) => context.subscriptions.push(vscode.commands.registerCommand('clangd.restart', () => {
+        const file = vscode.Uri.joinPath(vscode.workspace.workspaceFolders[0].uri, '.clangd-started');
+        const given = vscode.workspace.getConfiguration('clangd').get('arguments');
+        return vscode.workspace.fs.writeFile(file, Buffer.from(JSON.stringify(given)));
+      }));`,
+  },
+};
+
 export function checks(wb) {
   const { page } = wb;
   const SOURCE = 'tank_control_codels.c';
@@ -146,6 +166,16 @@ export function checks(wb) {
       await until('the headers are there', () => existsSync(join(wb.folder, '.dotgen/compile_flags.txt')));
       assert.match(text('.dotgen/tank_c_types.h'), /tank_reading/);
       await wb.shot('codels-16-headers.png');
+    }],
+    ['and clangd is told where they are', async () => {
+      const use = page.locator('.notification-list-item .monaco-button', { hasText: 'Use in clangd' }).first();
+      if (!(await use.isVisible())) await wb.command('Notifications: Show Notifications');
+      await use.click();
+      await until('clangd is started again', () => existsSync(join(wb.folder, '.clangd-started')));
+      const given = ['--background-index', `--compile-commands-dir=${join(wb.folder, '.dotgen')}`];
+      assert.deepEqual(JSON.parse(text('.clangd-started')), given);
+      assert.deepEqual(JSON.parse(text('.vscode/settings.json'))['clangd.arguments'], given);
+      await wb.shot('codels-17-clangd.png');
     }],
   ];
 

@@ -5,8 +5,11 @@ import { join } from 'node:path';
 import { until } from '../harness.mjs';
 
 export const workspace = 'maneuver';
-// A template without Tcl, and a Tcl template that fails.
-export const files = {};
+// A template with a tag too much.
+export const files = {
+  'templates/print/template.tcl': 'template parse file printed.c file printed.c\n',
+  'templates/print/printed.c': "int plain;\nint done; // '>",
+};
 
 export function checks(wb) {
   const { page } = wb;
@@ -57,6 +60,18 @@ export function checks(wb) {
       await wb.command('dotgen: Regenerate');
       await notification('all files are up to date').waitFor();
       await wb.shot('generate-6-regenerate.png');
+    }],
+    ['a file of a template has its errors as it is edited', async () => {
+      await wb.open('printed.c');
+      await wb.squiggles().first().waitFor();
+      await wb.endOf('templates/print/printed.c', 'int done');
+      await wb.shot('generate-7-template-source.png');
+      await page.keyboard.press('Backspace');
+      await wb.squiggles().first().waitFor({ state: 'detached' });
+      await wb.type('>');
+      await wb.squiggles().first().waitFor();
+      await page.keyboard.press('Backspace');
+      await wb.squiggles().first().waitFor({ state: 'detached' });
     }],
   ];
   return { more };

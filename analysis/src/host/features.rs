@@ -1,0 +1,272 @@
+//! What editors ask of a snapshot: one method per feature, each answered by a module of [`crate::ide`].
+
+use std::ops::Range;
+
+use camino::{Utf8Path, Utf8PathBuf};
+
+use super::{Analysis, Cancellable};
+use crate::{
+    diagnostic::FileEdit,
+    ide::{self, *},
+    source_map::bytes,
+};
+
+impl Analysis {
+    /// The innermost macro call around the cursor.
+    pub fn expand_macro(
+        &self,
+        at: &FilePosition,
+    ) -> Cancellable<Option<RangeInfo<MacroExpansion>>> {
+        self.at(at, ide::expand_macro::expand_macro)
+    }
+
+    /// The outline of a file.
+    pub fn document_symbols(&self, path: &Utf8Path) -> Cancellable<Vec<DocumentSymbol>> {
+        self.list(path, ide::document_symbols::document_symbols)
+    }
+
+    /// Named declarations of the workspace whose name contains the characters of `query` in order,
+    /// whatever their case; best first, at most `limit`.
+    pub fn workspace_symbols(
+        &self,
+        query: &str,
+        limit: usize,
+    ) -> Cancellable<Vec<WorkspaceSymbol>> {
+        self.with(|db| ide::workspace_symbols::workspace_symbols(db, query, limit))
+    }
+
+    /// Regions that can be folded, by start.
+    pub fn folding_ranges(&self, path: &Utf8Path) -> Cancellable<Vec<FoldingRange>> {
+        self.list(path, ide::folding_ranges::folding_ranges)
+    }
+
+    /// For each offset the ranges around it, innermost first; never empty.
+    pub fn selection_ranges(
+        &self,
+        path: &Utf8Path,
+        offsets: &[usize],
+    ) -> Cancellable<Vec<Vec<Range<usize>>>> {
+        self.list(path, |view| {
+            let ranges = |&it| ide::selection_ranges::selection_ranges(view, it);
+            offsets.iter().map(ranges).collect()
+        })
+    }
+
+    /// Links on include directives.
+    pub fn document_links(&self, path: &Utf8Path) -> Cancellable<Vec<DocumentLink>> {
+        self.list(path, ide::document_links::document_links)
+    }
+
+    /// Coloured tokens of a file, or of the part that touches `range`.
+    pub fn semantic_tokens(
+        &self,
+        path: &Utf8Path,
+        range: Option<Range<usize>>,
+    ) -> Cancellable<Vec<SemanticToken>> {
+        self.list(path, |view| {
+            ide::semantic_tokens::semantic_tokens(view, range)
+        })
+    }
+
+    /// Regions left out by conditionals.
+    pub fn inactive_regions(&self, path: &Utf8Path) -> Cancellable<Vec<Range<usize>>> {
+        self.list(path, |view| {
+            view.pre().inactive.iter().map(|&it| bytes(it)).collect()
+        })
+    }
+
+    /// Where what is under the cursor is defined.
+    pub fn goto_definition(
+        &self,
+        at: &FilePosition,
+    ) -> Cancellable<Option<RangeInfo<Vec<NavTarget>>>> {
+        self.at(at, ide::goto::definition)
+    }
+
+    /// Where what is under the cursor is first declared (forward declarations, first openings).
+    pub fn goto_declaration(
+        &self,
+        at: &FilePosition,
+    ) -> Cancellable<Option<RangeInfo<Vec<NavTarget>>>> {
+        self.at(at, ide::goto::declaration)
+    }
+
+    /// Where the type of what is under the cursor is defined.
+    pub fn goto_type_definition(
+        &self,
+        at: &FilePosition,
+    ) -> Cancellable<Option<RangeInfo<Vec<NavTarget>>>> {
+        self.at(at, ide::goto::type_definition)
+    }
+
+    /// Every mention, in every unit, of what is under the cursor; by file and place.
+    pub fn references(
+        &self,
+        at: &FilePosition,
+        include_declaration: bool,
+    ) -> Cancellable<Option<Vec<ReferenceAt>>> {
+        self.at(at, |view, offset| {
+            ide::references::references(view, offset, include_declaration)
+        })
+    }
+
+    /// Every mention in this file of what is under the cursor.
+    pub fn highlights(&self, at: &FilePosition) -> Cancellable<Vec<Highlight>> {
+        self.list(&at.path, |view| {
+            ide::highlights::highlights(view, at.offset)
+        })
+    }
+
+    /// What is under the cursor.
+    pub fn hover(&self, at: &FilePosition) -> Cancellable<Option<RangeInfo<Hover>>> {
+        Ok(match self.at(at, ide::hover::hover)? {
+            Some(found) => Some(found),
+            None => self.at(at, ide::context_hover::hover)?,
+        })
+    }
+
+    /// What may be written at a cursor, best first.
+    pub fn completions(&self, at: &FilePosition) -> Cancellable<Vec<CompletionItem>> {
+        self.list(&at.path, |view| {
+            ide::completion::completions(view, at.offset)
+        })
+    }
+
+    /// Documentation of a proposal: its [`CompletionItem::definition`] and name.
+    pub fn resolve_completion(
+        &self,
+        path: &Utf8Path,
+        definition: u32,
+        name: &str,
+    ) -> Cancellable<Option<CompletionDoc>> {
+        Ok(self
+            .in_file(path, |view| {
+                ide::completion::resolve(view, definition, name)
+            })?
+            .flatten())
+    }
+
+    /// Components that provide what is under the cursor, or the interface that declares it.
+    pub fn goto_implementation(
+        &self,
+        at: &FilePosition,
+    ) -> Cancellable<Option<RangeInfo<Vec<NavTarget>>>> {
+        self.at(at, ide::implementation::implementations)
+    }
+
+    /// What would be renamed at a cursor: its range and present name, or why it cannot be.
+    pub fn prepare_rename(
+        &self,
+        at: &FilePosition,
+    ) -> Cancellable<Result<RangeInfo<String>, RenameError>> {
+        let found = self.in_file(&at.path, |view| ide::rename::prepare(view, at.offset))?;
+        Ok(found.unwrap_or_else(|| Err(RenameError("The file cannot be read".to_owned()))))
+    }
+
+    /// The edits that give what is under the cursor another name everywhere, or why it cannot have
+    /// that name.
+    pub fn rename(
+        &self,
+        at: &FilePosition,
+        new_name: &str,
+    ) -> Cancellable<Result<Vec<FileEdit>, RenameError>> {
+        let found = self.in_file(&at.path, |view| {
+            ide::rename::rename(view, at.offset, new_name)
+        })?;
+        Ok(found.unwrap_or_else(|| Err(RenameError("The file cannot be read".to_owned()))))
+    }
+
+    /// The edits of include directives that follow from moving files or folders, old path first.
+    pub fn files_moved(&self, moves: &[(Utf8PathBuf, Utf8PathBuf)]) -> Cancellable<Vec<FileEdit>> {
+        self.with(|db| ide::rename::files_moved(db, moves))
+    }
+
+    /// The states or services under a cursor.
+    pub fn call_hierarchy(&self, at: &FilePosition) -> Cancellable<Option<Vec<CallItem>>> {
+        self.at(at, ide::call_hierarchy::prepare)
+    }
+
+    /// What leads to a state, or which services interrupt one.
+    pub fn incoming_calls(&self, path: &Utf8Path, key: &CallKey) -> Cancellable<Vec<Call>> {
+        self.list(path, |view| ide::call_hierarchy::incoming(view, key))
+    }
+
+    /// Where a state leads, or which services one interrupts.
+    pub fn outgoing_calls(&self, path: &Utf8Path, key: &CallKey) -> Cancellable<Vec<Call>> {
+        self.list(path, |view| ide::call_hierarchy::outgoing(view, key))
+    }
+
+    /// Hints to show between the words of a range, by place.
+    pub fn inlay_hints(
+        &self,
+        path: &Utf8Path,
+        range: Range<usize>,
+        config: &InlayConfig,
+    ) -> Cancellable<Vec<InlayHint>> {
+        self.list(path, |view| {
+            ide::inlay_hints::inlay_hints(view, &range, config)
+        })
+    }
+
+    /// Where lenses are, by place.
+    pub fn code_lenses(&self, path: &Utf8Path) -> Cancellable<Vec<CodeLens>> {
+        self.list(path, ide::code_lens::code_lenses)
+    }
+
+    /// What a lens of a file says; `None` if what it is about has gone.
+    pub fn resolve_lens(&self, path: &Utf8Path, kind: &LensKind) -> Cancellable<Option<LensText>> {
+        Ok(self
+            .in_file(path, |view| ide::code_lens::resolve(view, kind))?
+            .flatten())
+    }
+
+    /// The signature around a cursor.
+    pub fn signature_help(&self, at: &FilePosition) -> Cancellable<Option<SignatureHelp>> {
+        self.at(at, ide::signature_help::signature_help)
+    }
+
+    /// The edits that bring a file, or the part of it that touches a range, in shape; blanks and
+    /// line ends only.
+    pub fn format(
+        &self,
+        path: &Utf8Path,
+        within: Option<Range<usize>>,
+    ) -> Cancellable<Vec<FileEdit>> {
+        self.list(path, |view| ide::formatting::format(view, within))
+    }
+
+    /// The edits that follow from typing `;`, `}` or a line end just before the cursor.
+    pub fn format_on_type(&self, at: &FilePosition, typed: char) -> Cancellable<Vec<FileEdit>> {
+        self.list(&at.path, |view| {
+            ide::formatting::on_type(view, at.offset, typed)
+        })
+    }
+
+    /// The refactorings that apply to a selection.
+    pub fn assists(&self, path: &Utf8Path, range: Range<usize>) -> Cancellable<Vec<Assist>> {
+        self.list(path, |view| ide::assists::assists(view, &range))
+    }
+
+    /// The includes of a file in order; `None` if they are, or if their order matters.
+    pub fn organize_includes(&self, path: &Utf8Path) -> Cancellable<Option<Assist>> {
+        Ok(self
+            .in_file(path, ide::assists::organize_includes)?
+            .flatten())
+    }
+
+    fn list<T>(
+        &self,
+        path: &Utf8Path,
+        f: impl FnOnce(&FileView<'_>) -> Vec<T>,
+    ) -> Cancellable<Vec<T>> {
+        Ok(self.in_file(path, f)?.unwrap_or_default())
+    }
+
+    fn at<T>(
+        &self,
+        at: &FilePosition,
+        f: impl FnOnce(&FileView<'_>, usize) -> Option<T>,
+    ) -> Cancellable<Option<T>> {
+        Ok(self.in_file(&at.path, |view| f(view, at.offset))?.flatten())
+    }
+}

@@ -1,0 +1,322 @@
+//! Components that exchange data through ports: which output feeds which input, and which codels of
+//! other components a codel excludes because of that.
+
+use rustc_hash::FxHashMap;
+
+use super::{
+    CodelRef, Component, ComponentKind, ParamSource, PortDir, Spec, TypeId, mutex::describe_owner,
+};
+
+/// A component of a system, with the specification it belongs to.
+#[derive(Debug, Clone, Copy)]
+pub struct Part<'a> {
+    /// Where its types live.
+    pub spec: &'a Spec,
+    /// The component.
+    pub component: &'a Component,
+    /// Number of the specification.
+    pub number: usize,
+}
+
+/// `a.in_port` is fed by `b.out_port`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Connection {
+    /// Component and output port.
+    pub from: (String, String),
+    /// Component and input port.
+    pub to: (String, String),
+}
+
+/// A port: indexes of its component in [`System::parts`] and of the port there.
+pub type PortRef = (usize, u32);
+
+/// Components with the connections between them.
+#[derive(Debug)]
+pub struct System<'a> {
+    /// The components, without interfaces.
+    pub parts: Vec<Part<'a>>,
+    connections: &'a [Connection],
+    /// Output ports by the name of their type.
+    outputs: FxHashMap<String, Vec<PortRef>>,
+}
+
+/// A codel of another component that cannot run at the same time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RemoteExclusion {
+    /// Index of the component in [`System::parts`].
+    pub part: usize,
+    /// The codel.
+    pub codel: CodelRef,
+    /// The output port that both use.
+    pub port: PortRef,
+}
+
+/// The components of specifications. One that several of them declare counts once.
+pub fn parts<'a>(specs: impl IntoIterator<Item = &'a Spec>) -> Vec<Part<'a>> {
+    let mut parts: Vec<Part<'_>> = Vec::new();
+    let mut known = rustc_hash::FxHashSet::default();
+    for (number, spec) in specs.into_iter().enumerate() {
+        for component in &spec.components {
+            if component.kind == ComponentKind::Component && known.insert(&component.name) {
+                parts.push(Part {
+                    spec,
+                    component,
+                    number,
+                });
+            }
+        }
+    }
+    parts
+}
+
+impl<'a> System<'a> {
+    /// A system. Connections are those that are known; the others are found by type and name.
+    pub fn new(
+        parts: impl IntoIterator<Item = Part<'a>>,
+        connections: &'a [Connection],
+    ) -> System<'a> {
+        let parts = parts.into_iter();
+        let parts: Vec<Part<'_>> = parts
+            .filter(|it| it.component.kind == ComponentKind::Component)
+            .collect();
+        let mut outputs: FxHashMap<String, Vec<PortRef>> = FxHashMap::default();
+        for (number, part) in parts.iter().enumerate() {
+            for (index, port) in (0..).zip(&part.component.ports) {
+                if port.dir == PortDir::Out {
+                    let ty = type_name(part.spec, port.data);
+                    outputs.entry(ty).or_default().push((number, index));
+                }
+            }
+        }
+        System {
+            parts,
+            connections,
+            outputs,
+        }
+    }
+
+    /// Output ports that feed an input port: the configured ones; else those of other components of
+    /// equal name and type; else the only one of that type.
+    pub fn sources(&self, (part, port): PortRef) -> Vec<PortRef> {
+        let reader = &self.parts[part];
+        let port = &reader.component.ports[port as usize];
+        let configured: Vec<PortRef> = self
+            .connections
+            .iter()
+            .filter(|it| it.to.0 == reader.component.name.as_str() && it.to.1 == port.name.as_str())
+            .filter_map(|it| self.output(&it.from.0, &it.from.1))
+            .collect();
+        if !configured.is_empty() {
+            return configured;
+        }
+        let name = |it: &PortRef| &self.parts[it.0].component.ports[it.1 as usize].name;
+        let of_type = self.outputs.get(&type_name(reader.spec, port.data));
+        let others = of_type.into_iter().flatten();
+        let candidates: Vec<PortRef> = others.filter(|it| it.0 != part).copied().collect();
+        let mut same_name = candidates
+            .iter()
+            .filter(|it| *name(it) == port.name)
+            .copied()
+            .peekable();
+        match (same_name.peek(), candidates.len()) {
+            (Some(_), _) => same_name.collect(),
+            (None, 1) => candidates,
+            _ => Vec::new(),
+        }
+    }
+
+    /// Index of a component.
+    pub fn part(&self, name: &str) -> Option<usize> {
+        let mut parts = self.parts.iter();
+        parts.position(|it| it.component.name.as_str() == name)
+    }
+
+    fn output(&self, component: &str, port: &str) -> Option<PortRef> {
+        let part = self.part(component)?;
+        let mut ports = (0..).zip(&self.parts[part].component.ports);
+        let found = ports.find(|(_, it)| it.dir == PortDir::Out && it.name.as_str() == port);
+        found.map(|(index, _)| (part, index))
+    }
+
+    /// Where the data of a port is: in itself, or in the outputs that feed it.
+    fn locks(&self, port: PortRef) -> Vec<PortRef> {
+        match self.parts[port.0].component.ports[port.1 as usize].dir {
+            PortDir::Out => vec![port],
+            PortDir::In => self.sources(port),
+        }
+    }
+
+    /// The codels of other components that use the data of a port that a codel uses, each once for
+    /// every port. Readers exclude readers, as within a component.
+    pub fn exclusions(&self, part: usize, codel: CodelRef) -> Vec<RemoteExclusion> {
+        let own = self.parts[part].component.codel(codel);
+        let mut shared: Vec<PortRef> = Vec::new();
+        for param in &own.params {
+            if let ParamSource::Port(port) = param.source {
+                shared.extend(self.locks((part, port)));
+            }
+        }
+        shared.sort_unstable();
+        shared.dedup();
+        let mut out = Vec::new();
+        if shared.is_empty() {
+            return out;
+        }
+        for (other, it) in self.parts.iter().enumerate().filter(|it| it.0 != part) {
+            let ports = 0..it.component.ports.len() as u32;
+            let meets: Vec<Vec<PortRef>> = ports
+                .map(|port| {
+                    let mut locks = self.locks((other, port));
+                    locks.retain(|it| shared.contains(it));
+                    locks
+                })
+                .collect();
+            if meets.iter().all(Vec::is_empty) {
+                continue;
+            }
+            for codel in it.component.all_codels() {
+                let mut found: Vec<PortRef> = Vec::new();
+                for param in &it.component.codel(codel).params {
+                    if let ParamSource::Port(port) = param.source {
+                        found.extend(&meets[port as usize]);
+                    }
+                }
+                found.sort_unstable();
+                found.dedup();
+                let part = other;
+                out.extend(
+                    found
+                        .into_iter()
+                        .map(|port| RemoteExclusion { part, codel, port }),
+                );
+            }
+        }
+        out
+    }
+
+    /// For messages: ``"`go_codel` of activity `go` of `nav` (port `pom.pose`)"``.
+    pub fn describe(&self, it: &RemoteExclusion) -> String {
+        let component = self.parts[it.part].component;
+        format!(
+            "`{}` of {} of `{}` (port `{}`)",
+            component.codel(it.codel).name,
+            describe_owner(component, it.codel.owner),
+            component.name,
+            self.port_name(it.port)
+        )
+    }
+
+    /// `component.port`
+    pub fn port_name(&self, (part, port): PortRef) -> String {
+        let component = self.parts[part].component;
+        format!("{}.{}", component.name, component.ports[port as usize].name)
+    }
+}
+
+/// The name of a type, aliases resolved.
+pub fn type_name(spec: &Spec, ty: TypeId) -> String {
+    spec.full_name(spec.resolve_alias(ty)).unwrap_or_default()
+}
+
+/// Names as one text, those beyond `many` as a number.
+pub fn listed(names: &[String], many: usize) -> String {
+    match names.get(..many) {
+        Some(first) if names.len() > many => {
+            format!("{} and {} more", first.join(", "), names.len() - many)
+        }
+        _ => names.join(", "),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_support::Fixture;
+
+    const POM: &str = "struct s { long x; };\ncomponent pom {\n  port out s pose;\n  task t { period 5 ms; codel<start> pom_t(out pose) yield pause::start; };\n};\n";
+    const NAV: &str = "struct s { long x; };\ncomponent nav {\n  port in s pose;\n  port in s other;\n  ids { s x; };\n  task t { period 5 ms; codel<start> nav_t(in pose, out x) yield pause::start; };\n  activity go() { task t; codel<start> nav_go(in other) yield ether; codel<stop> nav_stop(out x) yield ether; };\n};\n";
+    const LOG: &str = "struct s { long x; };\ncomponent log {\n  port in s position;\n  port in s none;\n  ids { s x; };\n  function f() { codel log_f(in position, out x); };\n};\n";
+
+    fn excluded(files: &str, connections: &[(&str, &str)], component: &str) -> Vec<String> {
+        let fixture = Fixture::new(files);
+        let units: Vec<_> = fixture
+            .paths()
+            .iter()
+            .map(|it| fixture.analysis().root_unit(it).unwrap())
+            .collect();
+        let port = |it: &str| {
+            let (component, port) = it.split_once('.').unwrap();
+            (component.to_owned(), port.to_owned())
+        };
+        let connections: Vec<_> = connections
+            .iter()
+            .map(|(to, from)| Connection {
+                from: port(from),
+                to: port(to),
+            })
+            .collect();
+        let system = System::new(parts(units.iter().map(|it| &*it.spec)), &connections);
+        let part = system.part(component).unwrap();
+        let own = system.parts[part].component;
+        let mut out = Vec::new();
+        for at in own.all_codels() {
+            for it in system.exclusions(part, at) {
+                out.push(format!("{}: {}", own.codel(at).name, system.describe(&it)));
+            }
+        }
+        out
+    }
+
+    fn all() -> String {
+        format!("//- /a.gen\n{POM}//- /b.gen\n{NAV}//- /c.gen\n{LOG}")
+    }
+
+    #[test]
+    fn ports_of_one_name_and_type_meet() {
+        assert_eq!(
+            excluded(&all(), &[], "pom"),
+            [
+                "pom_t: `nav_t` of task `t` of `nav` (port `pom.pose`)",
+                "pom_t: `nav_go` of activity `go` of `nav` (port `pom.pose`)",
+                // The only output of that type.
+                "pom_t: `log_f` of function `f` of `log` (port `pom.pose`)",
+            ]
+        );
+        // Readers exclude readers, but not those of their own component again.
+        assert_eq!(
+            excluded(&all(), &[], "log"),
+            [
+                "log_f: `pom_t` of task `t` of `pom` (port `pom.pose`)",
+                "log_f: `nav_t` of task `t` of `nav` (port `pom.pose`)",
+                "log_f: `nav_go` of activity `go` of `nav` (port `pom.pose`)",
+            ]
+        );
+    }
+
+    #[test]
+    fn the_configuration_wins_over_names() {
+        let second = POM.replace("pom", "gps");
+        let files = format!("{}//- /d.gen\n{second}", all());
+        // Two of that name: only equal names meet.
+        assert_eq!(
+            excluded(&files, &[], "gps"),
+            ["gps_t: `nav_t` of task `t` of `nav` (port `gps.pose`)"]
+        );
+        let connections = [("nav.pose", "pom.pose"), ("log.position", "gps.pose")];
+        assert_eq!(
+            excluded(&files, &connections, "gps"),
+            ["gps_t: `log_f` of function `f` of `log` (port `gps.pose`)"]
+        );
+    }
+
+    #[test]
+    fn other_types_and_interfaces_do_not_meet() {
+        let other = POM
+            .replace("long", "double")
+            .replace("struct s", "struct t")
+            .replace("out s", "out t");
+        let interface = "struct s { long x; };\ninterface i { port out s pose; };\n";
+        let files = format!("//- /a.gen\n{other}//- /b.gen\n{NAV}//- /c.gen\n{interface}");
+        assert_eq!(excluded(&files, &[], "nav"), [""; 0]);
+    }
+}

@@ -1,0 +1,398 @@
+//! What is wrong with the files of a template, told without running it: tags of markers that do not
+//! match, and Tcl that cannot be complete.
+
+use std::ops::Range;
+
+use camino::Utf8Path;
+use dotgen_analysis::codes::Code;
+use dotgen_analysis::diagnostic::{Diagnostic, Related, Severity};
+
+use super::marker::{self, Fault, Piece, PieceKind, Program, Tag};
+use super::script::{self, Flaw, FlawKind};
+
+/// Tags of markers.
+pub const MARKER: &str = "template/marker";
+/// The Tcl of markers and scripts.
+pub const TCL: &str = "template/tcl";
+/// Text that a comment swallows.
+pub const COMMENT: &str = "template/comment";
+
+/// What the codes of this module mean.
+pub const CODES: &[Code] = &[
+    Code {
+        id: MARKER,
+        severity: Severity::Error,
+        on: true,
+        meaning: "a marker of a template source that is not closed, not opened, or closed with the other quote",
+        why: Some(
+            "The engine refuses the source. `<'` ends at the first `'>` or `\">` after it, and so does `<\"`: markers \
+             cannot be nested, and no tag can be quoted.",
+        ),
+        example: Some(
+            "<'foreach c [dotgen components] {\n  #include \"<\"[$c name]\">.h\"\n<'}'>\n",
+        ),
+        fix: Some("Close `<'` with `'>` and `<\"` with `\">`, or take the lone tag out."),
+        reference: true,
+    },
+    Code {
+        id: TCL,
+        severity: Severity::Error,
+        on: true,
+        meaning: "Tcl in a template that cannot be complete: a brace, bracket or quote without its other half",
+        why: Some(
+            "The code of all markers of a source is one Tcl program, with the text between them as commands that print \
+             it. A brace may be opened in one marker and closed in another, but the whole has to be complete.",
+        ),
+        example: Some("<'foreach c [dotgen components] {'>\n  component <\"[$c name]\">\n"),
+        fix: Some("Add the missing half, here `<'}'>` at the end, or take the other one out."),
+        reference: true,
+    },
+    Code {
+        id: COMMENT,
+        severity: Severity::Error,
+        on: true,
+        meaning: "a Tcl comment at the end of a marker, which takes the text behind it with it",
+        why: Some(
+            "A comment ends with the line of the program, not with the marker: the text behind the marker, up to the \
+             end of the line, is part of the comment and is not written, and what follows is no Tcl.",
+        ),
+        example: Some("<'set n 0 ;# how many so far'> first line\n"),
+        fix: Some("Put `'>` on a line of its own."),
+        reference: true,
+    },
+];
+
+/// What is wrong with a source.
+pub fn source(path: &Utf8Path, text: &str) -> Vec<Diagnostic> {
+    let places = Places { path, text };
+    let program = match marker::translate(text) {
+        Ok(program) => program,
+        Err(error) => return vec![places.fault(error.fault)],
+    };
+    let mut out: Vec<Diagnostic> = nested(text, &program)
+        // The engine takes it, and Tcl may.
+        .map(|(open, inner)| Diagnostic {
+            severity: Severity::Warning,
+            ..places.nested(open, inner)
+        })
+        .collect();
+    for flaw in script::flaws(&program.text) {
+        let range = program.source(&flaw.range);
+        out.push(places.flaw(range, flaw.kind, "before the end of the file"));
+    }
+    let substitutions = program.pieces.iter();
+    for piece in substitutions.filter(|it| it.kind == PieceKind::Substitution) {
+        let range = places.bytes(&piece.source);
+        for flaw in script::subst_flaws(&text[range.clone()]) {
+            let Flaw { range: at, kind } = flaw;
+            let at = range.start + at.start..range.start + at.end;
+            out.push(places.at(at, kind, "before `\">`"));
+        }
+    }
+    out.sort_by_key(|it| (it.range.start, it.range.end));
+    out
+}
+
+/// What is wrong with a script: `template.tcl` and what it requires.
+pub fn script(path: &Utf8Path, text: &str) -> Vec<Diagnostic> {
+    let places = Places { path, text };
+    let flaws = script::flaws(text).into_iter();
+    flaws
+        .map(|it| places.at(it.range, it.kind, "before the end of the file"))
+        .collect()
+}
+
+/// Whether a text begins with a whole marker, text in front of it apart.
+pub fn has_marker(text: &str) -> bool {
+    let open = ["<'", "<\""].map(|it| text.find(it));
+    let Some(open) = open.into_iter().flatten().min() else {
+        return false;
+    };
+    let quote = &text[open + 1..open + 2];
+    let close = ["'>", "\">"].map(|it| text[open + 2..].find(it));
+    let close = close.into_iter().flatten().min();
+    close.is_some_and(|it| text[open + 2 + it..].starts_with(quote))
+}
+
+/// Markers of code with another opening tag inside, as indexes of both: the first is not closed, and
+/// ends with the second.
+fn nested<'a>(text: &'a str, program: &'a Program) -> impl Iterator<Item = (usize, usize)> + 'a {
+    let chars: Vec<char> = text.chars().collect();
+    let code = program.pieces.iter();
+    let code = code.filter(|it| it.kind == PieceKind::Code);
+    code.filter_map(move |it| {
+        let inside = &chars[it.source.clone()];
+        let at = inside.windows(2).position(|it| it == ['<', '\''])?;
+        Some((it.source.start - 2, it.source.start + at))
+    })
+}
+
+impl Program {
+    /// Where a range of the program was in the source, in characters. What was added by the
+    /// translation is at the end of what stands before it.
+    fn source(&self, range: &Range<usize>) -> Range<usize> {
+        let after = self.pieces.partition_point(|it| it.program <= range.start);
+        let Some(piece) = after.checked_sub(1).map(|it| &self.pieces[it]) else {
+            return 0..0;
+        };
+        let Piece { source, .. } = piece;
+        if piece.kind != PieceKind::Code {
+            return source.start..source.start;
+        }
+        let chars = |range: Range<usize>| self.text[range].chars().count();
+        let start = source.start + chars(piece.program..range.start);
+        let end = start + chars(range.clone());
+        start.min(source.end)..end.min(source.end)
+    }
+}
+
+/// The text that is spoken of.
+struct Places<'a> {
+    path: &'a Utf8Path,
+    text: &'a str,
+}
+
+impl Places<'_> {
+    /// Characters as bytes.
+    fn bytes(&self, chars: &Range<usize>) -> Range<usize> {
+        let byte = |at: usize| {
+            let found = self.text.char_indices().nth(at);
+            found.map_or(self.text.len(), |it| it.0)
+        };
+        byte(chars.start)..byte(chars.end)
+    }
+
+    fn line(&self, at: usize) -> usize {
+        self.text[..at].matches('\n').count() + 1
+    }
+
+    fn diagnostic(&self, code: &'static str, range: Range<usize>, message: String) -> Diagnostic {
+        let severity = CODES.iter().find(|it| it.id == code).map(|it| it.severity);
+        Diagnostic {
+            code,
+            severity: severity.unwrap_or(Severity::Error),
+            message,
+            path: self.path.to_owned(),
+            range,
+            related: Vec::new(),
+            tags: Vec::new(),
+            fixes: Vec::new(),
+        }
+    }
+
+    fn related(&self, range: Range<usize>, message: &str) -> Related {
+        Related {
+            path: self.path.to_owned(),
+            range,
+            message: message.to_owned(),
+        }
+    }
+
+    fn tag(&self, tag: Tag) -> Range<usize> {
+        self.bytes(&(tag.at..tag.at + 2))
+    }
+
+    fn fault(&self, fault: Fault) -> Diagnostic {
+        match fault {
+            Fault::Unopened { close } => {
+                let quote = close.quote;
+                let message = format!(
+                    "`{quote}>` closes no marker: write `<{quote}` where the marker begins, or take this tag out"
+                );
+                self.diagnostic(MARKER, self.tag(close), message)
+            }
+            Fault::Unclosed { open } => {
+                let quote = open.quote;
+                let message = format!("this marker is not closed: write `{quote}>` where it ends");
+                self.diagnostic(MARKER, self.tag(open), message)
+            }
+            Fault::Unbalanced { open, close } => {
+                let (first, last) = (self.tag(open), self.tag(close));
+                let inside = &self.text[first.end..last.start];
+                // The tag belongs to another marker, which begins before the first has ended.
+                if let Some(at) = inside.rfind(&format!("<{}", close.quote)) {
+                    let inner = first.end + at;
+                    return self.nested_at(first, open.quote, inner);
+                }
+                let line = self.line(first.start);
+                let (open, close) = (open.quote, close.quote);
+                let message = format!(
+                    "the marker that `<{open}` opens in line {line} is closed with `{close}>`: write `{open}>`"
+                );
+                let mut it = self.diagnostic(MARKER, last, message);
+                it.related
+                    .push(self.related(first, "the marker begins here"));
+                it
+            }
+        }
+    }
+
+    fn nested(&self, open: usize, inner: usize) -> Diagnostic {
+        let inner = self.bytes(&(inner..inner)).start;
+        self.nested_at(self.bytes(&(open..open + 2)), '\'', inner)
+    }
+
+    fn nested_at(&self, open: Range<usize>, quote: char, inner: usize) -> Diagnostic {
+        let line = self.line(inner);
+        let message = format!(
+            "this marker is not closed before the next one begins in line {line}: write `{quote}>` where it ends"
+        );
+        let mut it = self.diagnostic(MARKER, open, message);
+        let next = self.related(inner..inner + 2, "the next marker begins here");
+        it.related.push(next);
+        it
+    }
+
+    /// A flaw at characters.
+    fn flaw(&self, chars: Range<usize>, kind: FlawKind, before: &str) -> Diagnostic {
+        self.at(self.bytes(&chars), kind, before)
+    }
+
+    fn at(&self, range: Range<usize>, kind: FlawKind, before: &str) -> Diagnostic {
+        let open = |what: &str, close: &str| {
+            let message = format!("`{what}` is not closed: write `{close}` {before}");
+            (TCL, message)
+        };
+        let (code, message) = match kind {
+            FlawKind::Brace => open("{", "}"),
+            FlawKind::Bracket => open("[", "]"),
+            FlawKind::Quote => open("\"", "\""),
+            FlawKind::Name => open("${", "}"),
+            FlawKind::Index => open(&self.text[range.clone()], ")"),
+            FlawKind::Extra(close) => (
+                TCL,
+                format!(
+                    "a word that ends with `{close}` goes on behind it: write a space there, or put `\\` before \
+                     what is part of the word"
+                ),
+            ),
+            FlawKind::Stray => (
+                TCL,
+                "`}` closes nothing: open a `{` before, or take it out".to_owned(),
+            ),
+            FlawKind::Detached => {
+                let word = &self.text[range.clone()];
+                let message = format!(
+                    "`{word}` begins a command of its own: write it behind the `}}` of its `if`, in the same marker"
+                );
+                (TCL, message)
+            }
+            FlawKind::Comment => (
+                COMMENT,
+                "this comment ends with the line, and the text behind the marker is part of it: put `'>` on a line \
+                 of its own"
+                    .to_owned(),
+            ),
+        };
+        self.diagnostic(code, range, message)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Findings with their places as the editor counts: `line:column code message`, and the text there.
+    fn shown(text: &str, found: &[Diagnostic]) -> Vec<String> {
+        let one = |it: &Diagnostic| {
+            let before = &text[..it.range.start];
+            let line = before.matches('\n').count() + 1;
+            let column = before.chars().rev().take_while(|it| *it != '\n').count() + 1;
+            let what = &text[it.range.clone()];
+            format!("{line}:{column} {what:?} {}: {}", it.code, it.message)
+        };
+        found.iter().map(one).collect()
+    }
+
+    fn check(text: &str) -> Vec<String> {
+        let found = source("t.c".into(), text);
+        // What the engine refuses is told, whatever else is.
+        let refused = marker::translate(text).is_err();
+        assert!(!refused || found.iter().any(|it| it.code == MARKER));
+        shown(text, &found)
+    }
+
+    #[test]
+    fn a_healthy_source_has_no_findings() {
+        let text = "é <'# one\nif {$a} {'>\n{ [ \" <\"[f \"a b\"] ${x y}\">\n<'} else {'>\n  '<'}'> #\n'a' \"b\" <c>\n";
+        assert_eq!(check(text), [""; 0]);
+        assert_eq!(check("a\n<'foreach x {1 2} {'>\n}\n<'}'>\n"), [""; 0]);
+    }
+
+    #[test]
+    fn tags_that_do_not_match() {
+        assert_eq!(
+            check("é\n  x '>\n"),
+            [
+                "2:5 \"'>\" template/marker: `'>` closes no marker: write `<'` where the marker begins, or take this tag out"
+            ]
+        );
+        assert_eq!(
+            check("a\nb <'set x\n"),
+            ["2:3 \"<'\" template/marker: this marker is not closed: write `'>` where it ends"]
+        );
+        assert_eq!(
+            check("a\n<' x\n \">\n"),
+            [
+                "3:2 \"\\\">\" template/marker: the marker that `<'` opens in line 2 is closed with `\">`: write `'>`"
+            ]
+        );
+        let line = "1:1 \"<'\" template/marker: this marker is not closed before the next one begins in line 2: write `'>` \
+                    where it ends";
+        assert_eq!(check("<'set x 1\nb <\"$x\">\n"), [line]);
+        assert_eq!(check("<'set x 1\nb <'puts x'>\n"), [line]);
+    }
+
+    #[test]
+    fn tcl_that_cannot_be_complete_is_told_where_it_was_written() {
+        assert_eq!(
+            check("é{\n<'foreach x $l {'>\n text }\n<\"$x\">\n"),
+            ["2:16 \"{\" template/tcl: `{` is not closed: write `}` before the end of the file"]
+        );
+        assert_eq!(
+            check("a <'set x 1'>\nb <'}'>\n"),
+            ["2:5 \"}\" template/tcl: `}` closes nothing: open a `{` before, or take it out"]
+        );
+        assert_eq!(
+            check("a <\"é [f {x}\"> b\n"),
+            ["1:7 \"[\" template/tcl: `[` is not closed: write `]` before `\">`"]
+        );
+        assert_eq!(
+            check("<'if {$x} {'>a<'}'>\n<'else {'>b<'}'>\n"),
+            [
+                "2:3 \"else\" template/tcl: `else` begins a command of its own: write it behind the `}` of its `if`, in the \
+             same marker"
+            ]
+        );
+        assert_eq!(
+            check("<'if {$x} {puts [f $x }'>\n"),
+            ["1:17 \"[\" template/tcl: `[` is not closed: write `]` before the end of the file"]
+        );
+    }
+
+    #[test]
+    fn a_comment_at_the_end_of_a_marker_takes_text_with_it() {
+        let found = check("<'set n 0 ;# none'> first\n");
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(found[0].starts_with("1:12 \"#\" template/comment"));
+    }
+
+    #[test]
+    fn scripts() {
+        let text =
+            "template options {\n  -C { engine chdir [template arg] }\n}\nforeach f $argv {\n";
+        assert_eq!(
+            shown(text, &script("template.tcl".into(), text)),
+            ["4:17 \"{\" template/tcl: `{` is not closed: write `}` before the end of the file"]
+        );
+    }
+
+    #[test]
+    fn the_examples_of_the_manual_trigger_their_codes() {
+        for code in CODES {
+            let found = source("t.c".into(), code.example.unwrap_or_default());
+            let codes: Vec<&str> = found.iter().map(|it| it.code).collect();
+            assert_eq!(codes, [code.id]);
+        }
+    }
+}

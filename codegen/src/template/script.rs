@@ -1,0 +1,419 @@
+//! The structure of a Tcl script: what can be told to be wrong without running it.
+//!
+//! Tcl reads a script command by command, and looks into a braced word only when something evaluates
+//! it. So does this: it descends where a command is known to evaluate its word, and into command
+//! substitutions. What is reported would fail, whatever the values of variables.
+
+use std::ops::Range;
+
+use super::marker::{LITERAL, SUBSTITUTE};
+
+/// Something that makes a script fail. Ranges are bytes of the script.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Flaw {
+    /// What to look at.
+    pub range: Range<usize>,
+    /// What is wrong.
+    pub kind: FlawKind,
+}
+
+/// See [`Flaw`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum FlawKind {
+    /// `{` without `}`.
+    Brace,
+    /// `[` without `]`.
+    Bracket,
+    /// `"` without `"`.
+    Quote,
+    /// `${` without `}`.
+    Name,
+    /// `$name(` without `)`.
+    Index,
+    /// A word goes on behind `}` or `"`.
+    Extra(char),
+    /// A command that begins with `}`.
+    Stray,
+    /// `else` or `elseif` where a command begins.
+    Detached,
+    /// A comment that takes a literal or a substitution of a source with it.
+    Comment,
+}
+
+/// Depth of nested scripts that is looked into: deeper than anybody writes.
+const DEPTH: usize = 100;
+
+/// The flaws of a script. The first that leaves a word without an end is the last.
+pub(crate) fn flaws(script: &str) -> Vec<Flaw> {
+    let mut reader = Reader::new(script.as_bytes(), 0..script.len());
+    // What is read up to an open end has been looked at.
+    let _ = reader.script(false);
+    reader.flaws
+}
+
+/// The flaws of a text whose variables and commands are substituted.
+pub(crate) fn subst_flaws(text: &str) -> Vec<Flaw> {
+    let mut reader = Reader::new(text.as_bytes(), 0..text.len());
+    let _ = reader.substituted(|_| false);
+    reader.flaws
+}
+
+/// An end that does not come; the flaw has been noted.
+struct Open;
+
+struct Reader<'a> {
+    text: &'a [u8],
+    at: usize,
+    end: usize,
+    depth: usize,
+    flaws: Vec<Flaw>,
+}
+
+/// A word of a command.
+struct Word {
+    range: Range<usize>,
+    /// In braces: what is inside is evaluated by the command, or by nobody.
+    braced: bool,
+}
+
+impl<'a> Reader<'a> {
+    fn new(text: &'a [u8], range: Range<usize>) -> Reader<'a> {
+        Reader {
+            text,
+            at: range.start,
+            end: range.end,
+            depth: 0,
+            flaws: Vec::new(),
+        }
+    }
+
+    fn peek(&self) -> Option<u8> {
+        (self.at < self.end).then(|| self.text[self.at])
+    }
+
+    fn note(&mut self, range: Range<usize>, kind: FlawKind) {
+        self.flaws.push(Flaw { range, kind });
+    }
+
+    /// A word without an end begins at `start`, with so many characters.
+    fn open(&mut self, start: usize, length: usize, kind: FlawKind) -> Open {
+        self.note(start..start + length, kind);
+        Open
+    }
+
+    /// Skips a backslash and what it stands before.
+    fn skip_escape(&mut self) {
+        self.at = (self.at + 2).min(self.end);
+    }
+
+    /// Whether a backslash and the end of a line are next: white space.
+    fn at_continuation(&self) -> bool {
+        self.peek() == Some(b'\\')
+            && self.at + 1 < self.end
+            && matches!(self.text[self.at + 1], b'\n')
+    }
+
+    /// Commands up to the end, or, in a substitution, up to its `]`. Whether that came.
+    fn script(&mut self, nested: bool) -> Result<bool, Open> {
+        loop {
+            match self.peek() {
+                None => return Ok(false),
+                Some(b']') if nested => {
+                    self.at += 1;
+                    return Ok(true);
+                }
+                Some(b' ' | b'\t' | b'\r' | 0xb | 0xc | b'\n' | b';') => self.at += 1,
+                Some(_) if self.at_continuation() => self.skip_escape(),
+                Some(b'#') => self.comment()?,
+                Some(_) => self.command(nested)?,
+            }
+        }
+    }
+
+    fn comment(&mut self) -> Result<(), Open> {
+        let start = self.at;
+        while let Some(c) = self.peek() {
+            match c {
+                b'\\' => self.skip_escape(),
+                b'\n' => break,
+                _ => self.at += 1,
+            }
+        }
+        let marks = [LITERAL.0, SUBSTITUTE.0].map(|it| it.as_bytes()[0]);
+        if self.text[start..self.at]
+            .iter()
+            .any(|it| marks.contains(it))
+        {
+            // Half of what it takes stands behind it.
+            return Err(self.open(start, 1, FlawKind::Comment));
+        }
+        Ok(())
+    }
+
+    fn command(&mut self, nested: bool) -> Result<(), Open> {
+        let mut words = Vec::new();
+        loop {
+            match self.peek() {
+                Some(b' ' | b'\t' | b'\r' | 0xb | 0xc) => self.at += 1,
+                Some(_) if self.at_continuation() => self.skip_escape(),
+                None | Some(b'\n' | b';') => break,
+                Some(b']') if nested => break,
+                Some(_) => words.push(self.word(nested)?),
+            }
+        }
+        if let Some(first) = words.first() {
+            let name = &self.text[first.range.clone()];
+            if name.starts_with(b"}") {
+                self.note(first.range.start..first.range.start + 1, FlawKind::Stray);
+            } else if matches!(name, b"else" | b"elseif") {
+                self.note(first.range.clone(), FlawKind::Detached);
+            }
+        }
+        self.bodies(&words)
+    }
+
+    /// Whether a word ends here.
+    fn at_end_of_word(&self, nested: bool) -> bool {
+        match self.peek() {
+            None | Some(b' ' | b'\t' | b'\r' | 0xb | 0xc | b'\n' | b';') => true,
+            Some(b']') => nested,
+            Some(_) => self.at_continuation(),
+        }
+    }
+
+    fn word(&mut self, nested: bool) -> Result<Word, Open> {
+        let rest = &self.text[self.at..self.end];
+        if rest.starts_with(b"{*}")
+            && !matches!(rest.get(3), None | Some(b' ' | b'\t' | b'\n' | b';'))
+        {
+            self.at += 3;
+        }
+        let start = self.at;
+        let quoted = self.peek().filter(|it| matches!(it, b'{' | b'"'));
+        match quoted {
+            Some(b'{') => self.braces()?,
+            Some(_) => {
+                self.at += 1;
+                let closed = self.substituted(|it| it.peek() == Some(b'"'))?;
+                if !closed {
+                    return Err(self.open(start, 1, FlawKind::Quote));
+                }
+                self.at += 1;
+            }
+            None => {
+                self.substituted(|it| it.at_end_of_word(nested))?;
+            }
+        }
+        if let Some(quote) = quoted
+            && !self.at_end_of_word(nested)
+        {
+            let at = self.at;
+            let close = if quote == b'{' { '}' } else { '"' };
+            self.note(at - 1..at, FlawKind::Extra(close));
+            self.substituted(|it| it.at_end_of_word(nested))?;
+        }
+        Ok(Word {
+            range: start..self.at,
+            braced: quoted == Some(b'{'),
+        })
+    }
+
+    fn braces(&mut self) -> Result<(), Open> {
+        let start = self.at;
+        let mut depth = 0usize;
+        while let Some(c) = self.peek() {
+            match c {
+                b'\\' => {
+                    self.skip_escape();
+                    continue;
+                }
+                b'{' => depth += 1,
+                b'}' => depth -= 1,
+                _ => {}
+            }
+            self.at += 1;
+            if depth == 0 {
+                return Ok(());
+            }
+        }
+        Err(self.open(start, 1, FlawKind::Brace))
+    }
+
+    /// Text with substitutions, until `ends`. Whether that came.
+    fn substituted(&mut self, ends: impl Fn(&Reader<'_>) -> bool + Copy) -> Result<bool, Open> {
+        while let Some(c) = self.peek() {
+            if ends(self) {
+                return Ok(true);
+            }
+            match c {
+                b'\\' => self.skip_escape(),
+                b'[' => {
+                    let start = self.at;
+                    self.at += 1;
+                    if !self.script(true)? {
+                        return Err(self.open(start, 1, FlawKind::Bracket));
+                    }
+                }
+                b'$' => self.variable()?,
+                _ => self.at += 1,
+            }
+        }
+        Ok(ends(self))
+    }
+
+    fn variable(&mut self) -> Result<(), Open> {
+        let start = self.at;
+        self.at += 1;
+        if self.peek() == Some(b'{') {
+            while let Some(c) = self.peek() {
+                self.at += 1;
+                if c == b'}' {
+                    return Ok(());
+                }
+            }
+            return Err(self.open(start, 2, FlawKind::Name));
+        }
+        while self
+            .peek()
+            .is_some_and(|it| it.is_ascii_alphanumeric() || it == b'_')
+            || self.text[self.at..self.end].starts_with(b"::")
+        {
+            self.at += if self.text[self.at] == b':' { 2 } else { 1 };
+        }
+        if self.peek() == Some(b'(') {
+            let length = self.at + 1 - start;
+            self.at += 1;
+            if !self.substituted(|it| it.peek() == Some(b')'))? {
+                return Err(self.open(start, length, FlawKind::Index));
+            }
+            self.at += 1;
+        }
+        Ok(())
+    }
+
+    /// Looks into the words of a command that are scripts.
+    fn bodies(&mut self, words: &[Word]) -> Result<(), Open> {
+        let Some((name, arguments)) = words.split_first() else {
+            return Ok(());
+        };
+        let scripts: Vec<&Word> = match &self.text[name.range.clone()] {
+            b"if" => self.branches(arguments),
+            b"foreach" | b"lmap" if arguments.len() >= 3 => arguments.last().into_iter().collect(),
+            b"while" if arguments.len() == 2 => vec![&arguments[1]],
+            b"proc" if arguments.len() == 3 => vec![&arguments[2]],
+            b"for" if arguments.len() == 4 => [0, 2, 3].map(|it| &arguments[it]).into(),
+            _ => Vec::new(),
+        };
+        for word in scripts.into_iter().filter(|it| it.braced) {
+            // A word that goes on behind its brace has been noted.
+            let inside = word.range.start + 1..word.range.end - 1;
+            if self.depth == DEPTH || self.text[word.range.end - 1] != b'}' {
+                continue;
+            }
+            let outside = (self.at, self.end);
+            (self.at, self.end) = (inside.start, inside.end);
+            self.depth += 1;
+            let read = self.script(false);
+            self.depth -= 1;
+            read?;
+            (self.at, self.end) = outside;
+        }
+        Ok(())
+    }
+
+    /// The scripts of `if`: `if C ?then? S ?elseif C ?then? S?... ??else? S?`.
+    fn branches<'w>(&self, arguments: &'w [Word]) -> Vec<&'w Word> {
+        let is = |it: &Word, what: &[u8]| self.text[it.range.clone()] == *what;
+        let mut out = Vec::new();
+        // The condition.
+        let mut rest = arguments.get(1..).unwrap_or_default();
+        while let Some((word, after)) = rest.split_first() {
+            rest = after;
+            if is(word, b"elseif") {
+                rest = after.get(1..).unwrap_or_default();
+            } else if !is(word, b"then") && !is(word, b"else") {
+                out.push(word);
+            }
+        }
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shown(script: &str, flaws: Vec<Flaw>) -> Vec<String> {
+        let one = |it: Flaw| {
+            format!(
+                "{} {:?} {}",
+                it.range.start,
+                it.kind,
+                &script[it.range.clone()]
+            )
+        };
+        flaws.into_iter().map(one).collect()
+    }
+
+    fn check(script: &str) -> Vec<String> {
+        shown(script, flaws(script))
+    }
+
+    #[test]
+    fn healthy_scripts() {
+        for script in [
+            "",
+            "# { [ \"\nset a {\\{}\nset b \"\\\"{ $a(x y) [list \"a b\" {c}] ${odd name}\"",
+            "if {$a} then {set b \"x\"} elseif {$c} {set d {}} else {foreach e $f {puts [list $e]}}",
+            "puts a\"b; puts a{b; puts c}d; puts ]; puts {*}$argv {*}{a b}",
+            "foreach x {1 2} \\\n  { puts $x }\nset s {an \"odd text [}",
+            "proc f {a {b 1}} { return $a$b }; for {set i 0} {$i < 3} {incr i} {f $i}",
+            "switch -- $x { a { b } default { c } }\nset y [expr {$x < 3 ? \"[f]\" : \"\\}\"}]",
+            "regsub -all {[{}]} $a \"\" b; set p $; set q $::ns::v; set r \"cost: $\"",
+        ] {
+            assert_eq!(check(script), [""; 0], "{script}");
+        }
+    }
+
+    #[test]
+    fn words_without_an_end() {
+        assert_eq!(check("a\nif {$x} {\n puts {y}\n"), ["10 Brace {"]);
+        assert_eq!(check("puts [list a {b}"), ["5 Bracket ["]);
+        assert_eq!(check("puts \"a [b]\nc"), ["5 Quote \""]);
+        assert_eq!(check("puts ${a b"), ["5 Name ${"]);
+        assert_eq!(check("puts $a(b c"), ["5 Index $a("]);
+    }
+
+    #[test]
+    fn what_is_inside_the_bodies_of_commands_counts() {
+        assert_eq!(check("foreach x $l { puts [f $x }"), ["20 Bracket ["]);
+        assert_eq!(check("if {1} {a} else {puts \"b}"), ["22 Quote \""]);
+        assert_eq!(
+            check("proc f {} { while {1} { puts $a( } }"),
+            ["29 Index $a("]
+        );
+        // Nobody says that this is evaluated.
+        assert_eq!(check("set a { puts [f }"), [""; 0]);
+    }
+
+    #[test]
+    fn commands_that_are_none() {
+        assert_eq!(
+            check("if {1} {\n}\nelse {\n}\n}\n}"),
+            ["11 Detached else", "20 Stray }", "22 Stray }"]
+        );
+        assert_eq!(
+            check("set a {b}c; set d \"e\"f"),
+            ["8 Extra('}') }", "20 Extra('\"') \""]
+        );
+    }
+
+    #[test]
+    fn substituted_texts() {
+        let check = |text: &str| shown(text, subst_flaws(text));
+        assert_eq!(check("a \" { } ; # $b ] \\[ [f \"x\"]"), [""; 0]);
+        assert_eq!(check("a [f {x}"), ["2 Bracket ["]);
+        assert_eq!(check("${a"), ["0 Name ${"]);
+        assert_eq!(check("[f \"]"), ["3 Quote \""]);
+    }
+}

@@ -1,0 +1,245 @@
+//! What is said of both sides, and when.
+
+use super::*;
+
+#[tokio::test(flavor = "multi_thread")]
+async fn drift_is_shown_on_both_sides_without_a_document_being_open() {
+    let folder = tank();
+    let mut client = Client::start(folder.params(capable())).await;
+    let mut shown = BTreeMap::new();
+    for name in FILES {
+        let pushed = client.pushed(&folder.uri(name)).await;
+        shown.insert(name, pushed["diagnostics"].clone());
+    }
+    let specification = messages(&shown["tank.gen"]);
+    let sources: Vec<String> = FILES[1..]
+        .iter()
+        .flat_map(|it| messages(&shown[it]))
+        .collect();
+    for message in check(&path(&folder.uri("tank.gen"))) {
+        let code = message.split(':').next().expect("a code").to_owned();
+        assert!(specification.contains(&message), "{message} in tank.gen");
+        let only_there = code == "codel/missing-definition";
+        assert_eq!(
+            sources.contains(&message),
+            !only_there,
+            "{message} in a source"
+        );
+    }
+    // Each side leads to the other.
+    let mismatch = |name: &str| -> Value {
+        let all = shown[name].as_array().expect("a list").iter();
+        let mut found = all.filter(|it| {
+            it["code"] == "codel/signature-mismatch"
+                && it["message"]
+                    .as_str()
+                    .unwrap_or_default()
+                    .contains("tank_mix")
+        });
+        found.next().expect("it is there").clone()
+    };
+    let related = |it: &Value| it["relatedInformation"][0]["location"]["uri"].clone();
+    let (here, there) = (mismatch("tank.gen"), mismatch("codels/tank_codels.c"));
+    assert_eq!(related(&here), folder.uri("codels/tank_codels.c"));
+    assert_eq!(related(&there), folder.uri("tank.gen"));
+    let page = there["codeDescription"]["href"]
+        .as_str()
+        .unwrap_or_default();
+    assert!(
+        page.ends_with("docs/diagnostics/codel/signature-mismatch.md"),
+        "{page}"
+    );
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_edit_of_either_side_changes_what_is_said_of_both() {
+    let folder = Folder::new(&[
+        (
+            "c.gen",
+            "component c {\n  function f(in long n) { codel c_f(local in n); };\n};\n",
+        ),
+        (
+            "codels/c_codels.c",
+            "genom_event c_f(int32_t n, const genom_context self)\n{\n  return genom_ok;\n}\n",
+        ),
+    ]);
+    let (gen_uri, c_uri) = (folder.uri("c.gen"), folder.uri("codels/c_codels.c"));
+    let mut capabilities = pulling();
+    capabilities["workspace"] = json!({ "diagnostics": { "refreshSupport": true } });
+    let refresh = ("workspace/diagnostic/refresh", Value::Null);
+    let mut client = Client::start_answering(folder.params(capabilities), vec![refresh]).await;
+    client
+        .open(&gen_uri, &on_disk(&gen_uri).expect("it is there"))
+        .await;
+    assert_eq!(client.pulled(&gen_uri).await, Vec::<String>::new());
+    client
+        .open_code(&c_uri, &on_disk(&c_uri).expect("it is there"))
+        .await;
+    client.pushed_until(&c_uri, <[String]>::is_empty).await;
+
+    // The source, as typed and not yet saved.
+    let typed = json!([{ "range": { "start": { "line": 0, "character": 16 }, "end": { "line": 0, "character": 23 } }, "text": "double" }]);
+    client.change(&c_uri, 2, typed).await;
+    let mismatch = |it: &[String]| it == ["codel/signature-mismatch"];
+    client.pushed_until(&c_uri, mismatch).await;
+    assert!(mismatch(&client.pulled(&gen_uri).await));
+    // The client is told that the other document has news.
+    while client.asked.is_empty() {
+        client.pulled(&gen_uri).await;
+    }
+
+    // The specification follows.
+    let text = "component c {\n  function f(in double n) { codel c_f(local in n); };\n};\n";
+    client.change(&gen_uri, 2, json!([{ "text": text }])).await;
+    client.pushed_until(&c_uri, <[String]>::is_empty).await;
+    assert_eq!(client.pulled(&gen_uri).await, Vec::<String>::new());
+
+    // Closed without saving: the disk counts.
+    client
+        .notify("textDocument/didClose", document(&c_uri))
+        .await;
+    client.pushed_until(&c_uri, mismatch).await;
+    // Changed by somebody else.
+    folder.write(
+        "codels/c_codels.c",
+        "genom_event c_f(double n, const genom_context self)\n{\n  return genom_ok;\n}\n",
+    );
+    client
+        .notify(DID_CHANGE_FILES, folder.event("codels/c_codels.c", 2))
+        .await;
+    client.pushed_until(&c_uri, <[String]>::is_empty).await;
+    client.ignore("textDocument/publishDiagnostics");
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn findings_follow_the_configuration_and_comments() {
+    let specification = "component c {\n  // dotgen: allow(codel/missing-definition) written by hand elsewhere\n  function f() { codel c_f(); };\n  function g() { codel c_g(); };\n  function h() { codel c_h(); };\n};\n";
+    let source = "genom_event c_h(const genom_context self)\n{\n  return genom_ok;\n}\n/** Codel c_old of function old. */\ngenom_event c_old(const genom_context self)\n{\n  return genom_ok;\n}\n";
+    let folder = Folder::new(&[("c.gen", specification), ("codels/c_codels.c", source)]);
+    let (uri, code) = (folder.uri("c.gen"), folder.uri("codels/c_codels.c"));
+    let mut client = Client::start(folder.params(capable())).await;
+    let is = |wanted: &'static [&'static str]| move |it: &[String]| it == wanted;
+    let shown = client
+        .pushed_until(&uri, is(&["codel/missing-definition"]))
+        .await;
+    assert!(messages(&shown)[0].contains("c_g"), "{shown}");
+    client.pushed_until(&code, is(&["codel/orphan"])).await;
+
+    // In the source.
+    let allowed = source.replace(
+        "/** Codel",
+        "// dotgen: allow(codel/orphan) old scripts call it\n/** Codel",
+    );
+    client.open_code(&code, &allowed).await;
+    client.pushed_until(&code, is(&[])).await;
+
+    // In the configuration.
+    folder.write(
+        "dotgen.toml",
+        "[severity]\n\"codel/missing-definition\" = \"error\"\n",
+    );
+    client
+        .notify(DID_CHANGE_FILES, folder.event("dotgen.toml", 1))
+        .await;
+    let shown = client
+        .pushed_until(&uri, is(&["codel/missing-definition"]))
+        .await;
+    assert_eq!(shown[0]["severity"], 1);
+    folder.write(
+        "dotgen.toml",
+        "[severity]\n\"codel/missing-definition\" = \"off\"\n",
+    );
+    client
+        .notify(DID_CHANGE_FILES, folder.event("dotgen.toml", 2))
+        .await;
+    client.pushed_until(&uri, is(&[])).await;
+    folder.write("dotgen.toml", "[codels]\nfolder = \"src\"\n");
+    folder.write(
+        "src/c_codels.c",
+        "genom_event c_f(int x, const genom_context self)\n{\n  return genom_ok;\n}\n",
+    );
+    client
+        .notify(DID_CHANGE_FILES, folder.event("dotgen.toml", 2))
+        .await;
+    let elsewhere = [
+        // The function is there now.
+        "lint/unused-suppression",
+        "codel/signature-mismatch",
+        "codel/missing-definition",
+        "codel/missing-definition",
+    ];
+    client.pushed_until(&uri, |it| it == elsewhere).await;
+    folder.write("dotgen.toml", "[codels]\ncheck = false\n");
+    client
+        .notify(DID_CHANGE_FILES, folder.event("dotgen.toml", 2))
+        .await;
+    client.pushed_until(&uri, is(&[])).await;
+    client.ignore("textDocument/publishDiagnostics");
+    drop(client);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn comments_that_allow_nothing_are_told_on_both_sides() {
+    let specification = "component c {\n  // dotgen: allow(codel/missing-definition) written by hand\n  function f() { codel c_f(); };\n  // dotgen: allow(codel/mising-definition) as above\n  function g() { codel c_g(); };\n  // dotgen: allow(codel/missing-definition) to come\n  function h() { codel c_h(); };\n};\n";
+    let body = "(const genom_context self)\n{\n  return genom_ok;\n}\n";
+    let source = format!(
+        "// dotgen: allow(codel/orphan, codel/signature-mismatch) why\ngenom_event c_f(int x, const genom_context self)\n{{\n  return genom_ok;\n}}\n\
+         genom_event c_g{body}// dotgen: allow(codel/orphan) of another\nint other{body}"
+    );
+    let folder = Folder::new(&[("c.gen", specification), ("codels/c_codels.c", &source)]);
+    let (uri, code) = (folder.uri("c.gen"), folder.uri("codels/c_codels.c"));
+    let mut client = Client::start(folder.params(capable())).await;
+    client.open(&uri, specification).await;
+    client.open_code(&code, &source).await;
+    let unused = |wanted: usize| {
+        move |it: &[String]| {
+            it.iter()
+                .filter(|it| *it == "lint/unused-suppression")
+                .count()
+                == wanted
+        }
+    };
+    let shown = client.pushed_until(&uri, unused(2)).await;
+    assert_eq!(
+        messages(&shown),
+        [
+            "lint/unused-suppression: nothing here is reported as `codel/missing-definition`: remove it from the comment",
+            "lint/unused-suppression: `codel/mising-definition` is no code of a diagnostic",
+        ]
+    );
+    assert_eq!(shown[0]["severity"], 4);
+    assert_eq!(
+        shown[0]["range"]["start"],
+        place(specification, "codel/missing", 0)
+    );
+    let shown = client.pushed_until(&code, unused(1)).await;
+    assert_eq!(
+        messages(&shown),
+        [
+            "lint/unused-suppression: nothing here is reported as `codel/orphan`: remove it from the comment"
+        ]
+    );
+    assert_eq!(
+        shown[0]["range"]["start"],
+        place(&source, "codel/orphan", 0)
+    );
+
+    // It is mended where it stands.
+    let at = place(specification, "codel/missing", 0);
+    let actions = client
+        .actions(&uri, &json!({ "start": at, "end": at }), Some("quickfix"))
+        .await;
+    let titles: Vec<_> = actions.iter().map(title).collect();
+    assert!(titles.contains(&"Remove the comment"), "{titles:?}");
+
+    // Where nothing is compared, nothing is known.
+    folder.write("dotgen.toml", "[codels]\nfolder = \"src\"\n");
+    client
+        .notify(DID_CHANGE_FILES, folder.event("dotgen.toml", 1))
+        .await;
+    client.pushed_until(&uri, <[String]>::is_empty).await;
+    client.ignore("textDocument/publishDiagnostics");
+    drop(client);
+}

@@ -1,0 +1,175 @@
+//! What brings both sides together.
+
+use super::*;
+
+#[tokio::test(flavor = "multi_thread")]
+async fn every_quick_fix_removes_what_it_is_offered_for() {
+    let original = tank();
+    let mut client = Client::start(original.params(capable())).await;
+    let mut fixes: Vec<(String, Value)> = Vec::new();
+    for name in FILES {
+        let uri = original.uri(name);
+        let pushed = client.pushed(&uri).await;
+        for diagnostic in pushed["diagnostics"].as_array().expect("a list") {
+            if !diagnostic["code"]
+                .as_str()
+                .unwrap_or_default()
+                .starts_with("codel/")
+            {
+                continue;
+            }
+            let finding = messages(&json!([diagnostic])).remove(0);
+            let actions = client
+                .actions(&uri, &diagnostic["range"], Some("quickfix"))
+                .await;
+            let mut offered = 0;
+            for action in &actions {
+                let about = action["diagnostics"].as_array().into_iter().flatten();
+                if messages(&json!(about.collect::<Vec<_>>())).contains(&finding) {
+                    offered += 1;
+                    fixes.push((finding.clone(), action.clone()));
+                }
+            }
+            assert!(offered > 0, "no fix for {finding} in {name}: {actions:#?}");
+            let preferred = actions.iter().filter(|it| it["isPreferred"] == true);
+            assert!(preferred.count() > 0, "{finding}");
+        }
+    }
+    client.finish().await;
+    assert!(fixes.len() > 20, "{}", fixes.len());
+    for (finding, action) in fixes {
+        // The edit of one folder, applied to the files of another.
+        let copy = tank();
+        let moved = action.to_string().replace(&original.uri(""), &copy.uri(""));
+        let action: Value = serde_json::from_str(&moved).expect("JSON");
+        let touches_code = action["edit"].to_string().contains("_codels.c\"");
+        let annotations = &action["edit"]["changeAnnotations"];
+        assert_eq!(
+            touches_code,
+            annotations["codels"]["needsConfirmation"] == true,
+            "{action:#}"
+        );
+        write(&action["edit"]);
+        let left = check(&path(&copy.uri("tank.gen")));
+        assert!(
+            !left.contains(&finding),
+            "{} leaves {finding}",
+            title(&action)
+        );
+    }
+}
+
+/// Applies the action that mends everything and looks what is left.
+async fn fix_all(only: Option<&str>, ranges: &Value) {
+    let folder = tank();
+    let uri = folder.uri("tank.gen");
+    let mut client = Client::start(folder.params(capable())).await;
+    client
+        .open(&uri, &on_disk(&uri).expect("it is there"))
+        .await;
+    let actions = client.actions(&uri, ranges, only).await;
+    let all: Vec<_> = actions
+        .iter()
+        .filter(|it| title(it) == "Fix all differences between specification and codels")
+        .collect();
+    assert_eq!(all.len(), 1, "{actions:#?}");
+    write(&all[0]["edit"]);
+    client.ignore("textDocument/publishDiagnostics");
+    let specification = path(&uri);
+    assert_eq!(check(&specification), Vec::<String>::new());
+
+    // And it compiles, with the headers that the server makes for clangd.
+    client
+        .change(
+            &uri,
+            2,
+            json!([{ "text": on_disk(&uri).expect("it is there") }]),
+        )
+        .await;
+    let headers = client.ok("dotgen/codelHeaders", document(&uri)).await;
+    assert_eq!(headers["folder"], folder.uri(".dotgen"), "{headers}");
+    for file in headers["files"].as_array().expect("files") {
+        let path = path(file["uri"].as_str().expect("a URI"));
+        std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        std::fs::write(path, file["text"].as_str().expect("a text")).expect("a file");
+    }
+    client.ignore("textDocument/publishDiagnostics");
+    drop(client);
+    let directory = specification.parent().expect("a folder");
+    let flags = read(directory.join(".dotgen/compile_flags.txt"));
+    for source in &FILES[1..] {
+        let output = std::process::Command::new("cc")
+            // A parameter that is new is not used yet.
+            .args(["-fsyntax-only", "-Wall", "-Wextra", "-Werror", "-Wno-unused-parameter"])
+            .args(flags.lines())
+            .arg(directory.join(source))
+            .output();
+        let Ok(output) = output else {
+            eprintln!("SKIPPED: no `cc` on this system");
+            return;
+        };
+        let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{source}: {errors}");
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn fix_all_leaves_nothing_to_report_and_the_code_compiles() {
+    let text = read(example().join("tank.gen"));
+    let start = place(&text, "tank_mix", 0);
+    let here = json!({ "start": start, "end": start });
+    fix_all(Some("quickfix"), &here).await;
+    let top =
+        json!({ "start": { "line": 0, "character": 0 }, "end": { "line": 0, "character": 0 } });
+    fix_all(Some("source"), &top).await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn saving_with_fix_all_does_not_touch_codels() {
+    let folder = tank();
+    let uri = folder.uri("tank.gen");
+    let mut client = Client::start(folder.params(capable())).await;
+    let all =
+        json!({ "start": { "line": 0, "character": 0 }, "end": { "line": 50, "character": 0 } });
+    let actions = client.actions(&uri, &all, Some("source.fixAll")).await;
+    assert!(
+        !actions
+            .iter()
+            .any(|it| it.to_string().contains("_codels.c")),
+        "{actions:#?}"
+    );
+    client.ignore("textDocument/publishDiagnostics");
+    drop(client);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn stubs_of_a_component_without_sources_make_the_files_of_the_skeleton() {
+    let text = read(example().join("tank.gen"));
+    let start = place(&text, "tank {", 0);
+    let range = json!({ "start": start, "end": start });
+    for creates in [true, false] {
+        let folder = Folder::new(&[("tank.gen", &text)]);
+        let uri = folder.uri("tank.gen");
+        let mut capabilities = capable();
+        if !creates {
+            capabilities["workspace"] = json!({});
+        }
+        let mut client = Client::start(folder.params(capabilities)).await;
+        let actions = client.actions(&uri, &range, Some("refactor")).await;
+        let stubs = actions
+            .iter()
+            .find(|it| title(it) == "Write the 13 missing stubs of component `tank`")
+            .unwrap_or_else(|| panic!("{actions:#?}"));
+        let files = applied(&stubs["edit"], on_disk);
+        let names: Vec<_> = files
+            .keys()
+            .map(|it| it.rsplit('/').next().unwrap_or_default())
+            .collect();
+        assert_eq!(names, ["tank_codels.c", "tank_control_codels.c"]);
+        std::fs::create_dir_all(path(&folder.uri("codels"))).expect("a folder");
+        write(&stubs["edit"]);
+        assert_eq!(check(&path(&uri)), Vec::<String>::new());
+        client.ignore("textDocument/publishDiagnostics");
+        drop(client);
+    }
+}

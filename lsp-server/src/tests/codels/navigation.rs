@@ -1,0 +1,216 @@
+//! From one side to the other, and which sources are served.
+
+use super::*;
+
+#[tokio::test(flavor = "multi_thread")]
+async fn from_codels_to_functions_and_back() {
+    let folder = tank();
+    let (uri, source) = (
+        folder.uri("tank.gen"),
+        folder.uri("codels/tank_control_codels.c"),
+    );
+    let (text, code) = (read(path(&uri)), read(path(&source)));
+    let mut capabilities = capable();
+    capabilities["window"] = json!({ "showDocument": { "support": true } });
+    let answers = vec![("window/showDocument", json!({ "success": true }))];
+    let mut client = Client::start_answering(folder.params(capabilities), answers).await;
+    client.open(&uri, &text).await;
+    client.open_code(&source, &code).await;
+
+    let params = at(&uri, &text, "tank_fill_wait", 0);
+    let found = client
+        .ok("textDocument/implementation", params.clone())
+        .await;
+    assert_eq!(found[0]["uri"], source);
+    assert_eq!(
+        found[0]["range"]["start"],
+        place(&code, "tank_fill_wait(double", 0)
+    );
+
+    let mut references = params;
+    references["context"] = json!({ "includeDeclaration": true });
+    let found = client.ok("textDocument/references", references).await;
+    let uris: Vec<_> = found
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|it| it["uri"].clone())
+        .collect();
+    assert_eq!(uris, [json!(uri), json!(source)]);
+
+    let mut references = at(&source, &code, "tank_fill_wait(double", 0);
+    references["context"] = json!({ "includeDeclaration": true });
+    let found = client.ok("textDocument/references", references).await;
+    assert_eq!(found[0]["uri"], uri);
+    assert_eq!(
+        found[0]["range"]["start"],
+        place(&text, "tank_fill_wait", 0)
+    );
+
+    let lenses = client.ok("textDocument/codeLens", document(&source)).await;
+    let titles: Vec<_> = lenses
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|it| {
+            it["command"]["title"]
+                .as_str()
+                .unwrap_or_default()
+                .to_owned()
+        })
+        .collect();
+    assert_eq!(
+        titles,
+        [
+            "task control: start → main · excludes tank_get_level, tank_reset_cycles",
+            "task control: main → pause::main, stop · excludes tank_get_level, set_gain",
+            "activity fill: start → wait",
+            "activity fill: wait → pause::wait, ether",
+            "activity fill: stop → ether",
+            "activity drain: start → wait",
+        ]
+    );
+    let command = &lenses[3]["command"];
+    let params = json!({ "command": command["command"], "arguments": command["arguments"] });
+    client.ok("workspace/executeCommand", params).await;
+    while client.asked.is_empty() {
+        client.ok("textDocument/codeLens", document(&source)).await;
+    }
+    let shown = &client.asked[0]["params"];
+    assert_eq!(shown["uri"], uri);
+    assert_eq!(
+        shown["selection"]["start"],
+        place(&text, "tank_fill_wait", 0)
+    );
+    client.ignore("textDocument/publishDiagnostics");
+    drop(client);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_codel_is_renamed_on_both_sides() {
+    let folder = tank();
+    let (uri, source) = (
+        folder.uri("tank.gen"),
+        folder.uri("codels/tank_control_codels.c"),
+    );
+    let text = read(path(&uri));
+    let mut client = Client::start(folder.params(capable())).await;
+    let before = check(&path(&uri));
+    let mut params = at(&uri, &text, "tank_fill_wait", 0);
+    params["newName"] = json!("tank_fill_watch");
+    let edit = client.ok("textDocument/rename", params.clone()).await;
+    assert_eq!(
+        edit["changeAnnotations"]["codels"]["needsConfirmation"],
+        true
+    );
+    write(&edit);
+    let code = read(path(&source));
+    assert!(code.contains("\ntank_fill_watch(double target"), "{code}");
+    assert!(
+        code.contains("Codel tank_fill_watch of activity fill"),
+        "{code}"
+    );
+    let after: Vec<_> = check(&path(&uri))
+        .iter()
+        .map(|it| it.replace("fill_watch", "fill_wait"))
+        .collect();
+    assert_eq!(after, before);
+
+    params["newName"] = json!("tank_fill_stop");
+    let refused = client
+        .request("textDocument/rename", params)
+        .await
+        .expect_err("the name is taken");
+    let message = refused["message"].as_str().unwrap_or_default();
+    assert!(message.contains("tank_fill_stop"), "{message}");
+    client.ignore("textDocument/publishDiagnostics");
+    drop(client);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn sources_are_left_to_the_server_of_their_language() {
+    let folder = tank();
+    let (source, other) = (folder.uri("codels/tank_codels.c"), folder.uri("main.c"));
+    let code = read(path(&source));
+    let mut client = Client::start(folder.params(capable())).await;
+    client.open_code(&source, &code).await;
+    client
+        .open_code(&other, "int main(void) { return 0; }\n")
+        .await;
+    for method in [
+        "textDocument/hover",
+        "textDocument/definition",
+        "textDocument/documentSymbol",
+        "textDocument/foldingRange",
+        "textDocument/completion",
+        "textDocument/semanticTokens/full",
+        "textDocument/prepareRename",
+    ] {
+        let found = client.ok(method, at(&source, &code, "tank_mix", 1)).await;
+        assert_eq!(found, Value::Null, "{method}");
+    }
+    let lenses = client.ok("textDocument/codeLens", document(&other)).await;
+    assert_eq!(lenses, json!([]));
+    // Nothing is said of what is in no folder of codels.
+    client.pushed(&source).await;
+    client
+        .ok("test/text", document(&folder.uri("tank.gen")))
+        .await;
+    client.ok("shutdown", Value::Null).await;
+    for message in client.all() {
+        assert_ne!(message["params"]["uri"], other, "{message}");
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn sources_are_asked_for_where_clients_let_choose() {
+    let folder = tank();
+    let dynamic = json!({ "dynamicRegistration": true });
+    let mut capabilities = capable();
+    for method in ["synchronization", "codeAction", "codeLens", "references"] {
+        capabilities["textDocument"][method]["dynamicRegistration"] = json!(true);
+    }
+    capabilities["workspace"]["didChangeWatchedFiles"] = dynamic;
+    let answers = vec![
+        ("client/registerCapability", Value::Null),
+        ("client/unregisterCapability", Value::Null),
+    ];
+    let mut client = Client::start_answering(folder.params(capabilities), answers).await;
+    client.pushed(&folder.uri("tank.gen")).await;
+    let lens = |asked: &[Value]| -> Vec<Value> {
+        let all = asked.iter().flat_map(|it| {
+            it["params"]["registrations"]
+                .as_array()
+                .cloned()
+                .unwrap_or_default()
+        });
+        all.filter(|it| it["method"] == "textDocument/codeLens")
+            .collect()
+    };
+    while lens(&client.asked).is_empty() {
+        client
+            .ok("test/text", document(&folder.uri("tank.gen")))
+            .await;
+    }
+    let selector = &lens(&client.asked)[0]["registerOptions"]["documentSelector"];
+    assert_eq!(
+        *selector,
+        json!([
+            { "language": "c", "scheme": "file", "pattern": "**/codels/**" },
+            { "language": "cpp", "scheme": "file", "pattern": "**/codels/**" },
+        ])
+    );
+    folder.write("dotgen.toml", "[codels]\nfolder = \"src\"\n");
+    client
+        .notify(DID_CHANGE_FILES, folder.event("dotgen.toml", 1))
+        .await;
+    while lens(&client.asked).len() < 2 {
+        client
+            .ok("test/text", document(&folder.uri("tank.gen")))
+            .await;
+    }
+    let selector = &lens(&client.asked)[1]["registerOptions"]["documentSelector"];
+    assert_eq!(selector[0]["pattern"], "**/src/**");
+    client.ignore("textDocument/publishDiagnostics");
+    drop(client);
+}
