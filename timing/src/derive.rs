@@ -58,6 +58,7 @@ pub struct Sensitivity {
     /// The smallest period of each periodic task, the others as they are.
     pub period: Vec<Extreme>,
     /// Set when it was cancelled: questions are missing.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub incomplete: bool,
 }
 
