@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use rustc_hash::FxHashSet;
 
-use super::ample::{Ample, visible_tasks};
+use super::ample::{Ample, Visible};
 use super::lazy::{self, Lazy};
 use super::measure::{Diverging, Gauge, How, Timing};
 use super::observe::{self, Observer};
@@ -307,7 +307,7 @@ impl<'a> Search<'a> {
             .within
             .iter()
             .flat_map(|it| [&it.trigger, &it.response]);
-        let visible = visible_tasks(system, predicates.chain(&watch.reach));
+        let visible = Visible::new(system, predicates.chain(&watch.reach));
         let clocks = layout.clocks();
         let longest = system
             .tasks
