@@ -106,7 +106,7 @@ impl Ample {
                 let machine = system.machine_of(a);
                 let separate =
                     system.platform.async_free && machine.states.iter().any(|it| it.is_async);
-                !separate && !loops_in_no_time(system, machine)
+                !separate && !loops_in_no_time(system, machine, it.period.is_none())
             });
             simple && !it.keep_idle_tick && !system.has_activities(task, &requested)
         };
@@ -211,9 +211,10 @@ enum Owner {
     Nobody,
 }
 
-/// Whether a turn can go round without time passing, in codels that take none.
-fn loops_in_no_time(system: &TimedSystem, machine: &Machine) -> bool {
-    if machine.loop_limit.is_some() && !machine.rounds {
+/// Whether a turn can go round without time passing, in codels that take none. The turns of an aperiodic task follow
+/// each other at once.
+fn loops_in_no_time(system: &TimedSystem, machine: &Machine, aperiodic: bool) -> bool {
+    if machine.loop_limit.is_some() && !machine.rounds && !aperiodic {
         return false;
     }
     let instant = |state: usize| system.codels[machine.states[state].codel].upper == 0;
@@ -225,13 +226,16 @@ fn loops_in_no_time(system: &TimedSystem, machine: &Machine) -> bool {
                 continue;
             }
             for it in &machine.states[at].yields {
-                if let Yield::Next(next) = *it {
-                    if next == start {
-                        return true;
-                    }
-                    if !std::mem::replace(&mut seen[next], true) {
-                        stack.push(next);
-                    }
+                let next = match *it {
+                    Yield::Next(next) => next,
+                    Yield::Pause(next) if aperiodic => next,
+                    _ => continue,
+                };
+                if next == start {
+                    return true;
+                }
+                if !std::mem::replace(&mut seen[next], true) {
+                    stack.push(next);
                 }
             }
         }
