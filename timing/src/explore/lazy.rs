@@ -13,8 +13,8 @@
 //! response time is not measured (which would begin later). It can have a resting place, see
 //! [`rest`]; while it is elsewhere its group is not lazy. Groups meet only at cores: while a task of
 //! another group waits for a core no end can wait. (A lazy task that waits loses nothing by a later
-//! grant: its release is past, and its codels have wider windows.) A start-up that starts
-//! a timer cannot wait, and nothing can while a lazy task has a pending tick: its next job is released, and measured,
+//! grant: its release is past, and its codels have wider windows.) Start-up is never lazy, and
+//! neither is anything while a lazy task has a pending tick: its next job is released, and measured,
 //! from the end of this one. The order of steps of different groups is not preserved; groups with
 //! something that a predicate is about are therefore not lazy. And there has to be a next hard moment: some task
 //! is periodic.
@@ -25,7 +25,7 @@ use rustc_hash::FxHashSet;
 use smallvec::SmallVec;
 
 use super::ample::Visible;
-use super::state::{State, control, phase};
+use super::state::{State, mode, phase};
 use super::step::{Action, Enabled, Stepper};
 use super::store::{Encoded, encode};
 use crate::system::{ClientAction, TimedSystem, Yield};
@@ -155,15 +155,20 @@ impl Lazy {
         if !self.any {
             return None;
         }
-        let tasks = stepper.system.tasks.iter().zip(&self.members).enumerate();
-        let mut late = tasks.map(|(task, (_, &lazy))| lazy && l.pending(s, task));
-        if late.any(|it| it) {
+        let settled = stepper
+            .system
+            .tasks
+            .iter()
+            .zip(&self.members)
+            .enumerate()
+            .all(|(task, (it, &lazy))| {
+                let normal = |a| matches!(l.mode(s, a), mode::NORMAL | mode::ENDED);
+                !lazy || (!l.pending(s, task) && it.permanent.is_none_or(normal))
+            });
+        if !settled {
             return None;
         }
         let mut out = Waiters::from_slice(&self.members);
-        for component in 0..l.components {
-            self.start_up(stepper, s, component, &mut out);
-        }
         for &(a, state) in &self.rest {
             let resting = l.phase(s, a) == phase::EXECUTING && l.at(s, a) as usize == state;
             if !resting {
@@ -175,35 +180,6 @@ impl Lazy {
         }
         let queue = l.queue(s);
         queue.iter().all(|&task| out[task as usize]).then_some(out)
-    }
-
-    /// Who cannot wait because of the start-up of a component. An end cannot that starts a timer, or something that is
-    /// not lazy, and what such a codel will have to wait for cannot either.
-    fn start_up(&self, stepper: &Stepper, s: &State, component: usize, out: &mut Waiters) {
-        let l = &stepper.layout;
-        if l.control(s, component) != control::STARTING {
-            return;
-        }
-        let system = stepper.system;
-        let left = &system.components[component].tasks[l.starting(s, component) as usize..];
-        let punctual = |&it: &usize| system.tasks[it].period.is_some() || !self.members[it];
-        for (at, &task) in left.iter().enumerate() {
-            let matters = left[at + 1..].iter().any(punctual) || !self.members[l.tasks + component];
-            let Some(a) = system.tasks[task].permanent.filter(|_| matters) else {
-                continue;
-            };
-            let machine = system.machine_of(a);
-            let codel = &system.codels[machine.states[machine.start].codel];
-            let begun = at == 0 && l.phase(s, a) == phase::EXECUTING;
-            if begun || codel.conflicts.is_empty() {
-                out[task] = false;
-            } else {
-                let group = self.group[task];
-                for (member, it) in out.iter_mut().enumerate() {
-                    *it &= self.group[member] != group;
-                }
-            }
-        }
     }
 
     /// Calls `found` with every calm state that a calm state can reach by ends that can wait, unless there are

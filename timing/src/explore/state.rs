@@ -66,8 +66,7 @@ pub(crate) mod phase {
 
 /// Steps of a control task.
 pub(crate) mod control {
-    /// The component is starting.
-    pub(crate) const STARTING: u16 = 0;
+    // 0: the component is starting.
     pub(crate) const READY: u16 = 1;
     pub(crate) const VALIDATE: u16 = 2;
     pub(crate) const SIMPLE: u16 = 3;

@@ -450,7 +450,7 @@ fn what_fails_without_requests_is_found_whatever_clients_may_do() {
       check schedulable calm.t; }";
     // Every order of requests would be followed first.
     let mut options = Options::default();
-    options.limits.states = 60;
+    options.limits.states = 500;
     let report = verify(&input, &parse(text).scenario, &options, &Cancel::default());
     assert_eq!(report.checks[0].verdict, Verdict::Refuted);
     let run = &report.checks[0].counterexample;
