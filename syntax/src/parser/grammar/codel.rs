@@ -34,7 +34,7 @@ pub(super) fn codel(p: &mut Parser<'_>, form: Form) -> &'static str {
         triggers(p);
     }
     let name_at = p.position();
-    if !name(p) {
+    if !property::unless_item(p, name) {
         m.complete_unless_empty(p, has_triggers, CODEL);
         return "";
     }
@@ -107,7 +107,8 @@ fn yields(p: &mut Parser<'_>) -> &'static str {
 // test state
 // component c { task t { codel<pause, pause::pause> f() yield pause::wcet, pause, yield; }; };
 fn state(p: &mut Parser<'_>) -> bool {
-    if !p.at(IDENT) {
+    // In half-typed text the next declaration may follow.
+    if !p.at(IDENT) || (spec::at_item(p) && !at_timed_state(p)) {
         p.expected("the name of a state");
         return false;
     }
@@ -119,6 +120,13 @@ fn state(p: &mut Parser<'_>) -> bool {
     name_ref(p);
     m.complete(p, STATE);
     true
+}
+
+/// A state called like the beginning of a declaration, with an execution time: `yield period 5 us`,
+/// `yield codel wcet 5 us`.
+fn at_timed_state(p: &Parser<'_>) -> bool {
+    const NUMBER: TokenSet = TokenSet::new(&[INT, FLOAT]);
+    p.nth_at(1, WCET_KW) || p.nth_at_ts(1, NUMBER)
 }
 
 /// `wcet D [unit]`, any number of times: which is one too many is said with the model at hand.
