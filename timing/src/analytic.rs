@@ -4,8 +4,8 @@
 //! window of time:
 //!
 //! * while a codel waits for its locks, some codel that excludes it is executing; in a window of
-//!   length *w* a periodic task does at most ⌈w/P⌉ + 3 turns (one carried in, one on a pending tick,
-//!   one in its start-up);
+//!   length *w* a periodic task does at most ⌈w/P⌉ + 2 turns (one carried in, or its start-up, and one on a
+//!   pending tick), and ⌈w/P⌉ + 1 once it is known to meet its deadlines;
 //! * while a task waits for a core, all cores are held by other jobs, each for at most its own bound
 //!   counted from the grant; under FIFO only by jobs released before, at most one of each task. A cycle that
 //!   never ends holds one core.
@@ -18,28 +18,21 @@ use crate::system::{
 
 /// A bound on the response time of every task; `None` where this method finds none.
 pub fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
-    let analysis = Analysis {
+    let mut analysis = Analysis {
         system,
         excluded: excluded(system),
+        punctual: vec![false; system.tasks.len()],
     };
-    let waits: Vec<Option<u64>> = (0..system.codels.len())
-        .map(|codel| analysis.lock_wait(codel))
-        .collect();
-    let cost =
-        |codel: usize| -> Option<u64> { Some(waits[codel]? + finite(system.codels[codel].upper)?) };
-    let held: Vec<Option<u64>> = (0..system.tasks.len())
-        .map(|task| analysis.turns(task, &cost))
-        .collect();
-    (0..system.tasks.len())
-        .map(|task| {
-            let response = held[task]?.checked_add(analysis.core_wait(task, &held)?)?;
-            u32::try_from(response).ok().filter(|&it| it < FOREVER)
-        })
-        .collect()
+    loop {
+        let bounds = analysis.bounds();
+        let meets = |task: usize| meets_deadlines(system, task, bounds[task]);
+        let punctual: Vec<bool> = (0..bounds.len()).map(meets).collect();
+        if punctual == analysis.punctual {
+            return bounds;
+        }
+        analysis.punctual = punctual;
+    }
 }
-
-/// Fixed points that are not found in so many rounds are given up: a quick bound must be quick.
-const ROUNDS: usize = 10_000;
 
 /// Whether a bound on the response time of a task proves that it meets its deadlines. Where a tick is kept it may
 /// be taken any time before the next one, so that nothing follows.
@@ -51,8 +44,13 @@ pub fn meets_deadlines(system: &TimedSystem, task: usize, bound: Option<Ticks>) 
 /// Fixed points above this are given up.
 const HORIZON: u64 = 1 << 31;
 
+/// Fixed points that are not found in so many rounds are given up: a quick bound must be quick.
+const ROUNDS: usize = 10_000;
+
 struct Analysis<'s> {
     system: &'s TimedSystem,
+    /// Tasks that are known to meet their deadlines: they never have a tick waiting.
+    punctual: Vec<bool>,
     /// Codels whose execution can keep each codel waiting.
     excluded: Vec<CodelSet>,
 }
@@ -89,6 +87,34 @@ fn excluded(system: &TimedSystem) -> Vec<CodelSet> {
 }
 
 impl Analysis<'_> {
+    fn bounds(&self) -> Vec<Option<Ticks>> {
+        let system = self.system;
+        let waits: Vec<Option<u64>> = (0..system.codels.len())
+            .map(|codel| self.lock_wait(codel))
+            .collect();
+        let cost = |codel: usize| -> Option<u64> {
+            Some(waits[codel]? + finite(system.codels[codel].upper)?)
+        };
+        let held: Vec<Option<u64>> = (0..system.tasks.len())
+            .map(|task| self.turns(task, &cost))
+            .collect();
+        (0..system.tasks.len())
+            .map(|task| {
+                let response = held[task]?.checked_add(self.core_wait(task, &held)?)?;
+                u32::try_from(response).ok().filter(|&it| it < FOREVER)
+            })
+            .collect()
+    }
+
+    /// The work of a task that others may have to wait for.
+    fn jobs(&self, task: usize, work: u64) -> Jobs {
+        Jobs {
+            period: self.system.tasks[task].period,
+            carried: if self.punctual[task] { 1 } else { 2 },
+            work,
+        }
+    }
+
     /// The longest that all turns of one job can be, with the cost of each codel.
     fn turns(&self, task: usize, cost: &dyn Fn(usize) -> Option<u64>) -> Option<u64> {
         let it = &self.system.tasks[task];
@@ -105,8 +131,8 @@ impl Analysis<'_> {
             return Some(0);
         }
         // What each task can execute in one job, and what control tasks can execute at all.
-        let mut jobs: Vec<(Option<Ticks>, u64)> = Vec::new();
-        for (task, it) in self.system.tasks.iter().enumerate() {
+        let mut jobs = Vec::new();
+        for task in 0..self.system.tasks.len() {
             let cost = |other: usize| {
                 if excluded.contains(other) {
                     finite(self.system.codels[other].upper)
@@ -116,7 +142,7 @@ impl Analysis<'_> {
             };
             let work = self.turns(task, &cost)?;
             if work > 0 {
-                jobs.push((it.period, work));
+                jobs.push(self.jobs(task, work));
             }
         }
         let once = self.control_work(excluded)?;
@@ -166,12 +192,12 @@ impl Analysis<'_> {
             }
             let work = held[other]?;
             if work > 0 {
-                jobs.push((it.period, work));
+                jobs.push(self.jobs(other, work));
             }
         }
         if self.system.platform.policy == Policy::Fifo {
             // Every other task has at most one job that was released before.
-            let ahead: u64 = jobs.iter().map(|it| it.1).sum();
+            let ahead: u64 = jobs.iter().map(|it| it.work).sum();
             let queue = ahead / cores;
             return Some(fixed_point(&jobs, 0, cores).map_or(queue, |it| it.min(queue)));
         }
@@ -190,14 +216,23 @@ impl Analysis<'_> {
     }
 }
 
-/// The least w with w = (once + Σ (⌈w/P⌉ + 3)·work) / servers.
-fn fixed_point(jobs: &[(Option<Ticks>, u64)], once: u64, servers: u64) -> Option<u64> {
+/// Jobs of a task, as others see them.
+struct Jobs {
+    period: Option<Ticks>,
+    /// Those that a window can begin with.
+    carried: u64,
+    /// What each can take of them.
+    work: u64,
+}
+
+/// The least w with w = (once + Σ (⌈w/P⌉ + carried)·work) / servers.
+fn fixed_point(jobs: &[Jobs], once: u64, servers: u64) -> Option<u64> {
     let mut window = 0u64;
     for _ in 0..ROUNDS {
         let mut demand = once;
-        for &(period, work) in jobs {
-            let count = window.div_ceil(u64::from(period?)) + 3;
-            demand = demand.checked_add(count.checked_mul(work)?)?;
+        for it in jobs {
+            let count = window.div_ceil(u64::from(it.period?)) + it.carried;
+            demand = demand.checked_add(count.checked_mul(it.work)?)?;
         }
         let next = demand.div_ceil(servers);
         if next == window {

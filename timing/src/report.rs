@@ -6,6 +6,7 @@ use dotgen_analysis::model::Src;
 use serde::Serialize;
 use serde::ser::Serializer;
 
+use crate::explore::Findings;
 use crate::explore::MomentKind;
 use crate::scn::{Diagnostic, Severity};
 
@@ -157,6 +158,13 @@ pub struct Event {
 }
 
 impl Report {
+    /// Adds what an exploration took.
+    pub(crate) fn effort(&mut self, found: &Findings) {
+        self.states += found.states;
+        self.steps += found.steps;
+        self.memory = self.memory.max(found.bytes);
+    }
+
     /// Whether some check failed.
     pub fn refuted(&self) -> bool {
         self.checks.iter().any(|it| it.verdict == Verdict::Refuted)

@@ -22,9 +22,9 @@ use crate::report::{CheckReport, Event, Report, Soundness, Value, Verdict};
 use crate::scn::Diagnostic;
 use crate::scn::ast::{Bound as AstBound, Check, Durations, Policy, Pred, Scenario, Unit};
 use crate::scn::names::Names;
-use crate::system::Ticks;
 use crate::system::build::{Built, build};
 use crate::system::settings::Settings;
+use crate::system::{Client, ClientAction, FOREVER, Ticks, TimedSystem};
 
 /// The specifications of a system.
 #[derive(Debug, Clone, Default)]
@@ -150,6 +150,9 @@ struct Group<'g> {
     cancel: &'g Cancel,
 }
 
+/// States visited at most to see what fails without requests.
+const QUIET_STATES: usize = 100_000;
+
 /// Said when the checks needed no exploration.
 const NOT_EXAMINED: &str = "whether requests can be refused for want of a slot was not examined";
 
@@ -163,19 +166,106 @@ impl Group<'_> {
         report: &mut Report,
     ) {
         let analysed = Analysed::new(self.built);
+        for &i in of_group {
+            answers[i] = if let Some(bound) = analysed.deadline(&checks[i]) {
+                Some(self.meets_deadlines(&checks[i], bound))
+            } else if analysed.is_zero(&checks[i]) {
+                Some(self.takes_no_time(&checks[i]))
+            } else {
+                None
+            };
+        }
+        if self.may_wait_for_ever() {
+            self.without_requests(checks, of_group, answers, report);
+        }
+        let open = of_group.iter().copied().filter(|&i| answers[i].is_none());
+        // What makes reductions impossible is not looked for together with what does not.
+        let (together, apart): (Vec<usize>, Vec<usize>) =
+            open.partition(|&i| self.is_about_ticks(&checks[i]));
+        if together.is_empty() && apart.is_empty() && self.may_refuse() {
+            report.notes.push(NOT_EXAMINED.to_owned());
+        }
+        for part in [together, apart] {
+            self.explore(checks, &part, &analysed, answers, report);
+        }
+    }
+
+    /// Whether a check is about what happens from ticks on, so that steps between them can be put off.
+    fn is_about_ticks(&self, check: &Single) -> bool {
+        match check.what {
+            What::Schedulable(_) | What::NoOverdue(_) => true,
+            What::Response(it, _) => {
+                let task = self.built.tasks[&it];
+                self.built.system.tasks[task].period.is_some()
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether every client may never send anything.
+    fn may_wait_for_ever(&self) -> bool {
+        let clients = &self.built.system.clients;
+        let waits = |client: &Client| {
+            client.first.iter().any(|&step| {
+                client.steps.get(step).is_none_or(
+                    |it| matches!(it.action, ClientAction::Delay(_, upper) if upper == FOREVER),
+                )
+            })
+        };
+        !clients.is_empty() && clients.iter().all(waits)
+    }
+
+    /// What fails even when nothing is requested: soon found, and a run that is easy to read.
+    fn without_requests(
+        &self,
+        checks: &[Single],
+        of_group: &[usize],
+        answers: &mut [Option<CheckReport>],
+        report: &mut Report,
+    ) {
+        let quiet = Built {
+            system: TimedSystem {
+                clients: Vec::new(),
+                ..self.built.system.clone()
+            },
+            ..self.built.clone()
+        };
+        let quiet = Group {
+            built: &quiet,
+            limits: Limits {
+                states: self.limits.states.min(QUIET_STATES),
+                ..self.limits
+            },
+            ..*self
+        };
+        let open = of_group.iter().copied();
+        let open = open.filter(|&i| answers[i].is_none() && self.is_about_ticks(&checks[i]));
+        let (watch, places) = quiet.watch(checks, open);
+        if places.is_empty() {
+            return;
+        }
+        let found = explore(&quiet.built.system, &watch, quiet.limits, self.cancel);
+        report.effort(&found);
+        for (i, place) in places {
+            let it = quiet.one(&checks[i], place, &found);
+            // Other runs may take longer, unless this one takes for ever.
+            let final_value = matches!(it.value, None | Some(Value::Unbounded));
+            if it.verdict == Verdict::Refuted && final_value {
+                answers[i] = Some(it);
+            }
+        }
+    }
+
+    /// What is to be watched for these checks, and where the answer to each will be found.
+    fn watch(
+        &self,
+        checks: &[Single],
+        part: impl Iterator<Item = usize>,
+    ) -> (Watch, Vec<(usize, usize)>) {
         let mut watch = Watch::default();
-        // Where the answer to each check will be found.
         let mut places = Vec::new();
         let predicate = |pred: &Pred| resolve::resolve(self.names, self.built, pred).ok();
-        for &i in of_group {
-            if let Some(bound) = analysed.deadline(&checks[i]) {
-                answers[i] = Some(self.meets_deadlines(&checks[i], bound));
-                continue;
-            }
-            if analysed.is_zero(&checks[i]) {
-                answers[i] = Some(self.takes_no_time(&checks[i]));
-                continue;
-            }
+        for i in part {
             let mut task = |list: fn(&mut Watch) -> &mut Vec<usize>, it| {
                 let task = self.built.tasks[&it];
                 let list = list(&mut watch);
@@ -227,25 +317,35 @@ impl Group<'_> {
             };
             places.push((i, place));
         }
+        (watch, places)
+    }
+
+    fn explore(
+        &self,
+        checks: &[Single],
+        part: &[usize],
+        analysed: &Analysed,
+        answers: &mut [Option<CheckReport>],
+        report: &mut Report,
+    ) {
+        let (watch, places) = self.watch(checks, part.iter().copied());
         let explored = places
             .iter()
             .any(|&(i, _)| !matches!(checks[i].what, What::LeadsTo(..) | What::Eventually(_)));
         let found = if explored {
             explore(&self.built.system, &watch, self.limits, self.cancel)
         } else {
-            if self.may_refuse() && !report.notes.iter().any(|it| it == NOT_EXAMINED) {
-                report.notes.push(NOT_EXAMINED.to_owned());
-            }
             Findings::default()
         };
-        report.states += found.states;
-        report.steps += found.steps;
-        report.memory = report.memory.max(found.bytes);
+        report.effort(&found);
         for &service in &found.refused {
-            report.notes.push(format!(
+            let note = format!(
                 "a request of {} can be refused because all its slots are in use",
                 self.built.system.service_path(service)
-            ));
+            );
+            if !report.notes.contains(&note) {
+                report.notes.push(note);
+            }
         }
         for (i, place) in places {
             answers[i] = Some(match checks[i].what {
@@ -287,10 +387,13 @@ impl Group<'_> {
     fn meets_deadlines(&self, check: &Single, bound: Ticks) -> CheckReport {
         CheckReport {
             verdict: Verdict::Proved,
-            note: Some(format!(
-                "by response-time analysis: a job takes at most {}",
-                self.in_words(bound)
-            )),
+            note: Some(match check.what {
+                What::NoOverdue(_) if bound == 0 => "no job ever waits for a core".to_owned(),
+                _ => format!(
+                    "by response-time analysis: a job takes at most {}",
+                    self.in_words(bound)
+                ),
+            }),
             ..self.blank(check)
         }
     }

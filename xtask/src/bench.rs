@@ -42,7 +42,7 @@ enum What {
     Rivals,
     /// Verification of the published systems.
     Verify,
-    /// Verification of growing systems; draws the charts in docs/pictures.
+    /// Verification of growing systems; draws the charts in docs/charts.
     Growth,
 }
 

@@ -36,30 +36,42 @@ use super::step::{Action, Enabled, Stepper};
 use crate::property::{Atom, Predicate};
 use crate::system::{CodelSet, LockOrder, Machine, Policy, TimedSystem, Yield};
 
-/// Tasks that predicates say something about. Control tasks and clients have no part in any
-/// reduction and are not listed.
-pub(crate) fn visible_tasks<'p>(
-    system: &TimedSystem,
-    predicates: impl Iterator<Item = &'p Predicate>,
-) -> Vec<bool> {
-    let mut out = vec![false; system.tasks.len()];
-    for predicate in predicates {
-        predicate.atoms(&mut |atom| match *atom {
-            Atom::Task(task, _) => out[task] = true,
-            Atom::State { machine, .. } => {
-                for it in system.automata.iter().filter(|it| it.machine == machine) {
-                    out[it.task] = true;
+/// What predicates say something about.
+#[derive(Debug)]
+pub(crate) struct Visible {
+    /// These tasks.
+    pub(super) tasks: Vec<bool>,
+    /// Some control task or client.
+    pub(super) others: bool,
+}
+
+impl Visible {
+    /// What these predicates say something about.
+    pub(crate) fn new<'p>(
+        system: &TimedSystem,
+        predicates: impl Iterator<Item = &'p Predicate>,
+    ) -> Self {
+        let mut tasks = vec![false; system.tasks.len()];
+        let mut others = false;
+        for predicate in predicates {
+            predicate.atoms(&mut |atom| match *atom {
+                Atom::Task(task, _) => tasks[task] = true,
+                Atom::State { machine, .. } => {
+                    for it in system.automata.iter().filter(|it| it.machine == machine) {
+                        tasks[it.task] = true;
+                    }
                 }
-            }
-            Atom::Slot(service, _) => {
-                for &a in &system.services[service].slots {
-                    out[system.automata[a].task] = true;
+                Atom::Slot(service, _) => {
+                    for &a in &system.services[service].slots {
+                        tasks[system.automata[a].task] = true;
+                    }
+                    others = true;
                 }
-            }
-            Atom::Handling { .. } | Atom::ControlBusy(_) | Atom::Client(..) => {}
-        });
+                Atom::Handling { .. } | Atom::ControlBusy(_) | Atom::Client(..) => others = true,
+            });
+        }
+        Visible { tasks, others }
     }
-    out
 }
 
 /// What is known beforehand about the tasks of a system.
@@ -86,7 +98,7 @@ pub(crate) struct Ample {
 
 impl Ample {
     /// Examines a system of which `visible` tasks are observed by predicates and `measured` ones by clocks.
-    pub(crate) fn new(system: &TimedSystem, visible: Vec<bool>, measured: &[bool]) -> Self {
+    pub(crate) fn new(system: &TimedSystem, visible: Visible, measured: &[bool]) -> Self {
         let requested = system.requested();
         let plain = |task: usize| {
             let it = &system.tasks[task];
@@ -94,7 +106,7 @@ impl Ample {
                 let machine = system.machine_of(a);
                 let separate =
                     system.platform.async_free && machine.states.iter().any(|it| it.is_async);
-                !separate && !loops_in_no_time(system, machine)
+                !separate && !loops_in_no_time(system, machine, it.period.is_none())
             });
             simple && !it.keep_idle_tick && !system.has_activities(task, &requested)
         };
@@ -127,8 +139,10 @@ impl Ample {
         let tasks = 0..system.tasks.len();
         Ample {
             plain: tasks.clone().map(plain).collect(),
-            visible_on_cores: tasks.clone().any(|t| visible[t] && system.needs_core(t)),
-            visible,
+            visible_on_cores: tasks
+                .clone()
+                .any(|t| visible.tasks[t] && system.needs_core(t)),
+            visible: visible.tasks,
             measured: measured.to_vec(),
             endless: tasks.clone().map(endless).collect(),
             owner,
@@ -197,9 +211,10 @@ enum Owner {
     Nobody,
 }
 
-/// Whether a turn can go round without time passing, in codels that take none.
-fn loops_in_no_time(system: &TimedSystem, machine: &Machine) -> bool {
-    if machine.loop_limit.is_some() && !machine.rounds {
+/// Whether a turn can go round without time passing, in codels that take none. The turns of an aperiodic task follow
+/// each other at once.
+fn loops_in_no_time(system: &TimedSystem, machine: &Machine, aperiodic: bool) -> bool {
+    if machine.loop_limit.is_some() && !machine.rounds && !aperiodic {
         return false;
     }
     let instant = |state: usize| system.codels[machine.states[state].codel].upper == 0;
@@ -211,13 +226,16 @@ fn loops_in_no_time(system: &TimedSystem, machine: &Machine) -> bool {
                 continue;
             }
             for it in &machine.states[at].yields {
-                if let Yield::Next(next) = *it {
-                    if next == start {
-                        return true;
-                    }
-                    if !std::mem::replace(&mut seen[next], true) {
-                        stack.push(next);
-                    }
+                let next = match *it {
+                    Yield::Next(next) => next,
+                    Yield::Pause(next) if aperiodic => next,
+                    _ => continue,
+                };
+                if next == start {
+                    return true;
+                }
+                if !std::mem::replace(&mut seen[next], true) {
+                    stack.push(next);
                 }
             }
         }

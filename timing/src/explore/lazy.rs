@@ -6,55 +6,63 @@
 //! begun later have wider windows. So such an end is followed only where something urgent is about to
 //! happen, and a state that differs from another one only by such ends need not be kept.
 //!
-//! This holds for tasks of *lazy groups*. A group is a set of tasks connected by codels that exclude
-//! each other; it is lazy if all its tasks are periodic without kept ticks, all their codels have
-//! lower bound 0, no activity of theirs can end by itself (which would concern the control task and
-//! clients), and no codel of a control task belongs to it. An aperiodic task can belong to one if it
+//! This holds for *lazy groups*. A group is a set of tasks, control tasks and clients connected by codels that
+//! exclude each other, by activities and by requests; it is lazy if all its codels and delays have lower bound 0 and
+//! its periodic tasks do not keep ticks. An aperiodic task can belong to one if it
 //! asks for a core at most once, or never (else waiting changes its place in the queue), and if its
 //! response time is not measured (which would begin later). It can have a resting place, see
 //! [`rest`]; while it is elsewhere its group is not lazy. Groups meet only at cores: while a task of
 //! another group waits for a core no end can wait. (A lazy task that waits loses nothing by a later
-//! grant: its release is past, and its codels have wider windows.) Start-up is never lazy, and
-//! neither is anything while a lazy task has a pending tick: its next job is released, and measured,
-//! from the end of this one. The order of steps of different groups is not preserved; groups with a
-//! task that a predicate is about are therefore not lazy.
+//! grant: its release is past, and its codels have wider windows.) A start-up that starts
+//! a timer cannot wait, and nothing can while a lazy task has a pending tick: its next job is released, and measured,
+//! from the end of this one. The order of steps of different groups is not preserved; groups with
+//! something that a predicate is about are therefore not lazy. And there has to be a next hard moment: some task
+//! is periodic.
 
 mod rest;
 
 use rustc_hash::FxHashSet;
 use smallvec::SmallVec;
 
-use super::state::{State, mode, phase};
+use super::ample::Visible;
+use super::state::{State, control, phase};
 use super::step::{Action, Enabled, Stepper};
 use super::store::{Encoded, encode};
-use crate::system::{TimedSystem, Yield};
+use crate::system::{ClientAction, TimedSystem, Yield};
 
-/// Which tasks belong to lazy groups.
+/// Which tasks, control tasks and clients belong to lazy groups. They are numbered as *members*, in this order.
 #[derive(Debug)]
 pub(crate) struct Lazy {
-    tasks: Vec<bool>,
+    members: Vec<bool>,
     any: bool,
-    /// Group of each task.
+    /// Group of each member.
     group: Vec<usize>,
     /// Automata with a resting place, and the state.
     rest: Vec<(usize, usize)>,
 }
 
-/// The tasks whose ends can wait in one state.
-pub(crate) type Waiters = SmallVec<[bool; 16]>;
+/// The members whose ends can wait in one state.
+pub(crate) type Waiters = SmallVec<[bool; 24]>;
 
 /// Lazy closures larger than this are not followed to their end; fewer states are dropped then.
 const CLOSURE: usize = 1024;
 
 impl Lazy {
-    /// The lazy groups of a system. Predicates observe `visible` tasks; the response times of `measured` ones are
+    /// The lazy groups of a system. Predicates observe what is `visible`; the response times of `measured` tasks are
     /// wanted.
-    pub(crate) fn new(system: &TimedSystem, visible: &[bool], measured: &[bool]) -> Self {
-        let n = system.tasks.len();
-        // One owner per codel: a task, or `n` for the control tasks.
+    pub(crate) fn new(system: &TimedSystem, visible: &Visible, measured: &[bool]) -> Self {
+        let tasks = system.tasks.len();
+        let control = |component: usize| tasks + component;
+        let client = |client: usize| tasks + system.components.len() + client;
+        let n = client(system.clients.len());
         let mut owner = vec![usize::MAX; system.codels.len()];
-        let mut lazy = vec![true; n + 1];
-        lazy[n] = false;
+        let mut lazy = vec![true; n];
+        let mut group: Vec<usize> = (0..n).collect();
+        let mut join = |one: usize, other: usize| {
+            let (from, to) = (group[one], group[other]);
+            let members = group.iter_mut().filter(|it| **it == from);
+            members.for_each(|it| *it = to);
+        };
         let requested = system.requested();
         let live = |a: usize| system.automata[a].service.is_none_or(|it| requested[it]);
         for (a, automaton) in system.automata.iter().enumerate() {
@@ -62,14 +70,35 @@ impl Lazy {
                 for state in &system.machine_of(a).states {
                     owner[state.codel] = automaton.task;
                 }
+                if automaton.service.is_some() {
+                    join(
+                        automaton.task,
+                        control(system.tasks[automaton.task].component),
+                    );
+                }
             }
         }
         for (service, it) in system.services.iter().enumerate() {
             if requested[service] {
                 for &codel in it.validate.iter().chain(&it.simple) {
-                    owner[codel] = n;
+                    owner[codel] = control(it.component);
+                    lazy[control(it.component)] &= system.codels[codel].lower == 0;
                 }
             }
+        }
+        for (k, it) in system.clients.iter().enumerate() {
+            for step in &it.steps {
+                match step.action {
+                    ClientAction::Send { service, .. } => {
+                        join(client(k), control(system.services[service].component));
+                    }
+                    ClientAction::Delay(lower, _) => lazy[client(k)] &= lower == 0,
+                    ClientAction::AwaitAccepted | ClientAction::AwaitEnded(_) => {}
+                }
+            }
+        }
+        if visible.others {
+            lazy[tasks..].fill(false);
         }
         let mut rest = Vec::new();
         for (a, automaton) in system.automata.iter().enumerate() {
@@ -81,10 +110,9 @@ impl Lazy {
                 .filter(|_| !measured[task] && endless(system, task, &requested));
             rest.extend(place.map(|state| (a, state)));
             for (number, state) in system.machine_of(a).states.iter().enumerate() {
-                let ends = automaton.service.is_some() && state.yields.contains(&Yield::End);
                 let separate = state.is_async && system.platform.async_free;
                 let slow = system.codels[state.codel].lower > 0 && place != Some(number);
-                if ends || separate || slow {
+                if separate || slow {
                     lazy[task] = false;
                 }
             }
@@ -95,64 +123,87 @@ impl Lazy {
             } else {
                 !measured[task] && (!system.needs_core(task) || endless(system, task, &requested))
             };
-            lazy[task] &= fits && !visible[task];
+            lazy[task] &= fits && !visible.tasks[task];
         }
-        let mut group: Vec<usize> = (0..=n).collect();
         for (one, codel) in system.codels.iter().enumerate() {
             for other in codel.conflicts.iter() {
                 let (Some(&a), Some(&b)) = (owner.get(one), owner.get(other)) else {
                     continue;
                 };
-                if a <= n && b <= n && group[a] != group[b] {
-                    let (from, to) = (group[a], group[b]);
-                    group
-                        .iter_mut()
-                        .filter(|it| **it == from)
-                        .for_each(|it| *it = to);
+                if a < n && b < n {
+                    join(a, b);
                 }
             }
         }
-        let not_lazy: Vec<usize> = (0..=n).filter(|&t| !lazy[t]).map(|t| group[t]).collect();
-        let tasks: Vec<bool> = (0..n).map(|t| !not_lazy.contains(&group[t])).collect();
-        rest.retain(|&(a, _)| tasks[system.automata[a].task]);
+        if system.tasks.iter().all(|it| it.period.is_none()) {
+            lazy.fill(false);
+        }
+        let not_lazy: Vec<usize> = (0..n).filter(|&it| !lazy[it]).map(|it| group[it]).collect();
+        let members: Vec<bool> = (0..n).map(|it| !not_lazy.contains(&group[it])).collect();
+        rest.retain(|&(a, _)| members[system.automata[a].task]);
         Lazy {
-            any: tasks.contains(&true),
-            tasks,
+            any: members.contains(&true),
+            members,
             group,
             rest,
         }
     }
 
-    /// The tasks whose ends can wait in a calm state, if there are any.
+    /// The members whose ends can wait in a calm state, if there are any.
     pub(crate) fn waiters(&self, stepper: &Stepper, s: &State) -> Option<Waiters> {
         let l = &stepper.layout;
         if !self.any {
             return None;
         }
-        let tasks = &stepper.system.tasks;
-        let settled = tasks
-            .iter()
-            .zip(&self.tasks)
-            .enumerate()
-            .all(|(task, (it, &lazy))| {
-                let normal = |a| matches!(l.mode(s, a), mode::NORMAL | mode::ENDED);
-                !lazy || (!l.pending(s, task) && it.permanent.is_none_or(normal))
-            });
-        if !settled {
+        let tasks = stepper.system.tasks.iter().zip(&self.members).enumerate();
+        let mut late = tasks.map(|(task, (_, &lazy))| lazy && l.pending(s, task));
+        if late.any(|it| it) {
             return None;
         }
-        let mut out = Waiters::from_slice(&self.tasks);
+        let mut out = Waiters::from_slice(&self.members);
+        for component in 0..l.components {
+            self.start_up(stepper, s, component, &mut out);
+        }
         for &(a, state) in &self.rest {
             let resting = l.phase(s, a) == phase::EXECUTING && l.at(s, a) as usize == state;
             if !resting {
                 let group = self.group[stepper.system.automata[a].task];
-                for (task, it) in out.iter_mut().enumerate() {
-                    *it &= self.group[task] != group;
+                for (member, it) in out.iter_mut().enumerate() {
+                    *it &= self.group[member] != group;
                 }
             }
         }
         let queue = l.queue(s);
         queue.iter().all(|&task| out[task as usize]).then_some(out)
+    }
+
+    /// Who cannot wait because of the start-up of a component. An end cannot that starts a timer, or something that is
+    /// not lazy, and what such a codel will have to wait for cannot either.
+    fn start_up(&self, stepper: &Stepper, s: &State, component: usize, out: &mut Waiters) {
+        let l = &stepper.layout;
+        if l.control(s, component) != control::STARTING {
+            return;
+        }
+        let system = stepper.system;
+        let left = &system.components[component].tasks[l.starting(s, component) as usize..];
+        let punctual = |&it: &usize| system.tasks[it].period.is_some() || !self.members[it];
+        for (at, &task) in left.iter().enumerate() {
+            let matters = left[at + 1..].iter().any(punctual) || !self.members[l.tasks + component];
+            let Some(a) = system.tasks[task].permanent.filter(|_| matters) else {
+                continue;
+            };
+            let machine = system.machine_of(a);
+            let codel = &system.codels[machine.states[machine.start].codel];
+            let begun = at == 0 && l.phase(s, a) == phase::EXECUTING;
+            if begun || codel.conflicts.is_empty() {
+                out[task] = false;
+            } else {
+                let group = self.group[task];
+                for (member, it) in out.iter_mut().enumerate() {
+                    *it &= self.group[member] != group;
+                }
+            }
+        }
     }
 
     /// Calls `found` with every calm state that a calm state can reach by ends that can wait, unless there are
@@ -188,7 +239,15 @@ impl Lazy {
                         can_wait(&waiters, stepper, executor)
                     }
                     Action::Grant { task } | Action::Release { task } => waiters[task],
-                    _ => false,
+                    Action::Signal { component } => can_wait(
+                        &waiters,
+                        stepper,
+                        stepper.layout.control_executor(component),
+                    ),
+                    Action::Request { client, .. } | Action::Proceed { client, .. } => {
+                        can_wait(&waiters, stepper, stepper.layout.client_executor(client))
+                    }
+                    Action::Tick { .. } => false,
                 };
                 if !follow {
                     continue;
@@ -205,10 +264,15 @@ impl Lazy {
     }
 }
 
-/// Whether an executor belongs to a task whose ends can wait.
+/// Whether the end of what an executor executes can wait.
 pub(crate) fn can_wait(waiters: &Waiters, stepper: &Stepper, executor: usize) -> bool {
     let automata = &stepper.system.automata;
-    automata.get(executor).is_some_and(|it| waiters[it.task])
+    let member = match automata.get(executor) {
+        Some(it) => it.task,
+        // Control tasks and clients come after the automata, as among the members after the tasks.
+        None => executor - automata.len() + stepper.layout.tasks,
+    };
+    waiters[member]
 }
 
 /// An aperiodic task whose cycle never ends.

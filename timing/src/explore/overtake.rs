@@ -339,6 +339,9 @@ impl Moment<'_, '_> {
     /// Whether something of a task can happen next.
     fn can_act(&self, task: usize) -> bool {
         let l = &self.stepper.layout;
+        if self.due(task) && self.held >> (TICKS + task) & 1 == 0 {
+            return true;
+        }
         self.stepper.system.tasks[task]
             .permanent
             .is_some_and(|a| match l.phase(self.s, a) {

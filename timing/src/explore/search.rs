@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use rustc_hash::FxHashSet;
 
-use super::ample::{Ample, visible_tasks};
+use super::ample::{Ample, Visible};
 use super::lazy::{self, Lazy};
 use super::measure::{Diverging, Gauge, How, Timing};
 use super::observe::{self, Observer};
@@ -307,7 +307,7 @@ impl<'a> Search<'a> {
             .within
             .iter()
             .flat_map(|it| [&it.trigger, &it.response]);
-        let visible = visible_tasks(system, predicates.chain(&watch.reach));
+        let visible = Visible::new(system, predicates.chain(&watch.reach));
         let clocks = layout.clocks();
         let longest = system
             .tasks
@@ -892,32 +892,27 @@ impl Search<'_> {
     /// A run to what was seen, empty if nobody wants it any more: segments from node to node, found backwards with the remaining times
     /// that the later part of the run needs.
     fn trace(&self, at: Sight, goal: &Goal) -> Run {
-        let mut segments = Vec::new();
+        let mut segments: Vec<(u64, Vec<Action>)> = Vec::new();
         let mut node = at.parent;
-        if !matches!(goal, Goal::Deadlock) {
-            let Some((actions, last)) = self.segment(at.parent, at.time, goal) else {
+        let mut point = if matches!(goal, Goal::Deadlock) {
+            self.any_point(&self.node_state(node))
+        } else {
+            let Some((actions, last)) = self.segment(node, at.time, goal) else {
                 return Run::default();
             };
-            let mut point = self.any_point(&last);
             segments.push((at.time, actions));
-            while node != ROOT {
-                point = self.point_before(node, segments.last().expect("pushed above"), &point);
-                let Some((parent, actions)) = self.segment_to(node, &point) else {
-                    break;
-                };
-                segments.push((self.nodes[node as usize].time, actions));
-                node = parent;
+            self.any_point(&last)
+        };
+        while node != ROOT {
+            if let Some(segment) = segments.last() {
+                point = self.point_before(node, segment, &point);
             }
-        } else {
-            let mut point = self.any_point(&self.node_state(node));
-            while let Some((parent, actions)) = self.segment_to(node, &point) {
-                segments.push((self.nodes[node as usize].time, actions));
-                node = parent;
-                if node == ROOT {
-                    break;
-                }
-                point = self.point_before(node, segments.last().expect("pushed above"), &point);
-            }
+            // Nobody wants it any more; a part of a run would be of no use.
+            let Some((parent, actions)) = self.segment_to(node, &point) else {
+                return Run::default();
+            };
+            segments.push((self.nodes[node as usize].time, actions));
+            node = parent;
         }
         let mut run = Run::default();
         for (time, actions) in segments.into_iter().rev() {

@@ -66,7 +66,8 @@ pub(crate) mod phase {
 
 /// Steps of a control task.
 pub(crate) mod control {
-    // 0: the component is starting.
+    /// The component is starting.
+    pub(crate) const STARTING: u16 = 0;
     pub(crate) const READY: u16 = 1;
     pub(crate) const VALIDATE: u16 = 2;
     pub(crate) const SIMPLE: u16 = 3;

@@ -22,7 +22,7 @@ impl<'b> Analysed<'b> {
         }
     }
 
-    /// The bound that proves that a check of deadlines holds.
+    /// The bound that proves that a check of deadlines holds: on a response time, or on the time a job waits for a core.
     pub(super) fn deadline(&self, check: &Single) -> Option<Ticks> {
         let system = &self.built.system;
         match check.what {
@@ -33,7 +33,11 @@ impl<'b> Analysed<'b> {
             }
             What::NoOverdue(it) => {
                 let task = self.built.tasks[&it];
-                self.bounds[task].filter(|&bound| Some(bound) < system.tasks[task].period)
+                let bound = match system.needs_core(task) {
+                    true => self.bounds[task],
+                    false => Some(0),
+                };
+                bound.filter(|&bound| Some(bound) < system.tasks[task].period)
             }
             _ => None,
         }

@@ -8,7 +8,7 @@ use dotgen_analysis::host::{
 };
 use dotgen_timing::analytic::response_bounds;
 use dotgen_timing::derive::{largest_wcet, minimum_cores, smallest_period};
-use dotgen_timing::report::{Report, Value, Verdict};
+use dotgen_timing::report::{CheckReport, Report, Value, Verdict};
 use dotgen_timing::scn::ast::{Path, Spanned};
 use dotgen_timing::scn::names::{Names, Target};
 use dotgen_timing::scn::{default_text, format, parse, parse_check};
@@ -398,16 +398,93 @@ fn checks_can_be_given_alone() {
     assert!(parse_check("schedulable * ;").is_err());
 }
 
+/// Two tasks with ample slack, and a client that never stops.
+const CALM: &str = r#"
+component calm {
+  version "1"; lang "c";
+  ids { long a; long b; };
+  task t {
+    period 20 ms;
+    codel <start> init(out a) yield step wcet 1 ms;
+    codel <step> t_step(inout a) yield pause::step wcet 2 ms;
+  };
+  task u {
+    period 30 ms;
+    codel <start> u_step(in a, out b) yield pause::start wcet 1 ms;
+  };
+  activity work() { task t; codel <start> w(inout a) yield pause::start, ether wcet 1 ms; };
+};
+"#;
+
+#[test]
+fn analysis_answers_what_exploration_has_to_give_up() {
+    let unit = load(CALM);
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let text = "scenario x { client k { repeat * { delay [0, *] ms; send calm.work; } }
+      check schedulable *; check no-overdue *; check response calm.t; check response calm.t <= 2 ms; }";
+    let scenario = parse(text).scenario;
+    let mut options = Options::default();
+    options.limits.states = 1;
+    let report = verify(&input, &scenario, &options, &Cancel::default());
+    insta::assert_snapshot!(checks_in_words(&report));
+    // What needs no exploration takes none.
+    let scenario =
+        parse(&text.replace("check response calm.t; check response calm.t <= 2 ms;", ""));
+    let report = verify(&input, &scenario.scenario, &options, &Cancel::default());
+    assert_eq!(report.states, 0);
+    assert_eq!(report.notes.len(), 1, "{:?}", report.notes);
+}
+
+#[test]
+fn what_fails_without_requests_is_found_whatever_clients_may_do() {
+    let unit = load(&CALM.replace(
+        "t_step(inout a) yield pause::step wcet 2 ms",
+        "t_step(inout a) yield pause::step wcet 20 ms",
+    ));
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let text = "scenario x { client k { repeat * { delay [0, *] ms; send calm.work; } }
+      check schedulable calm.t; }";
+    // Every order of requests would be followed first.
+    let mut options = Options::default();
+    options.limits.states = 60;
+    let report = verify(&input, &parse(text).scenario, &options, &Cancel::default());
+    assert_eq!(report.checks[0].verdict, Verdict::Refuted);
+    let run = &report.checks[0].counterexample;
+    assert!(run.iter().all(|it| !it.what.contains("request")), "{run:?}");
+    // A client that has to send at once cannot be left out.
+    let text = text.replace("delay [0, *] ms; ", "delay 1 ms; ");
+    let report = verify(&input, &parse(&text).scenario, &options, &Cancel::default());
+    assert_eq!(report.checks[0].verdict, Verdict::Unknown);
+}
+
+fn checks_in_words(report: &Report) -> String {
+    let line = |it: &CheckReport| {
+        let value = it.value.map(|it| it.to_string()).unwrap_or_default();
+        let note = it.note.as_deref().unwrap_or_default();
+        let (verdict, soundness) = (it.verdict, it.soundness);
+        format!(
+            "{} {}: {verdict:?} {soundness:?} {value} {note}",
+            it.check, it.of
+        )
+    };
+    let lines: Vec<String> = report.checks.iter().map(line).collect();
+    lines.join("\n")
+}
+
 #[test]
 fn giving_up_is_said() {
     let unit = load(ROBOT);
     let input = SystemInput {
         specs: vec![&unit.spec],
     };
-    let text = "scenario x { client k { repeat * { delay [0, *] ms; send sensor.reset; } } check no-overdue *; }";
+    let text = "scenario x { client k { repeat * { delay [0, *] ms; send sensor.reset; } } check deadlock; }";
     let scenario = parse(text).scenario;
     let mut options = Options::default();
-    options.limits.states = 3;
+    options.limits.states = 1;
     let report = verify(&input, &scenario, &options, &Cancel::default());
     assert!(
         report

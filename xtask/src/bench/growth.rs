@@ -154,7 +154,7 @@ pub(crate) fn growth(dotgen: &Path, runs: usize) -> Result<()> {
         };
         lines.iter().map(line).collect::<Vec<_>>()
     };
-    let pictures = root().join("docs/pictures");
+    let pictures = root().join("docs/charts");
     let chart = Chart {
         title: "Time of a verification",
         across: "components",
@@ -174,7 +174,7 @@ pub(crate) fn growth(dotgen: &Path, runs: usize) -> Result<()> {
         lines: drawn(|it| it.2),
     };
     std::fs::write(pictures.join("growth-memory.svg"), chart.svg())?;
-    step("Drew docs/pictures/growth-time.svg and growth-memory.svg");
+    step("Drew docs/charts/growth-time.svg and growth-memory.svg");
     Ok(())
 }
 

@@ -220,8 +220,8 @@ pub(crate) fn rivals(dotgen: &Path, runs: usize, sets: u64) -> Result<bool> {
             powers: SECONDS,
             lines: lines.into(),
         };
-        std::fs::write(root().join("docs/pictures/rivals.svg"), chart.svg())?;
-        step("Drew docs/pictures/rivals.svg");
+        std::fs::write(root().join("docs/charts/rivals.svg"), chart.svg())?;
+        step("Drew docs/charts/rivals.svg");
     }
     agreed &= fischer_agreement(&rivals)?;
     for (scale, more) in [(1, 1), (1, 0), (10, 1), (10, 0)] {
