@@ -73,6 +73,22 @@ fn codes_of(source: &str) -> Vec<&'static str> {
 }
 
 #[test]
+fn codels_without_execution_time_are_counted() {
+    let found = |codels: &str| {
+        let spec = format!(
+            "component c {{ task t {{ period 5 ms; codel<start> f() yield a wcet 1 ms; {codels} }}; }};"
+        );
+        let found = check(text(&spec), strict());
+        let missing = found
+            .into_iter()
+            .find(|it| it.code == "timing/missing-wcet");
+        missing.map(|it| it.message).unwrap_or_default()
+    };
+    expect!["`g` of task `t` has no execution time and counts as taking none; add `wcet` with the measured worst case"].assert_eq(&found("codel<a> g() yield pause::a;"));
+    expect!["`g` and `h` of task `t` have no execution time and count as taking none; add `wcet` with the measured worst case"].assert_eq(&found("codel<a> g() yield pause::b; codel<b> h() yield pause::a;"));
+}
+
+#[test]
 fn every_example_triggers_its_code() {
     for code in CODES {
         let found = codes_of(code.example);

@@ -273,6 +273,16 @@ fn the_version_is_known() {
 }
 
 #[test]
+fn differences_of_codels_name_files_from_here() {
+    let spec = "component c { ids { long x; }; task t { codel<start> f(in x) yield ether; }; };\n";
+    let it = Directory::new(&[("sub/c.gen", spec)]);
+    let output = it.run(&["codels", "stub", "--dry-run", "sub/c.gen"]);
+    let diff = stdout(&output);
+    let expected = "--- /dev/null\n+++ b/sub/codels/c_t_codels.c\n@@";
+    assert!(diff.contains(expected), "{diff}{}", stderr(&output));
+}
+
+#[test]
 fn formatting_in_place_and_as_a_check() {
     let ugly = "struct  a { long x ; } ;\n";
     let it = Directory::new(&[("a.gen", ugly), ("sub/b.idl", "typedef  long t;\n")]);

@@ -134,20 +134,18 @@ fn without_a_scenario_a_client_may_do_anything() {
 #[test]
 fn giving_up_is_an_answer_of_its_own() {
     let it = lift("5 ms");
-    let output = it.run(&[
-        "verify",
-        "--durations",
-        "interval",
-        "--max-states",
-        "1",
-        "scenarios/ride.scn",
-    ]);
-    assert_eq!(status(&output), 3);
-    assert!(
-        stdout(&output).contains("gave up at "),
-        "{}",
-        stdout(&output)
-    );
+    for limit in [["--max-states", "1"], ["--max-memory", "0"]] {
+        let mut arguments = vec!["verify", "--durations", "interval"];
+        arguments.extend(limit);
+        arguments.push("scenarios/ride.scn");
+        let output = it.run(&arguments);
+        assert_eq!(status(&output), 3, "{limit:?}");
+        assert!(
+            stdout(&output).contains("gave up at "),
+            "{}",
+            stdout(&output)
+        );
+    }
 }
 
 #[test]

@@ -464,30 +464,30 @@ component c {
         check(
             &at("attribute set$0"),
             expect![[r#"
-            [set]
-            ```genom
-            attribute set(in v.a = 3: "the a");
-            ```
+                [set]
+                ```genom
+                attribute set(in v.a = 3 : "the a");
+                ```
 
-            in `c`
-        "#]],
+                in `c`
+            "#]],
         );
         check(
             &at("activity go$0"),
             expect![[r#"
-            [go]
-            ```genom
-            activity go(in long speed = 2: "in m/s") {
-              doc "Goes.";
-              task t;
-              codel<start> begin(local in speed, ids out v.b, port out p) yield pause::start, ether;
-            };
-            ```
+                [go]
+                ```genom
+                activity go(in long speed = 2 : "in m/s") {
+                  doc "Goes.";
+                  task t;
+                  codel<start> begin(local in speed, ids out v.b, port out p) yield pause::start, ether;
+                };
+                ```
 
-            in `c`
+                in `c`
 
-            Goes.
-        "#]],
+                Goes.
+            "#]],
         );
         check(
             &at("local in speed$0"),
@@ -597,6 +597,34 @@ component c {
             [t.idl]
             `/t.idl`
         "#]],
+        );
+    }
+
+    #[test]
+    fn values_stay_on_their_line() {
+        check(
+            "struct p { long x; long y[2]; };\ncomponent c { ids { long a; }; function f$0(in p v={1,.y={[1]=2}}:\"where\",out long n) { codel g(out n); }; };\n",
+            expect![[r#"
+                [f]
+                ```genom
+                function f(in p v = { 1, .y = { [1] = 2 } } : "where", out long n) {
+                  codel g(out n);
+                };
+                ```
+
+                in `c`
+            "#]],
+        );
+        check(
+            "union u switch (long) { case 1: long x; };\ntypedef u$0 t;\n",
+            expect![[r#"
+                [u]
+                ```genom
+                union u switch(long) {
+                  case 1: long x;
+                }
+                ```
+            "#]],
         );
     }
 

@@ -64,7 +64,7 @@ struct Layout {
     indent: usize,
     lines: usize,
     previous: Option<SyntaxKind>,
-    /// Depth of parentheses and brackets.
+    /// Depth of parentheses and brackets, and of the braces of values within.
     nesting: usize,
     flat: bool,
 }
@@ -72,14 +72,19 @@ struct Layout {
 impl Layout {
     fn token(&mut self, kind: SyntaxKind, text: &str) {
         use SyntaxKind::*;
-        if kind == R_CURLY {
+        // A value, `= { 1, .y = 2 }`, stays on its line.
+        let is_value = match kind {
+            L_CURLY => self.nesting > 0 || self.previous == Some(EQ),
+            _ => self.nesting > 0,
+        };
+        if kind == R_CURLY && !is_value {
             self.indent = self.indent.saturating_sub(1);
         }
         let fresh = match self.previous {
-            Some(L_CURLY) if kind == R_CURLY => false,
+            Some(L_CURLY) if kind == R_CURLY || is_value => false,
             Some(L_CURLY) => self.newline(),
             Some(SEMICOLON) if self.nesting == 0 => self.newline(),
-            Some(_) if kind == R_CURLY && self.nesting == 0 => self.newline(),
+            Some(_) if kind == R_CURLY && !is_value => self.newline(),
             None => true,
             _ => false,
         };
@@ -88,6 +93,8 @@ impl Layout {
         }
         self.out.push_str(text);
         match kind {
+            L_CURLY if is_value => self.nesting += 1,
+            R_CURLY if is_value => self.nesting = self.nesting.saturating_sub(1),
             L_CURLY => self.indent += 1,
             L_PAREN | L_BRACK => self.nesting += 1,
             R_PAREN | R_BRACK => self.nesting = self.nesting.saturating_sub(1),
@@ -115,8 +122,10 @@ impl Layout {
         };
         let glued_before = matches!(
             kind,
-            SEMICOLON | COMMA | R_PAREN | R_BRACK | L_BRACK | COLON2 | DOT | R_ANGLE | COLON
-        );
+            SEMICOLON | COMMA | R_PAREN | R_BRACK | COLON2 | R_ANGLE
+        ) || (matches!(kind, DOT | L_BRACK) && !matches!(previous, L_CURLY | COMMA))
+            // `case 1:`, but `in long n = 1 : "doc"`.
+            || (kind == COLON && self.nesting == 0);
         let glued_after = matches!(previous, L_PAREN | L_BRACK | COLON2 | DOT | L_ANGLE);
         if kind == COLON2 {
             // `in ::whole` and `throw ::e`, but `a::b`.

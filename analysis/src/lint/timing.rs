@@ -31,20 +31,22 @@ fn missing_wcet(lint: &mut Lint) {
             .filter(|(_, codel)| codel.wcet.is_none())
             .map(|(index, codel)| (CodelRef { owner, index }, codel.src))
             .collect();
-        let Some(&(first, at)) = missing.first() else {
+        let Some(&(_, at)) = missing.first() else {
             continue;
         };
         let names: Vec<&str> = missing
             .iter()
             .map(|(it, _)| lint.codel(*it).name.as_str())
             .collect();
-        let plural = if names.len() == 1 { "has" } else { "have" };
+        let (has, counts) = match names.len() {
+            1 => ("has", "counts"),
+            _ => ("have", "count"),
+        };
         let message = format!(
-            "{} of {} {plural} no execution time and count as taking none; add `wcet` with the measured worst case",
+            "{} of {} {has} no execution time and {counts} as taking none; add `wcet` with the measured worst case",
             list(&names),
             lint.owner_text(owner)
         );
-        let _ = first;
         let found = lint.report("timing/missing-wcet", at, message);
         found.related = missing[1..]
             .iter()

@@ -53,6 +53,35 @@ fn an_unfinished_declaration_declares_its_name() {
 }
 
 #[test]
+fn an_unfinished_line_leaves_the_next_one_alone() {
+    check(
+        "struct s { long y; };
+component c {
+  port out s
+  ids { long x; };
+  task t {
+    period 5 ms;
+    codel<start> f(out x) yield
+    codel<main> g(in x) yield pause::main, ether;
+  };
+};
+",
+        &["syntax", "syntax"],
+    );
+    check(
+        "component c {
+  ids { long x; };
+  task t {
+    codel<start> f(out x) yield main wcet
+    codel<main> g(in x) yield ether wcet 1 ms;
+  };
+};
+",
+        &["wcet-value", "syntax"],
+    );
+}
+
+#[test]
 fn a_file_included_twice_reports_once() {
     check(
         "//- /a.gen\n#include \"t.idl\"\n//- /b.gen\n#include \"t.idl\"\n//- /t.idl\ntypedef nope t;\n",

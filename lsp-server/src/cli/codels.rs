@@ -268,7 +268,12 @@ fn write(changes: &[FileChange], dry_run: bool) -> anyhow::Result<()> {
         .filter(|it| it.before.as_deref() != Some(&it.after))
     {
         if dry_run {
-            write!(out, "{}", change.diff())?;
+            let path = session::display(&change.path).into();
+            let shown = FileChange {
+                path,
+                ..change.clone()
+            };
+            write!(out, "{}", shown.diff())?;
             continue;
         }
         if let Some(folder) = change.path.parent() {

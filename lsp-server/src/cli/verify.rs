@@ -52,8 +52,12 @@ pub(super) struct Arguments {
     checks: Vec<String>,
 
     /// Give up a check at this number of states
-    #[arg(long, value_name = "N")]
-    max_states: Option<usize>,
+    #[arg(long, value_name = "N", default_value_t = Limits::default().states)]
+    max_states: usize,
+
+    /// Give up a check when its states take so many megabytes
+    #[arg(long, value_name = "MB", default_value_t = Limits::default().bytes >> 20)]
+    max_memory: usize,
 
     /// Find the smallest number of cores, the largest WCET of each codel and the smallest period of each
     /// task with which every deadline is met
@@ -245,8 +249,10 @@ fn add_text(texts: &mut Texts, path: Utf8PathBuf, text: &str, problem: &Problem)
 impl Arguments {
     /// Places in the checks follow a text of length `before`.
     fn options(&self, checks: &[&str], before: usize) -> anyhow::Result<Options> {
-        let mut limits = Limits::default();
-        limits.states = self.max_states.unwrap_or(limits.states);
+        let limits = Limits {
+            states: self.max_states,
+            bytes: self.max_memory.saturating_mul(1 << 20),
+        };
         let mut at = before;
         let mut parsed = Vec::new();
         for body in checks {

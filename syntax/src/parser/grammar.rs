@@ -93,7 +93,15 @@ fn path(p: &mut Parser<'_>) -> bool {
     }
     let m = p.start();
     p.eat(COLON2);
-    while name_ref(p) && p.eat(COLON2) {}
+    loop {
+        if types::at_next(p) {
+            p.expected("a name");
+            break;
+        }
+        if !name_ref(p) || !p.eat(COLON2) {
+            break;
+        }
+    }
     m.complete(p, PATH);
     true
 }
@@ -141,7 +149,8 @@ fn semicolon(p: &mut Parser<'_>, after: &str) {
 fn semicolon_or(p: &mut Parser<'_>, after: &str, others: &str) {
     if p.is_reported() {
         // Something before the `;` was wrong: what is left of it goes with this declaration.
-        if !p.eat(SEMICOLON) && !p.at_item_end() && !spec::at_item(p) {
+        let next = p.at_item_end() || spec::at_item(p) || types::at_member(p);
+        if !p.eat(SEMICOLON) && !next {
             spec::skip_to_semicolon(p);
         }
         return;

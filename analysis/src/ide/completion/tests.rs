@@ -206,6 +206,11 @@ fn states_of_the_machine() {
         &in_arm("task u { codel<start> f() yield pause::$0"),
         "start | stop | !ether | !pause::start",
     );
+    // The next codel is not a state.
+    check(
+        &in_arm("task u { codel<start> f() yield $0\n codel<go> g() yield ether; };"),
+        "start | go | ether | stop | pause::start | pause::go | pause::stop | pause:: | loop",
+    );
     check(&in_arm("task u { codel<start> f() $0"), "yield | wcet");
     check(
         &in_arm("task u { codel<start> f() wcet 1 $0"),

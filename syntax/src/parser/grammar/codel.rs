@@ -34,7 +34,7 @@ pub(super) fn codel(p: &mut Parser<'_>, form: Form) -> &'static str {
         triggers(p);
     }
     let name_at = p.position();
-    if !name(p) {
+    if !property::unless_item(p, name) {
         m.complete_unless_empty(p, has_triggers, CODEL);
         return "";
     }
@@ -107,7 +107,7 @@ fn yields(p: &mut Parser<'_>) -> &'static str {
 // test state
 // component c { task t { codel<pause, pause::pause> f() yield pause::wcet, pause, yield; }; };
 fn state(p: &mut Parser<'_>) -> bool {
-    if !p.at(IDENT) {
+    if !at_state(p) {
         p.expected("the name of a state");
         return false;
     }
@@ -115,10 +115,35 @@ fn state(p: &mut Parser<'_>) -> bool {
     if p.at(PAUSE_KW) && p.nth(1) == COLON2 {
         p.bump(PAUSE_KW);
         p.bump(COLON2);
+    } else if p.nth(1) == COLON2 && p.nth(2) == IDENT {
+        let word = p.current_text();
+        p.error_here(format!(
+            "`{word}::` cannot stand before a state: write `pause::` or remove it"
+        ));
+        let bad = p.start();
+        p.bump_any();
+        p.bump(COLON2);
+        bad.complete(p, ERROR);
     }
-    name_ref(p);
+    if at_state(p) {
+        name_ref(p);
+    } else {
+        p.expected("the name of a state");
+    }
     m.complete(p, STATE);
     true
+}
+
+/// Whether a name is here that is not the next declaration of half-typed text.
+fn at_state(p: &Parser<'_>) -> bool {
+    p.at(IDENT) && (!spec::at_item(p) || at_timed_state(p))
+}
+
+/// A state called like the beginning of a declaration, with an execution time: `yield period 5 us`,
+/// `yield codel wcet 5 us`.
+fn at_timed_state(p: &Parser<'_>) -> bool {
+    const NUMBER: TokenSet = TokenSet::new(&[INT, FLOAT]);
+    p.nth_at(1, WCET_KW) || p.nth_at_ts(1, NUMBER)
 }
 
 /// `wcet D [unit]`, any number of times: which is one too many is said with the model at hand.

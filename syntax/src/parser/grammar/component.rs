@@ -69,7 +69,7 @@ fn port(p: &mut Parser<'_>) {
     if !p.eat(IN_KW) && !p.eat(OUT_KW) {
         p.expected("the direction of the port, `in` or `out`");
     } else if types::type_spec(p, types::Allow::Constructed) {
-        name(p);
+        types::declared_name(p);
     }
     property::properties(p);
     semicolon(p, "this port");

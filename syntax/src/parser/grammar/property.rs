@@ -61,6 +61,31 @@ pub(super) fn at_certain_property(p: &Parser<'_>) -> bool {
     }
 }
 
+/// Whether the properties of a port are here, behind the `{`.
+pub(super) fn at_body(p: &Parser<'_>, n: usize) -> bool {
+    p.nth_at(n, R_CURLY) || p.nth_at_ts(n, PROPERTY_FIRST)
+}
+
+/// A name in a list of a property. In half-typed text the next declaration may follow instead; its words
+/// could be names, but not with what comes after them.
+fn reference(p: &mut Parser<'_>) -> bool {
+    unless_item(p, name_ref)
+}
+
+/// The same, `[::]a::b`.
+fn qualified(p: &mut Parser<'_>) -> bool {
+    unless_item(p, path)
+}
+
+/// One of something, unless the next declaration begins here.
+pub(super) fn unless_item(p: &mut Parser<'_>, one: fn(&mut Parser<'_>) -> bool) -> bool {
+    if spec::at_item(p) {
+        p.expected("a name");
+        return false;
+    }
+    one(p)
+}
+
 /// `{ … }`, if there.
 pub(super) fn properties(p: &mut Parser<'_>) {
     if p.at(L_CURLY) {
@@ -119,11 +144,11 @@ pub(super) fn property(p: &mut Parser<'_>) -> bool {
             DURATION_PROPERTY
         }
         PROVIDES_KW | USES_KW | EXTENDS_KW => {
-            comma_list(p, name_ref);
+            comma_list(p, reference);
             INTERFACES_PROPERTY
         }
         THROWS_KW => {
-            comma_list(p, path);
+            comma_list(p, qualified);
             THROWS_PROPERTY
         }
         PRIORITY_KW => {
@@ -143,11 +168,11 @@ pub(super) fn property(p: &mut Parser<'_>) -> bool {
             STACK_PROPERTY
         }
         TASK_KW => {
-            name_ref(p);
+            reference(p);
             TASK_PROPERTY
         }
         INTERRUPTS_KW | BEFORE_KW | AFTER_KW => {
-            comma_list(p, name_ref);
+            comma_list(p, reference);
             SERVICES_PROPERTY
         }
         VALIDATE_KW => {
@@ -173,6 +198,12 @@ pub(super) fn property(p: &mut Parser<'_>) -> bool {
 /// A number with an optional unit; says whether it has one.
 pub(super) fn quantity(p: &mut Parser<'_>, units: TokenSet) -> bool {
     let m = p.start();
+    // In half-typed text the next declaration may follow.
+    if spec::at_item(p) && !p.nth_at_ts(1, units) {
+        p.expected("a number");
+        m.abandon(p);
+        return false;
+    }
     if !expr::expr_or(p, "a number") {
         m.abandon(p);
         return false;

@@ -114,12 +114,14 @@ pub(super) fn at_declaration(p: &Parser<'_>) -> bool {
     const BRACE: TokenSet = TokenSet::new(&[L_CURLY]);
     const PAREN: TokenSet = TokenSet::new(&[L_PAREN]);
     const DIRECTION: TokenSet = TokenSet::new(&[IN_KW, OUT_KW, MULTIPLE_KW]);
+    const IN_PARAMS: TokenSet = TokenSet::new(&[COMMA, R_PAREN, DOT]);
     match p.current_contextual() {
         COMPONENT_KW | INTERFACE_KW | TASK_KW => follows(1, NAME) && follows(2, AFTER_NAME),
         EXCEPTION_KW => follows(1, NAME),
         IDS_KW => follows(1, BRACE),
         ATTRIBUTE_KW | FUNCTION_KW | ACTIVITY_KW => follows(1, NAME) && follows(2, PAREN),
-        PORT_KW => follows(1, DIRECTION),
+        // `port in NAME,` is a parameter of a codel.
+        PORT_KW => follows(1, DIRECTION) && !(follows(2, NAME) && follows(3, IN_PARAMS)),
         _ => false,
     }
 }

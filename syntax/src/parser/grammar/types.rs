@@ -155,7 +155,7 @@ pub(super) fn case(p: &mut Parser<'_>) -> bool {
 /// A name with array dimensions.
 pub(super) fn declarator(p: &mut Parser<'_>) -> bool {
     let m = p.start();
-    if !name(p) {
+    if !declared_name(p) {
         m.abandon(p);
         return false;
     }
@@ -168,6 +168,32 @@ pub(super) fn declarator(p: &mut Parser<'_>) -> bool {
     }
     m.complete(p, DECLARATOR);
     true
+}
+
+/// What follows the name that a type is given to.
+const AFTER_NAME: TokenSet =
+    TokenSet::new(&[SEMICOLON, COMMA, L_BRACK, EQ, R_PAREN, L_CURLY, COLON]);
+
+/// The name that a type is given to. In half-typed text the next declaration may follow instead.
+pub(super) fn declared_name(p: &mut Parser<'_>) -> bool {
+    // `port in t ids { doc "…"; };` is a port called `ids`.
+    let is_port = p.at(IDS_KW) && p.nth_at(1, L_CURLY) && property::at_body(p, 2);
+    if at_member(p) || (spec::at_item(p) && !is_port) {
+        p.expected("a name");
+        return false;
+    }
+    name(p)
+}
+
+/// Whether the next declaration begins here, where a type could: not what reads as a type and a name.
+pub(super) fn at_next(p: &Parser<'_>) -> bool {
+    spec::at_item(p) && !(p.nth_at(1, IDENT) && p.nth_at_ts(2, AFTER_NAME))
+}
+
+/// Whether a type and a name are here, where one name could be: a declaration of its own.
+pub(super) fn at_member(p: &Parser<'_>) -> bool {
+    const END: TokenSet = TokenSet::new(&[SEMICOLON, COMMA, L_BRACK]);
+    p.at(IDENT) && (p.nth_at(1, COLON2) || (p.nth_at(1, IDENT) && p.nth_at_ts(2, END)))
 }
 
 /// Which types may stand at a place.
@@ -218,6 +244,11 @@ pub(super) fn type_spec(p: &mut Parser<'_>, allow: Allow) -> bool {
         STRING_KW => string_type(p),
         SEQUENCE_KW | OPTIONAL_KW => return template_type(p),
         FIXED_KW => fixed_type(p),
+        // In half-typed text.
+        IDENT if at_next(p) => {
+            p.expected("a type");
+            return false;
+        }
         IDENT | COLON2 => {
             let m = p.start();
             path(p);
