@@ -176,6 +176,13 @@ async fn systems_and_locks() {
         ("dotgen.toml", "[connections]\nlift.wanted = \"b.p\"\n"),
     ];
     let (mut client, _folder, uri) = start_beside(json!({}), &files).await;
+    // The files of the workspace are being listed.
+    let find = json!({ "query": "b" });
+    let found = |it: Value| {
+        it.as_array()
+            .is_some_and(|it| it.iter().any(|it| it["name"] == "b"))
+    };
+    while !found(client.ok("workspace/symbol", find.clone()).await) {}
     let system = draw(&mut client, &uri, json!({ "kind": "system" })).await;
     let edges = system["edges"].as_array().expect("edges");
     let into: Vec<&Value> = edges.iter().filter(|it| it["to"] == "lift").collect();

@@ -129,6 +129,18 @@ export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bi
         }
       }
     },
+    /** Clicks a lens until `shown` shows: one that is being replaced by the same in the new place does nothing. */
+    async click(lens, shown) {
+      for (let attempt = 0; ; attempt++) {
+        try {
+          await lens.click({ timeout: 5000 });
+          await shown.waitFor({ timeout: 8000 });
+          return;
+        } catch (error) {
+          if (attempt === 4) throw error;
+        }
+      }
+    },
     /** Opens the quick input with a key. */
     quick: (key) => wb.press(key, page.locator('.quick-input-widget input.input').first()),
     async command(title) {

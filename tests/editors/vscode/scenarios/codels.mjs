@@ -106,8 +106,7 @@ export function checks(wb) {
     ['a lens above the function says what the specification says, and leads back', async () => {
       await lens('activity drain: wait → pause::wait, ether').waitFor();
       await wb.shot('codels-06-lens.png');
-      await lens('activity drain: wait → pause::wait, ether').click();
-      await page.locator('.tab.active[data-resource-name="tank.gen"]').first().waitFor();
+      await wb.click(lens('activity drain: wait → pause::wait, ether'), page.locator('.tab.active[data-resource-name="tank.gen"]').first());
     }],
     ['a changed parameter shows the mismatch in both files', async () => {
       await wb.open(SOURCE);

@@ -34,8 +34,7 @@ export function checks(wb) {
     ['a lens opens the preview beside the text', async () => {
       await wb.open(FILE);
       await wb.endOf(FILE, 'task main {');
-      await lens('state machine').first().click();
-      await node('control').waitFor();
+      await wb.click(lens('state machine').first(), node('control'));
       const names = await frame.locator('g.node').evaluateAll((all) => all.map((it) => it.dataset.id));
       for (const state of ['start', 'measure', 'control', 'emergency', 'stop', 'ether']) assert.ok(names.includes(state), `${state} in ${names}`);
       await wb.shot('preview-01-dark.png');

@@ -56,8 +56,7 @@ export function checks(wb) {
       await page.keyboard.press('Control+J');
     }],
     ['the timeline of the run opens', async () => {
-      await lens('deadline missed').click();
-      await state('refuted').waitFor();
+      await wb.click(lens('deadline missed'), state('refuted'));
       await frame.locator('#view svg').waitFor();
       assert.ok((await frame.locator('#view .bar').count()) > 3);
       assert.equal(await frame.locator('#view .miss').count(), 1);
