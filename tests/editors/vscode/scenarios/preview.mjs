@@ -169,8 +169,8 @@ export function checks(wb) {
       await wb.open(FILE);
       await wb.endOf(FILE, 'activity servo');
       const zone = page.locator('.review-widget img');
-      await page.locator('.codelens-decoration', { hasText: '3 references' }).locator('a', { hasText: 'inline' }).click();
-      await zone.waitFor();
+      const inline = page.locator('.codelens-decoration', { hasText: '3 references' }).locator('a', { hasText: 'inline' });
+      await wb.click(inline, zone);
       assert.equal(await page.locator('.part.panel').isVisible(), false, 'the list of comments stays closed');
       const first = await zone.getAttribute('src');
       await wb.shot('preview-10-inline.png');
