@@ -524,6 +524,9 @@ impl Search<'_> {
         let redundant = self.redundant(&layer);
         let mut it = Encoded::default();
         for key in 0..layer.len() as u32 {
+            if key % 64 == 63 && self.out_of_bounds() {
+                break;
+            }
             if !self.layer_calm[key as usize] {
                 continue;
             }
@@ -595,7 +598,7 @@ impl Search<'_> {
         let mut out = FxHashSet::default();
         let mut budget = 1000 + CLOSURES * layer.len();
         for (_, key, dims, tag) in sources {
-            if budget == 0 {
+            if budget == 0 || self.cancel.is_over() {
                 break;
             }
             if out.contains(&tag) {
