@@ -81,7 +81,8 @@ pub struct CheckReport {
     pub verdict: Verdict,
     /// What the answer is worth.
     pub soundness: Soundness,
-    /// The least bound, for `response` and `within`. When the verdict is unknown, a lower bound of it.
+    /// The least bound, for `response` and `within`. When the verdict is unknown, a lower bound of it; with
+    /// [`Soundness::UpperBound`] an upper one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<Value>,
     /// Why, in words.
@@ -158,6 +159,13 @@ pub struct Event {
 }
 
 impl Report {
+    /// Adds a note, once.
+    pub(crate) fn note(&mut self, note: String) {
+        if !self.notes.contains(&note) {
+            self.notes.push(note);
+        }
+    }
+
     /// Adds what an exploration took.
     pub(crate) fn effort(&mut self, found: &Findings) {
         self.states += found.states;

@@ -183,7 +183,7 @@ impl Group<'_> {
         let (together, apart): (Vec<usize>, Vec<usize>) =
             open.partition(|&i| self.is_about_ticks(&checks[i]));
         if together.is_empty() && apart.is_empty() && self.may_refuse() {
-            report.notes.push(NOT_EXAMINED.to_owned());
+            report.note(NOT_EXAMINED.to_owned());
         }
         for part in [together, apart] {
             self.explore(checks, &part, &analysed, answers, report);
@@ -339,13 +339,10 @@ impl Group<'_> {
         };
         report.effort(&found);
         for &service in &found.refused {
-            let note = format!(
+            report.note(format!(
                 "a request of {} can be refused because all its slots are in use",
                 self.built.system.service_path(service)
-            );
-            if !report.notes.contains(&note) {
-                report.notes.push(note);
-            }
+            ));
         }
         for (i, place) in places {
             answers[i] = Some(match checks[i].what {
@@ -416,22 +413,23 @@ impl Group<'_> {
         if out.verdict != Verdict::Unknown || beyond {
             return;
         }
+        out.verdict = Verdict::Proved;
+        if out.value == Some(self.time(bound)) {
+            // Reached, and never exceeded.
+            out.note = None;
+            return;
+        }
         let reached = match out.value {
             Some(Value::Time(it)) => format!(", and {it} is reached"),
             _ => String::new(),
         };
-        out.verdict = Verdict::Proved;
         out.note = Some(format!(
             "by response-time analysis: at most {}{reached}; the exact value was not found",
             self.in_words(bound)
         ));
-        if out.value != Some(self.time(bound)) {
-            out.value = Some(self.time(bound));
-            out.soundness = Soundness::UpperBound;
-            out.witness.clear();
-        } else {
-            out.note = None;
-        }
+        out.value = Some(self.time(bound));
+        out.soundness = Soundness::UpperBound;
+        out.witness.clear();
     }
 
     /// A limit in base units, rounded down: times are whole. Without one if it is beyond all that is counted.

@@ -237,8 +237,8 @@ export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bi
         .map(String)
         .filter((name) => name.includes('exthost') && (name.endsWith('remoteexthost.log') || /dotgen/.test(name)) && name.endsWith('.log'));
       // The list of the built-in extensions alone fills a screen; what the closed network refuses tells nothing.
-      const telling = (line) => line.length < 400 && !/api\.github\.com|open-vsx|gallery|ERR_NAME_NOT_RESOLVED|_doActivateExtension vscode\./i.test(line);
-      const last = (lines) => lines.filter(telling).slice(-20);
+      const telling = (line) => !/api\.github\.com|open-vsx|gallery|ERR_NAME_NOT_RESOLVED|_doActivateExtension vscode\./i.test(line);
+      const last = (lines) => lines.filter(telling).slice(-20).map((line) => line.slice(0, 400));
       const texts = files.flatMap((name) => [`--- ${name}`, ...last(readFileSync(join(user, 'logs', name), 'utf8').split('\n'))]);
       return [...texts, '--- browser console', ...last(consoleLines), '--- workbench server', ...last(serverLog.split('\n'))].join('\n');
     },

@@ -81,6 +81,8 @@ pub(crate) struct Ample {
     plain: Vec<bool>,
     /// Predicates say something about it.
     visible: Vec<bool>,
+    /// Predicates say something about control tasks or clients.
+    others_visible: bool,
     /// Some visible task needs a core.
     visible_on_cores: bool,
     /// The cycle of its permanent activity never ends, and it has no activities.
@@ -142,6 +144,7 @@ impl Ample {
             visible_on_cores: tasks
                 .clone()
                 .any(|t| visible.tasks[t] && system.needs_core(t)),
+            others_visible: visible.others,
             visible: visible.tasks,
             measured: measured.to_vec(),
             endless: tasks.clone().map(endless).collect(),
@@ -162,9 +165,9 @@ impl Ample {
         self.plain[task]
     }
 
-    /// Whether predicates say something about a task.
-    pub(super) fn visible(&self, task: usize) -> bool {
-        self.visible[task]
+    /// Whether predicates say something about anything.
+    pub(super) fn observed(&self) -> bool {
+        self.others_visible || self.visible.contains(&true)
     }
 
     /// Whether the cycle of a task never ends.

@@ -15,7 +15,7 @@
 //! sleep sets: P. Godefroid, *Partial-Order Methods for the Verification of Concurrent Systems*, 1996.)
 //!
 //! What depends on what, among *plain* tasks (see [`super::ample`]; the rule is not used when there are
-//! others, or predicates about tasks):
+//! others, or predicates):
 //!
 //! * taking locks, on taking others that exclude these;
 //! * a tick, on the end of the current job, or of the start-up, of its task; and, with fewer cores than
@@ -54,8 +54,6 @@ pub(crate) struct Overtake {
     all: Vec<CodelSet>,
     /// The same without its own.
     started_after: Vec<CodelSet>,
-    /// Its cycle never ends.
-    endless: Vec<bool>,
 }
 
 impl Overtake {
@@ -83,11 +81,11 @@ impl Overtake {
                 && system.automata.len() <= TICKS
                 && n <= TICKS
                 && system.clients.is_empty()
-                && (0..n).all(|task| ample.plain(task) && !ample.visible(task)),
+                && !ample.observed()
+                && (0..n).all(|task| ample.plain(task)),
             limited: system.platform.cores.is_some(),
             all,
             started_after,
-            endless: (0..n).map(|task| ample.endless(task)).collect(),
         }
     }
 
@@ -293,7 +291,7 @@ impl Moment<'_, '_> {
         }
         !settled(self.stepper, self.s, task)
             || (self.stepper.layout.status(self.s, task) != TaskStatus::Idle
-                && !self.overtake.endless[task])
+                && !self.ample.endless(task))
     }
 
     fn on_core(&self, task: usize) -> bool {
@@ -314,7 +312,7 @@ impl Moment<'_, '_> {
             return true;
         }
         // Another job may begin at this moment.
-        let again = system.tasks[task].period.is_none() && !self.overtake.endless[task];
+        let again = system.tasks[task].period.is_none() && !self.ample.endless(task);
         if again || l.pending(self.s, task) || self.due(task) {
             return self.overtake.all[task].intersects(codels);
         }

@@ -132,15 +132,7 @@ pub(crate) fn competing(dice: &mut Dice) -> TimedSystem {
     let tasks = 2 + dice.below(3) as usize;
     let from_zero = dice.in_ten(7);
     for t in 0..tasks {
-        if t == 0 || dice.in_ten(6) {
-            system.components.push(Component {
-                name: format!("c{}", system.components.len()),
-                tasks: Vec::new(),
-                services: Vec::new(),
-            });
-        }
-        let component = system.components.len() - 1;
-        system.components[component].tasks.push(t);
+        let component = placed(&mut system, dice, t);
         let permanent = dice.in_ten(9).then(|| {
             let name = format!("c{component}.t{t}");
             let machine = machine(&mut system, dice, component, name);
@@ -180,16 +172,7 @@ pub(crate) fn polling(dice: &mut Dice) -> TimedSystem {
     system.platform.policy = dice.pick(&[Policy::Fifo, Policy::Fifo, Policy::Edf]);
     let periodic = 1 + dice.below(2) as usize;
     for t in 0..=periodic {
-        // Tasks of a component are consecutive.
-        if t == 0 || dice.in_ten(6) {
-            system.components.push(Component {
-                name: format!("c{}", system.components.len()),
-                tasks: Vec::new(),
-                services: Vec::new(),
-            });
-        }
-        let component = system.components.len() - 1;
-        system.components[component].tasks.push(t);
+        let component = placed(&mut system, dice, t);
         let name = format!("c{component}.t{t}");
         let spans: &[(u32, u32)] = if t == 0 {
             &[(0, 1), (1, FOREVER), (0, 1), (0, 1)]
@@ -251,6 +234,20 @@ pub(crate) fn polling(dice: &mut Dice) -> TimedSystem {
         }
     }
     system
+}
+
+/// The component of the next task: the last one or a new one, as tasks of a component are consecutive.
+fn placed(system: &mut TimedSystem, dice: &mut Dice, task: usize) -> usize {
+    if task == 0 || dice.in_ten(6) {
+        system.components.push(Component {
+            name: format!("c{}", system.components.len()),
+            tasks: Vec::new(),
+            services: Vec::new(),
+        });
+    }
+    let component = system.components.len() - 1;
+    system.components[component].tasks.push(task);
+    component
 }
 
 fn empty(dice: &mut Dice) -> TimedSystem {

@@ -177,7 +177,8 @@ fn of_task(entry: &Entry, task: &str) -> Option<String> {
     let mut word = if has(Verdict::Refuted) {
         "refuted".to_owned()
     } else if has(Verdict::Unknown) {
-        let note = all.iter().find_map(|it| it.note.clone());
+        let mut unknown = all.iter().filter(|it| it.verdict == Verdict::Unknown);
+        let note = unknown.find_map(|it| it.note.clone());
         note.unwrap_or_else(|| "gave up".to_owned())
     } else {
         "proved".to_owned()

@@ -1,0 +1,213 @@
+//! Runs to what was seen: found again, backwards from node to node.
+
+use super::{LOOKS, ROOT, Search, Sight, missed, overdue};
+use crate::explore::measure::Timing;
+use crate::explore::observe;
+use crate::explore::run::Run;
+use crate::explore::state::{State, TaskStatus, phase};
+use crate::explore::step::{Action, Enabled};
+use crate::explore::store::{Encoded, encode, holds};
+use crate::property::Predicate;
+use crate::system::Ticks;
+
+/// What a state that was sighted looks like.
+pub(super) enum Goal<'g> {
+    Missed(usize),
+    Overdue(usize),
+    Reach(&'g Predicate),
+    Lasts(Timing, Ticks),
+    Calm(&'g [u8], &'g [Ticks]),
+    Deadlock,
+}
+
+/// Remaining time of each executing executor at some point of a run.
+type Point = Vec<Option<Ticks>>;
+
+impl Search<'_> {
+    /// A run to what was seen, empty if nobody wants it any more: segments from node to node, found backwards with the remaining times
+    /// that the later part of the run needs.
+    pub(super) fn trace(&self, at: Sight, goal: &Goal) -> Run {
+        let mut segments: Vec<(u64, Vec<Action>)> = Vec::new();
+        let mut node = at.parent;
+        let mut point = if matches!(goal, Goal::Deadlock) {
+            self.any_point(&self.node_state(node))
+        } else {
+            let Some((actions, last)) = self.segment(node, at.time, goal) else {
+                return Run::default();
+            };
+            segments.push((at.time, actions));
+            self.any_point(&last)
+        };
+        while node != ROOT {
+            if let Some(segment) = segments.last() {
+                point = self.point_before(node, segment, &point);
+            }
+            // Nobody wants it any more; a part of a run would be of no use.
+            let Some((parent, actions)) = self.segment_to(node, &point) else {
+                return Run::default();
+            };
+            segments.push((self.nodes[node as usize].time, actions));
+            node = parent;
+        }
+        let mut run = Run::default();
+        for (time, actions) in segments.into_iter().rev() {
+            run.extend(time, actions);
+        }
+        run.end = at.time;
+        run
+    }
+
+    fn any_point(&self, s: &State) -> Point {
+        (0..self.stepper.layout.executors())
+            .map(|e| {
+                let executing = self.stepper.layout.phase(s, e) & !phase::ASYNC == phase::EXECUTING;
+                let (a, b) = self.stepper.layout.window(s, e);
+                executing.then_some(if b == crate::system::FOREVER { a } else { b })
+            })
+            .collect()
+    }
+
+    /// The remaining times in a node, given a segment that starts there and those at its end.
+    fn point_before(
+        &self,
+        node: u32,
+        (time, actions): &(u64, Vec<Action>),
+        after: &Point,
+    ) -> Point {
+        let s = self.node_state(node);
+        let jump = (time - self.nodes[node as usize].time) as Ticks;
+        (0..self.stepper.layout.executors())
+            .map(|e| {
+                if self.stepper.layout.phase(&s, e) & !phase::ASYNC != phase::EXECUTING {
+                    return None;
+                }
+                let ended = actions
+                    .iter()
+                    .any(|it| matches!(it, Action::Finish { executor, .. } if *executor == e));
+                Some(if ended {
+                    jump
+                } else {
+                    jump + after[e].unwrap_or(0)
+                })
+            })
+            .collect()
+    }
+
+    /// A way from one of the parents of a node to the given point of it.
+    fn segment_to(&self, node: u32, point: &Point) -> Option<(u32, Vec<Action>)> {
+        let record = &self.nodes[node as usize];
+        let mut s = self.node_state(node);
+        for (e, remaining) in point.iter().enumerate() {
+            if let Some(remaining) = *remaining {
+                self.stepper
+                    .layout
+                    .set_window(&mut s, e, (remaining, remaining));
+            }
+        }
+        let mut wanted = Encoded::default();
+        encode(&self.stepper, &s, &mut wanted);
+        let mut edge = record.edges;
+        while let Some(&(parent, next)) = self.edges.get(edge as usize) {
+            let goal = Goal::Calm(&wanted.key, &wanted.dims);
+            if let Some((actions, _)) = self.segment(parent, record.time, &goal) {
+                return Some((parent, actions));
+            }
+            edge = next;
+        }
+        None
+    }
+
+    /// Actions at one moment after the jump of a node, up to a state like the goal.
+    fn segment(&self, parent: u32, time: u64, goal: &Goal) -> Option<(Vec<Action>, State)> {
+        let mut start = if parent == ROOT {
+            let mut s = self.stepper.initial();
+            observe::observe(&self.stepper, &self.observers, None, &mut s);
+            s
+        } else {
+            let mut s = self.node_state(parent);
+            self.stepper
+                .elapse(&mut s, (time - self.nodes[parent as usize].time) as Ticks);
+            s
+        };
+        self.clamp_waiting(&mut start);
+        let mut seen = rustc_hash::FxHashSet::default();
+        // Breadth first, for short runs: (state, predecessor, action).
+        let mut found: Vec<(State, usize, Option<Action>)> = vec![(start, usize::MAX, None)];
+        let mut enabled = Enabled::default();
+        let mut followed = Vec::new();
+        let mut it = Encoded::default();
+        let mut at = 0;
+        while at < found.len() {
+            if at % LOOKS == 0 && self.cancel.is_abandoned() {
+                return None;
+            }
+            let s = found[at].0.clone();
+            let before = found.get(found[at].1).map(|it| it.0.clone());
+            self.stepper.enabled(&s, &mut enabled);
+            if self.is_goal(before.as_ref(), &s, &enabled, goal) {
+                let mut actions = Vec::new();
+                let mut back = at;
+                while let Some(action) = found[back].2 {
+                    actions.push(action);
+                    back = found[back].1;
+                }
+                actions.reverse();
+                return Some((actions, s));
+            }
+            self.ample
+                .select(&self.stepper, &s, &enabled, &mut followed);
+            for &action in &followed {
+                let mut next = s.clone();
+                self.stepper.apply(&mut next, action);
+                observe::observe(&self.stepper, &self.observers, Some(&s), &mut next);
+                if let Action::Grant { task } = action
+                    && self.waiting_only[task]
+                    && let Some(clock) = self.stepper.layout.response[task]
+                {
+                    next.t[clock] = 0;
+                }
+                encode(&self.stepper, &next, &mut it);
+                // What is left is seen in a step, not in the state it leads to.
+                let by_step =
+                    matches!(goal, Goal::Reach(_)) && self.is_goal(Some(&s), &next, &enabled, goal);
+                if seen.insert((it.clone(), by_step)) {
+                    found.push((next, at, Some(action)));
+                }
+            }
+            at += 1;
+        }
+        None
+    }
+
+    fn clamp_waiting(&self, s: &mut State) {
+        let l = &self.stepper.layout;
+        for (task, only) in self.waiting_only.iter().enumerate() {
+            if *only && let Some(clock) = l.response[task] {
+                let running = l.status(s, task) == TaskStatus::Running;
+                let most = self.stepper.system.tasks[task].period.unwrap_or(0);
+                s.t[clock] = if running { 0 } else { s.t[clock].min(most) };
+            }
+        }
+    }
+
+    fn is_goal(&self, before: Option<&State>, s: &State, enabled: &Enabled, goal: &Goal) -> bool {
+        let l = &self.stepper.layout;
+        match *goal {
+            Goal::Missed(task) => missed(&self.stepper, s, task),
+            Goal::Overdue(task) => overdue(&self.stepper, s, task),
+            Goal::Reach(it) => observe::predicate(&self.stepper, before, s, it),
+            Goal::Lasts(of, value) => {
+                of.runs(l, s) && of.clock(l).is_none_or(|clock| s.t[clock] >= value)
+            }
+            Goal::Calm(key, dims) => {
+                if enabled.committed || enabled.urgent {
+                    return false;
+                }
+                let mut it = Encoded::default();
+                encode(&self.stepper, s, &mut it);
+                it.key == key && holds(l, &it.dims, dims)
+            }
+            Goal::Deadlock => false,
+        }
+    }
+}
