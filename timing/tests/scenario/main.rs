@@ -495,11 +495,7 @@ fn what_fails_after_one_request_is_found_whatever_clients_may_do() {
     assert_eq!(requests, ["takes the request calm.slow of client k"]);
     // Not all of it could be explored: this is what was seen.
     let note = response.note.as_deref().unwrap_or_default();
-    assert!(
-        note.contains("is reached"),
-        "{}",
-        checks_in_words(&report)
-    );
+    assert!(note.contains("is reached"), "{}", checks_in_words(&report));
 }
 
 #[test]
