@@ -185,6 +185,90 @@ fn what_cannot_be_verified_is_explained() {
     insta::assert_snapshot!(told);
 }
 
+/// Nobody has measured anything, and `spin` can go round in three ways.
+const VAGUE: &str = "\
+component vague {
+  version \"1.0\";
+  ids { long x; };
+
+  task spin {
+    period 10 ms;
+    codel<start> begin(out x) yield a;
+    codel<a> one(out x) yield a, b, pause::a;
+    codel<b> two(out x) yield a, c;
+    codel<c, d> three(out x) yield a, d;
+  };
+  task poll {
+    period 20 ms;
+    codel<start> look(in x) yield pause::start;
+  };
+  function f() { codel g(in x) wcet 1 ms; codel h(in x); };
+};
+";
+
+#[test]
+fn what_is_assumed_is_told_once_where_it_stands() {
+    let it = Directory::new(&[
+        ("vague.gen", VAGUE),
+        (
+            "vague.scn",
+            "scenario vague {\n  use \"vague.gen\";\n  loop free vague.spin;\n  duration vague.poll.start [0,1] ms;\n  check always not vague.spin.d;\n}\n",
+        ),
+        (
+            "stuck.scn",
+            "scenario stuck {\n  use \"vague.gen\";\n  loop 2;\n  check schedulable *;\n}\n",
+        ),
+        (
+            "long.scn",
+            "scenario long {\n  use \"vague.gen\";\n  duration vague.poll.start [1,9000000000] s;\n  duration vague.spin.b [1,1] us;\n  check schedulable *;\n}\n",
+        ),
+    ]);
+    it.write("zero.gen", VAGUE.replace("20 ms", "0 ms").as_bytes());
+    let mut told = String::new();
+    for file in [
+        "vague.gen",
+        "vague.scn",
+        "stuck.scn",
+        "long.scn",
+        "zero.gen",
+    ] {
+        let output = it.run(&["verify", "--max-states", "10", file]);
+        told.push_str(&format!("$ dotgen verify {file}\n{}\n", stderr(&output)));
+    }
+    insta::assert_snapshot!(told);
+}
+
+#[test]
+fn programs_are_told_everything_in_the_document() {
+    let it = Directory::new(&[("vague.gen", VAGUE)]);
+    let output = it.run(&[
+        "verify",
+        "--max-states",
+        "10",
+        "--format",
+        "json",
+        "vague.gen",
+    ]);
+    assert_eq!(stderr(&output), "");
+    let document = json(&output);
+    let all = document["diagnostics"].as_array().expect("a list");
+    let said: Vec<String> = all
+        .iter()
+        .map(|it| {
+            let start = &it["range"]["start"];
+            format!(
+                "{}:{}:{} {}: {}",
+                it["file"].as_str().unwrap_or_default(),
+                start["line"],
+                start["character"],
+                it["code"].as_str().unwrap_or_default(),
+                it["message"].as_str().unwrap_or_default()
+            )
+        })
+        .collect();
+    insta::assert_snapshot!(said.join("\n"));
+}
+
 /// Published and computed results, through the program that people run.
 #[test]
 fn ground_truth() {
