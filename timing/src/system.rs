@@ -333,6 +333,12 @@ impl TimedSystem {
         out
     }
 
+    /// Whether activities are requested. They have a limited number of slots, so that requests can be refused.
+    pub(crate) fn may_refuse(&self) -> bool {
+        let mut services = self.services.iter().zip(self.requested());
+        services.any(|(it, requested)| requested && it.activity)
+    }
+
     /// Whether some activity of a task can run, given which services are [`requested`](Self::requested).
     pub(crate) fn has_activities(&self, task: usize, requested: &[bool]) -> bool {
         let mut slots = self.tasks[task].slots.iter();

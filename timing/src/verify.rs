@@ -153,8 +153,8 @@ struct Group<'g> {
 /// States visited at most to see what fails without requests.
 const QUIET_STATES: usize = 100_000;
 
-/// Said when the checks needed no exploration.
-const NOT_EXAMINED: &str = "whether requests can be refused for want of a slot was not examined";
+/// Said when all checks were answered before everything was explored.
+const NOT_EXAMINED: &str = "no request was seen to be refused for want of a slot, but not everything was looked at";
 
 impl Group<'_> {
     /// Answers the checks of this group.
@@ -182,11 +182,28 @@ impl Group<'_> {
         // What makes reductions impossible is not looked for together with what does not.
         let (together, apart): (Vec<usize>, Vec<usize>) =
             open.partition(|&i| self.is_about_ticks(&checks[i]));
-        if together.is_empty() && apart.is_empty() && self.may_refuse() {
-            report.note(NOT_EXAMINED.to_owned());
+        if together.is_empty() && apart.is_empty() {
+            let limits = self.limits;
+            let found = explore(&self.built.system, &Watch::default(), limits, self.cancel);
+            self.refusals(&found, report);
         }
         for part in [together, apart] {
             self.explore(checks, &part, &analysed, answers, report);
+        }
+    }
+
+    /// Notes which requests can be refused, as far as has been seen.
+    fn refusals(&self, found: &Findings, report: &mut Report) {
+        let system = &self.built.system;
+        for &service in &found.refused {
+            report.note(format!(
+                "a request of {} can be refused because all its slots are in use",
+                system.service_path(service)
+            ));
+        }
+        let early = found.stopped == Some(Stop::Answered);
+        if early && found.refused.is_empty() && system.may_refuse() {
+            report.note(NOT_EXAMINED.to_owned());
         }
     }
 
@@ -239,19 +256,24 @@ impl Group<'_> {
             ..*self
         };
         let open = of_group.iter().copied();
-        let open = open.filter(|&i| answers[i].is_none() && self.is_about_ticks(&checks[i]));
-        let (watch, places) = quiet.watch(checks, open);
-        if places.is_empty() {
-            return;
-        }
-        let found = explore(&quiet.built.system, &watch, quiet.limits, self.cancel);
-        report.effort(&found);
-        for (i, place) in places {
-            let it = quiet.one(&checks[i], place, &found);
-            // Other runs may take longer, unless this one takes for ever.
-            let final_value = matches!(it.value, None | Some(Value::Unbounded));
-            if it.verdict == Verdict::Refuted && final_value {
-                answers[i] = Some(it);
+        let (ticks, others): (Vec<usize>, Vec<usize>) = open
+            .filter(|&i| answers[i].is_none() && checks[i].is_of_task())
+            .partition(|&i| self.is_about_ticks(&checks[i]));
+        let analysed = Analysed::new(quiet.built);
+        for part in [ticks, others] {
+            let (watch, places) = quiet.watch(checks, part.into_iter(), &analysed);
+            if places.is_empty() {
+                continue;
+            }
+            let found = explore(&quiet.built.system, &watch, quiet.limits, self.cancel);
+            report.effort(&found);
+            for (i, place) in places {
+                let it = quiet.one(&checks[i], place, &found);
+                // Other runs may take longer, unless this one takes for ever.
+                let final_value = matches!(it.value, None | Some(Value::Unbounded));
+                if it.verdict == Verdict::Refuted && final_value {
+                    answers[i] = Some(it);
+                }
             }
         }
     }
@@ -261,6 +283,7 @@ impl Group<'_> {
         &self,
         checks: &[Single],
         part: impl Iterator<Item = usize>,
+        analysed: &Analysed,
     ) -> (Watch, Vec<(usize, usize)>) {
         let mut watch = Watch::default();
         let mut places = Vec::new();
@@ -281,6 +304,7 @@ impl Group<'_> {
                     let it = ResponseTime {
                         task: self.built.tasks[&it],
                         limit: self.ticks(bound),
+                        most: analysed.response(&checks[i]),
                     };
                     let same = watch.response.iter().position(|other| *other == it);
                     same.unwrap_or_else(|| {
@@ -328,7 +352,7 @@ impl Group<'_> {
         answers: &mut [Option<CheckReport>],
         report: &mut Report,
     ) {
-        let (watch, places) = self.watch(checks, part.iter().copied());
+        let (watch, places) = self.watch(checks, part.iter().copied(), analysed);
         let explored = places
             .iter()
             .any(|&(i, _)| !matches!(checks[i].what, What::LeadsTo(..) | What::Eventually(_)));
@@ -338,11 +362,8 @@ impl Group<'_> {
             Findings::default()
         };
         report.effort(&found);
-        for &service in &found.refused {
-            report.note(format!(
-                "a request of {} can be refused because all its slots are in use",
-                self.built.system.service_path(service)
-            ));
+        if explored {
+            self.refusals(&found, report);
         }
         for (i, place) in places {
             answers[i] = Some(match checks[i].what {
@@ -357,13 +378,6 @@ impl Group<'_> {
                 }
             });
         }
-    }
-
-    /// Whether there are requests of activities, which have a limited number of slots.
-    fn may_refuse(&self) -> bool {
-        let requested = self.built.system.requested();
-        let mut services = self.built.system.services.iter().zip(requested);
-        services.any(|(it, requested)| requested && it.activity)
     }
 
     fn time(&self, ticks: Ticks) -> Value {
@@ -491,8 +505,7 @@ impl Group<'_> {
         let stopped = found.stopped;
         let absent = |it: &Option<Found>, out: &mut CheckReport| match it {
             Some(found) => {
-                out.verdict = Verdict::Refuted;
-                out.counterexample = self.events(&found.run);
+                self.refute(&found.run, out);
             }
             None => self.unless_stopped(stopped, found.states, Verdict::Proved, out),
         };
@@ -572,11 +585,9 @@ impl Group<'_> {
             out.note = Some(format!("gave up at {states} states: this is a lower bound"));
         }
         if let Some(excess) = &it.excess {
-            out.verdict = Verdict::Refuted;
-            out.counterexample = self.events(&excess.run);
+            self.refute(&excess.run, out);
         } else if it.bound == Bound::Unbounded {
-            out.verdict = Verdict::Refuted;
-            out.counterexample = self.events(&it.longest.run);
+            self.refute(&it.longest.run, out);
         } else {
             out.witness = self.events(&it.longest.run);
             self.unless_stopped(found.stopped, found.states, Verdict::Proved, out);
@@ -618,21 +629,27 @@ impl Group<'_> {
         report.memory = report.memory.max(found.bytes);
         match &found.counterexample {
             Some(run) => {
-                out.verdict = Verdict::Refuted;
-                let prefix = Run {
-                    steps: run.steps[..run.cycle.unwrap_or(run.steps.len())].to_vec(),
-                    ..run.clone()
-                };
-                out.counterexample = self.events(run);
-                if run.cycle.is_some() {
-                    out.cycle = Some(self.events(&prefix).len());
-                } else {
+                self.refute(run, &mut out);
+                if out.cycle.is_none() {
                     out.note = Some("after the end of the run nothing ever happens".to_owned());
                 }
             }
             None => self.unless_stopped(found.stopped, found.states, Verdict::Proved, &mut out),
         }
         out
+    }
+
+    /// A check fails, as a run shows.
+    fn refute(&self, run: &Run, out: &mut CheckReport) {
+        out.verdict = Verdict::Refuted;
+        out.counterexample = self.events(run);
+        out.cycle = run.cycle.map(|at| {
+            let prefix = Run {
+                steps: run.steps[..at].to_vec(),
+                ..run.clone()
+            };
+            self.events(&prefix).len()
+        });
     }
 
     /// A run in words and in the unit of the report.

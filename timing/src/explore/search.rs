@@ -46,6 +46,8 @@ pub struct ResponseTime {
     pub task: usize,
     /// If the time exceeds this, the shortest run that does so is wanted.
     pub limit: Option<Ticks>,
+    /// No job takes longer, as is known from analysis: one that takes as long ends the search for this time.
+    pub most: Option<Ticks>,
 }
 
 /// The time that passes until one predicate follows another.
@@ -205,6 +207,9 @@ const CLOSURES: usize = 1;
 /// States looked at between two looks at what may end the search.
 const LOOKS: usize = 64;
 
+/// Steps for which an exploration that has answered everything goes on at least, to see requests that are refused.
+const LINGER: u64 = 20_000;
+
 /// Bytes of a node in the queue.
 const QUEUED: usize = 2 * size_of::<u32>();
 
@@ -265,6 +270,8 @@ struct Search<'a> {
     /// Tasks whose clock only serves the overdue check.
     waiting_only: Vec<bool>,
     stopped: Option<Stop>,
+    /// Steps taken when everything was answered.
+    answered_at: Option<u64>,
     /// Found while a layer was closed.
     diverging: Option<Diverging>,
     /// Bytes of the states that a layer begins with.
@@ -355,6 +362,7 @@ impl<'a> Search<'a> {
             patience: longest.saturating_add(work).max(16),
             waiting_only,
             stopped: None,
+            answered_at: None,
             diverging: None,
             under_way: 0,
             patient,
@@ -632,21 +640,35 @@ impl Search<'_> {
             || self.memory() > self.limits.bytes
         {
             self.stopped = Some(Stop::Limit);
-        } else if self.answered() {
+        } else if self.answered() && !self.lingers() {
             self.stopped = Some(Stop::Answered);
         }
         self.stopped.is_some()
     }
 
-    /// Whether everything that is asked has been seen. With clients the rest may still show that a request is refused.
+    /// Whether everything that is asked has been seen.
     fn answered(&self) -> bool {
-        self.watch.response.is_empty()
-            && self.watch.within.is_empty()
-            && self.stepper.system.clients.is_empty()
+        (0..self.gauges.len()).all(|it| self.is_longest(it))
             && self.missed.iter().all(Option::is_some)
             && self.overdue.iter().all(Option::is_some)
             && self.reached.iter().all(Option::is_some)
             && (!self.watch.deadlock || self.deadlock.is_some())
+    }
+
+    /// Whether to go on for a while when everything is answered, as requests may turn out to be refused.
+    fn lingers(&mut self) -> bool {
+        let at = *self.answered_at.get_or_insert(self.steps);
+        self.stepper.system.may_refuse() && self.steps < at.saturating_mul(2) + LINGER
+    }
+
+    /// Whether the longest time of a gauge has been seen, and nothing else is wanted of it.
+    fn is_longest(&self, gauge: usize) -> bool {
+        let it = &self.gauges[gauge];
+        it.most.is_some_and(|most| {
+            it.active()
+                && it.limit.is_none_or(|limit| most <= limit)
+                && self.longest[gauge].is_some_and(|it| it.value >= most)
+        })
     }
 
     fn memory(&self) -> usize {
@@ -768,7 +790,7 @@ impl Search<'_> {
                 let limit = self.gauges[i].limit;
                 let left = limit.and_then(|it| it.checked_sub(value));
                 out.excess = left.and_then(|it| run.prolonged(cycle, it + 1));
-                out.proof = Some(run);
+                out.proof = Some(run.repeating(cycle));
                 return Some(out);
             }
             if !self.patient && !self.cancel.is_abandoned() {

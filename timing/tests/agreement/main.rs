@@ -50,6 +50,7 @@ fn compare_system(
             .map(|(i, &task)| ResponseTime {
                 task,
                 limit: limit(i, expected.response[task]),
+                most: None,
             })
             .collect(),
         within: (within.iter().enumerate())
