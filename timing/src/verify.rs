@@ -12,13 +12,13 @@ use num_rational::Ratio;
 use self::analysed::Analysed;
 use self::checks::{Single, What, expand};
 use self::groups::groups;
-pub use crate::cancel::Cancel;
+pub use crate::cancel::{Cancel, Effort};
 use crate::explore::{
     Bound, Findings, Found, Limits, LivenessQuery, Measured, MomentKind, ResponseTime, Run, Stop,
     Watch, Within, explore, liveness,
 };
 use crate::property::{Predicate, resolve};
-use crate::report::{CheckReport, Event, Report, Soundness, Value, Verdict};
+use crate::report::{CheckReport, Event, GaveUp, Report, Soundness, Value, Verdict};
 use crate::scn::Diagnostic;
 use crate::scn::ast::{Bound as AstBound, Check, Durations, Policy, Pred, Scenario, Unit};
 use crate::scn::names::Names;
@@ -154,7 +154,8 @@ struct Group<'g> {
 const QUIET_STATES: usize = 100_000;
 
 /// Said when all checks were answered before everything was explored.
-const NOT_EXAMINED: &str = "no request was seen to be refused for want of a slot, but not everything was looked at";
+const NOT_EXAMINED: &str =
+    "no request was seen to be refused for want of a slot, but not everything was looked at";
 
 impl Group<'_> {
     /// Answers the checks of this group.
@@ -371,7 +372,7 @@ impl Group<'_> {
                 What::Eventually(p) => self.live(&checks[i], None, p, report),
                 _ => {
                     let mut it = self.one(&checks[i], place, &found);
-                    if let Some(bound) = analysed.response(&checks[i]) {
+                    if let Some(bound) = analysed.of_task(&checks[i]) {
                         self.bound_unknown(&checks[i], bound, &mut it);
                     }
                     it
@@ -420,25 +421,35 @@ impl Group<'_> {
 
     /// Where the exploration was given up, a bound from analysis may still be an answer.
     fn bound_unknown(&self, check: &Single, bound: Ticks, out: &mut CheckReport) {
-        let What::Response(_, limit) = check.what else {
+        if out.verdict != Verdict::Unknown {
             return;
+        }
+        let beyond = match check.what {
+            What::Response(_, limit) => self.ticks(limit).is_some_and(|limit| bound > limit),
+            _ => true,
         };
-        let beyond = self.ticks(limit).is_some_and(|limit| bound > limit);
-        if out.verdict != Verdict::Unknown || beyond {
+        if beyond {
+            if let Some(note) = &mut out.note {
+                let bound = self.in_words(bound);
+                note.push_str(&format!(
+                    "; by response-time analysis a job takes at most {bound}"
+                ));
+            }
             return;
         }
         out.verdict = Verdict::Proved;
         if out.value == Some(self.time(bound)) {
             // Reached, and never exceeded.
-            out.note = None;
+            (out.note, out.gave_up) = (None, None);
             return;
         }
+        let why = out.gave_up.map_or(String::new(), |it| format!(": {it}"));
         let reached = match out.value {
             Some(Value::Time(it)) => format!(", and {it} is reached"),
             _ => String::new(),
         };
         out.note = Some(format!(
-            "by response-time analysis: at most {}{reached}; the exact value was not found",
+            "by response-time analysis: at most {}{reached}; the exact value was not found{why}",
             self.in_words(bound)
         ));
         out.value = Some(self.time(bound));
@@ -488,6 +499,7 @@ impl Group<'_> {
             },
             value: None,
             note: None,
+            gave_up: None,
             counterexample: Vec::new(),
             witness: Vec::new(),
             cycle: None,
@@ -502,12 +514,12 @@ impl Group<'_> {
 
     fn one(&self, check: &Single, place: usize, found: &Findings) -> CheckReport {
         let mut out = self.blank(check);
-        let stopped = found.stopped;
+        let (stopped, size) = (found.stopped, (found.states, found.bytes));
         let absent = |it: &Option<Found>, out: &mut CheckReport| match it {
             Some(found) => {
                 self.refute(&found.run, out);
             }
-            None => self.unless_stopped(stopped, found.states, Verdict::Proved, out),
+            None => self.unless_stopped(stopped, size, Verdict::Proved, out),
         };
         match check.what {
             What::Schedulable(_) => absent(&found.missed[place], &mut out),
@@ -519,7 +531,7 @@ impl Group<'_> {
                     out.verdict = Verdict::Proved;
                     out.witness = self.events(&it.run);
                 }
-                None => self.unless_stopped(stopped, found.states, Verdict::Refuted, &mut out),
+                None => self.unless_stopped(stopped, size, Verdict::Refuted, &mut out),
             },
             What::Response(task, bound) => {
                 let never = "it is never released";
@@ -556,22 +568,35 @@ impl Group<'_> {
     fn unless_stopped(
         &self,
         stopped: Option<Stop>,
-        states: usize,
+        (states, memory): (usize, usize),
         verdict: Verdict,
         out: &mut CheckReport,
     ) {
         match stopped {
             None => out.verdict = verdict,
-            Some(Stop::Limit) => out.note = Some(format!("gave up at {states} states")),
             Some(Stop::Answered) => {}
-            Some(Stop::Cancelled) => out.note = Some("cancelled".to_owned()),
+            Some(reason) => {
+                let gave_up = GaveUp {
+                    reason,
+                    states,
+                    memory,
+                    seconds: self.cancel.time_limit().map(|it| it.as_secs_f64()),
+                };
+                out.note = Some(gave_up.to_string());
+                out.gave_up = Some(gave_up);
+            }
         }
     }
 
     fn bounded(&self, it: &Option<Measured>, never: &str, found: &Findings, out: &mut CheckReport) {
         let Some(it) = it else {
             out.note = Some(never.to_owned());
-            self.unless_stopped(found.stopped, found.states, Verdict::Proved, out);
+            self.unless_stopped(
+                found.stopped,
+                (found.states, found.bytes),
+                Verdict::Proved,
+                out,
+            );
             return;
         };
         let base = self.built.system.unit;
@@ -580,17 +605,25 @@ impl Group<'_> {
             Bound::Unbounded => Value::Unbounded,
             Bound::Finite(ticks) => Value::Time(to_f64(time(ticks) / self.unit)),
         });
-        if let (Some(Stop::Limit | Stop::Cancelled), Bound::Finite(_)) = (found.stopped, it.bound) {
-            let states = found.states;
-            out.note = Some(format!("gave up at {states} states: this is a lower bound"));
-        }
         if let Some(excess) = &it.excess {
+            if matches!(it.bound, Bound::Finite(_)) {
+                let size = (found.states, found.bytes);
+                self.unless_stopped(found.stopped, size, Verdict::Refuted, out);
+                if let Some(note) = &mut out.note {
+                    note.push_str(": this is a lower bound");
+                }
+            }
             self.refute(&excess.run, out);
         } else if it.bound == Bound::Unbounded {
             self.refute(&it.longest.run, out);
         } else {
             out.witness = self.events(&it.longest.run);
-            self.unless_stopped(found.stopped, found.states, Verdict::Proved, out);
+            self.unless_stopped(
+                found.stopped,
+                (found.states, found.bytes),
+                Verdict::Proved,
+                out,
+            );
         }
     }
 
@@ -634,7 +667,12 @@ impl Group<'_> {
                     out.note = Some("after the end of the run nothing ever happens".to_owned());
                 }
             }
-            None => self.unless_stopped(found.stopped, found.states, Verdict::Proved, &mut out),
+            None => self.unless_stopped(
+                found.stopped,
+                (found.states, found.bytes),
+                Verdict::Proved,
+                &mut out,
+            ),
         }
         out
     }

@@ -440,3 +440,40 @@ async fn what_prevents_a_verification_stands_in_the_specification() {
     assert!(said.iter().all(|it| !it.starts_with("timing-")), "{said:?}");
     client.finish_ignoring(STATUS).await;
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn what_was_given_up_names_the_setting_to_raise() {
+    let folder = Folder::new(&[("pump.gen", &pump("6 ms"))]);
+    let mut client = Client::start(telling(&folder)).await;
+    let limits = json!({ "settings": { "dotgen": { "verification": { "max-states": 3 } } } });
+    client
+        .notify("workspace/didChangeConfiguration", limits)
+        .await;
+    let scn = folder.uri("pump.scn");
+    let scenario = SCENARIO.replace("check limit:", "check deadlock; check limit:");
+    client.open(&scn, &scenario).await;
+    until(&mut client, &scn, 1, "gave-up").await;
+    let report = client.ok("textDocument/diagnostic", document(&scn)).await;
+    let items = report["items"].as_array().expect("a list").iter();
+    let mut gave_up = items.filter(|it| it["code"] == "timing/gave-up");
+    let message = gave_up.next().expect("one of them")["message"].clone();
+    let message = message.as_str().expect("text");
+    assert!(message.contains(": gave up at "), "{message}");
+    assert!(
+        message.contains("; raise `verification.max-states` in the settings, or "),
+        "{message}"
+    );
+    let answer = client.ok("dotgen/verification", document(&scn)).await;
+    let advice = answer["advice"].as_str().expect("text");
+    assert!(
+        advice.starts_with("raise `verification.max-states` in the settings, or "),
+        "{advice}"
+    );
+    // What was assumed is no error, and leads to the codels.
+    assert_eq!(answer["errors"], json!([]));
+    let warning = &answer["warnings"][0];
+    let text = warning["message"].as_str().expect("text");
+    assert!(text.starts_with("2 codels have no `wcet`"), "{text}");
+    assert_eq!(warning["location"]["uri"], folder.uri("pump.gen"));
+    client.finish_ignoring(STATUS).await;
+}

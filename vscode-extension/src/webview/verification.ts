@@ -72,6 +72,7 @@ function showHead(it: VerificationAnswer): void {
     notices.push('No scenario is written: permanent activities, and a client that sends any request at any time.');
   }
   if (it.whatIf) notices.unshift('This is a variation; the files are as they were.');
+  if (it.advice !== null) notices.push(`To get an answer where verification gave up: ${it.advice}.`);
   notice(notices.join('\n'));
 }
 
@@ -212,7 +213,8 @@ function show(next: VerificationAnswer, of: Subject, pinned: boolean): void {
   showRun(next, pinned);
   showWhatIf(next);
   showBlocking(next);
-  element('assumptions').replaceChildren(...[...next.assumptions, ...next.notes].map((it) => node('li', it)));
+  const warnings = next.warnings.map(({ message, location }) => node('li', [link(message, location)]));
+  element('assumptions').replaceChildren(...warnings, ...[...next.assumptions, ...next.notes].map((it) => node('li', it)));
 }
 
 window.addEventListener('message', ({ data }: MessageEvent<ToPage>) => {

@@ -9,6 +9,7 @@ use dotgen_timing::report::{CheckReport, Event, Soundness, Value, Verdict};
 use dotgen_timing::scn::names::Names;
 
 use super::Answer;
+use crate::verification::advice;
 use crate::verification::summary::{self, Scale};
 
 const TITLE: Style = Style::new().bold();
@@ -63,6 +64,9 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
     for it in &report.notes {
         writeln!(out, "{TITLE}note{TITLE:#}: {it}")?;
     }
+    if let Some(it) = advice::of_report(report, &answer.problem, advice::Names::Options) {
+        writeln!(out, "\n{TITLE}help{TITLE:#}: {it}")?;
+    }
     let count = |verdict| {
         report
             .checks
@@ -113,6 +117,9 @@ fn sensitivity(out: &mut impl Write, it: &Sensitivity, scale: Scale) -> anyhow::
             )?;
         }
     }
+    if it.incomplete {
+        writeln!(out, "  {FAINT}given up here: time is up{FAINT:#}")?;
+    }
     Ok(())
 }
 
@@ -131,21 +138,24 @@ struct Row {
 impl Row {
     fn new(check: &CheckReport, names: &Names, scale: Scale) -> Row {
         let limit = summary::limit(check, names, scale);
+        let bound = check.soundness == Soundness::UpperBound;
         let value = check.value.map(|it| match check.verdict {
-            Verdict::Unknown => format!("> {}", scale.show_value(it)),
+            Verdict::Unknown => format!("≥ {}", scale.show_value(it)),
+            _ if bound => format!("≤ {}", scale.show_value(it)),
             _ => scale.show_value(it),
         });
         let slack = match (check.value, limit) {
             (Some(Value::Time(value)), Some(limit)) if check.verdict != Verdict::Unknown => {
-                summary::percent(summary::slack(value, limit))
+                let least = if bound { "≥ " } else { "" };
+                format!("{least}{}", summary::percent(summary::slack(value, limit)))
             }
             _ => String::new(),
         };
         let worth = match check.soundness {
-            Soundness::Exact => None,
+            // The sign before the value says it, and the note why.
+            Soundness::Exact | Soundness::UpperBound => None,
             Soundness::Safe => Some("safe: a failure may be a false alarm"),
             Soundness::Under => Some("for worst-case durations only"),
-            Soundness::UpperBound => Some("an upper bound"),
             Soundness::Neither => Some("for worst-case durations only, indicative"),
         };
         let remarks: Vec<&str> = check.note.as_deref().into_iter().chain(worth).collect();

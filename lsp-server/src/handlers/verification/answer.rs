@@ -8,15 +8,17 @@ use dotgen_analysis::host::Cancellable;
 use dotgen_diagram::theme::Theme;
 use dotgen_diagram::timeline::{self, Timeline};
 use dotgen_timing::explore::MomentKind;
+use dotgen_timing::remark::together;
 use dotgen_timing::report::{CheckReport, Event, Soundness, Verdict};
+use dotgen_timing::scn::Severity;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::verify::{Cancel, Options, settings};
 use serde::{Deserialize, Serialize};
-use tokio::runtime::Handle;
 
 use super::{check_of, place};
 use crate::proto::{Location, TextDocumentIdentifier, Uri};
 use crate::snapshot::{Snapshot, Subject};
+use crate::verification::advice;
 use crate::verification::blocking::{self, CodelAt};
 use crate::verification::summary;
 use crate::verification::timeline::{Ending, of_run};
@@ -72,6 +74,10 @@ pub(crate) struct VerificationResult {
     durations: String,
     /// Why there is no answer.
     errors: Vec<String>,
+    /// What was assumed of the model, and where it stands.
+    warnings: Vec<WarningShown>,
+    /// What to do about checks that were given up.
+    advice: Option<String>,
     checks: Vec<CheckShown>,
     /// Quick bounds by task.
     bounds: Vec<BoundShown>,
@@ -85,6 +91,13 @@ pub(crate) struct VerificationResult {
     seconds: f64,
     /// Whether this is the answer to a variation.
     what_if: bool,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct WarningShown {
+    message: String,
+    location: Option<Location>,
 }
 
 /// A check and its answer.
@@ -276,7 +289,7 @@ impl Prepared {
         };
         let cancel = Arc::new(Cancel::default());
         let _guard = CancelOnDrop(cancel.clone());
-        let (problem, limit, timer) = (Arc::new(problem), self.limit, Handle::current());
+        let (problem, limit) = (Arc::new(problem), self.limit);
         let work = tokio::task::spawn_blocking(move || {
             let last: Mutex<Option<Arc<Answer>>> = Mutex::default();
             let tell = |found: Found| {
@@ -284,7 +297,7 @@ impl Prepared {
                     *last.lock().unwrap_or_else(PoisonError::into_inner) = Some(answer);
                 }
             };
-            verifier::run(problem, options, limit, &cancel, &timer, tell);
+            verifier::run(problem, options, limit, &cancel, tell);
             last.into_inner().unwrap_or_else(PoisonError::into_inner)
         });
         let answer = match work.await {
@@ -387,8 +400,18 @@ pub(crate) fn present(
         return Ok(Some(out));
     };
     let report = &answer.report;
-    let of_report = report.diagnostics.iter();
-    out.errors.extend(of_report.map(|it| it.message.clone()));
+    for it in together(&report.diagnostics) {
+        if it.severity == Severity::Error {
+            out.errors.push(it.message);
+            continue;
+        }
+        let at = prepared.places.diagnostic(&it);
+        out.warnings.push(WarningShown {
+            location: snapshot.location(&at.path, &at.range)?,
+            message: at.message,
+        });
+    }
+    out.advice = advice::of_report(report, problem, advice::Names::Settings);
     out.minimum_cores = answer.cores.as_ref().and_then(|it| it.cores);
     out.assumptions.clone_from(&report.assumptions);
     out.notes.clone_from(&report.notes);

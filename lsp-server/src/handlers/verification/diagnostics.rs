@@ -16,6 +16,7 @@ use crate::config::Level;
 use crate::proto::Uri;
 use crate::snapshot::Snapshot;
 use crate::verification::Problem;
+use crate::verification::advice::{self, Names};
 use crate::verification::problem::{self, EXTENSION};
 use crate::verifier::{Answer, Entry, about};
 
@@ -162,16 +163,16 @@ fn diagnostic(
     let scale = answer.scale();
     let (code, mut message) = match (check.verdict, check.check, check.value) {
         (Verdict::Proved, ..) => return None,
-        (Verdict::Unknown, ..) => (
-            GAVE_UP,
+        (Verdict::Unknown, ..) => (GAVE_UP, {
+            let why = check.note.as_deref().unwrap_or("gave up");
+            let reason = check.gave_up.map(|it| it.reason);
+            let advice = advice::of(reason, &answer.problem, Names::Settings);
+            let advice = advice.map_or(String::new(), |it| format!("; {it}"));
             format!(
-                "`{} {}` is neither proved nor refuted: {}; raise the limits of verification in the \
-                 settings, or make the scenario smaller",
-                check.check,
-                check.of,
-                check.note.as_deref().unwrap_or("gave up")
-            ),
-        ),
+                "`{} {}` is neither proved nor refuted: {why}{advice}",
+                check.check, check.of
+            )
+        }),
         (_, "schedulable", _) => {
             let last = check.counterexample.last()?;
             (
