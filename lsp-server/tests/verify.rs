@@ -62,7 +62,7 @@ fn stable(text: &str) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-fn json(output: &Output) -> Value {
+fn json_of(output: &Output) -> Value {
     serde_json::from_str(&stdout(output)).expect("one JSON document")
 }
 
@@ -94,7 +94,7 @@ fn json_has_the_promised_shape() {
     let it = lift("17 ms");
     let output = it.run(&["verify", "--format", "json", "scenarios/ride.scn"]);
     assert_eq!(status(&output), 1);
-    let mut document = json(&output);
+    let mut document = json_of(&output);
     assert!(document["states"].as_u64() > Some(0));
     assert!(document["seconds"].is_f64());
     for measured in ["states", "steps", "memory", "seconds"] {
@@ -109,7 +109,7 @@ fn options_override_the_scenario() {
     let response = ["--check", "check response lift.sense;", "--format", "json"];
     let run = |more: &[&str]| {
         let arguments = [&["verify", "scenarios/ride.scn"], &response[..], more].concat();
-        let document = json(&it.run(&arguments));
+        let document = json_of(&it.run(&arguments));
         assert_eq!(document["checks"].as_array().map(Vec::len), Some(1));
         document["checks"][0]["value"].clone()
     };
@@ -145,6 +145,53 @@ fn giving_up_is_an_answer_of_its_own() {
             "{}",
             stdout(&output)
         );
+    }
+}
+
+#[test]
+fn what_was_given_up_says_why_and_what_helps() {
+    let it = lift("5 ms");
+    let mut told = String::new();
+    let run = |limit: [&str; 2]| {
+        let arguments = ["verify", "--durations", "interval", limit[0], limit[1]];
+        let text = it.run(&[&arguments[..], &["scenarios/ride.scn"]].concat());
+        let json = it.run(&[&arguments[..], &["--format", "json", "scenarios/ride.scn"]].concat());
+        assert_eq!((status(&text), status(&json)), (3, 3), "{limit:?}");
+        assert_eq!(stderr(&text), "", "no progress where nobody looks");
+        let checks = json_of(&json)["checks"].clone();
+        let checks = checks.as_array().expect("a list").clone();
+        let reasons = checks.iter().map(|it| it["gave-up"]["reason"].clone());
+        (stable(&stdout(&text)), reasons.collect::<Vec<_>>())
+    };
+    for (limit, reason) in [
+        (["--max-states", "1"], "states"),
+        (["--max-memory", "0"], "memory"),
+        (["--timeout", "0"], "time"),
+    ] {
+        let (text, reasons) = run(limit);
+        assert_eq!(reasons[3], reason);
+        told.push_str(&format!("$ dotgen verify {}\n{text}\n", limit.join(" ")));
+    }
+    insta::assert_snapshot!(told);
+}
+
+#[test]
+fn a_timeout_ends_the_search_for_limits_as_well() {
+    let it = lift("3 ms");
+    let output = it.run(&[
+        "verify",
+        "--sensitivity",
+        "--timeout",
+        "0",
+        "scenarios/ride.scn",
+    ]);
+    let text = stdout(&output);
+    assert!(text.contains("time is up"), "{text}");
+    assert!(!text.contains("largest WCET"), "{text}");
+    for wrong in ["soon", "inf", "NaN"] {
+        let output = it.run(&["verify", "--timeout", wrong, "scenarios/ride.scn"]);
+        assert_eq!(status(&output), 2, "{wrong}");
+        assert!(stderr(&output).contains("give a number of seconds"));
     }
 }
 
@@ -250,7 +297,7 @@ fn programs_are_told_everything_in_the_document() {
         "vague.gen",
     ]);
     assert_eq!(stderr(&output), "");
-    let document = json(&output);
+    let document = json_of(&output);
     let all = document["diagnostics"].as_array().expect("a list");
     let said: Vec<String> = all
         .iter()
@@ -290,7 +337,7 @@ fn ground_truth() {
             command.args([format!("--{option}"), value]);
         }
         let output = command.output().expect("the program runs");
-        let document = json(&output);
+        let document = json_of(&output);
         let checks = document["checks"].as_array().expect("a list");
         for key in ["schedulable", "no_overdue", "response"] {
             for (task, expected) in case[key].as_object().into_iter().flatten() {

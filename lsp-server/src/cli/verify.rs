@@ -1,14 +1,17 @@
 //! `dotgen verify`
 
 mod json;
+mod progress;
 mod text;
 mod told;
+
+use std::time::Duration;
 
 use anyhow::bail;
 use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, ValueEnum};
 use dotgen_analysis::host::FileContent;
-use dotgen_timing::derive::Sensitivity;
+use dotgen_timing::derive::{Progress as Asking, Sensitivity};
 use dotgen_timing::explore::Limits;
 use dotgen_timing::remark::together;
 use dotgen_timing::report::Report;
@@ -60,6 +63,10 @@ pub(super) struct Arguments {
     /// Give up a check when its states take so many megabytes
     #[arg(long, value_name = "MB", default_value_t = Limits::default().bytes >> 20)]
     max_memory: usize,
+
+    /// Give up what is not answered after so many seconds, for each scenario
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    timeout: Option<Duration>,
 
     /// Find the smallest number of cores, the largest WCET of each codel and the smallest period of each
     /// task with which every deadline is met
@@ -124,6 +131,12 @@ fn cores(text: &str) -> Result<Cores, String> {
     }
 }
 
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse().ok();
+    let time = seconds.and_then(|it| Duration::try_from_secs_f64(it).ok());
+    time.ok_or_else(|| "give a number of seconds".to_owned())
+}
+
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let checks: Vec<&str> = arguments.checks.iter().map(|it| body(it)).collect();
     checks.iter().try_for_each(|it| check(it, 0).map(drop))?;
@@ -134,7 +147,12 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             return Ok(Outcome::Unusable);
         }
         let options = arguments.options(&checks, problem.text.len())?;
-        let report = problem.verify(&options, &Cancel::default());
+        let cancel = Cancel::default();
+        if let Some(time) = arguments.timeout {
+            cancel.limit(time);
+        }
+        let doing = format!("verifying {}", problem.scenario.name);
+        let report = progress::during(&cancel, &doing, |_| problem.verify(&options, &cancel));
         let told = |all: &[scn::Diagnostic]| Told::by_verifier(&session, &problem, all, &checks);
         // Programs are told everything, in their document if there is one.
         if matches!(arguments.format, Format::Text) || report.has_errors() {
@@ -146,9 +164,17 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         let diagnostics = told(&report.diagnostics)?.to_json()?;
         let sensitivity = match arguments.sensitivity {
             // What is wrong with the scenario has been said.
-            true => problem
-                .sensitivity(&options, &Cancel::default(), &|_| {})
-                .ok(),
+            true => progress::during(&cancel, "looking for limits", |tell| {
+                let asking = |it: Asking| {
+                    tell(format!(
+                        "looking for {} ({} of {})",
+                        it.asking,
+                        it.done + 1,
+                        it.of
+                    ));
+                };
+                problem.sensitivity(&options, &cancel, &asking).ok()
+            }),
             false => None,
         };
         answers.push(Answer {
