@@ -149,6 +149,31 @@ fn giving_up_is_an_answer_of_its_own() {
 }
 
 #[test]
+fn of_a_long_run_the_beginning_and_the_end_are_shown() {
+    let it = lift("9 ms");
+    it.write(
+        "scenarios/long.scn",
+        b"scenario long {\n  use \"../spec/lift.gen\";\n  durations fixed;\n  client late { delay 200 ms; send lift.f; }\n  check always not lift.f;\n}\n",
+    );
+    it.write(
+        "spec/lift.gen",
+        LIFT.replace("WCET", "9 ms")
+            .replace(
+                "};\n};\n",
+                "};\n  function f() { codel g(in position) wcet 1 ms; };\n};\n",
+            )
+            .as_bytes(),
+    );
+    let arguments = ["verify", "scenarios/long.scn"];
+    let output = it.run(&arguments);
+    assert_eq!(status(&output), 1, "{}", stderr(&output));
+    insta::assert_snapshot!(stable(&stdout(&output)));
+    let output = it.run(&[&arguments[..], &["--format", "json"]].concat());
+    let run = &json_of(&output)["checks"][0]["counterexample"];
+    assert!(run.as_array().map(Vec::len) > Some(100));
+}
+
+#[test]
 fn what_was_given_up_says_why_and_what_helps() {
     let it = lift("5 ms");
     let mut told = String::new();

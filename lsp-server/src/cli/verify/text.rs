@@ -250,6 +250,19 @@ fn table(out: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
     Ok(())
 }
 
+/// Of longer runs the beginning and the end are shown.
+const LONGEST: usize = 100;
+const FIRST: usize = 20;
+const LAST: usize = 50;
+
+/// The part of a run that is left out.
+fn left_out(events: usize) -> std::ops::Range<usize> {
+    match events > LONGEST {
+        true => FIRST..events - LAST,
+        false => 0..0,
+    }
+}
+
 /// A run as a list: times once each, who, what.
 fn run(
     out: &mut impl Write,
@@ -262,10 +275,27 @@ fn run(
         None => it.component.clone(),
     };
     let times: Vec<String> = events.iter().map(|it| scale.show(it.time)).collect();
-    let time_width = times.iter().map(String::len).max().unwrap_or(0);
-    let who_width = events.iter().map(|it| who(it).len()).max().unwrap_or(0);
+    let left_out = left_out(events.len());
+    let shown = || (0..events.len()).filter(|it| !left_out.contains(it));
+    let time_width = shown().map(|it| times[it].len()).max().unwrap_or(0);
+    let who_width = shown().map(|it| who(&events[it]).len()).max().unwrap_or(0);
     let mut before = None;
     for (i, it) in events.iter().enumerate() {
+        if i == left_out.start && !left_out.is_empty() {
+            let (count, until) = (left_out.len(), &times[left_out.end - 1]);
+            let cycle = cycle.filter(|it| left_out.contains(it));
+            let cycle = cycle.map_or(String::new(), |it| {
+                format!("; what goes on for ever begins at {}", times[it])
+            });
+            writeln!(
+                out,
+                "  {FAINT}… {count} steps until {until}{cycle}; `--format json` has all of them …{FAINT:#}"
+            )?;
+            before = None;
+        }
+        if left_out.contains(&i) {
+            continue;
+        }
         if cycle == Some(i) {
             writeln!(out, "  {FAINT}from here on for ever:{FAINT:#}")?;
         }

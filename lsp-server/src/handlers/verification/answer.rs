@@ -21,7 +21,7 @@ use crate::snapshot::{Snapshot, Subject};
 use crate::verification::advice;
 use crate::verification::blocking::{self, CodelAt};
 use crate::verification::summary;
-use crate::verification::timeline::{Ending, of_run};
+use crate::verification::timeline::{Ending, first_shown, left_out, of_end};
 use crate::verification::what_if::WhatIf;
 use crate::verification::{Problem, TaskBound};
 use crate::verifier::{self, Answer, Found, Status, about};
@@ -469,13 +469,15 @@ fn shown_check(
 ) -> Cancellable<CheckShown> {
     use dotgen_timing::report::Value;
     let limit = summary::limit(check, names, scale);
-    let at_least = match check.verdict {
-        Verdict::Unknown => "at least ",
-        _ => "",
+    let (sign, least) = match (check.verdict, check.soundness) {
+        (Verdict::Unknown, _) => ("≥ ", ""),
+        (_, Soundness::UpperBound) => ("≤ ", "≥ "),
+        _ => ("", ""),
     };
     let slack = match (check.value, limit) {
         (Some(Value::Time(value)), Some(limit)) if check.verdict != Verdict::Unknown => {
-            Some(summary::percent(summary::slack(value, limit)))
+            let slack = summary::percent(summary::slack(value, limit));
+            Some(format!("{least}{slack}"))
         }
         _ => None,
     };
@@ -498,14 +500,12 @@ fn shown_check(
             Soundness::Exact => None,
             Soundness::Safe => Some("safe: may be a false alarm, never misses".to_owned()),
             Soundness::Under => Some("for worst-case durations only".to_owned()),
-            Soundness::UpperBound => {
-                Some("an upper bound; the exact value was not found".to_owned())
-            }
+            Soundness::UpperBound => Some("an upper bound".to_owned()),
             Soundness::Neither => Some("for worst-case durations only, indicative".to_owned()),
         },
         value: check
             .value
-            .map(|it| format!("{at_least}{}", scale.show_value(it))),
+            .map(|it| format!("{sign}{}", scale.show_value(it))),
         limit: limit.map(|it| scale.show(it)),
         slack,
         note: check.note.clone(),
@@ -538,11 +538,16 @@ fn shown_run(
         true => Ending::Miss(&check.of),
         false => Ending::Fine,
     };
-    let picture = of_run(title.clone(), &answer.report.unit, events, ending);
-    let mut links = Vec::new();
+    let first = first_shown(events);
+    let picture = of_end(title.clone(), &answer.report.unit, events, first, ending);
+    // Of what is not shown nothing can be clicked.
+    let mut links = vec![None; first];
     let mut lines = Vec::new();
+    if first > 0 {
+        lines.push(format!("… {}", left_out(first)));
+    }
     let scale = answer.scale();
-    for event in events {
+    for event in &events[first..] {
         links.push(locate(snapshot, &prepared.places, event.src)?);
         let who = match &event.task {
             Some(task) => format!("{}.{task}", event.component),
