@@ -8,6 +8,7 @@
 pub mod build;
 mod locks;
 mod loops;
+mod patience;
 mod program;
 pub mod settings;
 mod units;

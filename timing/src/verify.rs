@@ -3,6 +3,7 @@
 mod analysed;
 mod checks;
 mod groups;
+mod soon;
 
 use std::time::Instant;
 
@@ -12,6 +13,7 @@ use num_rational::Ratio;
 use self::analysed::Analysed;
 use self::checks::{Single, What, expand};
 use self::groups::groups;
+use self::soon::Seen;
 pub use crate::cancel::{Cancel, Effort};
 use crate::explore::{
     Bound, Findings, Found, Limits, LivenessQuery, Measured, MomentKind, ResponseTime, Run, Stop,
@@ -22,9 +24,9 @@ use crate::report::{CheckReport, Event, GaveUp, Report, Soundness, Value, Verdic
 use crate::scn::Diagnostic;
 use crate::scn::ast::{Bound as AstBound, Check, Durations, Policy, Pred, Scenario, Unit};
 use crate::scn::names::Names;
+use crate::system::Ticks;
 use crate::system::build::{Built, build};
 use crate::system::settings::Settings;
-use crate::system::{Client, ClientAction, FOREVER, Ticks, TimedSystem};
 
 /// The specifications of a system.
 #[derive(Debug, Clone, Default)]
@@ -150,9 +152,6 @@ struct Group<'g> {
     cancel: &'g Cancel,
 }
 
-/// States visited at most to see what fails without requests.
-const QUIET_STATES: usize = 100_000;
-
 /// Said when all checks were answered before everything was explored.
 const NOT_EXAMINED: &str =
     "no request was seen to be refused for want of a slot, but not everything was looked at";
@@ -176,9 +175,7 @@ impl Group<'_> {
                 None
             };
         }
-        if self.may_wait_for_ever() {
-            self.without_requests(checks, of_group, answers, report);
-        }
+        let seen = self.soon(checks, of_group, answers, report);
         let open = of_group.iter().copied().filter(|&i| answers[i].is_none());
         // What makes reductions impossible is not looked for together with what does not.
         let (together, apart): (Vec<usize>, Vec<usize>) =
@@ -189,7 +186,7 @@ impl Group<'_> {
             self.refusals(&found, report);
         }
         for part in [together, apart] {
-            self.explore(checks, &part, &analysed, answers, report);
+            self.explore(checks, &part, &analysed, &seen, answers, report);
         }
     }
 
@@ -217,65 +214,6 @@ impl Group<'_> {
                 self.built.system.tasks[task].period.is_some()
             }
             _ => false,
-        }
-    }
-
-    /// Whether every client may never send anything.
-    fn may_wait_for_ever(&self) -> bool {
-        let clients = &self.built.system.clients;
-        let waits = |client: &Client| {
-            client.first.iter().any(|&step| {
-                client.steps.get(step).is_none_or(
-                    |it| matches!(it.action, ClientAction::Delay(_, upper) if upper == FOREVER),
-                )
-            })
-        };
-        !clients.is_empty() && clients.iter().all(waits)
-    }
-
-    /// What fails even when nothing is requested: soon found, and a run that is easy to read.
-    fn without_requests(
-        &self,
-        checks: &[Single],
-        of_group: &[usize],
-        answers: &mut [Option<CheckReport>],
-        report: &mut Report,
-    ) {
-        let quiet = Built {
-            system: TimedSystem {
-                clients: Vec::new(),
-                ..self.built.system.clone()
-            },
-            ..self.built.clone()
-        };
-        let quiet = Group {
-            built: &quiet,
-            limits: Limits {
-                states: self.limits.states.min(QUIET_STATES),
-                ..self.limits
-            },
-            ..*self
-        };
-        let open = of_group.iter().copied();
-        let (ticks, others): (Vec<usize>, Vec<usize>) = open
-            .filter(|&i| answers[i].is_none() && checks[i].is_of_task())
-            .partition(|&i| self.is_about_ticks(&checks[i]));
-        let analysed = Analysed::new(quiet.built);
-        for part in [ticks, others] {
-            let (watch, places) = quiet.watch(checks, part.into_iter(), &analysed);
-            if places.is_empty() {
-                continue;
-            }
-            let found = explore(&quiet.built.system, &watch, quiet.limits, self.cancel);
-            report.effort(&found);
-            for (i, place) in places {
-                let it = quiet.one(&checks[i], place, &found);
-                // Other runs may take longer, unless this one takes for ever.
-                let final_value = matches!(it.value, None | Some(Value::Unbounded));
-                if it.verdict == Verdict::Refuted && final_value {
-                    answers[i] = Some(it);
-                }
-            }
         }
     }
 
@@ -350,6 +288,7 @@ impl Group<'_> {
         checks: &[Single],
         part: &[usize],
         analysed: &Analysed,
+        seen: &Seen,
         answers: &mut [Option<CheckReport>],
         report: &mut Report,
     ) {
@@ -372,9 +311,8 @@ impl Group<'_> {
                 What::Eventually(p) => self.live(&checks[i], None, p, report),
                 _ => {
                     let mut it = self.one(&checks[i], place, &found);
-                    if let Some(bound) = analysed.of_task(&checks[i]) {
-                        self.bound_unknown(&checks[i], bound, &mut it);
-                    }
+                    seen.add_to(i, &mut it);
+                    self.bound_unknown(&checks[i], analysed, &mut it);
                     it
                 }
             });
@@ -420,10 +358,10 @@ impl Group<'_> {
     }
 
     /// Where the exploration was given up, a bound from analysis may still be an answer.
-    fn bound_unknown(&self, check: &Single, bound: Ticks, out: &mut CheckReport) {
-        if out.verdict != Verdict::Unknown {
+    fn bound_unknown(&self, check: &Single, analysed: &Analysed, out: &mut CheckReport) {
+        let (Verdict::Unknown, Some(bound)) = (out.verdict, analysed.of_task(check)) else {
             return;
-        }
+        };
         let beyond = match check.what {
             What::Response(_, limit) => self.ticks(limit).is_some_and(|limit| bound > limit),
             _ => true,

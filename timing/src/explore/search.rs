@@ -15,7 +15,7 @@ use super::overtake::{Held, Now, Overtake};
 use super::run::Run;
 use super::state::{Layout, State, TaskStatus};
 use super::step::{Action, Enabled, Stepper};
-use super::store::{Encoded, Store, decode, encode, holds};
+use super::store::{Encoded, Store, decode, decode_to, encode, holds};
 use crate::cancel::Cancel;
 use crate::property::Predicate;
 use crate::system::{Ticks, TimedSystem};
@@ -307,6 +307,8 @@ struct Search<'a> {
     diverging: Option<Diverging>,
     /// Bytes of the states that a layer begins with.
     under_way: usize,
+    /// States whose memory is used again.
+    spare: Vec<State>,
     /// Look for repetition until it is found.
     patient: bool,
 }
@@ -396,6 +398,7 @@ impl<'a> Search<'a> {
             answered_at: None,
             diverging: None,
             under_way: 0,
+            spare: Vec::new(),
             patient,
         }
     }
@@ -412,12 +415,14 @@ impl Search<'_> {
             && let Some((time, parents)) = self.queue.pop_first()
         {
             let mut states = Vec::with_capacity(parents.len());
-            self.under_way = states.capacity() * size_of::<(State, u32)>();
+            self.under_way =
+                states.capacity() * (size_of::<u32>() + self.stepper.layout.state_bytes());
             for (i, parent) in parents.into_iter().enumerate() {
                 if i % LOOKS == LOOKS - 1 && self.out_of_bounds() {
                     break;
                 }
-                let mut s = self.node_state(parent);
+                let mut s = self.spare.pop().unwrap_or_default();
+                self.node_state_to(parent, &mut s);
                 let jump = (time - self.nodes[parent as usize].time) as Ticks;
                 self.limits_in_jump(&s, parent, jump);
                 self.stepper.elapse(&mut s, jump);
@@ -439,9 +444,15 @@ impl Search<'_> {
     }
 
     fn node_state(&self, node: u32) -> State {
+        let mut s = State::default();
+        self.node_state_to(node, &mut s);
+        s
+    }
+
+    fn node_state_to(&self, node: u32, s: &mut State) {
         let node = &self.nodes[node as usize];
         let dims = &self.dims[node.start..node.start + node.len as usize];
-        decode(&self.stepper, self.passed.key(node.key), dims)
+        decode_to(&self.stepper, self.passed.key(node.key), dims, s);
     }
 
     /// Follows all simultaneous actions from states at one moment, then keeps the calm ones.
@@ -502,6 +513,7 @@ impl Search<'_> {
                 .insert(&it, tag, |one, other| join(&mut links, one, other))
             else {
                 links.pop();
+                self.spare.push(s);
                 continue;
             };
             if key as usize == self.layer_calm.len() {
@@ -524,10 +536,12 @@ impl Search<'_> {
                 {
                     continue;
                 }
-                let mut next = s.clone();
+                let mut next = self.spare.pop().unwrap_or_default();
+                next.clone_from(&s);
                 self.step(&mut next, action, &mut held, Sight { parent, time });
                 stack.push((next, parent, held));
             }
+            self.spare.push(s);
         }
         self.keep_calm(time, &links);
     }
@@ -555,6 +569,7 @@ impl Search<'_> {
         let layer = std::mem::take(&mut self.layer);
         let redundant = self.redundant(&layer);
         let mut it = Encoded::default();
+        let mut s = State::default();
         for key in 0..layer.len() as u32 {
             if key % 64 == 63 && self.out_of_bounds() {
                 break;
@@ -591,7 +606,7 @@ impl Search<'_> {
                     time,
                     edges,
                 });
-                let s = decode(&self.stepper, &it.key, dims);
+                decode_to(&self.stepper, &it.key, dims, &mut s);
                 match lazy::next_moment(&self.lazy, &self.stepper, &s) {
                     Some(jump) => {
                         self.queue
@@ -716,6 +731,7 @@ impl Search<'_> {
             + self.edges.capacity() * size_of::<(u32, u32)>()
             + self.nodes.len() * QUEUED
             + self.under_way
+            + self.spare.len() * self.stepper.layout.state_bytes()
     }
 
     // ---- What is watched -------------------------------------------------------------------
