@@ -149,6 +149,26 @@ fn giving_up_is_an_answer_of_its_own() {
 }
 
 #[test]
+fn what_repeats_itself_is_told_once() {
+    let it = Directory::new(&[
+        (
+            "busy.gen",
+            "component busy {\n  ids { long x; };\n  task spin { period 5 ms;\n    codel<start> f(out x) yield go wcet 20 us;\n    codel<go> g(out x) yield start, pause::start wcet 80 us;\n  };\n};\n",
+        ),
+        (
+            "busy.scn",
+            "scenario busy {\n  use \"busy.gen\";\n  durations fixed;\n  check schedulable *;\n}\n",
+        ),
+    ]);
+    let output = it.run(&["verify", "busy.scn"]);
+    assert_eq!(status(&output), 1);
+    let text = stable(&stdout(&output));
+    let start = text.find("refuted schedulable").expect("the run");
+    let run = text[start..].split("\n\n").next().unwrap_or_default();
+    insta::assert_snapshot!(run);
+}
+
+#[test]
 fn of_a_long_run_the_beginning_and_the_end_are_shown() {
     let it = lift("9 ms");
     it.write(
@@ -157,7 +177,9 @@ fn of_a_long_run_the_beginning_and_the_end_are_shown() {
     );
     it.write(
         "spec/lift.gen",
-        LIFT.replace("WCET", "9 ms")
+        LIFT.replace("WCET", "3 ms")
+            .replace("10 ms", "7 ms")
+            .replace("20 ms", "11 ms")
             .replace(
                 "};\n};\n",
                 "};\n  function f() { codel g(in position) wcet 1 ms; };\n};\n",

@@ -31,10 +31,13 @@ const NAMED: usize = 6;
 impl Remark {
     /// As a warning: at a place of the scenario, if there is one, and about places of the specifications.
     pub(crate) fn warning(self, range: Range<usize>, places: Vec<Place>) -> Diagnostic {
-        Diagnostic {
+        let about = Diagnostic {
             places,
-            remark: Some(self.clone()),
             ..Diagnostic::warning(self.code(), range, words(&self, &[]))
+        };
+        Diagnostic {
+            remark: Some(Box::new(self)),
+            ..about
         }
     }
 
@@ -95,11 +98,11 @@ fn joined(group: &[&Diagnostic]) -> Diagnostic {
     for &it in &group[1..] {
         // A codel of several states is one codel.
         let known = |place: &Place| out.places.iter().any(|it| it.at() == place.at());
-        let is_codel = matches!(it.remark, Some(Remark::NoWcet { .. }));
+        let is_codel = matches!(it.remark.as_deref(), Some(Remark::NoWcet { .. }));
         if is_codel && it.places.iter().all(known) {
             continue;
         }
-        others.extend(&it.remark);
+        others.extend(it.remark.as_deref());
         for place in &it.places {
             if out.places.iter().all(|it| it.at() != place.at()) {
                 out.places.push(place.clone());

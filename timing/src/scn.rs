@@ -49,7 +49,7 @@ pub struct Diagnostic {
     /// Places in the specifications that it is about, the first of them most.
     pub places: Vec<Place>,
     /// Set for what can be said of several things at once, see [`crate::remark::together`].
-    pub remark: Option<Remark>,
+    pub remark: Option<Box<Remark>>,
 }
 
 /// A place in a specification.

@@ -325,13 +325,17 @@ impl Group<'_> {
     }
 
     fn in_words(&self, ticks: Ticks) -> String {
+        self.with_unit(self.time(ticks))
+    }
+
+    fn with_unit(&self, time: Value) -> String {
         let (count, unit) = self.settings.unit.unwrap_or((1, Unit::Milliseconds));
         let unit = if count == 1 {
             unit.name().to_owned()
         } else {
             format!("× {count} {}", unit.name())
         };
-        format!("{} {unit}", self.time(ticks))
+        format!("{time} {unit}")
     }
 
     fn meets_deadlines(&self, check: &Single, bound: Ticks) -> CheckReport {
@@ -383,7 +387,7 @@ impl Group<'_> {
         }
         let why = out.gave_up.map_or(String::new(), |it| format!(": {it}"));
         let reached = match out.value {
-            Some(Value::Time(it)) => format!(", and {it} is reached"),
+            Some(it @ Value::Time(_)) => format!(", and {} is reached", self.with_unit(it)),
             _ => String::new(),
         };
         out.note = Some(format!(

@@ -10,6 +10,7 @@ use dotgen_timing::scn::names::Names;
 
 use super::Answer;
 use crate::verification::advice;
+use crate::verification::folded::{Part, folded, words as again};
 use crate::verification::summary::{self, Scale};
 
 const TITLE: Style = Style::new().bold();
@@ -250,20 +251,36 @@ fn table(out: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Of longer runs the beginning and the end are shown.
+/// Of runs with more lines the beginning and the end are shown.
 const LONGEST: usize = 100;
 const FIRST: usize = 20;
 const LAST: usize = 50;
 
-/// The part of a run that is left out.
-fn left_out(events: usize) -> std::ops::Range<usize> {
-    match events > LONGEST {
-        true => FIRST..events - LAST,
-        false => 0..0,
+/// A line of a run.
+enum Line {
+    Step(usize),
+    /// What repeats itself, and the last step of that.
+    Again(String, usize),
+}
+
+impl Line {
+    fn last(&self) -> usize {
+        match *self {
+            Line::Step(it) | Line::Again(_, it) => it,
+        }
     }
 }
 
-/// A run as a list: times once each, who, what.
+fn lines(events: &[Event], cycle: Option<usize>) -> Vec<Line> {
+    let parts = folded(events, cycle).into_iter();
+    let lines = parts.flat_map(|part| match part {
+        Part::Steps(range) => range.map(Line::Step).collect(),
+        Part::Again { steps, times, last } => vec![Line::Again(again(steps, times), last)],
+    });
+    lines.collect()
+}
+
+/// A run as a list: times once each, who, what; and what repeats itself once.
 fn run(
     out: &mut impl Write,
     events: &[Event],
@@ -274,35 +291,57 @@ fn run(
         Some(task) => format!("{}.{task}", it.component),
         None => it.component.clone(),
     };
-    let times: Vec<String> = events.iter().map(|it| scale.show(it.time)).collect();
-    let left_out = left_out(events.len());
-    let shown = || (0..events.len()).filter(|it| !left_out.contains(it));
-    let time_width = shown().map(|it| times[it].len()).max().unwrap_or(0);
-    let who_width = shown().map(|it| who(&events[it]).len()).max().unwrap_or(0);
+    let time = |step: usize| scale.show(events[step].time);
+    let lines = lines(events, cycle);
+    let left_out = match lines.len() > LONGEST {
+        true => FIRST..lines.len() - LAST,
+        false => 0..0,
+    };
+    let shown = lines
+        .iter()
+        .enumerate()
+        .filter(|it| !left_out.contains(&it.0));
+    let steps = shown.filter_map(|it| match it.1 {
+        Line::Step(step) => Some(*step),
+        Line::Again(..) => None,
+    });
+    let widths = steps.map(|it| (time(it).len(), who(&events[it]).len()));
+    let (time_width, who_width) = widths.fold((0, 0), |a, b| (a.0.max(b.0), a.1.max(b.1)));
     let mut before = None;
-    for (i, it) in events.iter().enumerate() {
+    for (i, line) in lines.iter().enumerate() {
         if i == left_out.start && !left_out.is_empty() {
-            let (count, until) = (left_out.len(), &times[left_out.end - 1]);
-            let cycle = cycle.filter(|it| left_out.contains(it));
+            let (from, to) = (lines[i - 1].last(), lines[left_out.end - 1].last());
+            let cycle = cycle.filter(|it| (from + 1..=to).contains(it));
             let cycle = cycle.map_or(String::new(), |it| {
-                format!("; what goes on for ever begins at {}", times[it])
+                format!("; what goes on for ever begins at {}", time(it))
             });
             writeln!(
                 out,
-                "  {FAINT}… {count} steps until {until}{cycle}; `--format json` has all of them …{FAINT:#}"
+                "  {FAINT}… {} steps until {}{cycle}; `--format json` has all of them …{FAINT:#}",
+                to - from,
+                time(to)
             )?;
             before = None;
         }
         if left_out.contains(&i) {
             continue;
         }
-        if cycle == Some(i) {
+        let step = match line {
+            Line::Step(step) => *step,
+            Line::Again(what, last) => {
+                writeln!(out, "  {FAINT}… {what}, until {} …{FAINT:#}", time(*last))?;
+                before = None;
+                continue;
+            }
+        };
+        let it = &events[step];
+        if cycle == Some(step) {
             writeln!(out, "  {FAINT}from here on for ever:{FAINT:#}")?;
         }
-        let time = if before == Some(it.time) {
-            ""
+        let at = if before == Some(it.time) {
+            String::new()
         } else {
-            times[i].as_str()
+            time(step)
         };
         before = Some(it.time);
         let style = match it.kind {
@@ -313,7 +352,7 @@ fn run(
         };
         writeln!(
             out,
-            "  {time:>time_width$}  {:<who_width$}  {style}{}{style:#}",
+            "  {at:>time_width$}  {:<who_width$}  {style}{}{style:#}",
             who(it),
             it.what
         )?;

@@ -20,6 +20,7 @@ use crate::proto::{Location, TextDocumentIdentifier, Uri};
 use crate::snapshot::{Snapshot, Subject};
 use crate::verification::advice;
 use crate::verification::blocking::{self, CodelAt};
+use crate::verification::folded::{Part, folded, words as again};
 use crate::verification::summary;
 use crate::verification::timeline::{Ending, first_shown, left_out, of_end};
 use crate::verification::what_if::WhatIf;
@@ -514,6 +515,40 @@ fn shown_check(
     })
 }
 
+/// A run line by line, what repeats itself once. It may be the end of one, without the first so many events.
+fn in_words(
+    events: &[Event],
+    cycle: Option<usize>,
+    without: usize,
+    scale: summary::Scale,
+) -> Vec<String> {
+    let cycle = cycle.and_then(|it| it.checked_sub(without));
+    let mut lines = Vec::new();
+    for part in folded(events, cycle) {
+        match part {
+            Part::Steps(range) => {
+                for step in range {
+                    if cycle == Some(step) {
+                        lines.push("from here on for ever:".to_owned());
+                    }
+                    let event = &events[step];
+                    let who = match &event.task {
+                        Some(task) => format!("{}.{task}", event.component),
+                        None => event.component.clone(),
+                    };
+                    lines.push(format!("{}  {who}  {}", scale.show(event.time), event.what));
+                }
+            }
+            Part::Again { steps, times, last } => lines.push(format!(
+                "… {}, until {} …",
+                again(steps, times),
+                scale.show(events[last].time)
+            )),
+        }
+    }
+    lines
+}
+
 fn shown_run(
     snapshot: &Snapshot,
     prepared: &Prepared,
@@ -542,18 +577,12 @@ fn shown_run(
     let picture = of_end(title.clone(), &answer.report.unit, events, first, ending);
     // Of what is not shown nothing can be clicked.
     let mut links = vec![None; first];
-    let mut lines = Vec::new();
-    if first > 0 {
-        lines.push(format!("… {}", left_out(first)));
-    }
-    let scale = answer.scale();
     for event in &events[first..] {
         links.push(locate(snapshot, &prepared.places, event.src)?);
-        let who = match &event.task {
-            Some(task) => format!("{}.{task}", event.component),
-            None => event.component.clone(),
-        };
-        lines.push(format!("{}  {who}  {}", scale.show(event.time), event.what));
+    }
+    let mut lines = in_words(&events[first..], check.cycle, first, answer.scale());
+    if first > 0 {
+        lines.insert(0, format!("… {}", left_out(first)));
     }
     Ok(TimelineShown {
         check: number,
