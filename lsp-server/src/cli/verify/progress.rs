@@ -19,7 +19,7 @@ pub(super) fn during<R>(
     doing: &str,
     work: impl FnOnce(&(dyn Fn(String) + Sync)) -> R,
 ) -> R {
-    let dumb = std::env::var_os("TERM").is_none_or(|it| it == "dumb");
+    let dumb = std::env::var_os("TERM").is_some_and(|it| it == "dumb");
     if dumb || !std::io::stderr().is_terminal() {
         return work(&|_| {});
     }
