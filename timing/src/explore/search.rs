@@ -81,14 +81,43 @@ impl Default for Limits {
 }
 
 /// Why an exploration did not finish.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Stop {
-    /// Too many states or too much memory.
-    Limit,
-    /// Cancelled from outside.
+    /// Too many states.
+    States,
+    /// Too much memory.
+    Memory,
+    /// Time is up.
+    Time,
+    /// Nobody wants to know any more.
     Cancelled,
     /// Everything that was asked has been found, or with [`Watch::stop_at_first`] the first of it.
     Answered,
+}
+
+impl Stop {
+    /// What ends an exploration of this size, if anything.
+    pub(super) fn reason(
+        states: usize,
+        bytes: usize,
+        limits: Limits,
+        cancel: &Cancel,
+    ) -> Option<Stop> {
+        cancel.at_work(states, bytes);
+        if cancel.is_over() {
+            Some(match cancel.is_abandoned() {
+                true => Stop::Cancelled,
+                false => Stop::Time,
+            })
+        } else if states > limits.states {
+            Some(Stop::States)
+        } else if bytes > limits.bytes {
+            Some(Stop::Memory)
+        } else {
+            None
+        }
+    }
 }
 
 /// A supremum of a time.
@@ -187,7 +216,9 @@ fn until_measured(
 ) -> Findings {
     loop {
         let mut search = Search::new(system, watch, gauges, limits, cancel);
-        match search.run() {
+        let diverging = search.run();
+        cancel.ended(search.states());
+        match diverging {
             Some(diverging) => {
                 for (gauge, it) in search.of_all_alike(diverging) {
                     gauges[gauge].note(it);
@@ -679,12 +710,10 @@ impl Search<'_> {
     }
 
     fn out_of_bounds(&mut self) -> bool {
-        if self.cancel.is_over() {
-            self.stopped = Some(Stop::Cancelled);
-        } else if self.nodes.len() + self.layer.len() > self.limits.states
-            || self.memory() > self.limits.bytes
-        {
-            self.stopped = Some(Stop::Limit);
+        let states = self.nodes.len() + self.layer.len();
+        let reason = Stop::reason(states, self.memory(), self.limits, self.cancel);
+        if reason.is_some() {
+            self.stopped = reason;
         } else if self.answered() && !self.lingers() {
             self.stopped = Some(Stop::Answered);
         }
@@ -714,6 +743,14 @@ impl Search<'_> {
                 && it.limit.is_none_or(|limit| most <= limit)
                 && self.longest[gauge].is_some_and(|it| it.value >= most)
         })
+    }
+
+    /// States kept; where the exploration was broken off also those of the moment at which that happened.
+    fn states(&self) -> usize {
+        match self.stopped {
+            None | Some(Stop::Answered) => self.nodes.len(),
+            Some(_) => self.nodes.len() + self.layer.len(),
+        }
     }
 
     fn memory(&self) -> usize {
@@ -970,7 +1007,7 @@ impl Search<'_> {
                     orbit.any(|&it| self.stepper.refused[it].get())
                 })
                 .collect(),
-            states: self.nodes.len(),
+            states: self.states(),
             steps: self.steps,
             bytes: self.memory(),
             stopped: self.stopped,
