@@ -182,7 +182,7 @@ pub fn explore(system: &TimedSystem, watch: &Watch, limits: Limits, cancel: &Can
     let mut findings = until_measured(system, watch, &mut gauges, limits, cancel);
     // What grew suspiciously is measured alone, so that clocks do not multiply.
     for (i, gauge) in gauges.iter().enumerate() {
-        let given_up = matches!(findings.stopped, Some(Stop::Limit | Stop::Cancelled));
+        let given_up = findings.stopped.is_some_and(|it| it != Stop::Answered);
         if gauge.how != How::Alone || given_up {
             continue;
         }
