@@ -4,7 +4,8 @@
 //! whether there is nothing, a blank, or a line break. Where a list may be broken (parameters, states,
 //! values) the author's line breaks stay and only their indentation changes. Comments, directives,
 //! inactive text and macro calls are printed as they are. A declaration that does not parse is left
-//! alone, so the rest of a half-typed file can be formatted.
+//! alone, so the rest of a half-typed file can be formatted. Where a brace is missing, what belongs to
+//! what is a guess: such a file is left alone as a whole.
 //!
 //! The style is the one most published components have: two blanks a level, arguments aligned
 //! under the first, values of properties and trailing comments aligned in runs of lines.
@@ -36,8 +37,12 @@ pub struct TextEdit {
 /// The edits that bring a tree in shape, in text order, disjoint.
 ///
 /// `broken` are the ranges of syntax errors: the declarations that hold them are left as they are.
-/// With `within`, only edits that touch that range are returned.
+/// With `within`, only edits that touch that range are returned. Without, there are none for a text
+/// whose braces are not paired.
 pub fn format(root: &SyntaxNode, broken: &[TextRange], within: Option<TextRange>) -> Vec<TextEdit> {
+    if within.is_none() && !broken.is_empty() && !chunks::is_paired(root) {
+        return Vec::new();
+    }
     let text = root.text().to_string();
     let chunks = chunks::chunks(root, broken);
     let mut printer = Printer::new(&text, &chunks);

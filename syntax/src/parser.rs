@@ -73,6 +73,8 @@ pub struct SyntaxError {
     pub message: String,
     /// Where, in bytes of this file.
     pub range: TextRange,
+    /// Another place that explains it, and what is there.
+    pub related: Option<(TextRange, &'static str)>,
 }
 
 /// The result of parsing one file: always a tree whose text is the text of the file, and the errors.
@@ -168,6 +170,9 @@ fn locate(input: &Input<'_>, errors: Vec<RawError>) -> Vec<SyntaxError> {
             severity: Severity::Error,
             message,
             range,
+            related: error
+                .related
+                .map(|(token, what)| (input.range(token), what)),
         });
     }
     located.sort_by_key(|it| it.range.start());
@@ -179,6 +184,8 @@ struct RawError {
     code: &'static str,
     message: String,
     token: usize,
+    /// Another token that explains it, and what it is.
+    related: Option<(usize, &'static str)>,
 }
 
 /// The state of the grammar: a position in the input and what has been said so far.
@@ -193,6 +200,10 @@ pub(crate) struct Parser<'i> {
     depth: u32,
     /// Bodies that were ended without their `}`; as many `}` too many follow from them.
     unclosed: u32,
+    /// Bodies around the current token.
+    open: u32,
+    /// First token of the item around the current one.
+    item: usize,
     /// Inside `< >` of a type, where `>>` may be two closing brackets.
     in_angles: bool,
     /// Look-aheads since the last token was consumed.
@@ -209,6 +220,8 @@ impl<'i> Parser<'i> {
             last_error: None,
             depth: 0,
             unclosed: 0,
+            open: 0,
+            item: 0,
             in_angles: false,
             fuel: Cell::new(0),
         }
@@ -355,13 +368,22 @@ impl<'i> Parser<'i> {
                 code,
                 message,
                 token,
+                related: None,
             });
         } else if self.errors.len() == MAX_ERRORS {
             self.errors.push(RawError {
                 code: "syntax",
                 message: "too many syntax errors; those further down are not listed".to_owned(),
                 token,
+                related: None,
             });
+        }
+    }
+
+    /// Adds to the last error another token that explains it.
+    pub(crate) fn explain(&mut self, token: usize, what: &'static str) {
+        if let Some(last) = self.errors.last_mut() {
+            last.related = Some((token, what));
         }
     }
 
@@ -378,6 +400,18 @@ impl<'i> Parser<'i> {
     /// Whether the current token has been reported already.
     pub(crate) fn is_reported(&self) -> bool {
         self.last_error.is_some_and(|last| last >= self.pos)
+    }
+
+    /// Whether more `}` follow than bodies are open: a `{` is missing somewhere.
+    pub(crate) fn has_spare_brace(&self) -> bool {
+        let closing = self.input.closing(self.pos);
+        closing.is_some_and(|it| it > self.open + self.unclosed)
+    }
+
+    /// Whether fewer `}` follow than bodies are open: one is missing somewhere.
+    pub(crate) fn lacks_brace(&self) -> bool {
+        let closing = self.input.closing(self.pos);
+        closing.is_some_and(|it| it < self.open)
     }
 
     /// Enters a construct that may nest. Too deep, it is reported and its text is passed without

@@ -82,6 +82,36 @@ component c {
 }
 
 #[test]
+fn a_forgotten_brace_is_one_error() {
+    const RIGHT: &str = "typedef long n;
+component c {
+  version \"1\";
+  ids {
+    long x;
+    struct s { long y; } z;
+  };
+  port in n p {
+    doc \"text\";
+  };
+  task t {
+    period 5 ms;
+    codel<start> f(inout x) yield pause::start wcet 1 ms;
+  };
+  activity a(in long y) {
+    task t;
+    validate v(in y) wcet 1 ms;
+    codel<start> g(inout z, in p) yield ether wcet 1 ms;
+  };
+};
+";
+    check(RIGHT, &[]);
+    for (at, _) in RIGHT.match_indices(['{', '}']) {
+        let (before, after) = (&RIGHT[..at], &RIGHT[at + 1..]);
+        check(&format!("{before}{after}"), &["syntax"]);
+    }
+}
+
+#[test]
 fn a_file_included_twice_reports_once() {
     check(
         "//- /a.gen\n#include \"t.idl\"\n//- /b.gen\n#include \"t.idl\"\n//- /t.idl\ntypedef nope t;\n",

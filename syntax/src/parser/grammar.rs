@@ -12,6 +12,7 @@
 //! Comments of the form `// test NAME` hold texts that are parsed by the tests, see
 //! `tests/parser.rs`.
 
+mod braces;
 mod codel;
 mod component;
 mod expr;
@@ -29,7 +30,7 @@ use crate::kind::SyntaxKind::{self, *};
 /// Reads a whole file.
 pub(super) fn fragment(p: &mut Parser<'_>, fragment: Fragment) {
     let m = p.start();
-    spec::items(p, fragment, Place::File);
+    spec::items(p, fragment, None);
     m.complete(p, SOURCE_FILE);
 }
 
@@ -50,15 +51,6 @@ pub(super) fn wcet_pragma(p: &mut Parser<'_>) {
         p.bump_any();
     }
     m.complete(p, DIRECTIVE);
-}
-
-/// Where a list of items ends.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Place {
-    /// At the end of the file.
-    File,
-    /// At a `}`.
-    Braces,
 }
 
 /// The name of a new declaration.

@@ -20,7 +20,7 @@ pub(super) fn service(p: &mut Parser<'_>) {
     if name(p) {
         param::param_list(p, params);
     }
-    property::properties(p);
+    property::properties(p, what);
     semicolon(p, what);
     m.complete(p, SERVICE);
 }

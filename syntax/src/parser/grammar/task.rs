@@ -11,7 +11,7 @@ pub(super) fn task(p: &mut Parser<'_>) {
     let m = p.start();
     p.bump(TASK_KW);
     name(p);
-    property::properties(p);
+    property::properties(p, "this task");
     semicolon(p, "this task");
     m.complete(p, TASK);
 }
