@@ -156,6 +156,40 @@ fn follows_from_missing_text(code: &str) -> bool {
         )
 }
 
+/// Whether a report is about the states of a task or activity as a whole.
+fn is_about_machines(code: &str) -> bool {
+    matches!(
+        code,
+        "activity-start"
+            | "fsm/missing-stop"
+            | "fsm/no-termination"
+            | "fsm/stop-without-ether"
+            | "fsm/undefined-state"
+            | "fsm/unreachable-state"
+    )
+}
+
+/// Tasks and services with something in them that was not understood: it may be a codel.
+#[salsa::tracked]
+fn broken_machines<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<TextRange> {
+    let parse = parsed(db, key);
+    let errors = parse.errors.iter();
+    // What lacks its `;` is understood.
+    let lost: Vec<TextRange> = errors
+        .filter(|it| it.code != "missing-semicolon")
+        .map(|it| it.range)
+        .collect();
+    if lost.is_empty() {
+        return Vec::new();
+    }
+    let nodes = parse.syntax().descendants();
+    nodes
+        .filter(|it| matches!(it.kind(), SyntaxKind::TASK | SyntaxKind::SERVICE))
+        .map(|it| it.text_range())
+        .filter(|node| lost.iter().any(|it| node.contains(it.start())))
+        .collect()
+}
+
 /// Words in the text that fits no rule of the grammar: a declaration of them may be lost in it.
 #[salsa::tracked]
 fn unparsed_words<'db>(db: &'db dyn Db, key: FileKey<'db>) -> FxHashSet<SmolStr> {
@@ -241,6 +275,13 @@ impl<'db> Report<'db> {
         };
         if follows_from_missing_text(it.code)
             && (self.incomplete || self.names_lost_word(key, range))
+        {
+            return;
+        }
+        if is_about_machines(it.code)
+            && broken_machines(self.db, key)
+                .iter()
+                .any(|it| it.contains_range(range))
         {
             return;
         }

@@ -493,6 +493,11 @@ impl<'i> Parser<'i> {
         self.input.text(self.pos).into_owned()
     }
 
+    /// Text of the token `n` further on.
+    pub(crate) fn nth_text(&self, n: usize) -> String {
+        self.input.text(self.pos + n).into_owned()
+    }
+
     /// Catches grammar loops that do not advance.
     fn burn(&self) {
         let burnt = self.fuel.get() + 1;

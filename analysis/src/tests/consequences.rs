@@ -112,6 +112,53 @@ component c {
 }
 
 #[test]
+fn a_machine_that_is_not_understood_is_not_judged() {
+    let machine = |start: &str, states: &str| {
+        format!(
+            "component c {{
+  ids {{ long x; }};
+  task t {{
+    {start}
+    codel<main> g(inout x) yield {states} wcet 1 ms;
+    codel<other> h(in x) yield ether wcet 1 ms;
+  }};
+  task u {{ codel<start> i() yield ether wcet 1 ms; codel<lost> j() yield ether wcet 1 ms; }};
+}};
+"
+        )
+    };
+    let of_u = "fsm/unreachable-state";
+    let right = "codel<start> f(out x) yield main wcet 1 ms;";
+    check(&machine(right, "other"), &[of_u]);
+    check(&machine(right, "ether"), &["fsm/unreachable-state", of_u]);
+    for broken in [
+        "codel<start f(out x) yield main wcet 1 ms;",
+        "codl<start> f(out x) yield main wcet 1 ms;",
+        "codel<start> (out x) yield main wcet 1 ms;",
+        "codel<start> f(out x) yeld main wcet 1 ms;",
+        "<start> f(out x) yield main wcet 1 ms;",
+        "codel<start> f(out x yield main wcet 1 ms;",
+        "codel<> f(out x) yield main wcet 1 ms;",
+        "codel start f(out x) yield main wcet 1 ms;",
+    ] {
+        let fixture = Fixture::new(&machine(broken, "ether"));
+        let found = fixture.analysis().diagnostics("/main.gen".into()).unwrap();
+        let mut codes: Vec<_> = found.iter().map(|it| it.code).collect();
+        assert_eq!(codes.pop(), Some(of_u), "{}", fixture.all_diagnostics());
+        assert!(
+            codes.len() == 1 && !codes[0].starts_with("fsm/"),
+            "{broken}: {}",
+            fixture.all_diagnostics()
+        );
+    }
+    // Without its `;` it is understood.
+    check(
+        &machine("codel<start> f(out x) yield main wcet 1 ms", "ether"),
+        &["missing-semicolon", "fsm/unreachable-state", of_u],
+    );
+}
+
+#[test]
 fn a_file_included_twice_reports_once() {
     check(
         "//- /a.gen\n#include \"t.idl\"\n//- /b.gen\n#include \"t.idl\"\n//- /t.idl\ntypedef nope t;\n",
