@@ -154,7 +154,16 @@ fn state(p: &mut Parser<'_>) -> bool {
 
 /// Whether a name is here that is not the next declaration of half-typed text.
 fn at_state(p: &Parser<'_>) -> bool {
-    p.at(IDENT) && (!spec::at_item(p) || at_timed_state(p))
+    p.at(IDENT) && (!spec::at_item(p) || at_timed_state(p)) && !at_wcet(p)
+}
+
+/// Whether an execution time is here, `wcet 5 us`, rather than a state called `wcet`.
+fn at_wcet(p: &Parser<'_>) -> bool {
+    const VALUE: TokenSet = TokenSet::new(&[INT, FLOAT, L_PAREN]);
+    const OPERATOR: TokenSet =
+        TokenSet::new(&[STAR, SLASH, PLUS, MINUS, COLON2, S_KW, MS_KW, US_KW]);
+    let of_name = p.nth(1) == IDENT && !p.nth_at(1, WCET_KW) && p.nth_at_ts(2, OPERATOR);
+    p.at(WCET_KW) && (p.nth_at_ts(1, VALUE) || of_name)
 }
 
 /// A state called like the beginning of a declaration, with an execution time: `yield period 5 us`,
