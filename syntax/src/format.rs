@@ -13,7 +13,7 @@
 mod chunks;
 mod rules;
 
-use crate::{SyntaxNode, TextRange, TextSize};
+use crate::{SyntaxKind::*, SyntaxNode, TextRange, TextSize};
 
 use chunks::{Chunk, ChunkKind};
 use rules::Gap;
@@ -22,6 +22,8 @@ use rules::Gap;
 const INDENT: usize = 2;
 /// Blanks between the longest keyword of a run of properties and its value, at least.
 const VALUE_GAP: usize = 1;
+/// Columns of a tabulator.
+const TAB: usize = 8;
 /// Blanks before a trailing comment, at least.
 const COMMENT_GAP: usize = 2;
 
@@ -47,6 +49,7 @@ pub fn format(root: &SyntaxNode, broken: &[TextRange], within: Option<TextRange>
     let chunks = chunks::chunks(root, broken);
     let mut printer = Printer::new(&text, &chunks);
     printer.run();
+    printer.align_defaults();
     printer.align_comments();
     let mut edits = printer.edits();
     if let Some(within) = within {
@@ -164,6 +167,52 @@ impl<'a> Printer<'a> {
         } else {
             blanks
         }
+    }
+
+    /// Keeps the `=` of parameters on lines of their own in one column, where their author has them so.
+    fn align_defaults(&mut self) {
+        let mut run: Vec<usize> = Vec::new();
+        for i in 0..=self.chunks.len() {
+            let chunk = self.chunks.get(i);
+            let opens = |it: &Chunk| it.opens_list.is_some() && it.parent == PARAM_LIST;
+            if chunk.is_none_or(opens) {
+                self.align_column(&run);
+                run.clear();
+            } else if chunk
+                .is_some_and(|it| it.is(EQ) && matches!(it.parent, TYPED_PARAM | PATH_PARAM))
+            {
+                run.push(i);
+            }
+        }
+    }
+
+    fn align_column(&mut self, run: &[usize]) {
+        let columns = run.iter().map(|&i| self.column_in_text(i));
+        let aligned = run.len() > 1 && columns.clone().all(|it| Some(it) == columns.clone().next());
+        let plain = |&i: &usize| !self.chunks[i].frozen && self.printed[i].space == " ";
+        if !aligned || !run.iter().all(plain) {
+            return;
+        }
+        let column = run.iter().map(|&i| self.printed[i].column).max();
+        for &i in run {
+            let blanks = column.unwrap_or(0) - self.printed[i].column;
+            self.printed[i].space.push_str(&" ".repeat(blanks));
+            let line = self.printed.iter_mut().skip(i);
+            let mut line = line
+                .enumerate()
+                .take_while(|(at, it)| *at == 0 || !it.space.contains('\n'));
+            line.by_ref().for_each(|(_, it)| it.column += blanks);
+        }
+    }
+
+    /// Column of a chunk before formatting.
+    fn column_in_text(&self, i: usize) -> usize {
+        let before = &self.text[..self.chunks[i].span().start];
+        let line = &before[before.rfind('\n').map_or(0, |it| it + 1)..];
+        line.chars().fold(0, |column, it| match it {
+            '\t' => column / TAB * TAB + TAB,
+            _ => column + 1,
+        })
     }
 
     /// Puts the trailing comments of consecutive lines in one column.
