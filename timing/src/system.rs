@@ -8,6 +8,7 @@
 pub mod build;
 mod locks;
 mod loops;
+mod patience;
 mod program;
 pub mod settings;
 mod units;
@@ -331,6 +332,12 @@ impl TimedSystem {
             }
         }
         out
+    }
+
+    /// Whether activities are requested. They have a limited number of slots, so that requests can be refused.
+    pub(crate) fn may_refuse(&self) -> bool {
+        let mut services = self.services.iter().zip(self.requested());
+        services.any(|(it, requested)| requested && it.activity)
     }
 
     /// Whether some activity of a task can run, given which services are [`requested`](Self::requested).

@@ -3,6 +3,7 @@
 mod analysed;
 mod checks;
 mod groups;
+mod soon;
 
 use std::time::Instant;
 
@@ -12,6 +13,7 @@ use num_rational::Ratio;
 use self::analysed::Analysed;
 use self::checks::{Single, What, expand};
 use self::groups::groups;
+use self::soon::Seen;
 pub use crate::cancel::Cancel;
 use crate::explore::{
     Bound, Findings, Found, Limits, LivenessQuery, Measured, MomentKind, ResponseTime, Run, Stop,
@@ -22,9 +24,9 @@ use crate::report::{CheckReport, Event, Report, Soundness, Value, Verdict};
 use crate::scn::Diagnostic;
 use crate::scn::ast::{Bound as AstBound, Check, Durations, Policy, Pred, Scenario, Unit};
 use crate::scn::names::Names;
+use crate::system::Ticks;
 use crate::system::build::{Built, build};
 use crate::system::settings::Settings;
-use crate::system::{Client, ClientAction, FOREVER, Ticks, TimedSystem};
 
 /// The specifications of a system.
 #[derive(Debug, Clone, Default)]
@@ -150,11 +152,9 @@ struct Group<'g> {
     cancel: &'g Cancel,
 }
 
-/// States visited at most to see what fails without requests.
-const QUIET_STATES: usize = 100_000;
-
-/// Said when the checks needed no exploration.
-const NOT_EXAMINED: &str = "whether requests can be refused for want of a slot was not examined";
+/// Said when all checks were answered before everything was explored.
+const NOT_EXAMINED: &str =
+    "no request was seen to be refused for want of a slot, but not everything was looked at";
 
 impl Group<'_> {
     /// Answers the checks of this group.
@@ -175,18 +175,33 @@ impl Group<'_> {
                 None
             };
         }
-        if self.may_wait_for_ever() {
-            self.without_requests(checks, of_group, answers, report);
-        }
+        let seen = self.soon(checks, of_group, answers, report);
         let open = of_group.iter().copied().filter(|&i| answers[i].is_none());
         // What makes reductions impossible is not looked for together with what does not.
         let (together, apart): (Vec<usize>, Vec<usize>) =
             open.partition(|&i| self.is_about_ticks(&checks[i]));
-        if together.is_empty() && apart.is_empty() && self.may_refuse() {
-            report.note(NOT_EXAMINED.to_owned());
+        if together.is_empty() && apart.is_empty() {
+            let limits = self.limits;
+            let found = explore(&self.built.system, &Watch::default(), limits, self.cancel);
+            self.refusals(&found, report);
         }
         for part in [together, apart] {
-            self.explore(checks, &part, &analysed, answers, report);
+            self.explore(checks, &part, &analysed, &seen, answers, report);
+        }
+    }
+
+    /// Notes which requests can be refused, as far as has been seen.
+    fn refusals(&self, found: &Findings, report: &mut Report) {
+        let system = &self.built.system;
+        for &service in &found.refused {
+            report.note(format!(
+                "a request of {} can be refused because all its slots are in use",
+                system.service_path(service)
+            ));
+        }
+        let early = found.stopped == Some(Stop::Answered);
+        if early && found.refused.is_empty() && system.may_refuse() {
+            report.note(NOT_EXAMINED.to_owned());
         }
     }
 
@@ -202,65 +217,12 @@ impl Group<'_> {
         }
     }
 
-    /// Whether every client may never send anything.
-    fn may_wait_for_ever(&self) -> bool {
-        let clients = &self.built.system.clients;
-        let waits = |client: &Client| {
-            client.first.iter().any(|&step| {
-                client.steps.get(step).is_none_or(
-                    |it| matches!(it.action, ClientAction::Delay(_, upper) if upper == FOREVER),
-                )
-            })
-        };
-        !clients.is_empty() && clients.iter().all(waits)
-    }
-
-    /// What fails even when nothing is requested: soon found, and a run that is easy to read.
-    fn without_requests(
-        &self,
-        checks: &[Single],
-        of_group: &[usize],
-        answers: &mut [Option<CheckReport>],
-        report: &mut Report,
-    ) {
-        let quiet = Built {
-            system: TimedSystem {
-                clients: Vec::new(),
-                ..self.built.system.clone()
-            },
-            ..self.built.clone()
-        };
-        let quiet = Group {
-            built: &quiet,
-            limits: Limits {
-                states: self.limits.states.min(QUIET_STATES),
-                ..self.limits
-            },
-            ..*self
-        };
-        let open = of_group.iter().copied();
-        let open = open.filter(|&i| answers[i].is_none() && self.is_about_ticks(&checks[i]));
-        let (watch, places) = quiet.watch(checks, open);
-        if places.is_empty() {
-            return;
-        }
-        let found = explore(&quiet.built.system, &watch, quiet.limits, self.cancel);
-        report.effort(&found);
-        for (i, place) in places {
-            let it = quiet.one(&checks[i], place, &found);
-            // Other runs may take longer, unless this one takes for ever.
-            let final_value = matches!(it.value, None | Some(Value::Unbounded));
-            if it.verdict == Verdict::Refuted && final_value {
-                answers[i] = Some(it);
-            }
-        }
-    }
-
     /// What is to be watched for these checks, and where the answer to each will be found.
     fn watch(
         &self,
         checks: &[Single],
         part: impl Iterator<Item = usize>,
+        analysed: &Analysed,
     ) -> (Watch, Vec<(usize, usize)>) {
         let mut watch = Watch::default();
         let mut places = Vec::new();
@@ -281,6 +243,7 @@ impl Group<'_> {
                     let it = ResponseTime {
                         task: self.built.tasks[&it],
                         limit: self.ticks(bound),
+                        most: analysed.response(&checks[i]),
                     };
                     let same = watch.response.iter().position(|other| *other == it);
                     same.unwrap_or_else(|| {
@@ -325,10 +288,11 @@ impl Group<'_> {
         checks: &[Single],
         part: &[usize],
         analysed: &Analysed,
+        seen: &Seen,
         answers: &mut [Option<CheckReport>],
         report: &mut Report,
     ) {
-        let (watch, places) = self.watch(checks, part.iter().copied());
+        let (watch, places) = self.watch(checks, part.iter().copied(), analysed);
         let explored = places
             .iter()
             .any(|&(i, _)| !matches!(checks[i].what, What::LeadsTo(..) | What::Eventually(_)));
@@ -338,11 +302,8 @@ impl Group<'_> {
             Findings::default()
         };
         report.effort(&found);
-        for &service in &found.refused {
-            report.note(format!(
-                "a request of {} can be refused because all its slots are in use",
-                self.built.system.service_path(service)
-            ));
+        if explored {
+            self.refusals(&found, report);
         }
         for (i, place) in places {
             answers[i] = Some(match checks[i].what {
@@ -350,20 +311,12 @@ impl Group<'_> {
                 What::Eventually(p) => self.live(&checks[i], None, p, report),
                 _ => {
                     let mut it = self.one(&checks[i], place, &found);
-                    if let Some(bound) = analysed.response(&checks[i]) {
-                        self.bound_unknown(&checks[i], bound, &mut it);
-                    }
+                    seen.add_to(i, &mut it);
+                    self.bound_unknown(&checks[i], analysed, &mut it);
                     it
                 }
             });
         }
-    }
-
-    /// Whether there are requests of activities, which have a limited number of slots.
-    fn may_refuse(&self) -> bool {
-        let requested = self.built.system.requested();
-        let mut services = self.built.system.services.iter().zip(requested);
-        services.any(|(it, requested)| requested && it.activity)
     }
 
     fn time(&self, ticks: Ticks) -> Value {
@@ -405,11 +358,12 @@ impl Group<'_> {
     }
 
     /// Where the exploration was given up, a bound from analysis may still be an answer.
-    fn bound_unknown(&self, check: &Single, bound: Ticks, out: &mut CheckReport) {
-        let What::Response(_, limit) = check.what else {
+    fn bound_unknown(&self, check: &Single, analysed: &Analysed, out: &mut CheckReport) {
+        let (What::Response(_, limit), Some(bound)) = (&check.what, analysed.response(check))
+        else {
             return;
         };
-        let beyond = self.ticks(limit).is_some_and(|limit| bound > limit);
+        let beyond = self.ticks(*limit).is_some_and(|limit| bound > limit);
         if out.verdict != Verdict::Unknown || beyond {
             return;
         }
@@ -491,8 +445,7 @@ impl Group<'_> {
         let stopped = found.stopped;
         let absent = |it: &Option<Found>, out: &mut CheckReport| match it {
             Some(found) => {
-                out.verdict = Verdict::Refuted;
-                out.counterexample = self.events(&found.run);
+                self.refute(&found.run, out);
             }
             None => self.unless_stopped(stopped, found.states, Verdict::Proved, out),
         };
@@ -572,11 +525,9 @@ impl Group<'_> {
             out.note = Some(format!("gave up at {states} states: this is a lower bound"));
         }
         if let Some(excess) = &it.excess {
-            out.verdict = Verdict::Refuted;
-            out.counterexample = self.events(&excess.run);
+            self.refute(&excess.run, out);
         } else if it.bound == Bound::Unbounded {
-            out.verdict = Verdict::Refuted;
-            out.counterexample = self.events(&it.longest.run);
+            self.refute(&it.longest.run, out);
         } else {
             out.witness = self.events(&it.longest.run);
             self.unless_stopped(found.stopped, found.states, Verdict::Proved, out);
@@ -618,21 +569,27 @@ impl Group<'_> {
         report.memory = report.memory.max(found.bytes);
         match &found.counterexample {
             Some(run) => {
-                out.verdict = Verdict::Refuted;
-                let prefix = Run {
-                    steps: run.steps[..run.cycle.unwrap_or(run.steps.len())].to_vec(),
-                    ..run.clone()
-                };
-                out.counterexample = self.events(run);
-                if run.cycle.is_some() {
-                    out.cycle = Some(self.events(&prefix).len());
-                } else {
+                self.refute(run, &mut out);
+                if out.cycle.is_none() {
                     out.note = Some("after the end of the run nothing ever happens".to_owned());
                 }
             }
             None => self.unless_stopped(found.stopped, found.states, Verdict::Proved, &mut out),
         }
         out
+    }
+
+    /// A check fails, as a run shows.
+    fn refute(&self, run: &Run, out: &mut CheckReport) {
+        out.verdict = Verdict::Refuted;
+        out.counterexample = self.events(run);
+        out.cycle = run.cycle.map(|at| {
+            let prefix = Run {
+                steps: run.steps[..at].to_vec(),
+                ..run.clone()
+            };
+            self.events(&prefix).len()
+        });
     }
 
     /// A run in words and in the unit of the report.

@@ -38,6 +38,8 @@ pub(super) struct Gauge {
     pub(super) of: Timing,
     /// What it must not exceed.
     pub(super) limit: Option<Ticks>,
+    /// What it never exceeds, where that is known.
+    pub(super) most: Option<Ticks>,
     pub(super) how: How,
     /// A run that exceeds the limit, from an exploration that has ended.
     pub(super) excess: Option<Run>,
@@ -60,14 +62,15 @@ impl Gauge {
     /// What a [`Watch`] asks for: responses, then the others.
     pub(super) fn of(watch: &Watch, how: &How) -> Vec<Gauge> {
         let responses = watch.response.iter();
-        let responses = responses.map(|it| (Timing::Response(it.task), it.limit));
+        let responses = responses.map(|it| (Timing::Response(it.task), it.limit, it.most));
         let withins = watch.within.iter().enumerate();
-        let withins = withins.map(|(i, it)| (Timing::Within(i), it.limit));
+        let withins = withins.map(|(i, it)| (Timing::Within(i), it.limit, None));
         responses
             .chain(withins)
-            .map(|(of, limit)| Gauge {
+            .map(|(of, limit, most)| Gauge {
                 of,
                 limit,
+                most,
                 how: how.clone(),
                 excess: None,
             })

@@ -107,6 +107,17 @@ impl Run {
         found
     }
 
+    /// The run up to the second of two moments, after which it goes on for ever as it did since the first.
+    pub(crate) fn repeating(&self, (from, to): (u64, u64)) -> Run {
+        let steps = self.steps.iter().copied();
+        let steps: Vec<_> = steps.take_while(|it| it.0 <= to).collect();
+        Run {
+            cycle: steps.iter().position(|it| it.0 > from),
+            steps,
+            end: to,
+        }
+    }
+
     /// The run with what is between two moments repeated, until it is longer by `more`; `None` if that
     /// takes too many steps to be of use to anybody.
     pub(crate) fn prolonged(&self, (from, to): (u64, u64), more: Ticks) -> Option<Run> {

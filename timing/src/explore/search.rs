@@ -15,7 +15,7 @@ use super::overtake::{Held, Now, Overtake};
 use super::run::Run;
 use super::state::{Layout, State, TaskStatus};
 use super::step::{Action, Enabled, Stepper};
-use super::store::{Encoded, Store, decode, encode, holds};
+use super::store::{Encoded, Store, decode, decode_to, encode, holds};
 use crate::cancel::Cancel;
 use crate::property::Predicate;
 use crate::system::{Ticks, TimedSystem};
@@ -46,6 +46,8 @@ pub struct ResponseTime {
     pub task: usize,
     /// If the time exceeds this, the shortest run that does so is wanted.
     pub limit: Option<Ticks>,
+    /// No job takes longer, as is known from analysis: one that takes as long ends the search for this time.
+    pub most: Option<Ticks>,
 }
 
 /// The time that passes until one predicate follows another.
@@ -205,6 +207,9 @@ const CLOSURES: usize = 1;
 /// States looked at between two looks at what may end the search.
 const LOOKS: usize = 64;
 
+/// Steps for which an exploration that has answered everything goes on at least, to see requests that are refused.
+const LINGER: u64 = 20_000;
+
 /// Bytes of a node in the queue.
 const QUEUED: usize = 2 * size_of::<u32>();
 
@@ -265,10 +270,14 @@ struct Search<'a> {
     /// Tasks whose clock only serves the overdue check.
     waiting_only: Vec<bool>,
     stopped: Option<Stop>,
+    /// Steps taken when everything was answered.
+    answered_at: Option<u64>,
     /// Found while a layer was closed.
     diverging: Option<Diverging>,
     /// Bytes of the states that a layer begins with.
     under_way: usize,
+    /// States whose memory is used again.
+    spare: Vec<State>,
     /// Look for repetition until it is found.
     patient: bool,
 }
@@ -355,8 +364,10 @@ impl<'a> Search<'a> {
             patience: longest.saturating_add(work).max(16),
             waiting_only,
             stopped: None,
+            answered_at: None,
             diverging: None,
             under_way: 0,
+            spare: Vec::new(),
             patient,
         }
     }
@@ -373,12 +384,14 @@ impl Search<'_> {
             && let Some((time, parents)) = self.queue.pop_first()
         {
             let mut states = Vec::with_capacity(parents.len());
-            self.under_way = states.capacity() * size_of::<(State, u32)>();
+            self.under_way =
+                states.capacity() * (size_of::<u32>() + self.stepper.layout.state_bytes());
             for (i, parent) in parents.into_iter().enumerate() {
                 if i % LOOKS == LOOKS - 1 && self.out_of_bounds() {
                     break;
                 }
-                let mut s = self.node_state(parent);
+                let mut s = self.spare.pop().unwrap_or_default();
+                self.node_state_to(parent, &mut s);
                 let jump = (time - self.nodes[parent as usize].time) as Ticks;
                 self.limits_in_jump(&s, parent, jump);
                 self.stepper.elapse(&mut s, jump);
@@ -400,9 +413,15 @@ impl Search<'_> {
     }
 
     fn node_state(&self, node: u32) -> State {
+        let mut s = State::default();
+        self.node_state_to(node, &mut s);
+        s
+    }
+
+    fn node_state_to(&self, node: u32, s: &mut State) {
         let node = &self.nodes[node as usize];
         let dims = &self.dims[node.start..node.start + node.len as usize];
-        decode(&self.stepper, self.passed.key(node.key), dims)
+        decode_to(&self.stepper, self.passed.key(node.key), dims, s);
     }
 
     /// Follows all simultaneous actions from states at one moment, then keeps the calm ones.
@@ -463,6 +482,7 @@ impl Search<'_> {
                 .insert(&it, tag, |one, other| join(&mut links, one, other))
             else {
                 links.pop();
+                self.spare.push(s);
                 continue;
             };
             if key as usize == self.layer_calm.len() {
@@ -485,10 +505,12 @@ impl Search<'_> {
                 {
                     continue;
                 }
-                let mut next = s.clone();
+                let mut next = self.spare.pop().unwrap_or_default();
+                next.clone_from(&s);
                 self.step(&mut next, action, &mut held, Sight { parent, time });
                 stack.push((next, parent, held));
             }
+            self.spare.push(s);
         }
         self.keep_calm(time, &links);
     }
@@ -516,6 +538,7 @@ impl Search<'_> {
         let layer = std::mem::take(&mut self.layer);
         let redundant = self.redundant(&layer);
         let mut it = Encoded::default();
+        let mut s = State::default();
         for key in 0..layer.len() as u32 {
             if key % 64 == 63 && self.out_of_bounds() {
                 break;
@@ -552,7 +575,7 @@ impl Search<'_> {
                     time,
                     edges,
                 });
-                let s = decode(&self.stepper, &it.key, dims);
+                decode_to(&self.stepper, &it.key, dims, &mut s);
                 match lazy::next_moment(&self.lazy, &self.stepper, &s) {
                     Some(jump) => {
                         self.queue
@@ -632,21 +655,35 @@ impl Search<'_> {
             || self.memory() > self.limits.bytes
         {
             self.stopped = Some(Stop::Limit);
-        } else if self.answered() {
+        } else if self.answered() && !self.lingers() {
             self.stopped = Some(Stop::Answered);
         }
         self.stopped.is_some()
     }
 
-    /// Whether everything that is asked has been seen. With clients the rest may still show that a request is refused.
+    /// Whether everything that is asked has been seen.
     fn answered(&self) -> bool {
-        self.watch.response.is_empty()
-            && self.watch.within.is_empty()
-            && self.stepper.system.clients.is_empty()
+        (0..self.gauges.len()).all(|it| self.is_longest(it))
             && self.missed.iter().all(Option::is_some)
             && self.overdue.iter().all(Option::is_some)
             && self.reached.iter().all(Option::is_some)
             && (!self.watch.deadlock || self.deadlock.is_some())
+    }
+
+    /// Whether to go on for a while when everything is answered, as requests may turn out to be refused.
+    fn lingers(&mut self) -> bool {
+        let at = *self.answered_at.get_or_insert(self.steps);
+        self.stepper.system.may_refuse() && self.steps < at.saturating_mul(2) + LINGER
+    }
+
+    /// Whether the longest time of a gauge has been seen, and nothing else is wanted of it.
+    fn is_longest(&self, gauge: usize) -> bool {
+        let it = &self.gauges[gauge];
+        it.most.is_some_and(|most| {
+            it.active()
+                && it.limit.is_none_or(|limit| most <= limit)
+                && self.longest[gauge].is_some_and(|it| it.value >= most)
+        })
     }
 
     fn memory(&self) -> usize {
@@ -657,6 +694,7 @@ impl Search<'_> {
             + self.edges.capacity() * size_of::<(u32, u32)>()
             + self.nodes.len() * QUEUED
             + self.under_way
+            + self.spare.len() * self.stepper.layout.state_bytes()
     }
 
     // ---- What is watched -------------------------------------------------------------------
@@ -768,7 +806,7 @@ impl Search<'_> {
                 let limit = self.gauges[i].limit;
                 let left = limit.and_then(|it| it.checked_sub(value));
                 out.excess = left.and_then(|it| run.prolonged(cycle, it + 1));
-                out.proof = Some(run);
+                out.proof = Some(run.repeating(cycle));
                 return Some(out);
             }
             if !self.patient && !self.cancel.is_abandoned() {

@@ -9,17 +9,30 @@
 //! (its delays). The window `[a, b]` of an executor says that it ends after any number of units
 //! in it, counted from now.
 
-use smallvec::SmallVec;
-
 use crate::system::{Ticks, TimedSystem};
 
 /// One state.
-#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[derive(Debug, Default, PartialEq, Eq, Hash)]
 pub(crate) struct State {
     /// Discrete part.
-    pub(crate) d: SmallVec<[u16; 104]>,
+    pub(crate) d: Vec<u16>,
     /// Times.
-    pub(crate) t: SmallVec<[Ticks; 72]>,
+    pub(crate) t: Vec<Ticks>,
+}
+
+// By hand, as states are copied all the time and `clone_from` of a derived `Clone` keeps no memory.
+impl Clone for State {
+    fn clone(&self) -> Self {
+        State {
+            d: self.d.clone(),
+            t: self.t.clone(),
+        }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        self.d.clone_from(&source.d);
+        self.t.clone_from(&source.t);
+    }
 }
 
 /// Status of a task.
@@ -195,10 +208,22 @@ impl Layout {
 
     /// Everything zero.
     pub(crate) fn blank(&self) -> State {
-        State {
-            d: SmallVec::from_elem(0, self.d_len),
-            t: SmallVec::from_elem(0, self.t_len),
-        }
+        let mut s = State::default();
+        self.clear(&mut s);
+        s
+    }
+
+    /// Makes everything zero.
+    pub(crate) fn clear(&self, s: &mut State) {
+        s.d.clear();
+        s.d.resize(self.d_len, 0);
+        s.t.clear();
+        s.t.resize(self.t_len, 0);
+    }
+
+    /// Bytes of a state.
+    pub(crate) fn state_bytes(&self) -> usize {
+        size_of::<State>() + self.d_len * size_of::<u16>() + self.t_len * size_of::<Ticks>()
     }
 
     /// Number of observation clocks.

@@ -13,6 +13,7 @@
 
 use hashbrown::HashTable;
 use rustc_hash::FxHasher;
+use smallvec::SmallVec;
 use std::hash::Hasher;
 
 use super::state::{Layout, State, phase};
@@ -34,7 +35,8 @@ pub(crate) fn encode(stepper: &Stepper, s: &State, out: &mut Encoded) {
     let l = &stepper.layout;
     out.key.clear();
     out.dims.clear();
-    if s.d.iter().all(|&value| value < 255) {
+    // Most numbers are small; without branches this is done for many at once.
+    if s.d.iter().fold(0, |most, &value| most.max(value)) < 255 {
         out.key.extend(s.d.iter().map(|&value| value as u8));
     } else {
         for &value in &s.d {
@@ -59,16 +61,31 @@ pub(crate) fn encode(stepper: &Stepper, s: &State, out: &mut Encoded) {
 
 /// The state written as `key` and `dims`.
 pub(crate) fn decode(stepper: &Stepper, key: &[u8], dims: &[Ticks]) -> State {
+    let mut s = State::default();
+    decode_to(stepper, key, dims, &mut s);
+    s
+}
+
+/// The same, into the memory of another state.
+pub(crate) fn decode_to(stepper: &Stepper, key: &[u8], dims: &[Ticks], s: &mut State) {
     let l = &stepper.layout;
-    let mut s = l.blank();
+    l.clear(s);
     let mut at = 0;
-    for value in &mut s.d {
-        if key[at] < 255 {
-            *value = u16::from(key[at]);
-            at += 1;
-        } else {
-            *value = u16::from_le_bytes([key[at + 1], key[at + 2]]);
-            at += 3;
+    let small = &key[..s.d.len()];
+    if small.iter().fold(0, |most, &it| most.max(it)) < 255 {
+        at = small.len();
+        for (value, &it) in s.d.iter_mut().zip(small) {
+            *value = u16::from(it);
+        }
+    } else {
+        for value in &mut s.d {
+            if key[at] < 255 {
+                *value = u16::from(key[at]);
+                at += 1;
+            } else {
+                *value = u16::from_le_bytes([key[at + 1], key[at + 2]]);
+                at += 3;
+            }
         }
     }
     for value in &mut s.t[..l.window_base] {
@@ -76,13 +93,12 @@ pub(crate) fn decode(stepper: &Stepper, key: &[u8], dims: &[Ticks]) -> State {
     }
     let mut at = 0;
     for executor in 0..l.executors() {
-        if l.phase(&s, executor) & !phase::ASYNC == phase::EXECUTING {
-            l.set_window(&mut s, executor, (dims[at], dims[at + 1]));
+        if l.phase(s, executor) & !phase::ASYNC == phase::EXECUTING {
+            l.set_window(s, executor, (dims[at], dims[at + 1]));
             at += 2;
         }
     }
     s.t[l.clock_base..].copy_from_slice(&dims[at..]);
-    s
 }
 
 fn varint(out: &mut Vec<u8>, mut value: u32) {
@@ -243,7 +259,7 @@ impl Store {
         }
 
         // Join with whatever adjoins, until nothing does; drop what is covered.
-        let mut dims: Vec<Ticks> = it.dims.clone();
+        let mut dims: SmallVec<[Ticks; 32]> = SmallVec::from_slice(&it.dims);
         let mut tag = tag;
         let mut again = true;
         while again {

@@ -15,6 +15,16 @@ pub(super) struct Single<'c> {
     pub(super) components: Vec<usize>,
 }
 
+impl Single<'_> {
+    /// Whether it is about a task, rather than about predicates or the whole system.
+    pub(super) fn is_of_task(&self) -> bool {
+        matches!(
+            self.what,
+            What::Schedulable(_) | What::NoOverdue(_) | What::Response(..)
+        )
+    }
+}
+
 /// What is checked, with everything (`*`) expanded.
 pub(super) enum What<'c> {
     Schedulable((usize, u32)),

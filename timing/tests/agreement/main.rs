@@ -11,6 +11,11 @@ use dotgen_timing::explore::{
 use dotgen_timing::system::TimedSystem;
 use dotgen_timing::verify::Cancel;
 
+const LIMITS: Limits = Limits {
+    states: 400_000,
+    bytes: 1 << 28,
+};
+
 /// Compares everything on the system of one seed; `None` if it was too large for brute force.
 fn compare(seed: u64) -> Option<Result<(), String>> {
     let (system, within) = systems::random(&mut systems::Dice::new(seed));
@@ -50,6 +55,7 @@ fn compare_system(
             .map(|(i, &task)| ResponseTime {
                 task,
                 limit: limit(i, expected.response[task]),
+                most: None,
             })
             .collect(),
         within: (within.iter().enumerate())
@@ -61,15 +67,7 @@ fn compare_system(
         deadlock: true,
         ..Watch::default()
     };
-    let found = explore(
-        system,
-        &watch,
-        Limits {
-            states: 400_000,
-            bytes: 1 << 28,
-        },
-        &Cancel::default(),
-    );
+    let found = explore(system, &watch, LIMITS, &Cancel::default());
     if found.stopped.is_some() {
         return Some(Err(format!(
             "seed {seed}: gave up; brute force has {} states: {expected:?}\n{system:#?}",
@@ -148,6 +146,7 @@ fn compare_system(
         {
             return Err("no deadlock at the end of the run".to_owned());
         }
+        knowing_bounds(system, measured, &expected.response)?;
         let refused: Vec<bool> = (0..system.services.len())
             .map(|it| found.refused.contains(&it))
             .collect();
@@ -160,6 +159,40 @@ fn compare_system(
         Ok(())
     };
     Some(check().map_err(|why| format!("seed {seed}: {why}\n{system:#?}\n{within:#?}")))
+}
+
+/// Who knows how long jobs take at most ends as soon as one has taken as long, with the same results.
+fn knowing_bounds(
+    system: &TimedSystem,
+    measured: &[usize],
+    longest: &[Option<u32>],
+) -> Result<(), String> {
+    let known = |task: usize| longest[task].filter(|&it| it < CAP);
+    let tasks: Vec<usize> = measured
+        .iter()
+        .copied()
+        .filter(|&it| known(it).is_some())
+        .collect();
+    let response = tasks.iter().map(|&task| ResponseTime {
+        task,
+        limit: None,
+        most: known(task),
+    });
+    let watch = Watch {
+        response: response.collect(),
+        ..Watch::default()
+    };
+    let found = explore(system, &watch, LIMITS, &Cancel::default());
+    for (&task, it) in tasks.iter().zip(&found.response) {
+        let bound = it.as_ref().map(|it| it.bound);
+        if bound != known(task).map(Bound::Finite) {
+            return Err(format!(
+                "response of {task}, known to be {:?}, is {bound:?}",
+                known(task)
+            ));
+        }
+    }
+    Ok(())
 }
 
 fn bound(

@@ -461,6 +461,71 @@ fn what_fails_without_requests_is_found_whatever_clients_may_do() {
     assert_eq!(report.checks[0].verdict, Verdict::Unknown);
 }
 
+#[test]
+fn what_fails_after_one_request_is_found_whatever_clients_may_do() {
+    let many: String = (0..8)
+        .map(|i| format!("activity a{i}() {{ task t; codel <start> w{i}(inout b) yield pause::start, ether wcet 1 ms; }};"))
+        .collect();
+    let slow = "activity slow() { task t; codel <start> s() yield ether wcet 30 ms; };";
+    let unit = load(&CALM.replace("activity work()", &format!("{many} {slow} activity work()")));
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let services: Vec<String> = (0..8).map(|i| format!("a{i}")).collect();
+    let choice: Vec<String> = (services.iter().map(String::as_str))
+        .chain(["slow", "work"])
+        .map(|it| format!("{{ send calm.{it}; }}"))
+        .collect();
+    let text = format!(
+        "scenario x {{ client k {{ repeat * {{ delay [0, *] ms; choice {} }} }}
+          check schedulable calm.t; check response calm.t; }}",
+        choice.join(" or ")
+    );
+    let mut options = Options::default();
+    options.limits.states = 5_000;
+    let report = verify(&input, &parse(&text).scenario, &options, &Cancel::default());
+    let [schedulable, response] = &report.checks[..] else {
+        panic!("{}", checks_in_words(&report));
+    };
+    assert_eq!(schedulable.verdict, Verdict::Refuted);
+    let run = &schedulable.counterexample;
+    let requests: Vec<&str> = (run.iter().map(|it| it.what.as_str()))
+        .filter(|it| it.contains("request"))
+        .collect();
+    assert_eq!(requests, ["takes the request calm.slow of client k"]);
+    // Not all of it could be explored: this is what was seen.
+    let note = response.note.as_deref().unwrap_or_default();
+    assert!(note.contains("is reached"), "{}", checks_in_words(&report));
+}
+
+#[test]
+fn a_task_that_takes_no_time_needs_no_exploration_to_the_end() {
+    let services: String = (0..20)
+        .map(|i| format!("activity a{i}() {{ task t; codel <start> w{i}(inout b) yield pause::start, ether; }};"))
+        .collect();
+    let unit = load(&format!(
+        "component idle {{ version \"1\"; lang \"c\"; ids {{ long b; }};
+           task t {{ codel <start> s(out b) yield wait; codel <wait> w(in b) yield pause::wait, wait; }};
+           {services} }};"
+    ));
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let choice: Vec<String> = (0..20).map(|i| format!("{{ send idle.a{i}; }}")).collect();
+    let text = format!(
+        "scenario x {{ client k {{ repeat * {{ delay [0, *] ms; choice {} }} }} check response idle.t; }}",
+        choice.join(" or ")
+    );
+    let report = verify(
+        &input,
+        &parse(&text).scenario,
+        &Options::default(),
+        &Cancel::default(),
+    );
+    assert_eq!(checks_in_words(&report), "response idle.t: Proved Exact 0 ");
+    assert!(report.steps < 200_000, "{} steps", report.steps);
+}
+
 fn checks_in_words(report: &Report) -> String {
     let line = |it: &CheckReport| {
         let value = it.value.map(|it| it.to_string()).unwrap_or_default();

@@ -1,0 +1,134 @@
+//! Clients that wait for ever sooner or later.
+//!
+//! A client that lets any time pass may let pass all of it. So a system whose clients do that at their *k*-th delay without
+//! upper bound has only runs that the system has as well: few requests, soon explored, and easy to read.
+
+use super::{Client, ClientAction, ClientStep, FOREVER, TimedSystem};
+
+impl Client {
+    /// Whether a step lets any time pass.
+    fn may_stay(&self, step: usize) -> bool {
+        let step = self.steps.get(step);
+        step.is_some_and(|it| matches!(it.action, ClientAction::Delay(_, FOREVER)))
+    }
+
+    /// The client that stays for ever at a delay without upper bound when it has passed `most` others.
+    fn staying_after(&self, most: usize) -> Client {
+        let n = self.steps.len();
+        let done = n * (most + 1);
+        let at = |round: usize, step: usize| match (self.may_stay(step), round == most) {
+            _ if step == self.done() => done,
+            (true, true) => done,
+            (true, false) => (round + 1) * n + step,
+            (false, _) => round * n + step,
+        };
+        let step = |round: usize, it: &ClientStep| ClientStep {
+            next: it.next.iter().map(|&next| at(round, next)).collect(),
+            ..it.clone()
+        };
+        Client {
+            steps: (0..=most)
+                .flat_map(|round| self.steps.iter().map(move |it| step(round, it)))
+                .collect(),
+            first: self.first.iter().map(|&it| at(0, it)).collect(),
+            ..self.clone()
+        }
+        .reached()
+    }
+
+    /// The client without the steps it never comes to.
+    fn reached(&self) -> Client {
+        let mut reached = vec![false; self.steps.len()];
+        let mut stack = self.first.clone();
+        while let Some(at) = stack.pop() {
+            if at < reached.len() && !std::mem::replace(&mut reached[at], true) {
+                stack.extend(&self.steps[at].next);
+            }
+        }
+        let before = |at: usize| reached[..at].iter().filter(|&&it| it).count();
+        let renumbered = |list: &[usize]| list.iter().map(|&it| before(it)).collect();
+        let steps = self.steps.iter().zip(&reached).filter(|it| *it.1);
+        Client {
+            steps: steps
+                .map(|(it, _)| ClientStep {
+                    next: renumbered(&it.next),
+                    ..it.clone()
+                })
+                .collect(),
+            first: renumbered(&self.first),
+            ..self.clone()
+        }
+    }
+}
+
+impl TimedSystem {
+    /// The system whose clients stay for ever at a delay without upper bound when they have passed `most` others. `None` if
+    /// no client has such a delay.
+    pub(crate) fn staying_after(&self, most: usize) -> Option<TimedSystem> {
+        let stays = |it: &Client| (0..it.steps.len()).any(|step| it.may_stay(step));
+        self.clients.iter().any(stays).then(|| TimedSystem {
+            clients: (self.clients.iter().map(|it| it.staying_after(most)))
+                .filter(|it| !it.steps.is_empty())
+                .collect(),
+            ..self.clone()
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lets any time pass, then sends one of two requests, again and again.
+    fn any() -> Client {
+        let send = |service| ClientStep {
+            action: ClientAction::Send {
+                service,
+                trackers: Vec::new(),
+            },
+            next: vec![0],
+            label: None,
+        };
+        let stay = ClientStep {
+            action: ClientAction::Delay(0, FOREVER),
+            next: vec![1, 2],
+            label: None,
+        };
+        Client {
+            name: "any".to_owned(),
+            steps: vec![stay, send(0), send(1)],
+            first: vec![0],
+            trackers: 0,
+        }
+    }
+
+    fn program(client: &Client) -> String {
+        let word = |it: &ClientStep| match it.action {
+            ClientAction::Send { service, .. } => format!("send {service}"),
+            _ => "stay".to_owned(),
+        };
+        let steps = client.steps.iter();
+        let steps: Vec<String> = steps
+            .map(|it| format!("{} {:?}", word(it), it.next))
+            .collect();
+        format!("{:?}: {}", client.first, steps.join(", "))
+    }
+
+    #[test]
+    fn a_client_stays_at_last() {
+        let program = |most| program(&any().staying_after(most));
+        assert_eq!(program(0), "[0]: ");
+        assert_eq!(program(1), "[0]: stay [1, 2], send 0 [3], send 1 [3]");
+        assert_eq!(
+            program(2),
+            "[0]: stay [1, 2], send 0 [3], send 1 [3], stay [4, 5], send 0 [6], send 1 [6]"
+        );
+    }
+
+    #[test]
+    fn a_client_that_has_to_go_on_does() {
+        let mut client = any();
+        client.steps[0].action = ClientAction::Delay(0, 5);
+        assert_eq!(program(&client.staying_after(1)), program(&client));
+    }
+}

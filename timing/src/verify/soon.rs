@@ -1,0 +1,140 @@
+//! What can be answered soon: with few requests, and in few states.
+//!
+//! Clients that may send anything at any time make most systems too large to be explored to the end. But what fails
+//! usually fails after no request, one or two, and small systems are explored at once. So both are tried
+//! before the whole system is explored for what is left. What was seen on the way is not lost: if that
+//! exploration has to be given up, failures with a longest time not known and longest times seen are still worth telling.
+
+use super::checks::Single;
+use super::{Analysed, Group};
+use crate::explore::{Limits, Stop, explore};
+use crate::report::{CheckReport, Report, Value, Verdict};
+use crate::system::build::Built;
+
+/// How often clients that may wait for ever go on; `None`: as often as they like.
+const STAGES: [(Option<usize>, usize); 4] = [
+    (Some(0), 100_000),
+    (None, 20_000),
+    (Some(1), 100_000),
+    (Some(2), 100_000),
+];
+
+/// By check, the worst that has been seen: a failure, or the longest time.
+pub(super) struct Seen(Vec<Option<CheckReport>>);
+
+impl Seen {
+    fn note(&mut self, check: usize, it: CheckReport) {
+        let time = |it: &CheckReport| match it.value {
+            Some(Value::Time(time)) => Some(time),
+            _ => None,
+        };
+        let worse = |old: &CheckReport| match (old.verdict, it.verdict) {
+            (Verdict::Refuted, Verdict::Refuted) => false,
+            (_, Verdict::Refuted) => true,
+            (Verdict::Refuted, _) => false,
+            _ => time(&it) > time(old),
+        };
+        let place = &mut self.0[check];
+        if place.as_ref().is_none_or(worse) {
+            *place = Some(it);
+        }
+    }
+
+    /// Adds what has been seen to what is known of a check after an exploration that was given up.
+    pub(super) fn add_to(&self, check: usize, out: &mut CheckReport) {
+        let Some(it) = &self.0[check] else {
+            return;
+        };
+        if out.verdict != Verdict::Unknown {
+            return;
+        }
+        let longer = match (it.value, out.value) {
+            (Some(Value::Time(it)), Some(Value::Time(out))) => it > out,
+            (Some(_), None) => true,
+            _ => false,
+        };
+        if it.verdict == Verdict::Refuted || longer {
+            let note = out.note.take();
+            *out = CheckReport { note, ..it.clone() };
+            if it.verdict != Verdict::Refuted {
+                out.verdict = Verdict::Unknown;
+            }
+        }
+    }
+}
+
+impl Group<'_> {
+    /// Answers what can be answered soon.
+    pub(super) fn soon(
+        &self,
+        checks: &[Single],
+        of_group: &[usize],
+        answers: &mut [Option<CheckReport>],
+        report: &mut Report,
+    ) -> Seen {
+        let mut seen = Seen(vec![None; checks.len()]);
+        for (rounds, states) in STAGES {
+            let Some(system) = self.built.system.staying_after(rounds.unwrap_or(0)) else {
+                break;
+            };
+            let built = match rounds {
+                Some(_) => &Built {
+                    system,
+                    ..self.built.clone()
+                },
+                None => self.built,
+            };
+            let stage = Group {
+                built,
+                limits: Limits {
+                    states: self.limits.states.min(states),
+                    ..self.limits
+                },
+                ..*self
+            };
+            let open = of_group.iter().copied();
+            let (ticks, others): (Vec<usize>, Vec<usize>) = open
+                .filter(|&i| answers[i].is_none() && checks[i].is_of_task())
+                .partition(|&i| self.is_about_ticks(&checks[i]));
+            for part in [ticks, others] {
+                stage.stage(checks, part, rounds.is_none(), answers, &mut seen, report);
+            }
+        }
+        seen
+    }
+
+    fn stage(
+        &self,
+        checks: &[Single],
+        part: Vec<usize>,
+        whole: bool,
+        answers: &mut [Option<CheckReport>],
+        seen: &mut Seen,
+        report: &mut Report,
+    ) {
+        let analysed = Analysed::new(self.built);
+        let (watch, places) = self.watch(checks, part.into_iter(), &analysed);
+        if places.is_empty() {
+            return;
+        }
+        let found = explore(&self.built.system, &watch, self.limits, self.cancel);
+        report.effort(&found);
+        let complete = whole && matches!(found.stopped, None | Some(Stop::Answered));
+        if complete {
+            self.refusals(&found, report);
+        }
+        for (i, place) in places {
+            let mut it = self.one(&checks[i], place, &found);
+            if complete {
+                self.bound_unknown(&checks[i], &analysed, &mut it);
+            }
+            // With more requests some other run may take longer, unless this one takes for ever.
+            let final_value = matches!(it.value, None | Some(Value::Unbounded));
+            if complete || (it.verdict == Verdict::Refuted && final_value) {
+                answers[i] = Some(it);
+            } else if found.stopped != Some(Stop::Cancelled) {
+                seen.note(i, it);
+            }
+        }
+    }
+}
