@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use camino::Utf8Path;
 
-use dotgen_syntax::{SyntaxKind, TextRange};
+use dotgen_syntax::{SyntaxKind, SyntaxNode, TextRange};
 use rustc_hash::FxHashSet;
 use smol_str::SmolStr;
 
@@ -46,6 +46,7 @@ pub(crate) fn unit_report<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<D
         db,
         visits: visits(db, unit),
         incomplete: false,
+        nameless: false,
         unparsed: FxHashSet::default(),
         out: Vec::new(),
     };
@@ -53,6 +54,7 @@ pub(crate) fn unit_report<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<D
     for (i, visit) in report.visits.visits.iter().enumerate() {
         if visit.reached && seen.insert(visit.key) {
             report.incomplete |= is_incomplete(db, visit.key);
+            report.nameless |= lacks_name(db, visit.key);
             report
                 .unparsed
                 .extend(unparsed_words(db, visit.key).iter().cloned());
@@ -127,11 +129,40 @@ pub(crate) fn sort_and_dedup(diagnostics: &mut Vec<Diagnostic>) {
 
 /// Whether something that the text relies on was not read, so that names may well be missing.
 fn is_incomplete(db: &dyn Db, key: FileKey<'_>) -> bool {
+    let errors = &preprocessed(db, key).errors;
+    if parsed(db, key).inside_out.is_some() || errors.iter().any(|it| it.code == "pp-include-bad") {
+        return true;
+    }
     let failed = key.outcomes(db).iter().any(|it| match it {
         Outcome::Include(result) => result.is_err(),
         Outcome::Requires(result) => result.is_err(),
     });
     failed || !key.file(db).status(db).is_text() || !lowered(db, key).misplaced.is_empty()
+}
+
+/// Whether some data, task or service has no name yet: codels may well mention the one it is to get.
+#[salsa::tracked]
+fn lacks_name<'db>(db: &'db dyn Db, key: FileKey<'db>) -> bool {
+    use SyntaxKind::*;
+    let parse = parsed(db, key);
+    let is_nameless = |it: SyntaxNode| {
+        let name = match it.kind() {
+            PORT | SERVICE | TASK => NAME,
+            LOCAL_PROPERTY | MEMBER | TYPED_PARAM => DECLARATOR,
+            _ => return false,
+        };
+        !it.children().any(|it| it.kind() == name)
+    };
+    !parse.errors.is_empty() && parse.syntax().descendants().any(is_nameless)
+}
+
+/// Whether a report is about the name of some data, task or service.
+fn is_about_names_in_components(code: &str) -> bool {
+    code.starts_with("param-unknown")
+        || matches!(
+            code,
+            "param-member" | "param-no-ids" | "service-unknown" | "task-unknown"
+        )
 }
 
 /// Whether a report can be the mere consequence of a declaration that was not read.
@@ -152,6 +183,7 @@ fn follows_from_missing_text(code: &str) -> bool {
                 | "pragma-masquerade-type"
                 | "throw-not-exception"
                 | "throw/undeclared-use"
+                | "unused-task"
                 | "wcet-pragma"
         )
 }
@@ -213,6 +245,8 @@ struct Report<'db> {
     visits: &'db Visits<'db>,
     /// Some file could not be read: see [`is_incomplete`].
     incomplete: bool,
+    /// See [`lacks_name`].
+    nameless: bool,
     /// See [`unparsed_words`].
     unparsed: FxHashSet<SmolStr>,
     out: Vec<Diagnostic>,
@@ -276,6 +310,13 @@ impl<'db> Report<'db> {
         if follows_from_missing_text(it.code)
             && (self.incomplete || self.names_lost_word(key, range))
         {
+            return;
+        }
+        if self.nameless && is_about_names_in_components(it.code) {
+            return;
+        }
+        let inside_out = parsed(self.db, key).inside_out;
+        if inside_out.is_some_and(|from| range.start() >= from) {
             return;
         }
         if is_about_machines(it.code)

@@ -28,7 +28,7 @@ use self::{
 };
 pub use crate::preproc::Severity;
 use crate::{
-    ExpansionMap, SyntaxNode, TextRange,
+    ExpansionMap, SyntaxNode, TextRange, TextSize,
     ast::{AstNode, SourceFile},
     directive::DirectiveKind,
     kind::SyntaxKind::{self, *},
@@ -86,6 +86,9 @@ pub struct Parse {
     pub errors: Vec<SyntaxError>,
     /// Texts of the tokens that come out of macros.
     pub expansion: ExpansionMap,
+    /// From here on texts seem to be taken for code and code for texts, because a quote is missing. What
+    /// does not parse there is not in `errors`.
+    pub inside_out: Option<TextSize>,
 }
 
 impl Parse {
@@ -112,7 +115,9 @@ pub fn parse(text: &str, raw: &RawTokens, pre: &Preprocessed, fragment: Fragment
     let input = Input::new(text, raw, &pre.elements, is_include);
     let mut p = Parser::new(&input);
     grammar::fragment(&mut p, fragment);
-    let (events, errors) = p.finish();
+    let inside_out = p.inside_out;
+    let (events, mut errors) = p.finish();
+    errors.retain(|it| inside_out.is_none_or(|from| it.token <= from));
     let mut errors = locate(&input, errors);
     let (green, expansion, of_directives) = sink::build(text, raw, pre, events);
     if !of_directives.is_empty() {
@@ -123,6 +128,7 @@ pub fn parse(text: &str, raw: &RawTokens, pre: &Preprocessed, fragment: Fragment
         green,
         errors,
         expansion,
+        inside_out: inside_out.map(|it| input.range(it).start()),
     }
 }
 
@@ -200,6 +206,11 @@ pub(crate) struct Parser<'i> {
     depth: u32,
     /// Bodies that were ended without their `}`; as many `}` too many follow from them.
     unclosed: u32,
+    /// What belongs in a body whose first line is missing was reported; its `}` is to come.
+    headless: bool,
+    /// Where a text over several lines ends before something that cannot follow it: its quotes are
+    /// those of two texts.
+    inside_out: Option<usize>,
     /// Bodies around the current token.
     open: u32,
     /// First token of the item around the current one.
@@ -220,6 +231,8 @@ impl<'i> Parser<'i> {
             last_error: None,
             depth: 0,
             unclosed: 0,
+            headless: false,
+            inside_out: None,
             open: 0,
             item: 0,
             in_angles: false,
@@ -479,6 +492,11 @@ impl<'i> Parser<'i> {
                 format!("{what}`{shown}{dots}`")
             }
         }
+    }
+
+    /// Has the texts from here on taken for code, after an error at the current token or before.
+    pub(crate) fn turn_inside_out(&mut self) {
+        self.inside_out.get_or_insert(self.pos);
     }
 
     /// Whether the token before the current one is a literal that goes over a line end.

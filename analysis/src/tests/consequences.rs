@@ -159,6 +159,62 @@ fn a_machine_that_is_not_understood_is_not_judged() {
 }
 
 #[test]
+fn a_name_that_is_to_come_is_not_missed() {
+    let text = |ids: &str, port: &str| {
+        format!(
+            "struct s {{ long x; }};
+component c {{
+  ids {{ {ids} }};
+  {port}
+  task t {{ codel<start> f(inout v, port out p) yield ether wcet 1 ms; }};
+  activity a() {{ task t; codel<start> g(in v.x, in w) yield ether wcet 1 ms; }};
+}};
+"
+        )
+    };
+    let port = "port out s p;";
+    check(&text("s v;", port), &["param-unknown"]);
+    check(&text("s ; ", port), &["syntax"]);
+    check(&text("s v;", "port out s"), &["syntax"]);
+}
+
+#[test]
+fn texts_taken_for_code_are_one_error() {
+    let text = |doc: &str| {
+        format!(
+            "component c {{
+  {doc}
+  task t {{ codel<start> f() yield ether wcet 1 ms; }};
+  function g() {{ doc \"Return the limits of the planner.\"; codel h() wcet 1 ms; }};
+  activity a() {{ doc \"Plan, and execute.\"; task t; codel<start> i() yield ether wcet 1 ms; }};
+}};
+"
+        )
+    };
+    check(&text("doc \"What it does.\";"), &[]);
+    check(&text("doc \"What it does.;"), &["missing-semicolon"]);
+    check(&text("doc What it does.\";"), &["syntax"]);
+    check(&text("does.\";"), &["syntax"]);
+    check(
+        &text("doc \"What\nit does.\" doc \"more\"; typedef nope n;"),
+        &["missing-semicolon", "unknown-type"],
+    );
+    // A text over several lines that is none of its business hides nothing.
+    check(
+        &text("dok \"What\nit does.\"; typedef nope n;"),
+        &["syntax", "unknown-type"],
+    );
+}
+
+#[test]
+fn names_from_an_include_without_a_file_are_quiet() {
+    check(
+        "#include \"or/pose/\n#include t.idl\ntypedef m::t u;\n",
+        &["pp-include-bad", "pp-include-bad"],
+    );
+}
+
+#[test]
 fn a_file_included_twice_reports_once() {
     check(
         "//- /a.gen\n#include \"t.idl\"\n//- /b.gen\n#include \"t.idl\"\n//- /t.idl\ntypedef nope t;\n",

@@ -7,7 +7,8 @@
 //! Recovery: a broken item is passed up to its `;`, up to the `}` of the body around it, or up to
 //! something that can only be the beginning of another declaration. A missing token is reported
 //! where something else was found, without passing it. After an error nothing is reported at the
-//! same token again, so that one mistake makes one message.
+//! same token again, so that one mistake makes one message. Braces that are missing or too many have
+//! a file of their own (`braces`).
 //!
 //! Comments of the form `// test NAME` hold texts that are parsed by the tests, see
 //! `tests/parser.rs`.
@@ -154,7 +155,8 @@ fn semicolon_or(p: &mut Parser<'_>, after: &str, others: &str) {
         format!("missing `;` after {after}{others}: the file ends here; add `;`")
     } else {
         let found = p.describe_current();
-        let help = if p.is_after_long_literal() {
+        let help = if p.is_after_long_literal() && !spec::at_item(p) {
+            p.turn_inside_out();
             "add `;` before it, or the `\"` that the text over several lines lacks"
         } else {
             "add `;` before it"

@@ -201,35 +201,50 @@ fn may_follow(p: &Parser<'_>, fragment: Fragment) -> bool {
     }
 }
 
-/// Whether the `}` here does not end the body of the component, since one that does follows.
+/// Whether the `}` here does not end the body of the component: what only components hold follows, and
+/// another `}`.
 pub(super) fn is_stray(p: &Parser<'_>, fragment: Fragment) -> bool {
-    if fragment != Fragment::Component || !p.has_spare_brace() {
-        return false;
-    }
-    let mut next = p.position() + 1;
-    if p.input.kind(next) == SEMICOLON {
-        next += 1;
-    }
-    // A constant or type may well stand behind the component.
-    if COMMON.contains(p.input.contextual(next)) {
-        return false;
-    }
-    let mut depth = 0u32;
-    for i in next..next + LOOK_AHEAD {
-        match p.input.kind(i) {
-            EOF => return false,
-            R_CURLY if depth == 0 => return i > next,
+    fragment == Fragment::Component
+        && p.has_spare_brace()
+        && holds(p, p.position() + 1) == Some(true)
+}
+
+/// Whether a `}` follows that ends a body without a first line, before another component begins.
+pub(super) fn lacks_head(p: &Parser<'_>) -> bool {
+    p.has_spare_brace() && holds(p, p.position()).is_some()
+}
+
+/// Whether what only components hold is between a token and the next `}` that closes nothing opened there;
+/// `None` if a component begins before.
+fn holds(p: &Parser<'_>, start: usize) -> Option<bool> {
+    const HELD: TokenSet = TokenSet::new(&[
+        IDS_KW,
+        PORT_KW,
+        TASK_KW,
+        ATTRIBUTE_KW,
+        FUNCTION_KW,
+        ACTIVITY_KW,
+    ]);
+    let (mut depth, mut begins, mut found) = (0u32, true, false);
+    for i in start..start + LOOK_AHEAD {
+        let (kind, word) = (p.input.kind(i), p.input.contextual(i));
+        if begins && depth == 0 {
+            let named = p.input.kind(i + 1) == IDENT;
+            if named && matches!(word, COMPONENT_KW | INTERFACE_KW) {
+                return None;
+            }
+            found |= HELD.contains(word);
+        }
+        match kind {
+            EOF => return None,
+            R_CURLY if depth == 0 => return Some(found),
             R_CURLY => depth -= 1,
             L_CURLY => depth += 1,
-            IDENT if depth == 0 && p.input.kind(i + 2) == L_CURLY => {
-                if matches!(p.input.contextual(i), COMPONENT_KW | INTERFACE_KW) {
-                    return false;
-                }
-            }
             _ => {}
         }
+        begins = matches!(kind, SEMICOLON | R_CURLY);
     }
-    false
+    None
 }
 
 /// A `}` that closes nothing, with the `;` after it.
@@ -237,6 +252,8 @@ pub(super) fn extra(p: &mut Parser<'_>) {
     let m = p.start();
     if p.unclosed > 0 {
         p.unclosed -= 1;
+        p.mark_reported();
+    } else if std::mem::take(&mut p.headless) {
         p.mark_reported();
     }
     p.error_here("this `}` closes nothing: remove it, or add the `{` it belongs to".to_owned());

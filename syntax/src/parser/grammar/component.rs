@@ -18,12 +18,12 @@ pub(super) fn component(p: &mut Parser<'_>) -> bool {
         "this component"
     };
     p.bump_contextual();
-    if name(p) {
-        if braces::at_body(p, Fragment::Component) {
-            spec::body(p, Fragment::Component, true, what);
-        } else if !p.at_item_end() {
-            p.expected("`{` or `;`");
-        }
+    p.headless = false;
+    let named = property::unless_item(p, name);
+    if braces::at_body(p, Fragment::Component) {
+        spec::body(p, Fragment::Component, true, what);
+    } else if named && !p.at_item_end() {
+        p.expected("`{` or `;`");
     }
     semicolon(p, what);
     m.complete(p, COMPONENT);

@@ -180,15 +180,35 @@ fn bad_item(p: &mut Parser<'_>, fragment: Fragment) {
         ),
     };
     let known = at_declaration(p) || property::at_property(p);
-    if known && matches!(fragment, Fragment::Specification | Fragment::Module) {
+    let outside = known && matches!(fragment, Fragment::Specification | Fragment::Module);
+    let member = fragment == Fragment::Component && p.at_ts(types::TYPE_FIRST);
+    if outside || member {
+        // The line with the `{` of the body this is in may be missing: that is said once.
+        match p.headless {
+            true => p.mark_reported(),
+            false => p.headless = fragment != Fragment::Module && braces::lacks_head(p),
+        }
+    }
+    if outside {
         let word = p.current_text();
-        p.error_here(format!(
-            "`{word}` cannot stand here, expected {what}; move it into a component"
-        ));
+        p.error_here(match p.headless {
+            true => format!(
+                "`{word}` cannot stand here, expected {what}; is the line `component NAME {{` missing before it?"
+            ),
+            false => {
+                format!("`{word}` cannot stand here, expected {what}; move it into a component")
+            }
+        });
         if !(component::component(p) || component::export(p) || property::property(p)) {
             skip_tokens(p);
         }
     } else {
+        let help = match member && p.headless {
+            true => {
+                "members stand in `ids`, a struct or an exception: is the line with its `{` missing?"
+            }
+            false => help,
+        };
         p.expected_because(what, help);
         skip_tokens(p);
     }
@@ -208,6 +228,11 @@ fn skip_tokens(p: &mut Parser<'_>) {
     let mut open = 0u32;
     let mut first = true;
     loop {
+        const AFTER_TEXT: TokenSet =
+            TokenSet::new(&[SEMICOLON, COMMA, COLON, R_PAREN, R_CURLY, STRING, EOF]);
+        if !first && p.is_after_long_literal() && !p.at_ts(AFTER_TEXT) {
+            p.turn_inside_out();
+        }
         if !first && (open == 0 && at_item(p) || leaves_body(p, Fragment::Module)) {
             return;
         }

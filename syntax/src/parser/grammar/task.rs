@@ -10,7 +10,7 @@ use super::*;
 pub(super) fn task(p: &mut Parser<'_>) {
     let m = p.start();
     p.bump(TASK_KW);
-    name(p);
+    property::unless_item(p, name);
     property::properties(p, "this task");
     semicolon(p, "this task");
     m.complete(p, TASK);
