@@ -18,6 +18,9 @@ pub struct Timeline {
     pub title: String,
     /// Name of the unit of all times (`ms`).
     pub unit: String,
+    /// First instant shown.
+    #[serde(default)]
+    pub start: u64,
     /// Last instant shown.
     pub end: u64,
     /// Lanes, top to bottom.
@@ -110,8 +113,9 @@ pub fn svg(timeline: &Timeline, theme: Theme) -> String {
         .map(|l| text::width(&l.name, text::LABEL))
         .fold(0.0, f64::max);
     let left = (MARGIN + names + 10.0).ceil();
-    let end = timeline.end.max(1);
-    let x = |at: u64| left + at.min(end) as f64 / end as f64 * SPAN;
+    let start = timeline.start;
+    let end = timeline.end.max(start + 1);
+    let x = |at: u64| left + (at.clamp(start, end) - start) as f64 / (end - start) as f64 * SPAN;
     let bottom = TOP + LANE * timeline.lanes.len() as f64;
     let notes = text::NOTE.height * timeline.notes.len() as f64;
     let (width, height) = (
@@ -130,7 +134,7 @@ pub fn svg(timeline: &Timeline, theme: Theme) -> String {
         out,
         "<text class=\"title\" x=\"{MARGIN}\" y=\"20\">{title}</text>"
     );
-    for at in axis(end) {
+    for at in axis(start, end) {
         let at_x = number(x(at));
         let _ = writeln!(
             out,
@@ -254,17 +258,31 @@ fn open(out: &mut String, class: &str, link: Option<&str>, description: &str) {
     );
 }
 
-/// Round instants for the axis: 1, 2 or 5 times a power of ten, at most ten of them.
-fn axis(end: u64) -> Vec<u64> {
+impl Timeline {
+    /// What happens from an instant on.
+    pub fn since(mut self, start: u64) -> Timeline {
+        self.start = start;
+        for lane in &mut self.lanes {
+            lane.bars.retain(|it| it.to >= start);
+            lane.marks.retain(|it| it.at >= start);
+        }
+        self
+    }
+}
+
+/// Round instants for the axis: 1, 2 or 5 times a power of ten, some ten of them at most.
+fn axis(start: u64, end: u64) -> Vec<u64> {
     let mut step = 1;
-    while end / step > 10 {
+    while (end - start) / step > 10 {
         step = match step.to_string().as_bytes()[0] {
             b'1' => step * 2,
             b'2' => step / 2 * 5,
             _ => step * 2,
         };
     }
-    (0..=end / step).map(|i| i * step).collect()
+    (start.div_ceil(step)..=end / step)
+        .map(|i| i * step)
+        .collect()
 }
 
 #[cfg(test)]
@@ -273,10 +291,38 @@ mod tests {
 
     #[test]
     fn axes_are_round_and_short() {
-        assert_eq!(axis(7), [0, 1, 2, 3, 4, 5, 6, 7]);
-        assert_eq!(axis(47), [0, 5, 10, 15, 20, 25, 30, 35, 40, 45]);
-        assert_eq!(axis(1000).len(), 11);
-        assert_eq!(axis(0), [0]);
+        assert_eq!(axis(0, 7), [0, 1, 2, 3, 4, 5, 6, 7]);
+        assert_eq!(axis(0, 47), [0, 5, 10, 15, 20, 25, 30, 35, 40, 45]);
+        assert_eq!(axis(0, 1000).len(), 11);
+        assert_eq!(axis(0, 0), [0]);
+        assert_eq!(axis(991, 1021), [995, 1000, 1005, 1010, 1015, 1020]);
+    }
+
+    #[test]
+    fn a_part_is_drawn_over_the_whole_width() {
+        let bar = |from, to| Bar {
+            from,
+            to,
+            label: String::new(),
+            description: format!("{from} to {to}"),
+            kind: BarKind::Run,
+            link: None,
+        };
+        let timeline = Timeline {
+            end: 200,
+            lanes: vec![Lane {
+                name: "t".into(),
+                bars: vec![bar(0, 50), bar(60, 150), bar(150, 200)],
+                marks: vec![],
+            }],
+            ..Timeline::default()
+        };
+        let part = timeline.since(100);
+        assert_eq!(part.lanes[0].bars.len(), 2);
+        let picture = svg(&part, Theme::Light);
+        let bars = picture.lines().filter(|it| it.starts_with("<rect x="));
+        let widths = bars.filter(|it| it.contains("width=\"380\""));
+        assert_eq!(widths.count(), 2, "half of it each: {picture}");
     }
 
     #[test]

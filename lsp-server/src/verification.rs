@@ -3,7 +3,9 @@
 //! A [`Problem`] is a scenario and the specifications it uses; `dotgen_timing` answers it; [`summary`]
 //! turns the answer into what people look at. Nothing here does I/O or knows the protocol.
 
+pub(crate) mod advice;
 pub(crate) mod blocking;
+pub(crate) mod folded;
 pub mod problem;
 pub(crate) mod quick;
 pub mod summary;

@@ -62,7 +62,7 @@ fn stable(text: &str) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-fn json(output: &Output) -> Value {
+fn json_of(output: &Output) -> Value {
     serde_json::from_str(&stdout(output)).expect("one JSON document")
 }
 
@@ -94,7 +94,7 @@ fn json_has_the_promised_shape() {
     let it = lift("17 ms");
     let output = it.run(&["verify", "--format", "json", "scenarios/ride.scn"]);
     assert_eq!(status(&output), 1);
-    let mut document = json(&output);
+    let mut document = json_of(&output);
     assert!(document["states"].as_u64() > Some(0));
     assert!(document["seconds"].is_f64());
     for measured in ["states", "steps", "memory", "seconds"] {
@@ -109,7 +109,7 @@ fn options_override_the_scenario() {
     let response = ["--check", "check response lift.sense;", "--format", "json"];
     let run = |more: &[&str]| {
         let arguments = [&["verify", "scenarios/ride.scn"], &response[..], more].concat();
-        let document = json(&it.run(&arguments));
+        let document = json_of(&it.run(&arguments));
         assert_eq!(document["checks"].as_array().map(Vec::len), Some(1));
         document["checks"][0]["value"].clone()
     };
@@ -145,6 +145,100 @@ fn giving_up_is_an_answer_of_its_own() {
             "{}",
             stdout(&output)
         );
+    }
+}
+
+#[test]
+fn what_repeats_itself_is_told_once() {
+    let it = Directory::new(&[
+        (
+            "busy.gen",
+            "component busy {\n  ids { long x; };\n  task spin { period 5 ms;\n    codel<start> f(out x) yield go wcet 20 us;\n    codel<go> g(out x) yield start, pause::start wcet 80 us;\n  };\n};\n",
+        ),
+        (
+            "busy.scn",
+            "scenario busy {\n  use \"busy.gen\";\n  durations fixed;\n  check schedulable *;\n}\n",
+        ),
+    ]);
+    let output = it.run(&["verify", "busy.scn"]);
+    assert_eq!(status(&output), 1);
+    let text = stable(&stdout(&output));
+    let start = text.find("refuted schedulable").expect("the run");
+    let run = text[start..].split("\n\n").next().unwrap_or_default();
+    insta::assert_snapshot!(run);
+}
+
+#[test]
+fn of_a_long_run_the_beginning_and_the_end_are_shown() {
+    let it = lift("9 ms");
+    it.write(
+        "scenarios/long.scn",
+        b"scenario long {\n  use \"../spec/lift.gen\";\n  durations fixed;\n  client late { delay 200 ms; send lift.f; }\n  check always not lift.f;\n}\n",
+    );
+    it.write(
+        "spec/lift.gen",
+        LIFT.replace("WCET", "3 ms")
+            .replace("10 ms", "7 ms")
+            .replace("20 ms", "11 ms")
+            .replace(
+                "};\n};\n",
+                "};\n  function f() { codel g(in position) wcet 1 ms; };\n};\n",
+            )
+            .as_bytes(),
+    );
+    let arguments = ["verify", "scenarios/long.scn"];
+    let output = it.run(&arguments);
+    assert_eq!(status(&output), 1, "{}", stderr(&output));
+    insta::assert_snapshot!(stable(&stdout(&output)));
+    let output = it.run(&[&arguments[..], &["--format", "json"]].concat());
+    let run = &json_of(&output)["checks"][0]["counterexample"];
+    assert!(run.as_array().map(Vec::len) > Some(100));
+}
+
+#[test]
+fn what_was_given_up_says_why_and_what_helps() {
+    let it = lift("5 ms");
+    let mut told = String::new();
+    let run = |limit: [&str; 2]| {
+        let arguments = ["verify", "--durations", "interval", limit[0], limit[1]];
+        let text = it.run(&[&arguments[..], &["scenarios/ride.scn"]].concat());
+        let json = it.run(&[&arguments[..], &["--format", "json", "scenarios/ride.scn"]].concat());
+        assert_eq!((status(&text), status(&json)), (3, 3), "{limit:?}");
+        assert_eq!(stderr(&text), "", "no progress where nobody looks");
+        let checks = json_of(&json)["checks"].clone();
+        let checks = checks.as_array().expect("a list").clone();
+        let reasons = checks.iter().map(|it| it["gave-up"]["reason"].clone());
+        (stable(&stdout(&text)), reasons.collect::<Vec<_>>())
+    };
+    for (limit, reason) in [
+        (["--max-states", "1"], "states"),
+        (["--max-memory", "0"], "memory"),
+        (["--timeout", "0"], "time"),
+    ] {
+        let (text, reasons) = run(limit);
+        assert_eq!(reasons[3], reason);
+        told.push_str(&format!("$ dotgen verify {}\n{text}\n", limit.join(" ")));
+    }
+    insta::assert_snapshot!(told);
+}
+
+#[test]
+fn a_timeout_ends_the_search_for_limits_as_well() {
+    let it = lift("3 ms");
+    let output = it.run(&[
+        "verify",
+        "--sensitivity",
+        "--timeout",
+        "0",
+        "scenarios/ride.scn",
+    ]);
+    let text = stdout(&output);
+    assert!(text.contains("time is up"), "{text}");
+    assert!(!text.contains("largest WCET"), "{text}");
+    for wrong in ["soon", "inf", "NaN"] {
+        let output = it.run(&["verify", "--timeout", wrong, "scenarios/ride.scn"]);
+        assert_eq!(status(&output), 2, "{wrong}");
+        assert!(stderr(&output).contains("give a number of seconds"));
     }
 }
 
@@ -185,6 +279,90 @@ fn what_cannot_be_verified_is_explained() {
     insta::assert_snapshot!(told);
 }
 
+/// Nobody has measured anything, and `spin` can go round in three ways.
+const VAGUE: &str = "\
+component vague {
+  version \"1.0\";
+  ids { long x; };
+
+  task spin {
+    period 10 ms;
+    codel<start> begin(out x) yield a;
+    codel<a> one(out x) yield a, b, pause::a;
+    codel<b> two(out x) yield a, c;
+    codel<c, d> three(out x) yield a, d;
+  };
+  task poll {
+    period 20 ms;
+    codel<start> look(in x) yield pause::start;
+  };
+  function f() { codel g(in x) wcet 1 ms; codel h(in x); };
+};
+";
+
+#[test]
+fn what_is_assumed_is_told_once_where_it_stands() {
+    let it = Directory::new(&[
+        ("vague.gen", VAGUE),
+        (
+            "vague.scn",
+            "scenario vague {\n  use \"vague.gen\";\n  loop free vague.spin;\n  duration vague.poll.start [0,1] ms;\n  check always not vague.spin.d;\n}\n",
+        ),
+        (
+            "stuck.scn",
+            "scenario stuck {\n  use \"vague.gen\";\n  loop 2;\n  check schedulable *;\n}\n",
+        ),
+        (
+            "long.scn",
+            "scenario long {\n  use \"vague.gen\";\n  duration vague.poll.start [1,9000000000] s;\n  duration vague.spin.b [1,1] us;\n  check schedulable *;\n}\n",
+        ),
+    ]);
+    it.write("zero.gen", VAGUE.replace("20 ms", "0 ms").as_bytes());
+    let mut told = String::new();
+    for file in [
+        "vague.gen",
+        "vague.scn",
+        "stuck.scn",
+        "long.scn",
+        "zero.gen",
+    ] {
+        let output = it.run(&["verify", "--max-states", "10", file]);
+        told.push_str(&format!("$ dotgen verify {file}\n{}\n", stderr(&output)));
+    }
+    insta::assert_snapshot!(told);
+}
+
+#[test]
+fn programs_are_told_everything_in_the_document() {
+    let it = Directory::new(&[("vague.gen", VAGUE)]);
+    let output = it.run(&[
+        "verify",
+        "--max-states",
+        "10",
+        "--format",
+        "json",
+        "vague.gen",
+    ]);
+    assert_eq!(stderr(&output), "");
+    let document = json_of(&output);
+    let all = document["diagnostics"].as_array().expect("a list");
+    let said: Vec<String> = all
+        .iter()
+        .map(|it| {
+            let start = &it["range"]["start"];
+            format!(
+                "{}:{}:{} {}: {}",
+                it["file"].as_str().unwrap_or_default(),
+                start["line"],
+                start["character"],
+                it["code"].as_str().unwrap_or_default(),
+                it["message"].as_str().unwrap_or_default()
+            )
+        })
+        .collect();
+    insta::assert_snapshot!(said.join("\n"));
+}
+
 /// Published and computed results, through the program that people run.
 #[test]
 fn ground_truth() {
@@ -206,7 +384,7 @@ fn ground_truth() {
             command.args([format!("--{option}"), value]);
         }
         let output = command.output().expect("the program runs");
-        let document = json(&output);
+        let document = json_of(&output);
         let checks = document["checks"].as_array().expect("a list");
         for key in ["schedulable", "no_overdue", "response"] {
             for (task, expected) in case[key].as_object().into_iter().flatten() {

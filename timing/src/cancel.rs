@@ -1,13 +1,34 @@
-//! Ending a verification from outside.
+//! Ending a verification from outside, and seeing from there how far it is.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
 
 /// Looked at often by everything that can take long.
 #[derive(Default)]
 pub struct Cancel {
-    over: AtomicBool,
     abandoned: AtomicBool,
+    deadline: OnceLock<Deadline>,
     ask: Option<Box<dyn Fn() -> bool + Send + Sync>>,
+    /// States of explorations that have ended, and of the one at work.
+    before: AtomicUsize,
+    now: AtomicUsize,
+    bytes: AtomicUsize,
+}
+
+struct Deadline {
+    after: Duration,
+    /// `None`: beyond all times.
+    at: Option<Instant>,
+}
+
+/// How far a verification is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Effort {
+    /// States so far, in all explorations.
+    pub states: usize,
+    /// Bytes that the states of the present one take.
+    pub bytes: usize,
 }
 
 impl Cancel {
@@ -22,34 +43,60 @@ impl Cancel {
     /// Nobody wants the answer any more.
     pub fn abandon(&self) {
         self.abandoned.store(true, Ordering::Release);
-        self.over.store(true, Ordering::Release);
     }
 
-    /// Time is up: what was found counts, with the runs that show it.
-    pub fn time_out(&self) {
-        self.over.store(true, Ordering::Release);
+    /// Time is up so long from now on: what was found until then counts, with the runs that show it. Only the first
+    /// limit counts.
+    pub fn limit(&self, time: Duration) {
+        self.deadline.get_or_init(|| Deadline {
+            after: time,
+            at: Instant::now().checked_add(time),
+        });
+    }
+
+    /// The time that was given.
+    pub fn time_limit(&self) -> Option<Duration> {
+        self.deadline.get().map(|it| it.after)
     }
 
     /// Whether the search has to end.
     pub fn is_over(&self) -> bool {
-        self.over.load(Ordering::Acquire) || self.asked()
+        let at = self.deadline.get().and_then(|it| it.at);
+        self.is_abandoned() || at.is_some_and(|it| Instant::now() >= it)
     }
 
     /// Whether nobody wants the answer any more.
     pub fn is_abandoned(&self) -> bool {
-        self.abandoned.load(Ordering::Acquire) || self.asked()
+        self.abandoned.load(Ordering::Acquire) || self.ask.as_ref().is_some_and(|it| it())
     }
 
-    fn asked(&self) -> bool {
-        self.ask.as_ref().is_some_and(|it| it())
+    /// How far it is, for whoever waits.
+    pub fn effort(&self) -> Effort {
+        let states = self.before.load(Ordering::Relaxed) + self.now.load(Ordering::Relaxed);
+        Effort {
+            states,
+            bytes: self.bytes.load(Ordering::Relaxed),
+        }
+    }
+
+    /// Told by an exploration at work.
+    pub(crate) fn at_work(&self, states: usize, bytes: usize) {
+        self.now.store(states, Ordering::Relaxed);
+        self.bytes.store(bytes, Ordering::Relaxed);
+    }
+
+    /// Told by an exploration that has ended.
+    pub(crate) fn ended(&self, states: usize) {
+        self.at_work(0, 0);
+        self.before.fetch_add(states, Ordering::Relaxed);
     }
 }
 
 impl std::fmt::Debug for Cancel {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Cancel")
-            .field("over", &self.over)
             .field("abandoned", &self.abandoned)
+            .field("limit", &self.time_limit())
             .finish_non_exhaustive()
     }
 }

@@ -410,7 +410,7 @@ impl<'v> Variation<'v> {
         let found = explore(&built.system, &watch, self.options.limits, self.cancel);
         if found.missed.iter().any(Option::is_some) {
             Verdict::Refuted
-        } else if matches!(found.stopped, Some(Stop::Limit | Stop::Cancelled)) {
+        } else if found.stopped.is_some_and(|it| it != Stop::Answered) {
             Verdict::Unknown
         } else {
             Verdict::Proved

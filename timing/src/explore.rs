@@ -17,6 +17,7 @@ mod search;
 mod state;
 mod step;
 mod store;
+mod symmetry;
 
 pub use liveness::{Liveness, LivenessQuery, liveness};
 pub use run::{Moment, MomentKind, Run};

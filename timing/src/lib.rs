@@ -8,6 +8,7 @@ mod cancel;
 pub mod derive;
 pub mod explore;
 pub mod property;
+pub mod remark;
 pub mod report;
 pub mod scn;
 pub mod system;

@@ -8,6 +8,7 @@ use serde::ser::Serializer;
 
 use crate::explore::Findings;
 use crate::explore::MomentKind;
+use crate::explore::Stop;
 use crate::scn::{Diagnostic, Severity};
 
 /// What a verification found.
@@ -88,6 +89,9 @@ pub struct CheckReport {
     /// Why, in words.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
+    /// Why it was not answered by exploring, or not completely.
+    #[serde(skip_serializing_if = "Option::is_none", rename = "gave-up")]
+    pub gave_up: Option<GaveUp>,
     /// A run that ends in the violation.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub counterexample: Vec<Event>,
@@ -97,6 +101,37 @@ pub struct CheckReport {
     /// Event of the run from which on it repeats for ever.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cycle: Option<usize>,
+}
+
+/// Where an exploration was given up.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct GaveUp {
+    /// What there was too much of, or too little.
+    pub reason: Stop,
+    /// States until then.
+    pub states: usize,
+    /// Bytes that they took.
+    pub memory: usize,
+    /// The time there was, in seconds, if it was limited.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub seconds: Option<f64>,
+}
+
+impl std::fmt::Display for GaveUp {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let states = self.states;
+        match (self.reason, self.seconds) {
+            (Stop::Memory, _) => {
+                let megabytes = self.memory >> 20;
+                write!(f, "gave up at {megabytes} MB of memory and {states} states")
+            }
+            (Stop::Time, Some(seconds)) => {
+                write!(f, "gave up after {seconds} s and {states} states")
+            }
+            (Stop::Cancelled, _) => f.write_str("cancelled"),
+            _ => write!(f, "gave up at {states} states"),
+        }
+    }
 }
 
 /// A time in the unit of the report.

@@ -17,6 +17,10 @@ mod words;
 
 use std::ops::Range;
 
+use dotgen_analysis::model::Src;
+
+use crate::remark::Remark;
+
 pub use default::{default_text, default_text_on};
 pub use format::format;
 pub use parser::{Parse, parse, parse_check};
@@ -42,6 +46,28 @@ pub struct Diagnostic {
     pub message: String,
     /// Bytes of the scenario; empty at 0 if it is about no place in it.
     pub range: Range<usize>,
+    /// Places in the specifications that it is about, the first of them most.
+    pub places: Vec<Place>,
+    /// Set for what can be said of several things at once, see [`crate::remark::together`].
+    pub remark: Option<Box<Remark>>,
+}
+
+/// A place in a specification.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    /// Number of the specification, in the order of `use`.
+    pub spec: usize,
+    /// Where in it.
+    pub src: Src,
+    /// What is there, in few words.
+    pub what: String,
+}
+
+impl Place {
+    /// Without words.
+    pub(crate) fn at(&self) -> (usize, Src) {
+        (self.spec, self.src)
+    }
 }
 
 impl Diagnostic {
@@ -51,6 +77,16 @@ impl Diagnostic {
             severity: Severity::Error,
             message,
             range,
+            places: Vec::new(),
+            remark: None,
+        }
+    }
+
+    /// Likewise, about a place in a specification.
+    pub(crate) fn about(self, place: Place) -> Self {
+        Diagnostic {
+            places: vec![place],
+            ..self
         }
     }
 
@@ -60,6 +96,8 @@ impl Diagnostic {
             severity: Severity::Warning,
             message,
             range,
+            places: Vec::new(),
+            remark: None,
         }
     }
 }

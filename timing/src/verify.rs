@@ -14,13 +14,13 @@ use self::analysed::Analysed;
 use self::checks::{Single, What, expand};
 use self::groups::groups;
 use self::soon::Seen;
-pub use crate::cancel::Cancel;
+pub use crate::cancel::{Cancel, Effort};
 use crate::explore::{
     Bound, Findings, Found, Limits, LivenessQuery, Measured, MomentKind, ResponseTime, Run, Stop,
     Watch, Within, explore, liveness,
 };
 use crate::property::{Predicate, resolve};
-use crate::report::{CheckReport, Event, Report, Soundness, Value, Verdict};
+use crate::report::{CheckReport, Event, GaveUp, Report, Soundness, Value, Verdict};
 use crate::scn::Diagnostic;
 use crate::scn::ast::{Bound as AstBound, Check, Durations, Policy, Pred, Scenario, Unit};
 use crate::scn::names::Names;
@@ -325,13 +325,17 @@ impl Group<'_> {
     }
 
     fn in_words(&self, ticks: Ticks) -> String {
+        self.with_unit(self.time(ticks))
+    }
+
+    fn with_unit(&self, time: Value) -> String {
         let (count, unit) = self.settings.unit.unwrap_or((1, Unit::Milliseconds));
         let unit = if count == 1 {
             unit.name().to_owned()
         } else {
             format!("× {count} {}", unit.name())
         };
-        format!("{} {unit}", self.time(ticks))
+        format!("{time} {unit}")
     }
 
     fn meets_deadlines(&self, check: &Single, bound: Ticks) -> CheckReport {
@@ -359,26 +363,35 @@ impl Group<'_> {
 
     /// Where the exploration was given up, a bound from analysis may still be an answer.
     fn bound_unknown(&self, check: &Single, analysed: &Analysed, out: &mut CheckReport) {
-        let (What::Response(_, limit), Some(bound)) = (&check.what, analysed.response(check))
-        else {
+        let (Verdict::Unknown, Some(bound)) = (out.verdict, analysed.of_task(check)) else {
             return;
         };
-        let beyond = self.ticks(*limit).is_some_and(|limit| bound > limit);
-        if out.verdict != Verdict::Unknown || beyond {
+        let beyond = match check.what {
+            What::Response(_, limit) => self.ticks(limit).is_some_and(|limit| bound > limit),
+            _ => true,
+        };
+        if beyond {
+            if let Some(note) = &mut out.note {
+                let bound = self.in_words(bound);
+                note.push_str(&format!(
+                    "; by response-time analysis a job takes at most {bound}"
+                ));
+            }
             return;
         }
         out.verdict = Verdict::Proved;
         if out.value == Some(self.time(bound)) {
             // Reached, and never exceeded.
-            out.note = None;
+            (out.note, out.gave_up) = (None, None);
             return;
         }
+        let why = out.gave_up.map_or(String::new(), |it| format!(": {it}"));
         let reached = match out.value {
-            Some(Value::Time(it)) => format!(", and {it} is reached"),
+            Some(it @ Value::Time(_)) => format!(", and {} is reached", self.with_unit(it)),
             _ => String::new(),
         };
         out.note = Some(format!(
-            "by response-time analysis: at most {}{reached}; the exact value was not found",
+            "by response-time analysis: at most {}{reached}; the exact value was not found{why}",
             self.in_words(bound)
         ));
         out.value = Some(self.time(bound));
@@ -428,6 +441,7 @@ impl Group<'_> {
             },
             value: None,
             note: None,
+            gave_up: None,
             counterexample: Vec::new(),
             witness: Vec::new(),
             cycle: None,
@@ -442,12 +456,12 @@ impl Group<'_> {
 
     fn one(&self, check: &Single, place: usize, found: &Findings) -> CheckReport {
         let mut out = self.blank(check);
-        let stopped = found.stopped;
+        let (stopped, size) = (found.stopped, (found.states, found.bytes));
         let absent = |it: &Option<Found>, out: &mut CheckReport| match it {
             Some(found) => {
                 self.refute(&found.run, out);
             }
-            None => self.unless_stopped(stopped, found.states, Verdict::Proved, out),
+            None => self.unless_stopped(stopped, size, Verdict::Proved, out),
         };
         match check.what {
             What::Schedulable(_) => absent(&found.missed[place], &mut out),
@@ -459,7 +473,7 @@ impl Group<'_> {
                     out.verdict = Verdict::Proved;
                     out.witness = self.events(&it.run);
                 }
-                None => self.unless_stopped(stopped, found.states, Verdict::Refuted, &mut out),
+                None => self.unless_stopped(stopped, size, Verdict::Refuted, &mut out),
             },
             What::Response(task, bound) => {
                 let never = "it is never released";
@@ -496,22 +510,35 @@ impl Group<'_> {
     fn unless_stopped(
         &self,
         stopped: Option<Stop>,
-        states: usize,
+        (states, memory): (usize, usize),
         verdict: Verdict,
         out: &mut CheckReport,
     ) {
         match stopped {
             None => out.verdict = verdict,
-            Some(Stop::Limit) => out.note = Some(format!("gave up at {states} states")),
             Some(Stop::Answered) => {}
-            Some(Stop::Cancelled) => out.note = Some("cancelled".to_owned()),
+            Some(reason) => {
+                let gave_up = GaveUp {
+                    reason,
+                    states,
+                    memory,
+                    seconds: self.cancel.time_limit().map(|it| it.as_secs_f64()),
+                };
+                out.note = Some(gave_up.to_string());
+                out.gave_up = Some(gave_up);
+            }
         }
     }
 
     fn bounded(&self, it: &Option<Measured>, never: &str, found: &Findings, out: &mut CheckReport) {
         let Some(it) = it else {
             out.note = Some(never.to_owned());
-            self.unless_stopped(found.stopped, found.states, Verdict::Proved, out);
+            self.unless_stopped(
+                found.stopped,
+                (found.states, found.bytes),
+                Verdict::Proved,
+                out,
+            );
             return;
         };
         let base = self.built.system.unit;
@@ -520,17 +547,25 @@ impl Group<'_> {
             Bound::Unbounded => Value::Unbounded,
             Bound::Finite(ticks) => Value::Time(to_f64(time(ticks) / self.unit)),
         });
-        if let (Some(Stop::Limit | Stop::Cancelled), Bound::Finite(_)) = (found.stopped, it.bound) {
-            let states = found.states;
-            out.note = Some(format!("gave up at {states} states: this is a lower bound"));
-        }
         if let Some(excess) = &it.excess {
+            if matches!(it.bound, Bound::Finite(_)) {
+                let size = (found.states, found.bytes);
+                self.unless_stopped(found.stopped, size, Verdict::Refuted, out);
+                if let Some(note) = &mut out.note {
+                    note.push_str(": this is a lower bound");
+                }
+            }
             self.refute(&excess.run, out);
         } else if it.bound == Bound::Unbounded {
             self.refute(&it.longest.run, out);
         } else {
             out.witness = self.events(&it.longest.run);
-            self.unless_stopped(found.stopped, found.states, Verdict::Proved, out);
+            self.unless_stopped(
+                found.stopped,
+                (found.states, found.bytes),
+                Verdict::Proved,
+                out,
+            );
         }
     }
 
@@ -574,7 +609,12 @@ impl Group<'_> {
                     out.note = Some("after the end of the run nothing ever happens".to_owned());
                 }
             }
-            None => self.unless_stopped(found.stopped, found.states, Verdict::Proved, &mut out),
+            None => self.unless_stopped(
+                found.stopped,
+                (found.states, found.bytes),
+                Verdict::Proved,
+                &mut out,
+            ),
         }
         out
     }

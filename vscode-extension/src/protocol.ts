@@ -173,6 +173,10 @@ export interface VerificationAnswer {
   policy: string;
   durations: string;
   errors: string[];
+  /** What was assumed of the model. */
+  warnings: { message: string; location: Place | null }[];
+  /** What to do about checks that were given up. */
+  advice: string | null;
   checks: VerificationCheck[];
   bounds: { task: string; bound: string }[];
   minimumCores: number | null;

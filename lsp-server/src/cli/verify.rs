@@ -1,23 +1,28 @@
 //! `dotgen verify`
 
 mod json;
+mod progress;
 mod text;
+mod told;
+
+use std::time::Duration;
 
 use anyhow::bail;
 use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, ValueEnum};
-use dotgen_analysis::diagnostic::Diagnostic;
 use dotgen_analysis::host::FileContent;
-use dotgen_timing::derive::Sensitivity;
+use dotgen_timing::derive::{Progress as Asking, Sensitivity};
 use dotgen_timing::explore::Limits;
+use dotgen_timing::remark::together;
 use dotgen_timing::report::Report;
+use dotgen_timing::scn;
 use dotgen_timing::scn::ast::{Check, Durations, Policy};
 use dotgen_timing::scn::parse_check;
 use dotgen_timing::verify::{Cancel, Options, settings};
 
-use super::session::{self, Session, Texts};
-use super::{Outcome, Reading, report};
-use crate::convert::{Encoding, Lines};
+use self::told::Told;
+use super::session::{self, Session};
+use super::{Outcome, Reading};
 use crate::verification::Problem;
 use crate::vfs;
 
@@ -58,6 +63,10 @@ pub(super) struct Arguments {
     /// Give up a check when its states take so many megabytes
     #[arg(long, value_name = "MB", default_value_t = Limits::default().bytes >> 20)]
     max_memory: usize,
+
+    /// Give up what is not answered after so many seconds, for each scenario
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    timeout: Option<Duration>,
 
     /// Find the smallest number of cores, the largest WCET of each codel and the smallest period of each
     /// task with which every deadline is met
@@ -108,6 +117,8 @@ struct Answer {
     problem: Problem,
     options: Options,
     report: Report,
+    /// What was said beside it, for programs.
+    diagnostics: serde_json::Value,
     sensitivity: Option<Sensitivity>,
 }
 
@@ -120,32 +131,57 @@ fn cores(text: &str) -> Result<Cores, String> {
     }
 }
 
+fn seconds(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse().ok();
+    let time = seconds.and_then(|it| Duration::try_from_secs_f64(it).ok());
+    time.ok_or_else(|| "give a number of seconds".to_owned())
+}
+
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let checks: Vec<&str> = arguments.checks.iter().map(|it| body(it)).collect();
     checks.iter().try_for_each(|it| check(it, 0).map(drop))?;
     let mut answers = Vec::new();
     for (session, problem) in problems(arguments)? {
         if !problem.errors.is_empty() {
-            explain(&session, &problem, &problem.errors)?;
+            Told::about(&session, &problem, problem.errors.clone())?.print()?;
             return Ok(Outcome::Unusable);
         }
         let options = arguments.options(&checks, problem.text.len())?;
-        let report = problem.verify(&options, &Cancel::default());
-        explain_report(&session, &problem, &report, &checks)?;
+        let cancel = Cancel::default();
+        if let Some(time) = arguments.timeout {
+            cancel.limit(time);
+        }
+        let doing = format!("verifying {}", problem.scenario.name);
+        let report = progress::during(&cancel, &doing, |_| problem.verify(&options, &cancel));
+        let told = |all: &[scn::Diagnostic]| Told::by_verifier(&session, &problem, all, &checks);
+        // Programs are told everything, in their document if there is one.
+        if matches!(arguments.format, Format::Text) || report.has_errors() {
+            told(&together(&report.diagnostics))?.print()?;
+        }
         if report.has_errors() {
             return Ok(Outcome::Unusable);
         }
+        let diagnostics = told(&report.diagnostics)?.to_json()?;
         let sensitivity = match arguments.sensitivity {
             // What is wrong with the scenario has been said.
-            true => problem
-                .sensitivity(&options, &Cancel::default(), &|_| {})
-                .ok(),
+            true => progress::during(&cancel, "looking for limits", |tell| {
+                let asking = |it: Asking| {
+                    tell(format!(
+                        "looking for {} ({} of {})",
+                        it.asking,
+                        it.done + 1,
+                        it.of
+                    ));
+                };
+                problem.sensitivity(&options, &cancel, &asking).ok()
+            }),
             false => None,
         };
         answers.push(Answer {
             problem,
             options,
             report,
+            diagnostics,
             sensitivity,
         });
     }
@@ -201,49 +237,6 @@ fn problems(arguments: &Arguments) -> anyhow::Result<Vec<(Session, Problem)>> {
         out.push((session, problem));
     }
     Ok(out)
-}
-
-/// Says on standard error why nothing can be verified.
-fn explain(session: &Session, problem: &Problem, found: &[Diagnostic]) -> anyhow::Result<()> {
-    let mut texts = Texts::default();
-    session.add_texts(found, &mut texts)?;
-    add_text(&mut texts, problem.path.clone(), &problem.text, problem);
-    report::text::print_to_stderr(found, &texts)
-}
-
-/// Says on standard error what the verifier has to say about the scenario, and about checks of the
-/// command line, whose places follow the text of the scenario.
-fn explain_report(
-    session: &Session,
-    problem: &Problem,
-    report: &Report,
-    checks: &[&str],
-) -> anyhow::Result<()> {
-    let mut texts = Texts::default();
-    let option = Utf8PathBuf::from("--check");
-    let lines = Lines::new(checks.join("\n").into(), Encoding::Utf16);
-    texts.insert(option.clone(), lines);
-    add_text(&mut texts, problem.path.clone(), &problem.text, problem);
-    let mut found = Vec::new();
-    for it in &report.diagnostics {
-        let mut diagnostic = problem.diagnostic(it);
-        let after = it.range.start.checked_sub(problem.text.len());
-        if let Some(start) = after.filter(|_| !checks.is_empty()) {
-            diagnostic.path = option.clone();
-            diagnostic.range = start..start + it.range.len();
-        }
-        if !texts.contains_key(&diagnostic.path) {
-            session.add_texts(std::slice::from_ref(&diagnostic), &mut texts)?;
-        }
-        found.push(diagnostic);
-    }
-    report::text::print_to_stderr(&found, &texts)
-}
-
-fn add_text(texts: &mut Texts, path: Utf8PathBuf, text: &str, problem: &Problem) {
-    if problem.is_written() {
-        texts.insert(path, Lines::new(text.into(), Encoding::Utf16));
-    }
 }
 
 impl Arguments {

@@ -60,8 +60,7 @@ fn place(
     src: Option<(usize, dotgen_analysis::model::Src)>,
 ) -> Option<(Utf8PathBuf, Range<usize>)> {
     let (spec, src) = src?;
-    let at = problem.units.get(spec)?.locations.locate(src)?;
-    Some((at.path, at.range))
+    problem.place(spec, src)
 }
 
 /// The check of a scenario that a report answers.

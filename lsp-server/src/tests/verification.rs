@@ -380,3 +380,100 @@ async fn verification_can_be_switched_off() {
     assert_eq!(answer["status"], "refuted");
     client.finish_ignoring(STATUS).await;
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn what_is_assumed_stands_at_the_use_of_the_specification() {
+    let folder = Folder::new(&[("pump.gen", &pump("4 ms"))]);
+    let mut params = telling(&folder);
+    params["capabilities"]["textDocument"]["publishDiagnostics"] =
+        json!({ "relatedInformation": true });
+    let mut client = Client::start(params).await;
+    let (uri, scn) = (folder.uri("pump.gen"), folder.uri("pump.scn"));
+    client.open(&scn, SCENARIO).await;
+    until(&mut client, &scn, 1, "proved").await;
+    let report = client.ok("textDocument/diagnostic", document(&scn)).await;
+    let items = report["items"].as_array().expect("a list");
+    let [found] = &items[..] else {
+        panic!("once: {report:#}");
+    };
+    assert_eq!(found["code"], "timing-no-wcet");
+    assert_eq!(found["range"]["start"]["line"], 1, "the `use`");
+    let message = found["message"].as_str().expect("text");
+    assert!(message.starts_with("2 codels have no `wcet`"), "{message}");
+    let related = found["relatedInformation"].as_array().expect("places");
+    let lines = related.iter().map(|it| {
+        assert_eq!(it["location"]["uri"], uri.as_str());
+        it["location"]["range"]["start"]["line"].as_u64()
+    });
+    assert_eq!(lines.collect::<Vec<_>>(), [Some(3), Some(4)]);
+    // In the specification itself analysis says so, and nobody else.
+    client.open(&uri, &pump("4 ms")).await;
+    until(&mut client, &scn, 1, "proved").await;
+    let said = client.pulled(&uri).await;
+    let of_wcet = said.iter().filter(|it| it.contains("wcet"));
+    assert_eq!(of_wcet.collect::<Vec<_>>(), ["timing/missing-wcet"]);
+    client.finish_ignoring(STATUS).await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn what_prevents_a_verification_stands_in_the_specification() {
+    let folder = Folder::new(&[]);
+    let mut client = Client::start(telling(&folder)).await;
+    let uri = folder.uri("pump.gen");
+    let zero = pump("4 ms").replacen("period 10 ms", "period 0 ms", 1);
+    client.open(&uri, &zero).await;
+    until(&mut client, &uri, 1, "blocked").await;
+    let report = client.ok("textDocument/diagnostic", document(&uri)).await;
+    let items = report["items"].as_array().expect("a list").iter();
+    let error = items.clone().find(|it| it["code"] == "scn-zero-period");
+    let range = &error.expect("it is an error")["range"]["start"];
+    assert_eq!(
+        (&range["line"], &range["character"]),
+        (&json!(2), &json!(14))
+    );
+    // Where no scenario is written, what analysis says is enough.
+    client
+        .change(&uri, 2, json!([{ "text": pump("4 ms") }]))
+        .await;
+    until(&mut client, &uri, 2, "proved").await;
+    let said = client.pulled(&uri).await;
+    assert!(said.iter().all(|it| !it.starts_with("timing-")), "{said:?}");
+    client.finish_ignoring(STATUS).await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn what_was_given_up_names_the_setting_to_raise() {
+    let folder = Folder::new(&[("pump.gen", &pump("6 ms"))]);
+    let mut client = Client::start(telling(&folder)).await;
+    let limits = json!({ "settings": { "dotgen": { "verification": { "max-states": 3 } } } });
+    client
+        .notify("workspace/didChangeConfiguration", limits)
+        .await;
+    let scn = folder.uri("pump.scn");
+    let scenario = SCENARIO.replace("check limit:", "check deadlock; check limit:");
+    client.open(&scn, &scenario).await;
+    until(&mut client, &scn, 1, "gave-up").await;
+    let report = client.ok("textDocument/diagnostic", document(&scn)).await;
+    let items = report["items"].as_array().expect("a list").iter();
+    let mut gave_up = items.filter(|it| it["code"] == "timing/gave-up");
+    let message = gave_up.next().expect("one of them")["message"].clone();
+    let message = message.as_str().expect("text");
+    assert!(message.contains(": gave up at "), "{message}");
+    assert!(
+        message.contains("; raise `verification.max-states` in the settings, or "),
+        "{message}"
+    );
+    let answer = client.ok("dotgen/verification", document(&scn)).await;
+    let advice = answer["advice"].as_str().expect("text");
+    assert!(
+        advice.starts_with("raise `verification.max-states` in the settings, or "),
+        "{advice}"
+    );
+    // What was assumed is no error, and leads to the codels.
+    assert_eq!(answer["errors"], json!([]));
+    let warning = &answer["warnings"][0];
+    let text = warning["message"].as_str().expect("text");
+    assert!(text.starts_with("2 codels have no `wcet`"), "{text}");
+    assert_eq!(warning["location"]["uri"], folder.uri("pump.gen"));
+    client.finish_ignoring(STATUS).await;
+}

@@ -1,9 +1,12 @@
 //! What is verified.
 
+use std::ops::Range;
+
 use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_analysis::diagnostic::{Diagnostic, Severity};
+use dotgen_analysis::diagnostic::{Diagnostic, Related, Severity};
 use dotgen_analysis::host::{Analysis, BatchInput, Cancellable, FileContent, Input, UnitResult};
-use dotgen_analysis::model::{Component, ComponentKind, Spec};
+use dotgen_analysis::model::{Component, ComponentKind, Spec, Src};
+use dotgen_analysis::source_map::Locations;
 use dotgen_timing::derive::{Progress, Sensitivity, sensitivity};
 use dotgen_timing::report::Report;
 use dotgen_timing::scn::ast::{Item, Policy, Scenario, Spanned};
@@ -49,7 +52,7 @@ pub struct Used {
     /// Its absolute path.
     pub path: Utf8PathBuf,
     /// The string in the scenario.
-    pub range: std::ops::Range<usize>,
+    pub range: Range<usize>,
 }
 
 /// The files that a scenario uses; relative paths start at its directory.
@@ -218,13 +221,35 @@ impl Problem {
         self.units.iter().map(|it| &*it.spec).collect()
     }
 
-    /// What the verifier says about the scenario, with a place in the file.
+    /// What the verifier says: at its place in the scenario if it has one there, else in the specification it is
+    /// about, else at the name of the scenario.
     pub fn diagnostic(&self, it: &scn::Diagnostic) -> Diagnostic {
         let mut out = diagnostic(it, &self.path);
-        if !self.is_written() {
-            out.range = 0..0;
+        let places = it.places.iter();
+        let mut places = places.filter_map(|it| {
+            let (path, range) = self.place(it.spec, it.src)?;
+            let message = it.what.clone();
+            Some(Related {
+                path,
+                range,
+                message,
+            })
+        });
+        if !self.is_written() || it.range.is_empty() {
+            (out.path, out.range) = match places.next() {
+                Some(it) => (it.path, it.range),
+                None if self.is_written() => (out.path, self.scenario.name_range.clone()),
+                None => (out.path, 0..0),
+            };
         }
+        out.related = places.collect();
         out
+    }
+
+    /// The place of something in one of the specifications.
+    pub fn place(&self, spec: usize, src: Src) -> Option<(Utf8PathBuf, Range<usize>)> {
+        let at = self.units.get(spec)?.locations.locate(src)?;
+        Some((at.path, at.range))
     }
 
     /// Whether the scenario stands in a file; the default scenario does not.
@@ -272,12 +297,7 @@ fn add_errors_of(unit: &UnitResult, errors: &mut Vec<Diagnostic>) {
     errors.extend(prevents(unit).cloned());
 }
 
-fn error(
-    code: &'static str,
-    path: &Utf8Path,
-    range: std::ops::Range<usize>,
-    message: String,
-) -> Diagnostic {
+fn error(code: &'static str, path: &Utf8Path, range: Range<usize>, message: String) -> Diagnostic {
     Diagnostic {
         code,
         severity: Severity::Error,

@@ -90,10 +90,49 @@ pub(crate) fn of_run(title: String, unit: &str, events: &[Event], ending: Ending
     Timeline {
         title,
         unit: unit.to_owned(),
+        start: 0,
         end,
         lanes: cores.lanes,
         notes: Vec::new(),
     }
+}
+
+/// Longer runs are shown from a moment on: nobody looks at thousands of bars, and drawing them takes its time.
+const LONGEST: usize = 800;
+/// So many events are shown of them, and whatever else happens at the first moment.
+const LAST: usize = 500;
+
+/// The first event of a run that is shown.
+pub(crate) fn first_shown(events: &[Event]) -> usize {
+    if events.len() <= LONGEST {
+        return 0;
+    }
+    let from = events[events.len() - LAST].time;
+    events.partition_point(|it| it.time < from)
+}
+
+/// A run as [`of_run`] has it, from an event on.
+pub(crate) fn of_end(
+    title: String,
+    unit: &str,
+    events: &[Event],
+    first: usize,
+    ending: Ending,
+) -> Timeline {
+    let whole = of_run(title, unit, events, ending);
+    if first == 0 {
+        return whole;
+    }
+    let (_, factor) = drawn_in(unit, events);
+    let start = (events[first].time * factor).round() as u64;
+    let mut out = whole.since(start);
+    out.notes.push(left_out(first));
+    out
+}
+
+/// Instead of the first events of a run.
+pub(crate) fn left_out(events: usize) -> String {
+    format!("{events} steps before are not shown")
 }
 
 /// The unit of a picture of times in the unit of a report (`ms`, `10 us`), in which they are whole, and how
@@ -243,5 +282,23 @@ mod tests {
         let lane = &timeline.lanes[0];
         assert_eq!((timeline.end, lane.bars[0].to), (6, 6));
         assert_eq!((lane.marks[0].kind, lane.marks[0].at), (MarkKind::Miss, 6));
+    }
+    #[test]
+    fn of_a_long_run_the_end_is_shown() {
+        use MomentKind::*;
+        let steps = (0..2000).map(|i| {
+            let (task, time) = (["t", "u"][i / 2 % 2], (i / 4) as f64);
+            let (kind, what) = [(Begin, "begins"), (End, "ends")][i % 2];
+            event(time, task, kind, what)
+        });
+        let events: Vec<Event> = steps.collect();
+        assert_eq!(first_shown(&events[..LONGEST]), 0);
+        let first = first_shown(&events);
+        assert_eq!(first, 1500);
+        let timeline = of_end("x".to_owned(), "ms", &events, first, Ending::Fine);
+        assert_eq!((timeline.start, timeline.end), (375, 499));
+        assert_eq!(timeline.notes, ["1500 steps before are not shown"]);
+        let bars = timeline.lanes.iter().flat_map(|it| &it.bars);
+        assert_eq!(bars.count(), 250);
     }
 }

@@ -52,7 +52,6 @@ impl Job {
         events: UnboundedSender<Event>,
         runtime: &Handle,
     ) {
-        let timer = runtime.clone();
         // The writer goes when its queue is dropped: a job must not keep it.
         let events = events.downgrade();
         runtime.spawn_blocking(move || {
@@ -74,9 +73,7 @@ impl Job {
                     let _ = events.send(Event::Verified(Box::new(it)));
                 }
             };
-            if let Err(message) =
-                panic::isolate(|| run(problem, options, limit, &cancel, &timer, tell))
-            {
+            if let Err(message) = panic::isolate(|| run(problem, options, limit, &cancel, tell)) {
                 tracing::error!(%path, "verification panicked: {message}");
             }
         });
@@ -88,33 +85,19 @@ pub(crate) fn run(
     problem: Arc<Problem>,
     options: Options,
     limit: Duration,
-    cancel: &Arc<Cancel>,
-    timer: &Handle,
+    cancel: &Cancel,
     tell: impl Fn(Found),
 ) {
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     if cancel.is_abandoned() {
         return;
     }
-    let time_up = {
-        let cancel = cancel.clone();
-        timer.spawn(async move {
-            tokio::time::sleep(limit).await;
-            cancel.time_out();
-        })
-    };
+    cancel.limit(limit);
     let bounds = Arc::new(quick_bounds(&problem, &options));
     tell(Found::Bounds(bounds.clone()));
-    let mut report = problem.verify(&options, cancel);
+    let report = problem.verify(&options, cancel);
     if cancel.is_abandoned() {
-        return time_up.abort();
-    }
-    if cancel.is_over() {
-        let late = report.checks.iter_mut();
-        for check in late.filter(|it| it.verdict == Verdict::Unknown) {
-            let (seconds, states) = (limit.as_secs_f64(), report.states);
-            check.note = Some(format!("gave up after {seconds} s and {states} states"));
-        }
+        return;
     }
     let answer = |report, cores| {
         Found::Answer(Arc::new(Answer {
@@ -144,5 +127,4 @@ pub(crate) fn run(
             tell(answer(report, Some(cores)));
         }
     }
-    time_up.abort();
 }

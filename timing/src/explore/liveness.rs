@@ -115,13 +115,12 @@ impl Graph<'_> {
         let mut stopped = None;
         let mut at = 0;
         while at < visits.len() {
-            if at.is_multiple_of(LOOKS) && self.cancel.is_over() {
-                stopped = Some(Stop::Cancelled);
-                break;
-            }
-            if visits.len() > self.limits.states || bytes > self.limits.bytes {
-                stopped = Some(Stop::Limit);
-                break;
+            let full = visits.len() > self.limits.states || bytes > self.limits.bytes;
+            if full || at.is_multiple_of(LOOKS) {
+                stopped = Stop::reason(visits.len(), bytes, self.limits, self.cancel);
+                if stopped.is_some() {
+                    break;
+                }
             }
             let s = decode(&self.stepper, &visits[at].state.key, &visits[at].state.dims);
             let mut next_ids = Vec::new();
@@ -169,6 +168,7 @@ impl Graph<'_> {
         if self.cancel.is_abandoned() {
             stopped = Some(Stop::Cancelled);
         }
+        self.cancel.ended(visits.len());
         Liveness {
             counterexample,
             states: visits.len(),

@@ -89,7 +89,7 @@ impl Gauge {
 }
 
 /// A time that grows, with a run that proves that it has no bound; without one it is only suspected.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Diverging {
     pub(super) gauge: usize,
     pub(super) proof: Option<Run>,

@@ -16,6 +16,7 @@ use super::run::Run;
 use super::state::{Layout, State, TaskStatus};
 use super::step::{Action, Enabled, Stepper};
 use super::store::{Encoded, Store, decode, decode_to, encode, holds};
+use super::symmetry::{Asked, Label, Symmetry};
 use crate::cancel::Cancel;
 use crate::property::Predicate;
 use crate::system::{Ticks, TimedSystem};
@@ -80,14 +81,43 @@ impl Default for Limits {
 }
 
 /// Why an exploration did not finish.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Stop {
-    /// Too many states or too much memory.
-    Limit,
-    /// Cancelled from outside.
+    /// Too many states.
+    States,
+    /// Too much memory.
+    Memory,
+    /// Time is up.
+    Time,
+    /// Nobody wants to know any more.
     Cancelled,
     /// Everything that was asked has been found, or with [`Watch::stop_at_first`] the first of it.
     Answered,
+}
+
+impl Stop {
+    /// What ends an exploration of this size, if anything.
+    pub(super) fn reason(
+        states: usize,
+        bytes: usize,
+        limits: Limits,
+        cancel: &Cancel,
+    ) -> Option<Stop> {
+        cancel.at_work(states, bytes);
+        if cancel.is_over() {
+            Some(match cancel.is_abandoned() {
+                true => Stop::Cancelled,
+                false => Stop::Time,
+            })
+        } else if states > limits.states {
+            Some(Stop::States)
+        } else if bytes > limits.bytes {
+            Some(Stop::Memory)
+        } else {
+            None
+        }
+    }
 }
 
 /// A supremum of a time.
@@ -152,7 +182,8 @@ pub fn explore(system: &TimedSystem, watch: &Watch, limits: Limits, cancel: &Can
     let mut findings = until_measured(system, watch, &mut gauges, limits, cancel);
     // What grew suspiciously is measured alone, so that clocks do not multiply.
     for (i, gauge) in gauges.iter().enumerate() {
-        if gauge.how != How::Alone || findings.stopped.is_some() {
+        let given_up = findings.stopped.is_some_and(|it| it != Stop::Answered);
+        if gauge.how != How::Alone || given_up {
             continue;
         }
         let mut alone = Watch::default();
@@ -185,8 +216,14 @@ fn until_measured(
 ) -> Findings {
     loop {
         let mut search = Search::new(system, watch, gauges, limits, cancel);
-        match search.run() {
-            Some(diverging) => gauges[diverging.gauge].note(diverging),
+        let diverging = search.run();
+        cancel.ended(search.states());
+        match diverging {
+            Some(diverging) => {
+                for (gauge, it) in search.of_all_alike(diverging) {
+                    gauges[gauge].note(it);
+                }
+            }
             None => return search.findings(),
         }
     }
@@ -197,7 +234,11 @@ impl Findings {
         self.states += other.states;
         self.steps += other.steps;
         self.bytes = self.bytes.max(other.bytes);
-        self.stopped = self.stopped.or(other.stopped);
+        // What one exploration has answered says nothing about the next.
+        self.stopped = match self.stopped {
+            None | Some(Stop::Answered) => other.stopped.or(self.stopped),
+            given_up => given_up,
+        };
     }
 }
 
@@ -244,6 +285,7 @@ struct Search<'a> {
     lazy: Lazy,
     ample: Ample,
     overtake: Overtake,
+    symmetry: Symmetry,
     watch: &'a Watch,
     observers: Vec<Observer>,
     limits: Limits,
@@ -305,11 +347,11 @@ impl<'a> Search<'a> {
             .collect();
         let patient = gauges.iter().any(|it| it.how == How::Patient);
         let layout = Layout::new(system, &observed, &clocked);
-        let predicates = watch
-            .within
-            .iter()
-            .flat_map(|it| [&it.trigger, &it.response]);
-        let visible = Visible::new(system, predicates.chain(&watch.reach));
+        let predicates: Vec<&Predicate> = (watch.within.iter())
+            .flat_map(|it| [&it.trigger, &it.response])
+            .chain(&watch.reach)
+            .collect();
+        let visible = Visible::new(system, predicates.iter().copied());
         let clocks = layout.clocks();
         let longest = system
             .tasks
@@ -328,6 +370,21 @@ impl<'a> Search<'a> {
                 }
             })
             .fold(0u32, |sum, it| sum.saturating_add(it));
+        let label = |task: usize| Label {
+            watched: [
+                watch.schedulable.contains(&task),
+                watch.overdue.contains(&task),
+            ],
+            measured: (gauges.iter())
+                .filter(|it| it.of == Timing::Response(task))
+                .map(|it| (it.limit, it.most, it.active()))
+                .collect(),
+        };
+        let asked = Asked {
+            labels: (0..system.tasks.len()).map(label).collect(),
+            predicates,
+        };
+        let symmetry = Symmetry::new(system, &layout, &asked);
         let lazy = Lazy::new(system, &visible, &observed);
         let ample = Ample::new(system, visible, &observed);
         Search {
@@ -335,6 +392,7 @@ impl<'a> Search<'a> {
             lazy,
             overtake: Overtake::new(system, &ample),
             ample,
+            symmetry,
             watch,
             observers: watch
                 .within
@@ -469,6 +527,9 @@ impl Search<'_> {
                     &mut held,
                     Sight { parent, time },
                 );
+                self.stepper.enabled(&s, &mut enabled);
+            }
+            if held == 0 && self.symmetry.order(&self.stepper.layout, &mut s).is_some() {
                 self.stepper.enabled(&s, &mut enabled);
             }
             encode(&self.stepper, &s, &mut it);
@@ -649,12 +710,10 @@ impl Search<'_> {
     }
 
     fn out_of_bounds(&mut self) -> bool {
-        if self.cancel.is_over() {
-            self.stopped = Some(Stop::Cancelled);
-        } else if self.nodes.len() + self.layer.len() > self.limits.states
-            || self.memory() > self.limits.bytes
-        {
-            self.stopped = Some(Stop::Limit);
+        let states = self.nodes.len() + self.layer.len();
+        let reason = Stop::reason(states, self.memory(), self.limits, self.cancel);
+        if reason.is_some() {
+            self.stopped = reason;
         } else if self.answered() && !self.lingers() {
             self.stopped = Some(Stop::Answered);
         }
@@ -686,6 +745,14 @@ impl Search<'_> {
         })
     }
 
+    /// States kept; where the exploration was broken off also those of the moment at which that happened.
+    fn states(&self) -> usize {
+        match self.stopped {
+            None | Some(Stop::Answered) => self.nodes.len(),
+            Some(_) => self.nodes.len() + self.layer.len(),
+        }
+    }
+
     fn memory(&self) -> usize {
         self.passed.memory()
             + self.layer.memory()
@@ -703,7 +770,9 @@ impl Search<'_> {
     fn check(&mut self, before: Option<&State>, s: &State, at: Sight) {
         for (i, &task) in self.watch.schedulable.iter().enumerate() {
             if self.missed[i].is_none() && missed(&self.stepper, s, task) {
-                self.missed[i] = Some(at);
+                for it in self.symmetry.alike(task, &self.watch.schedulable) {
+                    self.missed[it] = Some(at);
+                }
                 if self.watch.stop_at_first {
                     self.stopped = Some(Stop::Answered);
                 }
@@ -716,8 +785,58 @@ impl Search<'_> {
         }
         for (i, gauge) in self.gauges.iter().enumerate() {
             if self.longest[i].is_none() && gauge.of.runs(&self.stepper.layout, s) {
-                self.longest[i] = Some(Longest { value: 0, at });
+                for it in self.alike(i) {
+                    self.longest[it] = Some(Longest { value: 0, at });
+                }
             }
+        }
+    }
+
+    /// Gauges of what is not told apart, itself included.
+    fn alike(&self, gauge: usize) -> Vec<usize> {
+        let it = &self.gauges[gauge];
+        let Timing::Response(task) = it.of else {
+            return vec![gauge];
+        };
+        let orbit = self.symmetry.orbit(task);
+        let same = |other: &Gauge| {
+            let alike = matches!(other.of, Timing::Response(task) if orbit.contains(&task));
+            alike && (other.limit, other.most) == (it.limit, it.most)
+        };
+        (0..self.gauges.len())
+            .filter(|&other| same(&self.gauges[other]))
+            .collect()
+    }
+
+    /// What has been found of one gauge holds for all that are not told apart.
+    fn of_all_alike(&self, found: Diverging) -> Vec<(usize, Diverging)> {
+        let Timing::Response(from) = self.gauges[found.gauge].of else {
+            return vec![(found.gauge, found)];
+        };
+        let of = |gauge: usize| {
+            let Timing::Response(to) = self.gauges[gauge].of else {
+                return (gauge, found.clone());
+            };
+            let run = |it: &Option<Run>| it.as_ref().map(|it| self.exchanged(it, from, to));
+            let renamed = Diverging {
+                gauge,
+                proof: run(&found.proof),
+                excess: run(&found.excess),
+            };
+            (gauge, renamed)
+        };
+        self.alike(found.gauge).into_iter().map(of).collect()
+    }
+
+    /// A run with one task in the place of another that is not told apart from it.
+    fn exchanged(&self, run: &Run, from: usize, to: usize) -> Run {
+        let renaming = self.symmetry.exchange(&self.stepper.layout, from, to);
+        let steps = run.steps.iter();
+        Run {
+            steps: steps
+                .map(|&(time, it)| (time, renaming.action(it)))
+                .collect(),
+            ..run.clone()
         }
     }
 
@@ -741,7 +860,9 @@ impl Search<'_> {
             };
             let time = self.nodes[parent as usize].time + u64::from(left) + 1;
             if self.excess[i].is_none_or(|it| time < it.time) {
-                self.excess[i] = Some(Sight { parent, time });
+                for it in self.alike(i) {
+                    self.excess[it] = Some(Sight { parent, time });
+                }
             }
         }
     }
@@ -772,7 +893,9 @@ impl Search<'_> {
     fn clocks_after_jump(&mut self, s: &mut State, at: Sight) -> Option<Diverging> {
         for (i, &task) in self.watch.overdue.iter().enumerate() {
             if self.overdue[i].is_none() && overdue(&self.stepper, s, task) {
-                self.overdue[i] = Some(at);
+                for it in self.symmetry.alike(task, &self.watch.overdue) {
+                    self.overdue[it] = Some(at);
+                }
             }
             if self.waiting_only[task]
                 && let Some(clock) = self.stepper.layout.response[task]
@@ -790,7 +913,9 @@ impl Search<'_> {
             if self.longest[i].is_some_and(|it| it.value >= value) {
                 continue;
             }
-            self.longest[i] = Some(Longest { value, at });
+            for it in self.alike(i) {
+                self.longest[it] = Some(Longest { value, at });
+            }
             if value <= self.patience || self.out_of_bounds() {
                 continue;
             }
@@ -876,10 +1001,13 @@ impl Search<'_> {
                 .deadlock
                 .filter(|_| self.watch.deadlock)
                 .map(|at| found(at, Goal::Deadlock)),
-            refused: (self.stepper.refused.iter().enumerate())
-                .filter_map(|(service, refused)| refused.get().then_some(service))
+            refused: (0..self.stepper.refused.len())
+                .filter(|&service| {
+                    let mut orbit = self.symmetry.service_orbit(service).iter();
+                    orbit.any(|&it| self.stepper.refused[it].get())
+                })
                 .collect(),
-            states: self.nodes.len(),
+            states: self.states(),
             steps: self.steps,
             bytes: self.memory(),
             stopped: self.stopped,

@@ -119,6 +119,10 @@ pub(crate) struct Layout {
     pub(crate) lock_queue_base: Option<usize>,
     /// Visits of states in the current turn, for automata with a loop limit.
     pub(crate) visits: Vec<Option<usize>>,
+    /// Number of states of each automaton with a loop limit, 0 of the others.
+    counted: Vec<usize>,
+    /// Number of trackers of each client.
+    trackers: Vec<usize>,
     /// One flag per observer.
     pub(crate) observer_base: usize,
     d_len: usize,
@@ -161,6 +165,10 @@ impl Layout {
                 machine.loop_limit.map(|_| take(machine.states.len()))
             })
             .collect();
+        let counted = (0..system.automata.len())
+            .map(|a| system.machine_of(a))
+            .map(|it| it.loop_limit.map_or(0, |_| it.states.len()))
+            .collect();
         let observer_base = take(observers.len());
         let d_len = d;
 
@@ -195,6 +203,8 @@ impl Layout {
             queue_base,
             lock_queue_base,
             visits,
+            counted,
+            trackers: system.clients.iter().map(|it| it.trackers).collect(),
             observer_base,
             d_len,
             slack_base,
@@ -224,6 +234,45 @@ impl Layout {
     /// Bytes of a state.
     pub(crate) fn state_bytes(&self) -> usize {
         size_of::<State>() + self.d_len * size_of::<u16>() + self.t_len * size_of::<Ticks>()
+    }
+
+    /// Where a state says what goes on in some parts of a system: numbers of the discrete part, then of the times. What
+    /// names other parts (queues, trackers, requests being handled) is not among them.
+    pub(crate) fn places(
+        &self,
+        tasks: &[usize],
+        automata: &[usize],
+        components: &[usize],
+        clients: &[usize],
+    ) -> (Vec<usize>, Vec<usize>) {
+        let (mut d, mut t) = (Vec::new(), Vec::new());
+        for &task in tasks {
+            d.extend([self.task_base + 2 * task, self.task_base + 2 * task + 1]);
+            t.push(task);
+            t.extend(self.slack_base.map(|base| base + task));
+        }
+        for &a in automata {
+            d.extend([self.automaton_base + 2 * a, self.automaton_base + 2 * a + 1]);
+            let visits = self.visits[a].unwrap_or(0);
+            d.extend(visits..visits + self.counted[a]);
+        }
+        for &component in components {
+            let base = self.component_base + 6 * component;
+            // Starting, control, simple and signal.
+            d.extend([base, base + 1, base + 3, base + 5]);
+        }
+        for &client in clients {
+            d.extend([self.client_base[client], self.client_base[client] + 1]);
+        }
+        let executors = (automata.iter().copied())
+            .chain(components.iter().map(|&it| self.control_executor(it)))
+            .chain(clients.iter().map(|&it| self.client_executor(it)));
+        for e in executors {
+            d.push(self.phase_base + e);
+            t.extend([self.window_base + 2 * e, self.window_base + 2 * e + 1]);
+        }
+        t.extend(tasks.iter().filter_map(|&it| self.response[it]));
+        (d, t)
     }
 
     /// Number of observation clocks.
@@ -400,6 +449,32 @@ impl Layout {
         s.d[self.client_base[client] + 2 + tracker] = value;
     }
 
+    pub(crate) fn trackers<'s>(&self, s: &'s State, client: usize) -> &'s [u16] {
+        let base = self.client_base[client] + 2;
+        &s.d[base..base + self.trackers[client]]
+    }
+
+    /// Gives other names to what waits for cores and for locks.
+    pub(crate) fn rename_queues(
+        &self,
+        s: &mut State,
+        task: impl Fn(usize) -> usize,
+        executor: impl Fn(usize) -> usize,
+    ) {
+        for it in list_mut(s, self.queue_base) {
+            *it = task(*it as usize) as u16;
+        }
+        if let Some(base) = self.lock_queue_base {
+            for it in list_mut(s, base) {
+                *it = executor(*it as usize) as u16;
+            }
+        }
+    }
+
+    pub(crate) fn sort_queue(&self, s: &mut State) {
+        list_mut(s, self.queue_base).sort_unstable();
+    }
+
     /// Tasks waiting for a core, in the order in which they get one.
     #[inline]
     pub(crate) fn queue<'s>(&self, s: &'s State) -> &'s [u16] {
@@ -437,6 +512,11 @@ impl Layout {
 
 fn list(s: &State, base: usize) -> &[u16] {
     &s.d[base + 1..base + 1 + s.d[base] as usize]
+}
+
+fn list_mut(s: &mut State, base: usize) -> &mut [u16] {
+    let end = base + 1 + s.d[base] as usize;
+    &mut s.d[base + 1..end]
 }
 
 fn list_insert(s: &mut State, base: usize, position: usize, value: u16) {

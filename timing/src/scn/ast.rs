@@ -162,8 +162,8 @@ pub enum Item {
     Durations(Durations),
     /// `duration PATH INTERVAL UNIT;`
     Duration(Path, Interval, Unit),
-    /// `loop once [PATH];`; `None`: `free`.
-    Loop(Option<u32>, Option<Path>),
+    /// `loop once [PATH];`; `None`: `free`. And all of it.
+    Loop(Option<u32>, Option<Path>, Range<usize>),
     /// `idle keep [PATH];` (`true`) or `idle drop [PATH];`
     Idle(bool, Option<Path>),
     /// `locks fifo;` (`true`) or `locks free;`

@@ -311,7 +311,7 @@ pub fn for_each_path<'s>(scenario: &'s Scenario, each: &mut impl FnMut(&'s Path)
     for item in &scenario.items {
         match item {
             Item::Duration(path, ..) | Item::Slots(path, _) => each(path),
-            Item::Loop(_, Some(path)) | Item::Idle(_, Some(path)) => each(path),
+            Item::Loop(_, Some(path), _) | Item::Idle(_, Some(path)) => each(path),
             Item::Connect(from, to) => {
                 each(from);
                 to.iter().for_each(&mut *each);

@@ -299,7 +299,8 @@ impl<'t> Parser<'t> {
                 } else {
                     self.choose(&[("free", None), ("once", Some(1))])?
                 };
-                Item::Loop(limit, self.optional_path()?)
+                let path = self.optional_path()?;
+                Item::Loop(limit, path, start..self.end())
             }
             "idle" => {
                 let keep = self.choose(&[("drop", false), ("keep", true)])?;

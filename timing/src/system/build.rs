@@ -1,9 +1,12 @@
 //! From components and a scenario to a [`TimedSystem`].
 
+mod cycles;
+
 use std::collections::HashMap;
+use std::ops::Range;
 
 use dotgen_analysis::model::{
-    Codel as ModelCodel, CodelKind, CodelRef, Owner, Seconds, ServiceKind,
+    Codel as ModelCodel, CodelKind, CodelRef, Owner, Seconds, ServiceKind, Src,
 };
 use num_rational::Ratio;
 
@@ -11,11 +14,12 @@ use super::locks::exclude_codels;
 use super::settings::Settings;
 use super::{
     Automaton, Client, Codel, CodelSet, Component, FOREVER, LockOrder, Machine, Platform, Policy,
-    Service, State, Task, Ticks, TimedSystem, Yield, loop_contradictions, loops, program, units,
+    Service, State, Task, Ticks, TimedSystem, Yield, program, units,
 };
+use crate::remark::Remark;
 use crate::scn::ast::{self, Durations, Path, StepKind, Unit};
 use crate::scn::names::{Names, Target};
-use crate::scn::{Diagnostic, Severity};
+use crate::scn::{Diagnostic, Place, Severity};
 
 /// A system, and how to find things in it.
 #[derive(Debug, Clone)]
@@ -42,6 +46,7 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
         names,
         settings,
         durations: HashMap::new(),
+        loop_rules: HashMap::new(),
         requested: Vec::new(),
         out: Built {
             system: TimedSystem {
@@ -112,12 +117,31 @@ struct Builder<'b> {
     settings: &'b Settings,
     /// Overridden durations by component, owner, index of the codel and state.
     durations: HashMap<(usize, Owner, u32, String), usize>,
+    /// Where the loop limits of machines are written.
+    loop_rules: HashMap<usize, Range<usize>>,
     /// Services that some client requests.
     requested: Vec<(usize, u32)>,
     out: Built,
 }
 
+/// What a time is that of.
+struct TimeOf {
+    /// In words.
+    what: String,
+    /// Its `duration`; empty at 0 if there is none.
+    range: Range<usize>,
+    place: Place,
+}
+
 impl Builder<'_> {
+    fn place(&self, c: usize, src: Src, what: &str) -> Place {
+        Place {
+            spec: self.names.components[c].spec_index,
+            src,
+            what: what.to_owned(),
+        }
+    }
+
     fn report(&mut self, diagnostic: Diagnostic) {
         if !self.out.diagnostics.contains(&diagnostic) {
             self.out.diagnostics.push(diagnostic);
@@ -255,17 +279,25 @@ impl Builder<'_> {
         self.out.system.unit = units::base_unit(times);
     }
 
-    fn ticks(&mut self, time: Seconds, what: &dyn Fn() -> String) -> Ticks {
+    fn ticks(&mut self, time: Seconds, of: &TimeOf) -> Ticks {
         if let Some(ticks) = units::ticks(time, self.out.system.unit) {
             return ticks;
         }
         let message = format!(
             "the time of {} is too long for the base unit of {} s; choose a coarser `unit`",
-            what(),
-            self.out.system.unit
+            of.what, self.out.system.unit
         );
-        self.report(Diagnostic::error("scn-time-range", 0..0, message));
+        let error = Diagnostic::error("scn-time-range", of.range.clone(), message);
+        self.report(error.about(of.place.clone()));
         FOREVER / 8
+    }
+
+    fn time_of_task(&self, what: &str, path: &str, place: Place) -> TimeOf {
+        TimeOf {
+            what: format!("the {what} of {path}"),
+            range: 0..0,
+            place,
+        }
     }
 
     // ---- Components ------------------------------------------------------------------------
@@ -281,15 +313,18 @@ impl Builder<'_> {
         });
         for (t, task) in (0..).zip(&it.tasks) {
             let path = format!("{}.{}", it.name, task.name);
-            let period = self
-                .period(c, t)
-                .map(|time| self.ticks(time, &|| format!("the period of {path}")));
+            let src = task.period.as_ref().map_or(task.src, |it| it.src);
+            let period_of = self.time_of_task("period", &path, self.place(c, src, "the period"));
+            let period = self.period(c, t).map(|time| self.ticks(time, &period_of));
             if period == Some(0) {
                 let message = format!("the period of {path} is zero; give a period or none");
-                self.report(Diagnostic::error("scn-zero-period", 0..0, message));
+                let error = Diagnostic::error("scn-zero-period", 0..0, message);
+                self.report(error.about(period_of.place));
             }
+            let src = task.delay.as_ref().map_or(task.src, |it| it.src);
+            let delay_of = self.time_of_task("delay", &path, self.place(c, src, "the delay"));
             let delay = task.delay.as_ref().map_or(Ratio::new(0, 1), |it| it.value);
-            let delay = self.ticks(delay, &|| format!("the delay of {path}"));
+            let delay = self.ticks(delay, &delay_of);
             let id = self.out.system.tasks.len();
             let permanent = self
                 .machine(c, number, Owner::Task(t), &path)
@@ -428,8 +463,9 @@ impl Builder<'_> {
                 }
             })
             .collect();
-        let loop_limit = self.loop_limit(c, owner);
         let id = self.out.system.machines.len();
+        let (loop_limit, rule) = self.loop_limit(c, owner);
+        self.loop_rules.extend(rule.map(|it| (id, it)));
         self.out.machines.insert((c, owner), id);
         self.out.system.machines.push(Machine {
             name: path.to_owned(),
@@ -459,26 +495,41 @@ impl Builder<'_> {
             state
         };
         let path = format!("{path}.{name}");
-        if codel.wcet.is_none()
-            && !self
-                .durations
-                .contains_key(&(c, owner, index, state.to_owned()))
-        {
-            let message = format!(
-                "codel {} ({path}) has no `wcet`: it is taken to need no time",
-                codel.name
-            );
-            self.report(Diagnostic::warning("timing-no-wcet", 0..0, message));
+        let given = self
+            .durations
+            .get(&(c, owner, index, state.to_owned()))
+            .map(|&it| self.settings.duration[it].0.range());
+        if codel.wcet.is_none() && given.is_none() {
+            let remark = Remark::NoWcet {
+                codel: codel.name.to_string(),
+                path: path.clone(),
+            };
+            let place = self.place(c, codel.src, "no `wcet`");
+            self.report(remark.warning(0..0, vec![place]));
         }
+        let time_of = TimeOf {
+            what: path.clone(),
+            range: given.unwrap_or_default(),
+            place: self.place(c, codel.src, "this codel"),
+        };
         let site = Some((c, CodelRef { owner, index }));
         let times = self.duration(c, owner, index, state, Some(codel));
-        self.push_codel(number, path, times, site, Some(codel.src))
+        self.push_codel(number, path, times, site, &time_of)
     }
 
     fn attribute(&mut self, c: usize, number: usize, s: u32, path: &str) -> usize {
         let service = &self.names.components[c].component.services[s as usize];
         let times = self.duration(c, Owner::Service(s), u32::MAX, "", None);
-        self.push_codel(number, path.to_owned(), times, None, Some(service.src))
+        let given = self
+            .durations
+            .get(&(c, Owner::Service(s), u32::MAX, String::new()))
+            .map(|&it| self.settings.duration[it].0.range());
+        let time_of = TimeOf {
+            what: path.to_owned(),
+            range: given.unwrap_or_default(),
+            place: self.place(c, service.src, "this attribute"),
+        };
+        self.push_codel(number, path.to_owned(), times, None, &time_of)
     }
 
     fn push_codel(
@@ -487,10 +538,10 @@ impl Builder<'_> {
         path: String,
         (lower, upper): (Seconds, Option<Seconds>),
         site: Option<(usize, CodelRef)>,
-        src: Option<dotgen_analysis::model::Src>,
+        time_of: &TimeOf,
     ) -> usize {
-        let lower = self.ticks(lower, &|| path.clone());
-        let upper = upper.map_or(FOREVER, |it| self.ticks(it, &|| path.clone()));
+        let lower = self.ticks(lower, time_of);
+        let upper = upper.map_or(FOREVER, |it| self.ticks(it, time_of));
         self.out.system.codels.push(Codel {
             path,
             component: number,
@@ -498,7 +549,7 @@ impl Builder<'_> {
             upper,
             conflicts: CodelSet::default(),
             site,
-            src,
+            src: Some(time_of.place.src),
         });
         self.out.system.codels.len() - 1
     }
@@ -522,10 +573,11 @@ impl Builder<'_> {
         keep
     }
 
-    fn loop_limit(&mut self, c: usize, owner: Owner) -> Option<u16> {
-        let mut limit = None;
-        for (rule, path) in &self.settings.loops {
-            let rule = rule.map(|it| it as u16);
+    /// The limit, and where it is written.
+    fn loop_limit(&mut self, c: usize, owner: Owner) -> (Option<u16>, Option<Range<usize>>) {
+        let mut limit = (None, None);
+        for (rule, path, range) in &self.settings.loops {
+            let rule = (rule.map(|it| it as u16), Some(range.clone()));
             let Some(path) = path else {
                 limit = rule;
                 continue;
@@ -558,70 +610,6 @@ impl Builder<'_> {
             self.report(Diagnostic::error("scn-no-slot", path.range(), message));
         }
         slots.clamp(1, 16)
-    }
-
-    fn loops(&mut self) {
-        let mut found = Vec::new();
-        for machine in 0..self.out.system.machines.len() {
-            let used = self
-                .out
-                .system
-                .automata
-                .iter()
-                .find(|it| it.machine == machine);
-            let Some(used) = used else { continue };
-            let aperiodic = self.out.system.tasks[used.task].period.is_none();
-            let permanent = used.service.is_none();
-            let it = &mut self.out.system.machines[machine];
-            let cycles = loops::pauseless_cycles(it);
-            let name = &it.name;
-            let rounds = aperiodic
-                && permanent
-                && (0..it.states.len()).any(|state| !loops::can_pause(it, state));
-            if it.loop_limit.is_none() {
-                let advice = match rounds || loops::can_be_limited(it) {
-                    true => format!("unless the scenario says `loop once {name};`"),
-                    false => {
-                        "until one of its codels yields `pause::` or `ether` instead".to_owned()
-                    }
-                };
-                for cycle in cycles {
-                    found.push(Diagnostic::warning(
-                        "timing-state-cycle",
-                        0..0,
-                        format!(
-                            "{name}: state cycle without pause: {cycle}; a turn may take arbitrarily long {advice}"
-                        ),
-                    ));
-                }
-                continue;
-            }
-            if cycles.is_empty() {
-                // Nothing to count.
-                it.loop_limit = None;
-                continue;
-            }
-            it.rounds = rounds;
-            let limits = match it.loop_limit {
-                Some(1) => "no limit helps, as what led there can be repeated",
-                _ => "a greater limit need not help",
-            };
-            for state in loop_contradictions(it) {
-                found.push(Diagnostic::error(
-                    "scn-contradictory-loop",
-                    0..0,
-                    format!(
-                        "the scenario is contradictory: under its loop limit, {name} can go nowhere from state \
-                         `{state}`; {limits}: let the codel of `{state}` yield `pause::` or `ether` as well, or \
-                         leave the turns without a limit: `loop free {name};`",
-                        name = it.name
-                    ),
-                ));
-            }
-        }
-        for it in found {
-            self.report(it);
-        }
     }
 
     // ---- Clients ---------------------------------------------------------------------------

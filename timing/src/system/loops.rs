@@ -9,9 +9,9 @@ use rustc_hash::FxHashSet;
 
 use super::{Machine, Yield};
 
-/// Cycles of states without a pause, one per strongly connected set of states, as
-/// `X → Y → X`. They let a job take arbitrarily long.
-pub fn pauseless_cycles(machine: &Machine) -> Vec<String> {
+/// Cycles of states without a pause, one per strongly connected set of states, each beginning and ending with
+/// the same state. They let a job take arbitrarily long.
+pub fn pauseless_cycles(machine: &Machine) -> Vec<Vec<usize>> {
     let n = machine.states.len();
     let mut found = Vec::new();
     let mut covered = vec![false; n];
@@ -37,11 +37,7 @@ pub fn pauseless_cycles(machine: &Machine) -> Vec<String> {
                     for &state in &path {
                         covered[state] = true;
                     }
-                    let names: Vec<&str> = path
-                        .iter()
-                        .map(|&it| machine.states[it].name.as_str())
-                        .collect();
-                    found.push(names.join(" → "));
+                    found.push(path);
                     break 'search;
                 }
                 if from[next] == usize::MAX {
@@ -75,17 +71,11 @@ pub(crate) fn can_pause(machine: &Machine, state: usize) -> bool {
 /// More combinations of state and visits than this are not looked at.
 const COMBINATIONS: usize = 20_000;
 
-/// States in which a turn cannot go on under the loop limit of the machine, by name. Where there are very many
+/// States in which a turn cannot go on under the loop limit of the machine. Where there are very many
 /// combinations of states and visits, perhaps not all.
-pub fn loop_contradictions(machine: &Machine) -> Vec<String> {
-    let Some(limit) = machine.loop_limit else {
-        return Vec::new();
-    };
-    let (stuck, _) = stuck_states(machine, limit);
-    stuck
-        .into_iter()
-        .map(|it| machine.states[it].name.clone())
-        .collect()
+pub fn loop_contradictions(machine: &Machine) -> Vec<usize> {
+    let limit = machine.loop_limit;
+    limit.map_or(Vec::new(), |limit| stuck_states(machine, limit).0)
 }
 
 /// Whether `loop once` makes sense for the machine. If it does not, no limit does: the way on which a state used up

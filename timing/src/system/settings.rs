@@ -1,5 +1,7 @@
 //! A scenario without its order: the last word on every setting.
 
+use std::ops::Range;
+
 use dotgen_analysis::model::Seconds;
 
 use crate::scn::ast::{Check, Client, Durations, Interval, Item, Path, Policy, Scenario, Unit};
@@ -19,8 +21,8 @@ pub struct Settings {
     pub durations: Durations,
     /// Durations of single codels.
     pub duration: Vec<(Path, Interval, Unit)>,
-    /// Loop limits, the most general first.
-    pub loops: Vec<(Option<u32>, Option<Path>)>,
+    /// Loop limits, the most general first, and where they are written.
+    pub loops: Vec<(Option<u32>, Option<Path>, Range<usize>)>,
     /// Rules for idle ticks, likewise.
     pub idle: Vec<(bool, Option<Path>)>,
     /// Locks in order of arrival.
@@ -73,7 +75,7 @@ impl Settings {
                 Item::Policy(policy) => out.policy = policy,
                 Item::Durations(durations) => out.durations = durations,
                 Item::Duration(path, interval, unit) => out.duration.push((path, interval, unit)),
-                Item::Loop(limit, path) => out.loops.push((limit, path)),
+                Item::Loop(limit, path, range) => out.loops.push((limit, path, range)),
                 Item::Idle(keep, path) => out.idle.push((keep, path)),
                 Item::LocksFifo(fifo) => out.locks_fifo = fifo,
                 Item::AsyncFree(free) => out.async_free = free,
@@ -85,7 +87,7 @@ impl Settings {
             }
         }
         // What is said about one thing wins over what is said about all, whatever the order.
-        out.loops.sort_by_key(|(_, path)| path.is_some());
+        out.loops.sort_by_key(|(_, path, _)| path.is_some());
         out.idle.sort_by_key(|(_, path)| path.is_some());
         out
     }

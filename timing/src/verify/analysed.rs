@@ -43,6 +43,14 @@ impl<'b> Analysed<'b> {
         }
     }
 
+    /// A bound on the response time of the task whose deadline or response time a check asks for.
+    pub(super) fn of_task(&self, check: &Single) -> Option<Ticks> {
+        match check.what {
+            What::Schedulable(it) | What::Response(it, _) => self.bounds[self.built.tasks[&it]],
+            _ => None,
+        }
+    }
+
     /// A bound on the response time that a check asks for.
     pub(super) fn response(&self, check: &Single) -> Option<Ticks> {
         match check.what {

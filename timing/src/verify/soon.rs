@@ -54,8 +54,11 @@ impl Seen {
             _ => false,
         };
         if it.verdict == Verdict::Refuted || longer {
-            let note = out.note.take();
-            *out = CheckReport { note, ..it.clone() };
+            *out = CheckReport {
+                note: out.note.take(),
+                gave_up: out.gave_up.take(),
+                ..it.clone()
+            };
             if it.verdict != Verdict::Refuted {
                 out.verdict = Verdict::Unknown;
             }

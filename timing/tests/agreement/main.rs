@@ -28,21 +28,23 @@ fn compare(seed: u64) -> Option<Result<(), String>> {
         })
         .collect();
     let all: Vec<usize> = (0..system.tasks.len()).collect();
-    compare_system(seed, &system, &within, &all)
+    compare_system(seed, &system, &within, &all, 1)
 }
 
-/// The same for a given system; only the response times of `measured` tasks are asked for.
+/// The same for a given system; only the response times of `measured` tasks are asked for. Limits differ from one
+/// to the next, unless `vary` is 0.
 fn compare_system(
     seed: u64,
     system: &TimedSystem,
     within: &[Within],
     measured: &[usize],
+    vary: usize,
 ) -> Option<Result<(), String>> {
     let brute = Brute { system, within };
     let expected = brute.explore(30_000)?;
     let all: Vec<usize> = (0..system.tasks.len()).collect();
     // Limits that are never exceeded, sometimes, and soon.
-    let limit = |i: usize, longest: Option<u32>| match (seed as usize + i) % 4 {
+    let limit = |i: usize, longest: Option<u32>| match (seed as usize + i * vary) % 4 {
         0 => None,
         1 => longest,
         2 => longest.map(|it| it.saturating_sub(1)),
@@ -303,7 +305,7 @@ fn explorer_agrees_when_tasks_compete() {
         let measured: Vec<usize> = all
             .filter(|&t| seed % 2 == 0 || system.tasks[t].period.is_some())
             .collect();
-        match compare_system(seed, &system, &[], &measured) {
+        match compare_system(seed, &system, &[], &measured, 1) {
             Some(Ok(())) => compared += 1,
             Some(Err(why)) => panic!("{why}"),
             None => {}
@@ -323,7 +325,7 @@ fn explorer_agrees_on_polling_loops() {
         let system = systems::polling(&mut systems::Dice::new(seed));
         // The job of the polling task has no end; asking for its length would forbid to reduce it.
         let periodic: Vec<usize> = (1..system.tasks.len()).collect();
-        match compare_system(seed, &system, &[], &periodic) {
+        match compare_system(seed, &system, &[], &periodic, 1) {
             Some(Ok(())) => compared += 1,
             Some(Err(why)) => panic!("{why}"),
             None => {}
@@ -332,5 +334,40 @@ fn explorer_agrees_on_polling_loops() {
     assert!(
         compared * 4 > cases,
         "only {compared} of {cases} systems were small enough"
+    );
+}
+
+#[test]
+fn explorer_agrees_when_parts_are_alike() {
+    let mut compared = 0;
+    let first = first();
+    for seed in first..first + cases() {
+        let mut dice = systems::Dice::new(seed);
+        let (system, asked) = systems::alike::alike(&mut dice);
+        let within: Vec<Within> = (asked.into_iter())
+            .map(|(trigger, response)| Within {
+                trigger,
+                response,
+                limit: None,
+            })
+            .collect();
+        // One of them is sometimes asked more than the others.
+        let all = system.tasks.len();
+        let measured: Vec<usize> = (usize::from(seed % 5 == 0)..all).collect();
+        match compare_system(
+            seed,
+            &system,
+            &within,
+            &measured,
+            usize::from(seed % 7 == 0),
+        ) {
+            Some(Ok(())) => compared += 1,
+            Some(Err(why)) => panic!("{why}"),
+            None => {}
+        }
+    }
+    assert!(
+        compared * 3 > cases(),
+        "only {compared} systems were small enough"
     );
 }

@@ -1,5 +1,7 @@
 //! Random small systems.
 
+pub(crate) mod alike;
+
 use dotgen_timing::property::{Atom, Predicate, StatePhase, TaskState};
 use dotgen_timing::system::{
     Automaton, Client, ClientAction, ClientStep, Codel, CodelSet, Component, FOREVER, LockOrder,

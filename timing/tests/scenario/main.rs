@@ -1,6 +1,7 @@
 //! Scenario language and verification, on small specifications of our own.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use camino::Utf8Path;
 use dotgen_analysis::host::{
@@ -8,6 +9,7 @@ use dotgen_analysis::host::{
 };
 use dotgen_timing::analytic::response_bounds;
 use dotgen_timing::derive::{largest_wcet, minimum_cores, smallest_period};
+use dotgen_timing::explore::Stop;
 use dotgen_timing::report::{CheckReport, Report, Value, Verdict};
 use dotgen_timing::scn::ast::{Path, Spanned};
 use dotgen_timing::scn::names::{Names, Target};
@@ -559,6 +561,13 @@ fn giving_up_is_said() {
     );
     let note = report.checks[0].note.as_deref().unwrap();
     assert!(note.starts_with("gave up at"), "{note}");
+    let reason = report.checks[0].gave_up.map(|it| it.reason);
+    assert_eq!(reason, Some(Stop::States));
+    let out_of_time = Cancel::default();
+    out_of_time.limit(Duration::ZERO);
+    let report = verify(&input, &scenario, &Options::default(), &out_of_time);
+    let gave_up = report.checks[0].gave_up.expect("time is up");
+    assert_eq!((gave_up.reason, gave_up.seconds), (Stop::Time, Some(0.0)));
     let cancelled = Cancel::default();
     cancelled.abandon();
     let report = verify(&input, &scenario, &Options::default(), &cancelled);
@@ -568,6 +577,19 @@ fn giving_up_is_said() {
             .iter()
             .all(|it| it.note.as_deref() == Some("cancelled"))
     );
+}
+
+#[test]
+fn a_verification_tells_how_far_it_is() {
+    let unit = load(ROBOT);
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let text = "scenario x { client k { send sensor.record; } check deadlock; check eventually sensor.record; }";
+    let cancel = Cancel::default();
+    let report = verify(&input, &parse(text).scenario, &Options::default(), &cancel);
+    assert!(report.states > 0);
+    assert_eq!(cancel.effort().states, report.states);
 }
 
 #[test]

@@ -10,6 +10,9 @@ main { padding: 4px 12px 16px; }
 table { border-collapse: collapse; max-width: 100%; }
 th { text-align: left; font-weight: normal; color: var(--vscode-descriptionForeground); }
 th, td { padding: 2px 14px 2px 0; vertical-align: top; }
+#checks td:first-child, #checks td:last-child:not([colspan]) { white-space: nowrap; }
+#codels td { vertical-align: middle; }
+code { font-family: var(--vscode-editor-font-family); }
 td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 tr.shown td { background: var(--vscode-list-inactiveSelectionBackground); }
 a { color: var(--vscode-textLink-foreground); text-decoration: none; cursor: pointer; }

@@ -29,9 +29,14 @@ function node<K extends keyof HTMLElementTagNameMap>(tag: K, content: (Node | st
   return it;
 }
 
+/** Text in which `this` is code. */
+function rich(text: string): (Node | string)[] {
+  return text.split('`').map((part, i) => (i % 2 === 1 ? node('code', part) : part));
+}
+
 function link(text: string, place: Place | null, action?: () => void): Node {
-  if (place === null && action === undefined) return document.createTextNode(text);
-  const it = node('a', text);
+  if (place === null && action === undefined) return node('span', rich(text));
+  const it = node('a', rich(text));
   it.tabIndex = 0;
   it.setAttribute('role', action === undefined ? 'link' : 'button');
   const go = action ?? (() => place !== null && jump(place));
@@ -72,13 +77,14 @@ function showHead(it: VerificationAnswer): void {
     notices.push('No scenario is written: permanent activities, and a client that sends any request at any time.');
   }
   if (it.whatIf) notices.unshift('This is a variation; the files are as they were.');
+  if (it.advice !== null) notices.push(`To get an answer where verification gave up: ${it.advice}.`);
   notice(notices.join('\n'));
 }
 
 function notice(text: string): void {
   const it = element('notice');
   it.hidden = text === '';
-  it.replaceChildren(...text.split('\n').map((line) => node('div', line)));
+  it.replaceChildren(...text.split('\n').map((line) => node('div', rich(line))));
 }
 
 function showChecks(it: VerificationAnswer): void {
@@ -90,16 +96,24 @@ function showChecks(it: VerificationAnswer): void {
     table.replaceChildren(...(bounds.length > 0 ? [heads(['task', 'quick bound']), ...bounds] : [row(['There is no answer yet.'])]));
     return;
   }
-  const rows = it.checks.map((check, i) => {
+  // Columns that are empty are left out.
+  const columns = (['value', 'limit', 'slack'] as const).filter((name) => it.checks.some((check) => check[name] !== null));
+  const rows = it.checks.flatMap((check, i) => {
     const title = check.name === null ? `${check.check} ${check.of}` : `${check.name}: ${check.check} ${check.of}`;
     const run: Node | string = check.hasRun ? link(check.verdict === 'refuted' ? 'show why' : 'show run', null, () => host.postMessage({ type: 'check', check: i })) : '';
     const notes = [check.worth, check.note].filter((note) => note !== null).join('; ');
     const verdict = node('span', check.verdict, check.verdict === 'gave up' ? 'gave-up' : check.verdict);
-    const line = row([verdict, link(title, check.location), check.value ?? '', check.limit ?? '', check.slack ?? '', run, node('span', notes, 'faint')], [2, 3, 4]);
-    line.classList.toggle('shown', it.timeline?.check === i);
-    return line;
+    const lines = [row([verdict, link(title, check.location), ...columns.map((name) => check[name] ?? ''), run], columns.map((_, at) => at + 2))];
+    if (notes !== '') {
+      // Whole sentences have a line of their own.
+      const note = node('td', rich(notes), 'faint');
+      note.colSpan = columns.length + 2;
+      lines.push(node('tr', [node('td'), note]));
+    }
+    for (const line of lines) line.classList.toggle('shown', it.timeline?.check === i);
+    return lines;
   });
-  table.replaceChildren(heads(['verdict', 'check', 'value', 'limit', 'slack', '', '']), ...rows);
+  table.replaceChildren(heads(['verdict', 'check', ...columns, '']), ...rows);
 }
 
 function showRun(it: VerificationAnswer, pinned: boolean): void {
@@ -173,7 +187,7 @@ function changes(): WhatIf | undefined {
 
 function showBlocking(it: VerificationAnswer): void {
   const rows = it.blocking.flatMap(({ codel, location, by }) =>
-    by.map((other, i) => row([i === 0 ? link(codel, location) : '', link(other.codel, other.location), other.time, other.through], [2])),
+    by.map((other, i) => row([i === 0 ? link(codel, location) : '', link(other.codel, other.location), other.time, node('span', rich(other.through))], [2])),
   );
   element('blocking').replaceChildren(
     ...(rows.length > 0 ? [heads(['codel', 'may wait for', 'which takes at most', 'because both use']), ...rows] : [row(['No codel can keep another one waiting.'])]),
@@ -212,7 +226,8 @@ function show(next: VerificationAnswer, of: Subject, pinned: boolean): void {
   showRun(next, pinned);
   showWhatIf(next);
   showBlocking(next);
-  element('assumptions').replaceChildren(...[...next.assumptions, ...next.notes].map((it) => node('li', it)));
+  const warnings = next.warnings.map(({ message, location }) => node('li', [link(message, location)]));
+  element('assumptions').replaceChildren(...warnings, ...[...next.assumptions, ...next.notes].map((it) => node('li', rich(it))));
 }
 
 window.addEventListener('message', ({ data }: MessageEvent<ToPage>) => {

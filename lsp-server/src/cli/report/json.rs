@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use camino::Utf8Path;
-use dotgen_analysis::diagnostic::Severity;
+use dotgen_analysis::diagnostic::{Diagnostic, Severity};
 use serde::Serialize;
 
 use super::Report;
@@ -11,8 +11,8 @@ use crate::cli::session::{self, Texts};
 use crate::proto::Range;
 
 #[derive(Serialize)]
-struct Document {
-    diagnostics: Vec<Entry>,
+struct Document<E> {
+    diagnostics: Vec<E>,
 }
 
 #[derive(Serialize)]
@@ -32,25 +32,30 @@ struct Related {
     message: String,
 }
 
-pub(in crate::cli) fn print(report: &Report) -> anyhow::Result<()> {
-    let entries = report.diagnostics.iter().map(|it| Entry {
+/// Diagnostics as programs read them.
+pub(in crate::cli) fn entries(diagnostics: &[Diagnostic], texts: &Texts) -> Vec<impl Serialize> {
+    let entries = diagnostics.iter().map(|it| Entry {
         file: session::display(&it.path),
         severity: it.severity,
         code: it.code,
         message: it.message.clone(),
-        range: range(&report.texts, &it.path, &it.range),
+        range: range(texts, &it.path, &it.range),
         related: it
             .related
             .iter()
             .map(|it| Related {
                 file: session::display(&it.path),
-                range: range(&report.texts, &it.path, &it.range),
+                range: range(texts, &it.path, &it.range),
                 message: it.message.clone(),
             })
             .collect(),
     });
+    entries.collect()
+}
+
+pub(in crate::cli) fn print(report: &Report) -> anyhow::Result<()> {
     let document = Document {
-        diagnostics: entries.collect(),
+        diagnostics: entries(&report.diagnostics, &report.texts),
     };
     let mut json = serde_json::to_string_pretty(&document)?;
     json.push('\n');

@@ -45,6 +45,7 @@ fn document(answer: &Answer) -> anyhow::Result<Value> {
             json["slack"] = json!((summary::slack(value, limit) * 1000.0).round() / 1000.0);
         }
     }
+    document["diagnostics"] = answer.diagnostics.clone();
     if let Some(sensitivity) = &answer.sensitivity {
         document["sensitivity"] = serde_json::to_value(sensitivity)?;
     }

@@ -9,6 +9,8 @@ use dotgen_timing::report::{CheckReport, Event, Soundness, Value, Verdict};
 use dotgen_timing::scn::names::Names;
 
 use super::Answer;
+use crate::verification::advice;
+use crate::verification::folded::{Part, folded, words as again};
 use crate::verification::summary::{self, Scale};
 
 const TITLE: Style = Style::new().bold();
@@ -63,6 +65,9 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
     for it in &report.notes {
         writeln!(out, "{TITLE}note{TITLE:#}: {it}")?;
     }
+    if let Some(it) = advice::of_report(report, &answer.problem, advice::Names::Options) {
+        writeln!(out, "\n{TITLE}help{TITLE:#}: {it}")?;
+    }
     let count = |verdict| {
         report
             .checks
@@ -113,6 +118,9 @@ fn sensitivity(out: &mut impl Write, it: &Sensitivity, scale: Scale) -> anyhow::
             )?;
         }
     }
+    if it.incomplete {
+        writeln!(out, "  {FAINT}given up here: time is up{FAINT:#}")?;
+    }
     Ok(())
 }
 
@@ -131,21 +139,24 @@ struct Row {
 impl Row {
     fn new(check: &CheckReport, names: &Names, scale: Scale) -> Row {
         let limit = summary::limit(check, names, scale);
+        let bound = check.soundness == Soundness::UpperBound;
         let value = check.value.map(|it| match check.verdict {
-            Verdict::Unknown => format!("> {}", scale.show_value(it)),
+            Verdict::Unknown => format!("≥ {}", scale.show_value(it)),
+            _ if bound => format!("≤ {}", scale.show_value(it)),
             _ => scale.show_value(it),
         });
         let slack = match (check.value, limit) {
             (Some(Value::Time(value)), Some(limit)) if check.verdict != Verdict::Unknown => {
-                summary::percent(summary::slack(value, limit))
+                let least = if bound { "≥ " } else { "" };
+                format!("{least}{}", summary::percent(summary::slack(value, limit)))
             }
             _ => String::new(),
         };
         let worth = match check.soundness {
-            Soundness::Exact => None,
+            // The sign before the value says it, and the note why.
+            Soundness::Exact | Soundness::UpperBound => None,
             Soundness::Safe => Some("safe: a failure may be a false alarm"),
             Soundness::Under => Some("for worst-case durations only"),
-            Soundness::UpperBound => Some("an upper bound"),
             Soundness::Neither => Some("for worst-case durations only, indicative"),
         };
         let remarks: Vec<&str> = check.note.as_deref().into_iter().chain(worth).collect();
@@ -240,7 +251,36 @@ fn table(out: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
     Ok(())
 }
 
-/// A run as a list: times once each, who, what.
+/// Of runs with more lines the beginning and the end are shown.
+const LONGEST: usize = 100;
+const FIRST: usize = 20;
+const LAST: usize = 50;
+
+/// A line of a run.
+enum Line {
+    Step(usize),
+    /// What repeats itself, and the last step of that.
+    Again(String, usize),
+}
+
+impl Line {
+    fn last(&self) -> usize {
+        match *self {
+            Line::Step(it) | Line::Again(_, it) => it,
+        }
+    }
+}
+
+fn lines(events: &[Event], cycle: Option<usize>) -> Vec<Line> {
+    let parts = folded(events, cycle).into_iter();
+    let lines = parts.flat_map(|part| match part {
+        Part::Steps(range) => range.map(Line::Step).collect(),
+        Part::Again { steps, times, last } => vec![Line::Again(again(steps, times), last)],
+    });
+    lines.collect()
+}
+
+/// A run as a list: times once each, who, what; and what repeats itself once.
 fn run(
     out: &mut impl Write,
     events: &[Event],
@@ -251,18 +291,57 @@ fn run(
         Some(task) => format!("{}.{task}", it.component),
         None => it.component.clone(),
     };
-    let times: Vec<String> = events.iter().map(|it| scale.show(it.time)).collect();
-    let time_width = times.iter().map(String::len).max().unwrap_or(0);
-    let who_width = events.iter().map(|it| who(it).len()).max().unwrap_or(0);
+    let time = |step: usize| scale.show(events[step].time);
+    let lines = lines(events, cycle);
+    let left_out = match lines.len() > LONGEST {
+        true => FIRST..lines.len() - LAST,
+        false => 0..0,
+    };
+    let shown = lines
+        .iter()
+        .enumerate()
+        .filter(|it| !left_out.contains(&it.0));
+    let steps = shown.filter_map(|it| match it.1 {
+        Line::Step(step) => Some(*step),
+        Line::Again(..) => None,
+    });
+    let widths = steps.map(|it| (time(it).len(), who(&events[it]).len()));
+    let (time_width, who_width) = widths.fold((0, 0), |a, b| (a.0.max(b.0), a.1.max(b.1)));
     let mut before = None;
-    for (i, it) in events.iter().enumerate() {
-        if cycle == Some(i) {
+    for (i, line) in lines.iter().enumerate() {
+        if i == left_out.start && !left_out.is_empty() {
+            let (from, to) = (lines[i - 1].last(), lines[left_out.end - 1].last());
+            let cycle = cycle.filter(|it| (from + 1..=to).contains(it));
+            let cycle = cycle.map_or(String::new(), |it| {
+                format!("; what goes on for ever begins at {}", time(it))
+            });
+            writeln!(
+                out,
+                "  {FAINT}… {} steps until {}{cycle}; `--format json` has all of them …{FAINT:#}",
+                to - from,
+                time(to)
+            )?;
+            before = None;
+        }
+        if left_out.contains(&i) {
+            continue;
+        }
+        let step = match line {
+            Line::Step(step) => *step,
+            Line::Again(what, last) => {
+                writeln!(out, "  {FAINT}… {what}, until {} …{FAINT:#}", time(*last))?;
+                before = None;
+                continue;
+            }
+        };
+        let it = &events[step];
+        if cycle == Some(step) {
             writeln!(out, "  {FAINT}from here on for ever:{FAINT:#}")?;
         }
-        let time = if before == Some(it.time) {
-            ""
+        let at = if before == Some(it.time) {
+            String::new()
         } else {
-            times[i].as_str()
+            time(step)
         };
         before = Some(it.time);
         let style = match it.kind {
@@ -273,7 +352,7 @@ fn run(
         };
         writeln!(
             out,
-            "  {time:>time_width$}  {:<who_width$}  {style}{}{style:#}",
+            "  {at:>time_width$}  {:<who_width$}  {style}{}{style:#}",
             who(it),
             it.what
         )?;

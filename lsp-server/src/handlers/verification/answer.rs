@@ -8,18 +8,21 @@ use dotgen_analysis::host::Cancellable;
 use dotgen_diagram::theme::Theme;
 use dotgen_diagram::timeline::{self, Timeline};
 use dotgen_timing::explore::MomentKind;
+use dotgen_timing::remark::together;
 use dotgen_timing::report::{CheckReport, Event, Soundness, Verdict};
+use dotgen_timing::scn::Severity;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::verify::{Cancel, Options, settings};
 use serde::{Deserialize, Serialize};
-use tokio::runtime::Handle;
 
 use super::{check_of, place};
 use crate::proto::{Location, TextDocumentIdentifier, Uri};
 use crate::snapshot::{Snapshot, Subject};
+use crate::verification::advice;
 use crate::verification::blocking::{self, CodelAt};
+use crate::verification::folded::{Part, folded, words as again};
 use crate::verification::summary;
-use crate::verification::timeline::{Ending, of_run};
+use crate::verification::timeline::{Ending, first_shown, left_out, of_end};
 use crate::verification::what_if::WhatIf;
 use crate::verification::{Problem, TaskBound};
 use crate::verifier::{self, Answer, Found, Status, about};
@@ -72,6 +75,10 @@ pub(crate) struct VerificationResult {
     durations: String,
     /// Why there is no answer.
     errors: Vec<String>,
+    /// What was assumed of the model, and where it stands.
+    warnings: Vec<WarningShown>,
+    /// What to do about checks that were given up.
+    advice: Option<String>,
     checks: Vec<CheckShown>,
     /// Quick bounds by task.
     bounds: Vec<BoundShown>,
@@ -85,6 +92,13 @@ pub(crate) struct VerificationResult {
     seconds: f64,
     /// Whether this is the answer to a variation.
     what_if: bool,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct WarningShown {
+    message: String,
+    location: Option<Location>,
 }
 
 /// A check and its answer.
@@ -276,7 +290,7 @@ impl Prepared {
         };
         let cancel = Arc::new(Cancel::default());
         let _guard = CancelOnDrop(cancel.clone());
-        let (problem, limit, timer) = (Arc::new(problem), self.limit, Handle::current());
+        let (problem, limit) = (Arc::new(problem), self.limit);
         let work = tokio::task::spawn_blocking(move || {
             let last: Mutex<Option<Arc<Answer>>> = Mutex::default();
             let tell = |found: Found| {
@@ -284,7 +298,7 @@ impl Prepared {
                     *last.lock().unwrap_or_else(PoisonError::into_inner) = Some(answer);
                 }
             };
-            verifier::run(problem, options, limit, &cancel, &timer, tell);
+            verifier::run(problem, options, limit, &cancel, tell);
             last.into_inner().unwrap_or_else(PoisonError::into_inner)
         });
         let answer = match work.await {
@@ -387,8 +401,18 @@ pub(crate) fn present(
         return Ok(Some(out));
     };
     let report = &answer.report;
-    let of_report = report.diagnostics.iter();
-    out.errors.extend(of_report.map(|it| it.message.clone()));
+    for it in together(&report.diagnostics) {
+        if it.severity == Severity::Error {
+            out.errors.push(it.message);
+            continue;
+        }
+        let at = prepared.places.diagnostic(&it);
+        out.warnings.push(WarningShown {
+            location: snapshot.location(&at.path, &at.range)?,
+            message: at.message,
+        });
+    }
+    out.advice = advice::of_report(report, problem, advice::Names::Settings);
     out.minimum_cores = answer.cores.as_ref().and_then(|it| it.cores);
     out.assumptions.clone_from(&report.assumptions);
     out.notes.clone_from(&report.notes);
@@ -446,13 +470,15 @@ fn shown_check(
 ) -> Cancellable<CheckShown> {
     use dotgen_timing::report::Value;
     let limit = summary::limit(check, names, scale);
-    let at_least = match check.verdict {
-        Verdict::Unknown => "at least ",
-        _ => "",
+    let (sign, least) = match (check.verdict, check.soundness) {
+        (Verdict::Unknown, _) => ("≥ ", ""),
+        (_, Soundness::UpperBound) => ("≤ ", "≥ "),
+        _ => ("", ""),
     };
     let slack = match (check.value, limit) {
         (Some(Value::Time(value)), Some(limit)) if check.verdict != Verdict::Unknown => {
-            Some(summary::percent(summary::slack(value, limit)))
+            let slack = summary::percent(summary::slack(value, limit));
+            Some(format!("{least}{slack}"))
         }
         _ => None,
     };
@@ -475,20 +501,52 @@ fn shown_check(
             Soundness::Exact => None,
             Soundness::Safe => Some("safe: may be a false alarm, never misses".to_owned()),
             Soundness::Under => Some("for worst-case durations only".to_owned()),
-            Soundness::UpperBound => {
-                Some("an upper bound; the exact value was not found".to_owned())
-            }
+            Soundness::UpperBound => Some("an upper bound".to_owned()),
             Soundness::Neither => Some("for worst-case durations only, indicative".to_owned()),
         },
         value: check
             .value
-            .map(|it| format!("{at_least}{}", scale.show_value(it))),
+            .map(|it| format!("{sign}{}", scale.show_value(it))),
         limit: limit.map(|it| scale.show(it)),
         slack,
         note: check.note.clone(),
         has_run: !run(check).is_empty(),
         location,
     })
+}
+
+/// A run line by line, what repeats itself once. It may be the end of one, without the first so many events.
+fn in_words(
+    events: &[Event],
+    cycle: Option<usize>,
+    without: usize,
+    scale: summary::Scale,
+) -> Vec<String> {
+    let cycle = cycle.and_then(|it| it.checked_sub(without));
+    let mut lines = Vec::new();
+    for part in folded(events, cycle) {
+        match part {
+            Part::Steps(range) => {
+                for step in range {
+                    if cycle == Some(step) {
+                        lines.push("from here on for ever:".to_owned());
+                    }
+                    let event = &events[step];
+                    let who = match &event.task {
+                        Some(task) => format!("{}.{task}", event.component),
+                        None => event.component.clone(),
+                    };
+                    lines.push(format!("{}  {who}  {}", scale.show(event.time), event.what));
+                }
+            }
+            Part::Again { steps, times, last } => lines.push(format!(
+                "… {}, until {} …",
+                again(steps, times),
+                scale.show(events[last].time)
+            )),
+        }
+    }
+    lines
 }
 
 fn shown_run(
@@ -515,17 +573,16 @@ fn shown_run(
         true => Ending::Miss(&check.of),
         false => Ending::Fine,
     };
-    let picture = of_run(title.clone(), &answer.report.unit, events, ending);
-    let mut links = Vec::new();
-    let mut lines = Vec::new();
-    let scale = answer.scale();
-    for event in events {
+    let first = first_shown(events);
+    let picture = of_end(title.clone(), &answer.report.unit, events, first, ending);
+    // Of what is not shown nothing can be clicked.
+    let mut links = vec![None; first];
+    for event in &events[first..] {
         links.push(locate(snapshot, &prepared.places, event.src)?);
-        let who = match &event.task {
-            Some(task) => format!("{}.{task}", event.component),
-            None => event.component.clone(),
-        };
-        lines.push(format!("{}  {who}  {}", scale.show(event.time), event.what));
+    }
+    let mut lines = in_words(&events[first..], check.cycle, first, answer.scale());
+    if first > 0 {
+        lines.insert(0, format!("… {}", left_out(first)));
     }
     Ok(TimelineShown {
         check: number,

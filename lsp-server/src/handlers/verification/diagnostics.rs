@@ -7,12 +7,16 @@ use dotgen_analysis::codes;
 use dotgen_analysis::diagnostic::{Diagnostic, Related, Severity};
 use dotgen_analysis::host::Cancellable;
 use dotgen_timing::explore::MomentKind;
+use dotgen_timing::remark::together;
 use dotgen_timing::report::{CheckReport, Value, Verdict};
+use dotgen_timing::scn;
 
 use super::{check_of, place, tasks};
 use crate::config::Level;
 use crate::proto::Uri;
 use crate::snapshot::Snapshot;
+use crate::verification::Problem;
+use crate::verification::advice::{self, Names};
 use crate::verification::problem::{self, EXTENSION};
 use crate::verifier::{Answer, Entry, about};
 
@@ -62,8 +66,19 @@ pub(crate) fn in_specification(
     for (_, entry) in about(snapshot, path) {
         let found = specification(snapshot, entry, path);
         out.extend(found.into_iter().map(|it| it.diagnostic));
+        out.extend(of_model(entry, path));
     }
     Ok(out)
+}
+
+/// Why a specification cannot be verified without a scenario. What is merely remarked about it is said by analysis;
+/// and what is wrong with a scenario is said there.
+fn of_model(entry: &Entry, path: &Utf8Path) -> Vec<Diagnostic> {
+    let answer = entry.settled().filter(|_| !entry.problem.is_written());
+    let found = answer.iter().flat_map(|it| &it.report.diagnostics);
+    let found = found.filter(|it| it.remark.is_none());
+    let found = found.map(|it| entry.problem.diagnostic(it));
+    found.filter(|it| it.path == path).collect()
 }
 
 fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Found> {
@@ -95,17 +110,27 @@ pub(crate) fn in_scenario(snapshot: &Snapshot, path: &Utf8Path) -> Vec<Diagnosti
     };
     let mut out: Vec<Diagnostic> = Vec::new();
     if let Some(answer) = entry.settled() {
-        let of_model = answer.report.diagnostics.iter();
-        out.extend(of_model.map(|it| {
-            let mut it = problem::diagnostic(it, path);
-            if it.range.is_empty() {
-                it.range = entry.problem.scenario.name_range.clone();
-            }
-            it
-        }));
+        let of_model = together(&answer.report.diagnostics);
+        out.extend(of_model.iter().map(|it| at_use(&entry.problem, it)));
     }
     let checks = scenario(snapshot, entry, path).into_iter();
     out.extend(checks.map(|it| it.diagnostic));
+    out
+}
+
+/// What is about a specification stands at the `use` of it, and leads there.
+fn at_use(problem: &Problem, it: &scn::Diagnostic) -> Diagnostic {
+    let mut out = problem.diagnostic(it);
+    if let Some(place) = it.places.first().filter(|_| out.path != problem.path) {
+        let uses = problem::used(&problem.scenario, &problem.path);
+        let range = uses.get(place.spec).map(|it| it.range.clone());
+        let related = Related {
+            path: std::mem::replace(&mut out.path, problem.path.clone()),
+            range: std::mem::replace(&mut out.range, range.unwrap_or_default()),
+            message: place.what.clone(),
+        };
+        out.related.insert(0, related);
+    }
     out
 }
 
@@ -138,16 +163,16 @@ fn diagnostic(
     let scale = answer.scale();
     let (code, mut message) = match (check.verdict, check.check, check.value) {
         (Verdict::Proved, ..) => return None,
-        (Verdict::Unknown, ..) => (
-            GAVE_UP,
+        (Verdict::Unknown, ..) => (GAVE_UP, {
+            let why = check.note.as_deref().unwrap_or("gave up");
+            let reason = check.gave_up.map(|it| it.reason);
+            let advice = advice::of(reason, &answer.problem, Names::Settings);
+            let advice = advice.map_or(String::new(), |it| format!("; {it}"));
             format!(
-                "`{} {}` is neither proved nor refuted: {}; raise the limits of verification in the \
-                 settings, or make the scenario smaller",
-                check.check,
-                check.of,
-                check.note.as_deref().unwrap_or("gave up")
-            ),
-        ),
+                "`{} {}` is neither proved nor refuted: {why}{advice}",
+                check.check, check.of
+            )
+        }),
         (_, "schedulable", _) => {
             let last = check.counterexample.last()?;
             (

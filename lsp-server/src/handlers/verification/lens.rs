@@ -58,7 +58,7 @@ pub(crate) fn scenario_lenses(
             let Some(check) = check_of(&entry.problem.scenario, report) else {
                 continue;
             };
-            let mut word = verdict(report).to_owned();
+            let mut word = verdict(report);
             if let Some(value) = report.value {
                 let least = match report.verdict {
                     Verdict::Unknown => "at least ",
@@ -178,8 +178,8 @@ fn of_task(entry: &Entry, task: &str) -> Option<String> {
         "refuted".to_owned()
     } else if has(Verdict::Unknown) {
         let mut unknown = all.iter().filter(|it| it.verdict == Verdict::Unknown);
-        let note = unknown.find_map(|it| it.note.clone());
-        note.unwrap_or_else(|| "gave up".to_owned())
+        let why = unknown.find_map(|it| it.gave_up);
+        why.map_or("gave up".to_owned(), |it| it.to_string())
     } else {
         "proved".to_owned()
     };
@@ -223,11 +223,12 @@ fn scale_of(entry: &Entry) -> Scale {
     Scale::of(&settings(&entry.problem.scenario, &Default::default()))
 }
 
-fn verdict(report: &CheckReport) -> &str {
-    match report.verdict {
-        Verdict::Proved => "proved",
-        Verdict::Refuted => "refuted",
-        Verdict::Unknown => report.note.as_deref().unwrap_or("gave up"),
+fn verdict(report: &CheckReport) -> String {
+    match (report.verdict, report.gave_up) {
+        (Verdict::Proved, _) => "proved".to_owned(),
+        (Verdict::Refuted, _) => "refuted".to_owned(),
+        (Verdict::Unknown, Some(why)) => why.to_string(),
+        (Verdict::Unknown, None) => "gave up".to_owned(),
     }
 }
 

@@ -3,6 +3,20 @@ import assert from 'node:assert/strict';
 import { until } from '../harness.mjs';
 
 export const workspace = 'pump';
+/** Nobody has measured it, and it can go round for ever. */
+const GUESS = `component guess {
+  version "1.0";
+  ids { long x; };
+  task spin { period 10 ms; codel<start> f(out x) yield go;
+    codel<go> g(out x) yield go, pause::go;
+  };
+  task slow { period 20 ms; codel<start> h(in x) yield pause::start wcet 3 ms; };
+};
+`;
+export const files = {
+  'guess.gen': GUESS,
+  'guess.scn': 'scenario guess {\n  use "guess.gen";\n  check schedulable guess.slow;\n  check response guess.spin;\n}\n',
+};
 export const settings = { 'workbench.colorTheme': 'Default Dark Modern' };
 
 export function checks(wb) {
@@ -102,7 +116,7 @@ export function checks(wb) {
     }],
     ['shorter again, it is proved; the run stays until it is dismissed', async () => {
       await frame.locator('#checks a', { hasText: 'show why' }).first().click();
-      await frame.locator('#checks tr.shown').waitFor();
+      await frame.locator('#checks tr.shown').first().waitFor();
       await page.locator('.monaco-editor .view-line', { hasText: 'pump: keeps' }).first().click();
       await wcet(6, 4);
       await state('proved').waitFor();
@@ -132,6 +146,29 @@ export function checks(wb) {
       await limit('smallest number of cores').waitFor({ state: 'detached' });
       await wcet(5, 4);
       await state('proved').waitFor();
+    }],
+    ['what was given up names the setting to raise', async () => {
+      wb.folderSettings({ 'dotgen.verification': { 'max-states': 30 } });
+      await state('gave up').waitFor();
+      await frame.locator('#notice', { hasText: 'raise verification.max-states in the settings' }).waitFor();
+      await lens('gave up at').waitFor();
+      await frame.locator('#title').scrollIntoViewIfNeeded();
+      await wb.shot('69-gave-up.png');
+      wb.folderSettings({});
+      await state('proved').waitFor();
+      await frame.locator('#notice').waitFor({ state: 'hidden' });
+    }],
+    ['what is assumed of the model leads to it', async () => {
+      await wb.open('guess.scn');
+      await wb.squiggles('warning').first().waitFor();
+      await wb.command('dotgen: Show Verification');
+      const assumed = frame.locator('#assumptions a');
+      await assumed.filter({ hasText: 'have no wcet' }).waitFor();
+      await frame.locator('#assumptions').scrollIntoViewIfNeeded();
+      await wb.shot('69-assumed.png');
+      await assumed.filter({ hasText: 'have no wcet' }).click();
+      await page.locator('.tab.active', { hasText: 'guess.gen' }).waitFor();
+      await page.locator('.monaco-editor .line-numbers.active-line-number', { hasText: /^4$/ }).waitFor();
     }],
   ];
   return { more };

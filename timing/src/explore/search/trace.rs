@@ -7,6 +7,7 @@ use crate::explore::run::Run;
 use crate::explore::state::{State, TaskStatus, phase};
 use crate::explore::step::{Action, Enabled};
 use crate::explore::store::{Encoded, encode, holds};
+use crate::explore::symmetry::Renaming;
 use crate::property::Predicate;
 use crate::system::Ticks;
 
@@ -20,6 +21,15 @@ pub(super) enum Goal<'g> {
     Deadlock,
 }
 
+/// How a state is like the goal.
+#[derive(Default)]
+struct Hit {
+    /// The task of which it is true, of those that are not told apart.
+    task: Option<usize>,
+    /// How it was put in order.
+    order: Option<Renaming>,
+}
+
 /// Remaining time of each executing executor at some point of a run.
 type Point = Vec<Option<Ticks>>;
 
@@ -29,12 +39,14 @@ impl Search<'_> {
     pub(super) fn trace(&self, at: Sight, goal: &Goal) -> Run {
         let mut segments: Vec<(u64, Vec<Action>)> = Vec::new();
         let mut node = at.parent;
+        let mut task = None;
         let mut point = if matches!(goal, Goal::Deadlock) {
             self.any_point(&self.node_state(node))
         } else {
-            let Some((actions, last)) = self.segment(node, at.time, goal) else {
+            let Some((actions, last, hit)) = self.segment(node, at.time, goal) else {
                 return Run::default();
             };
+            task = hit.task;
             segments.push((at.time, actions));
             self.any_point(&last)
         };
@@ -43,9 +55,20 @@ impl Search<'_> {
                 point = self.point_before(node, segment, &point);
             }
             // Nobody wants it any more; a part of a run would be of no use.
-            let Some((parent, actions)) = self.segment_to(node, &point) else {
+            let Some((parent, actions, order)) = self.segment_to(node, &point) else {
                 return Run::default();
             };
+            if let Some(back) = order.map(|it| it.inverse()) {
+                for (_, later) in &mut segments {
+                    later.iter_mut().for_each(|it| *it = back.action(*it));
+                }
+                task = task.map(|it| back.task(it));
+                let after = std::mem::take(&mut point);
+                point = vec![None; after.len()];
+                for (e, remaining) in after.into_iter().enumerate() {
+                    point[back.executor(e)] = remaining;
+                }
+            }
             segments.push((self.nodes[node as usize].time, actions));
             node = parent;
         }
@@ -54,7 +77,10 @@ impl Search<'_> {
             run.extend(time, actions);
         }
         run.end = at.time;
-        run
+        match (task, goal.task()) {
+            (Some(from), Some(to)) if from != to => self.exchanged(&run, from, to),
+            _ => run,
+        }
     }
 
     fn any_point(&self, s: &State) -> Point {
@@ -93,8 +119,8 @@ impl Search<'_> {
             .collect()
     }
 
-    /// A way from one of the parents of a node to the given point of it.
-    fn segment_to(&self, node: u32, point: &Point) -> Option<(u32, Vec<Action>)> {
+    /// A way from one of the parents of a node to the given point of it, and how the state there is put in order.
+    fn segment_to(&self, node: u32, point: &Point) -> Option<(u32, Vec<Action>, Option<Renaming>)> {
         let record = &self.nodes[node as usize];
         let mut s = self.node_state(node);
         for (e, remaining) in point.iter().enumerate() {
@@ -109,8 +135,8 @@ impl Search<'_> {
         let mut edge = record.edges;
         while let Some(&(parent, next)) = self.edges.get(edge as usize) {
             let goal = Goal::Calm(&wanted.key, &wanted.dims);
-            if let Some((actions, _)) = self.segment(parent, record.time, &goal) {
-                return Some((parent, actions));
+            if let Some((actions, _, hit)) = self.segment(parent, record.time, &goal) {
+                return Some((parent, actions, hit.order));
             }
             edge = next;
         }
@@ -118,7 +144,7 @@ impl Search<'_> {
     }
 
     /// Actions at one moment after the jump of a node, up to a state like the goal.
-    fn segment(&self, parent: u32, time: u64, goal: &Goal) -> Option<(Vec<Action>, State)> {
+    fn segment(&self, parent: u32, time: u64, goal: &Goal) -> Option<(Vec<Action>, State, Hit)> {
         let mut start = if parent == ROOT {
             let mut s = self.stepper.initial();
             observe::observe(&self.stepper, &self.observers, None, &mut s);
@@ -136,6 +162,7 @@ impl Search<'_> {
         let mut enabled = Enabled::default();
         let mut followed = Vec::new();
         let mut it = Encoded::default();
+        let mut ordered = State::default();
         let mut at = 0;
         while at < found.len() {
             if at % LOOKS == 0 && self.cancel.is_abandoned() {
@@ -144,7 +171,7 @@ impl Search<'_> {
             let s = found[at].0.clone();
             let before = found.get(found[at].1).map(|it| it.0.clone());
             self.stepper.enabled(&s, &mut enabled);
-            if self.is_goal(before.as_ref(), &s, &enabled, goal) {
+            if let Some(hit) = self.is_goal(before.as_ref(), &s, &enabled, goal) {
                 let mut actions = Vec::new();
                 let mut back = at;
                 while let Some(action) = found[back].2 {
@@ -152,7 +179,7 @@ impl Search<'_> {
                     back = found[back].1;
                 }
                 actions.reverse();
-                return Some((actions, s));
+                return Some((actions, s, hit));
             }
             self.ample
                 .select(&self.stepper, &s, &enabled, &mut followed);
@@ -166,10 +193,12 @@ impl Search<'_> {
                 {
                     next.t[clock] = 0;
                 }
-                encode(&self.stepper, &next, &mut it);
+                ordered.clone_from(&next);
+                self.symmetry.order(&self.stepper.layout, &mut ordered);
+                encode(&self.stepper, &ordered, &mut it);
                 // What is left is seen in a step, not in the state it leads to.
-                let by_step =
-                    matches!(goal, Goal::Reach(_)) && self.is_goal(Some(&s), &next, &enabled, goal);
+                let by_step = matches!(goal, Goal::Reach(_))
+                    && self.is_goal(Some(&s), &next, &enabled, goal).is_some();
                 if seen.insert((it.clone(), by_step)) {
                     found.push((next, at, Some(action)));
                 }
@@ -190,24 +219,57 @@ impl Search<'_> {
         }
     }
 
-    fn is_goal(&self, before: Option<&State>, s: &State, enabled: &Enabled, goal: &Goal) -> bool {
+    fn is_goal(
+        &self,
+        before: Option<&State>,
+        s: &State,
+        enabled: &Enabled,
+        goal: &Goal,
+    ) -> Option<Hit> {
         let l = &self.stepper.layout;
+        let some_task = |task: usize, found: &dyn Fn(usize) -> bool| {
+            let mut orbit = self.symmetry.orbit(task).iter().copied();
+            let task = orbit.find(|&it| found(it));
+            task.map(|it| Hit {
+                task: Some(it),
+                order: None,
+            })
+        };
+        let lasts = |of: Timing, value| {
+            of.runs(l, s) && of.clock(l).is_none_or(|clock| s.t[clock] >= value)
+        };
         match *goal {
-            Goal::Missed(task) => missed(&self.stepper, s, task),
-            Goal::Overdue(task) => overdue(&self.stepper, s, task),
-            Goal::Reach(it) => observe::predicate(&self.stepper, before, s, it),
-            Goal::Lasts(of, value) => {
-                of.runs(l, s) && of.clock(l).is_none_or(|clock| s.t[clock] >= value)
+            Goal::Missed(task) => some_task(task, &|it| missed(&self.stepper, s, it)),
+            Goal::Overdue(task) => some_task(task, &|it| overdue(&self.stepper, s, it)),
+            Goal::Reach(it) => observe::predicate(&self.stepper, before, s, it).then(Hit::default),
+            Goal::Lasts(Timing::Response(task), value) => {
+                some_task(task, &|it| lasts(Timing::Response(it), value))
             }
+            Goal::Lasts(of, value) => lasts(of, value).then(Hit::default),
             Goal::Calm(key, dims) => {
                 if enabled.committed || enabled.urgent {
-                    return false;
+                    return None;
                 }
+                let mut s = s.clone();
+                let order = self.symmetry.order(l, &mut s);
                 let mut it = Encoded::default();
-                encode(&self.stepper, s, &mut it);
-                it.key == key && holds(l, &it.dims, dims)
+                encode(&self.stepper, &s, &mut it);
+                let same = it.key == key && holds(l, &it.dims, dims);
+                same.then_some(Hit { task: None, order })
             }
-            Goal::Deadlock => false,
+            Goal::Deadlock => None,
+        }
+    }
+}
+
+impl Goal<'_> {
+    /// The task it is about.
+    fn task(&self) -> Option<usize> {
+        match *self {
+            Goal::Missed(task) | Goal::Overdue(task) | Goal::Lasts(Timing::Response(task), _) => {
+                Some(task)
+            }
+            _ => None,
         }
     }
 }

@@ -1,0 +1,166 @@
+//! How far a long verification is: one line on the terminal, which goes when it has ended.
+
+use std::io::{IsTerminal, Write};
+use std::sync::{Condvar, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use dotgen_timing::verify::{Cancel, Effort};
+
+/// What is soon over says nothing.
+const FIRST: Duration = Duration::from_secs(1);
+const EVERY: Duration = Duration::from_millis(250);
+
+/// Longer lines would be wrapped, and could not be taken back.
+const WIDTH: usize = 78;
+
+/// Does some work, which says what it is at; meanwhile its line is kept up to date.
+pub(super) fn during<R>(
+    cancel: &Cancel,
+    doing: &str,
+    work: impl FnOnce(&(dyn Fn(String) + Sync)) -> R,
+) -> R {
+    let dumb = std::env::var_os("TERM").is_some_and(|it| it == "dumb");
+    if dumb || !std::io::stderr().is_terminal() {
+        return work(&|_| {});
+    }
+    let shared = Shared {
+        doing: Mutex::new(doing.to_owned()),
+        over: Mutex::new(false),
+        ended: Condvar::new(),
+    };
+    std::thread::scope(|scope| {
+        scope.spawn(|| shared.paint(cancel, &mut Line::new(std::io::stderr())));
+        let _end = End(&shared);
+        work(&|doing| *lock(&shared.doing) = doing)
+    })
+}
+
+struct Shared {
+    doing: Mutex<String>,
+    over: Mutex<bool>,
+    ended: Condvar,
+}
+
+/// Ends the painting, also when the work panics.
+struct End<'s>(&'s Shared);
+
+impl Drop for End<'_> {
+    fn drop(&mut self) {
+        *lock(&self.0.over) = true;
+        self.0.ended.notify_all();
+    }
+}
+
+fn lock<T>(it: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    it.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Shared {
+    fn paint(&self, cancel: &Cancel, line: &mut Line<impl Write>) {
+        let start = Instant::now();
+        let mut pause = FIRST;
+        let mut over = lock(&self.over);
+        while !*over {
+            let waited = self.ended.wait_timeout(over, pause);
+            over = waited.unwrap_or_else(PoisonError::into_inner).0;
+            if !*over {
+                let doing = lock(&self.doing).clone();
+                line.show(&words(&doing, cancel.effort(), start.elapsed()));
+            }
+            pause = EVERY;
+        }
+        line.clear();
+    }
+}
+
+/// `verifying hover: 1203456 states, 12 s, 340 MB`
+fn words(doing: &str, effort: Effort, elapsed: Duration) -> String {
+    let Effort { states, bytes } = effort;
+    let so_far = format!(
+        ": {states} states, {} s, {} MB",
+        elapsed.as_secs(),
+        bytes >> 20
+    );
+    let left = WIDTH.saturating_sub(so_far.len());
+    match doing.char_indices().nth(left) {
+        None => format!("{doing}{so_far}"),
+        Some(_) => {
+            let start: String = doing.chars().take(left.saturating_sub(2)).collect();
+            format!("{start} …{so_far}")
+        }
+    }
+}
+
+/// A line that is written over itself. A terminal that does not take it is none of our business.
+struct Line<W> {
+    out: W,
+    shown: bool,
+}
+
+impl<W: Write> Line<W> {
+    fn new(out: W) -> Self {
+        Line { out, shown: false }
+    }
+
+    fn show(&mut self, text: &str) {
+        let _ = write!(self.out, "\r\x1b[2K{text}");
+        let _ = self.out.flush();
+        self.shown = true;
+    }
+
+    fn clear(&mut self) {
+        if std::mem::take(&mut self.shown) {
+            let _ = write!(self.out, "\r\x1b[2K");
+            let _ = self.out.flush();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_says_how_far_it_is_and_fits() {
+        let effort = Effort {
+            states: 1_203_456,
+            bytes: 340 << 20,
+        };
+        let after = Duration::from_millis(12_700);
+        assert_eq!(
+            words("verifying hover", effort, after),
+            "verifying hover: 1203456 states, 12 s, 340 MB"
+        );
+        let long = format!("looking for the WCET of {}", "é".repeat(100));
+        let line = words(&long, effort, after);
+        assert!(line.chars().count() <= WIDTH, "{line}");
+        assert!(
+            line.ends_with("é …: 1203456 states, 12 s, 340 MB"),
+            "{line}"
+        );
+    }
+
+    #[test]
+    fn a_line_is_written_over_and_removed() {
+        let mut out = Vec::new();
+        let mut line = Line::new(&mut out);
+        line.show("one");
+        line.show("two");
+        line.clear();
+        line.clear();
+        let out = String::from_utf8(out).expect("text");
+        assert_eq!(out, "\r\x1b[2Kone\r\x1b[2Ktwo\r\x1b[2K");
+    }
+
+    #[test]
+    fn what_is_soon_over_is_not_shown() {
+        let shared = Shared {
+            doing: Mutex::default(),
+            over: Mutex::new(true),
+            ended: Condvar::new(),
+        };
+        let mut out = Vec::new();
+        shared.paint(&Cancel::default(), &mut Line::new(&mut out));
+        assert_eq!(out, b"");
+    }
+}

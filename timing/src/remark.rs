@@ -1,0 +1,156 @@
+//! What is assumed of a model and its user should know: of one thing, or of several in one sentence.
+
+use std::ops::Range;
+
+use crate::scn::{Diagnostic, Place};
+
+/// An assumption about one thing.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Remark {
+    /// A codel without execution time.
+    NoWcet {
+        /// Its function.
+        codel: String,
+        /// Where it is used: `component.owner.state`.
+        path: String,
+    },
+    /// A cycle of states that a turn can go round as often as it likes.
+    StateCycle {
+        /// `component.task` or `component.service`.
+        machine: String,
+        /// `a → b → a`
+        cycle: String,
+        /// Whether a loop limit makes sense for the machine.
+        can_be_limited: bool,
+    },
+}
+
+/// More names than this are counted only.
+const NAMED: usize = 6;
+
+impl Remark {
+    /// As a warning: at a place of the scenario, if there is one, and about places of the specifications.
+    pub(crate) fn warning(self, range: Range<usize>, places: Vec<Place>) -> Diagnostic {
+        let about = Diagnostic {
+            places,
+            ..Diagnostic::warning(self.code(), range, words(&self, &[]))
+        };
+        Diagnostic {
+            remark: Some(Box::new(self)),
+            ..about
+        }
+    }
+
+    fn code(&self) -> &'static str {
+        match self {
+            Remark::NoWcet { .. } => "timing-no-wcet",
+            Remark::StateCycle { .. } => "timing-state-cycle",
+        }
+    }
+
+    /// Whether both can be said in one sentence.
+    fn joins(&self, other: &Remark) -> bool {
+        match (self, other) {
+            (Remark::NoWcet { .. }, Remark::NoWcet { .. }) => true,
+            (Remark::StateCycle { machine: a, .. }, Remark::StateCycle { machine: b, .. }) => {
+                a == b
+            }
+            _ => false,
+        }
+    }
+
+    /// What it is about, among others of its kind.
+    fn name(&self) -> &str {
+        match self {
+            Remark::NoWcet { path, .. } => path,
+            Remark::StateCycle { cycle, .. } => cycle,
+        }
+    }
+}
+
+/// Joins what can be said in one sentence: the codels of a specification that have no execution time, the state
+/// cycles of one machine. The rest stays as it is, and so does the order.
+pub fn together(all: &[Diagnostic]) -> Vec<Diagnostic> {
+    let mut groups: Vec<Vec<&Diagnostic>> = Vec::new();
+    for it in all {
+        let joins = |group: &&mut Vec<&Diagnostic>| {
+            let first = group[0];
+            let spec = |it: &Diagnostic| it.places.first().map(|it| it.spec);
+            let pair = first.remark.as_ref().zip(it.remark.as_ref());
+            pair.is_some_and(|(a, b)| a.joins(b))
+                && first.range == it.range
+                && spec(first) == spec(it)
+        };
+        match groups.iter_mut().find(joins) {
+            Some(group) => group.push(it),
+            None => groups.push(vec![it]),
+        }
+    }
+    groups.into_iter().map(|it| joined(&it)).collect()
+}
+
+fn joined(group: &[&Diagnostic]) -> Diagnostic {
+    let mut out = group[0].clone();
+    let Some(first) = &out.remark else {
+        return out;
+    };
+    let mut others: Vec<&Remark> = Vec::new();
+    for &it in &group[1..] {
+        // A codel of several states is one codel.
+        let known = |place: &Place| out.places.iter().any(|it| it.at() == place.at());
+        let is_codel = matches!(it.remark.as_deref(), Some(Remark::NoWcet { .. }));
+        if is_codel && it.places.iter().all(known) {
+            continue;
+        }
+        others.extend(it.remark.as_deref());
+        for place in &it.places {
+            if out.places.iter().all(|it| it.at() != place.at()) {
+                out.places.push(place.clone());
+            }
+        }
+    }
+    out.message = words(first, &others);
+    out
+}
+
+fn words(first: &Remark, others: &[&Remark]) -> String {
+    let count = others.len() + 1;
+    let all = std::iter::once(&first).chain(others);
+    let mut names: Vec<&str> = all.map(|it| it.name()).collect();
+    names.truncate(NAMED);
+    let mut names = names.join(", ");
+    if count > NAMED {
+        names += &format!(" and {} more", count - NAMED);
+    }
+    match first {
+        Remark::NoWcet { codel, path } => {
+            let what = match count {
+                1 => format!("codel {codel} ({path}) has no `wcet` and is taken to need no time"),
+                _ => {
+                    format!("{count} codels have no `wcet` and are taken to need no time: {names}")
+                }
+            };
+            format!("{what}; add the measured worst case, or a `duration` in a scenario")
+        }
+        Remark::StateCycle {
+            machine,
+            can_be_limited,
+            ..
+        } => {
+            let what = match count {
+                1 => "state cycle without pause".to_owned(),
+                _ => format!("{count} state cycles without pause"),
+            };
+            let advice = match (can_be_limited, count) {
+                (true, _) => format!("unless a scenario says `loop once {machine};`"),
+                (false, 1) => {
+                    "until one of its codels yields `pause::` or `ether` instead".to_owned()
+                }
+                (false, _) => {
+                    "until a codel of each yields `pause::` or `ether` instead".to_owned()
+                }
+            };
+            format!("{machine}: {what}: {names}; a turn may take arbitrarily long {advice}")
+        }
+    }
+}

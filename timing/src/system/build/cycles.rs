@@ -1,0 +1,99 @@
+//! Cycles of states without pause, and loop limits that cannot be kept.
+
+use dotgen_analysis::model::Src;
+
+use super::Builder;
+use crate::remark::Remark;
+use crate::scn::{Diagnostic, Place};
+use crate::system::{Machine, loop_contradictions, loops};
+
+impl Builder<'_> {
+    /// Settles how loop limits count, and reports cycles without one and limits that contradict themselves.
+    pub(super) fn loops(&mut self) {
+        let mut found = Vec::new();
+        for machine in 0..self.out.system.machines.len() {
+            let system = &self.out.system;
+            let used = system.automata.iter().find(|it| it.machine == machine);
+            let Some(used) = used else { continue };
+            let aperiodic = system.tasks[used.task].period.is_none();
+            let permanent = used.service.is_none();
+            let rule = self.loop_rules.get(&machine).cloned().unwrap_or_default();
+            let it = &system.machines[machine];
+            let cycles = loops::pauseless_cycles(it);
+            let rounds = aperiodic
+                && permanent
+                && (0..it.states.len()).any(|state| !loops::can_pause(it, state));
+            if it.loop_limit.is_none() {
+                let can_be_limited = rounds || loops::can_be_limited(it);
+                for cycle in cycles {
+                    let names: Vec<&str> = cycle.iter().map(|&at| &*it.states[at].name).collect();
+                    let remark = Remark::StateCycle {
+                        machine: it.name.clone(),
+                        cycle: names.join(" → "),
+                        can_be_limited,
+                    };
+                    found.push(remark.warning(rule.clone(), self.around(it, &cycle)));
+                }
+                continue;
+            }
+            let it = &mut self.out.system.machines[machine];
+            if cycles.is_empty() {
+                // Nothing to count.
+                it.loop_limit = None;
+                continue;
+            }
+            it.rounds = rounds;
+            let it = &self.out.system.machines[machine];
+            let limits = match it.loop_limit {
+                Some(1) => "no limit helps, as what led there can be repeated",
+                _ => "a greater limit need not help",
+            };
+            for at in loop_contradictions(it) {
+                let (name, state) = (&it.name, &it.states[at].name);
+                let mut error = Diagnostic::error(
+                    "scn-contradictory-loop",
+                    rule.clone(),
+                    format!(
+                        "the scenario is contradictory: under its loop limit, {name} can go nowhere from state \
+                         `{state}`; {limits}: let the codel of `{state}` yield `pause::` or `ether` as well, or \
+                         leave the turns without a limit: `loop free {name};`",
+                    ),
+                );
+                error.places = self.codel_place(it, at, None, "nowhere to go from here");
+                found.push(error);
+            }
+        }
+        for it in found {
+            self.report(it);
+        }
+    }
+
+    /// Where a cycle of states is written: one `yield` after the other.
+    fn around(&self, machine: &Machine, cycle: &[usize]) -> Vec<Place> {
+        let steps = cycle.windows(2).flat_map(|step| {
+            let next = &machine.states[step[1]].name;
+            let what = format!("`{}` → `{next}`", machine.states[step[0]].name);
+            self.codel_place(machine, step[0], Some(next), &what)
+        });
+        steps.collect()
+    }
+
+    /// The codel of a state, or the place at which it yields another one.
+    fn codel_place(
+        &self,
+        machine: &Machine,
+        state: usize,
+        next: Option<&str>,
+        what: &str,
+    ) -> Vec<Place> {
+        let codel = machine.states[state].codel;
+        let Some((c, site)) = self.out.system.codels[codel].site else {
+            return Vec::new();
+        };
+        let codel = self.names.components[c].component.codel(site);
+        let yielded = codel.yields.iter();
+        let yielded = yielded.filter(|it| !it.paused && Some(it.name.as_str()) == next);
+        let src: Src = yielded.map(|it| it.src).next().unwrap_or(codel.src);
+        vec![self.place(c, src, what)]
+    }
+}
