@@ -3,15 +3,15 @@
 //! The layers report in their own terms; here ids become ranges, configured severities are applied,
 //! and what only follows from another problem is left out.
 
+mod consequence;
 mod text;
 
 use std::sync::Arc;
 
 use camino::Utf8Path;
 
-use dotgen_syntax::{SyntaxKind, SyntaxNode, TextRange};
+use dotgen_syntax::TextRange;
 use rustc_hash::FxHashSet;
-use smol_str::SmolStr;
 
 use crate::{
     base::{Db, SourceFile},
@@ -26,11 +26,12 @@ use crate::{
     source_map::{bytes, ptr},
     suppress::suppressions,
     unit::{
-        self, FileKey, Outcome, UnitKey, Visits, lowered, parsed, preprocessed, roots_of,
-        unit_of_root, visits,
+        self, FileKey, UnitKey, Visits, lowered, parsed, preprocessed, roots_of, unit_of_root,
+        visits,
     },
 };
 
+use consequence::Missing;
 use text::{expanded_from, macro_call_at, related_at, text_report};
 
 /// Units of which the diagnostics of a file are brought together.
@@ -45,19 +46,13 @@ pub(crate) fn unit_report<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<D
     let mut report = Report {
         db,
         visits: visits(db, unit),
-        incomplete: false,
-        nameless: false,
-        unparsed: FxHashSet::default(),
+        missing: Missing::default(),
         out: Vec::new(),
     };
     let mut seen = FxHashSet::default();
     for (i, visit) in report.visits.visits.iter().enumerate() {
         if visit.reached && seen.insert(visit.key) {
-            report.incomplete |= is_incomplete(db, visit.key);
-            report.nameless |= lacks_name(db, visit.key);
-            report
-                .unparsed
-                .extend(unparsed_words(db, visit.key).iter().cloned());
+            report.missing.add(db, visit.key);
             report.text(i, visit.key);
         }
     }
@@ -127,128 +122,11 @@ pub(crate) fn sort_and_dedup(diagnostics: &mut Vec<Diagnostic>) {
     diagnostics.dedup_by(|a, b| a.sort_key() == b.sort_key());
 }
 
-/// Whether something that the text relies on was not read, so that names may well be missing.
-fn is_incomplete(db: &dyn Db, key: FileKey<'_>) -> bool {
-    let errors = &preprocessed(db, key).errors;
-    if parsed(db, key).inside_out.is_some() || errors.iter().any(|it| it.code == "pp-include-bad") {
-        return true;
-    }
-    let failed = key.outcomes(db).iter().any(|it| match it {
-        Outcome::Include(result) => result.is_err(),
-        Outcome::Requires(result) => result.is_err(),
-    });
-    failed || !key.file(db).status(db).is_text() || !lowered(db, key).misplaced.is_empty()
-}
-
-/// Whether some data, task or service has no name yet: codels may well mention the one it is to get.
-#[salsa::tracked]
-fn lacks_name<'db>(db: &'db dyn Db, key: FileKey<'db>) -> bool {
-    use SyntaxKind::*;
-    let parse = parsed(db, key);
-    let is_nameless = |it: SyntaxNode| {
-        let name = match it.kind() {
-            PORT | SERVICE | TASK => NAME,
-            LOCAL_PROPERTY | MEMBER | TYPED_PARAM => DECLARATOR,
-            _ => return false,
-        };
-        !it.children().any(|it| it.kind() == name)
-    };
-    !parse.errors.is_empty() && parse.syntax().descendants().any(is_nameless)
-}
-
-/// Whether a report is about the name of some data, task or service.
-fn is_about_names_in_components(code: &str) -> bool {
-    code.starts_with("param-unknown")
-        || matches!(
-            code,
-            "param-member" | "param-no-ids" | "service-unknown" | "task-unknown"
-        )
-}
-
-/// Whether a report can be the mere consequence of a declaration that was not read.
-fn follows_from_missing_text(code: &str) -> bool {
-    code.contains("unknown")
-        || matches!(
-            code,
-            "activity-start"
-                | "activity-task"
-                | "const-operand"
-                | "forward-undefined"
-                | "fsm/stop-without-ether"
-                | "fsm/undefined-state"
-                | "fsm/unreachable-state"
-                | "init-member"
-                | "param-member"
-                | "param-no-ids"
-                | "pragma-masquerade-type"
-                | "throw-not-exception"
-                | "throw/undeclared-use"
-                | "unused-task"
-                | "wcet-pragma"
-        )
-}
-
-/// Whether a report is about the states of a task or activity as a whole.
-fn is_about_machines(code: &str) -> bool {
-    matches!(
-        code,
-        "activity-start"
-            | "fsm/missing-stop"
-            | "fsm/no-termination"
-            | "fsm/stop-without-ether"
-            | "fsm/undefined-state"
-            | "fsm/unreachable-state"
-    )
-}
-
-/// Tasks and services with something in them that was not understood: it may be a codel.
-#[salsa::tracked]
-fn broken_machines<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<TextRange> {
-    let parse = parsed(db, key);
-    let errors = parse.errors.iter();
-    // What lacks its `;` is understood.
-    let lost: Vec<TextRange> = errors
-        .filter(|it| it.code != "missing-semicolon")
-        .map(|it| it.range)
-        .collect();
-    if lost.is_empty() {
-        return Vec::new();
-    }
-    let nodes = parse.syntax().descendants();
-    nodes
-        .filter(|it| matches!(it.kind(), SyntaxKind::TASK | SyntaxKind::SERVICE))
-        .map(|it| it.text_range())
-        .filter(|node| lost.iter().any(|it| node.contains(it.start())))
-        .collect()
-}
-
-/// Words in the text that fits no rule of the grammar: a declaration of them may be lost in it.
-#[salsa::tracked]
-fn unparsed_words<'db>(db: &'db dyn Db, key: FileKey<'db>) -> FxHashSet<SmolStr> {
-    let parse = parsed(db, key);
-    if parse.errors.is_empty() {
-        return FxHashSet::default();
-    }
-    let root = parse.syntax();
-    let lost = root
-        .descendants()
-        .filter(|it| it.kind() == SyntaxKind::ERROR);
-    lost.flat_map(|it| it.descendants_with_tokens())
-        .filter_map(|it| it.into_token())
-        .filter(|it| it.kind() == SyntaxKind::IDENT)
-        .map(|it| parse.expansion.text(&it))
-        .collect()
-}
-
 struct Report<'db> {
     db: &'db dyn Db,
     visits: &'db Visits<'db>,
-    /// Some file could not be read: see [`is_incomplete`].
-    incomplete: bool,
-    /// See [`lacks_name`].
-    nameless: bool,
-    /// See [`unparsed_words`].
-    unparsed: FxHashSet<SmolStr>,
+    /// What could not be read.
+    missing: Missing,
     out: Vec<Diagnostic>,
 }
 
@@ -307,23 +185,7 @@ impl<'db> Report<'db> {
         let Some((key, range)) = self.place(it.at) else {
             return;
         };
-        if follows_from_missing_text(it.code)
-            && (self.incomplete || self.names_lost_word(key, range))
-        {
-            return;
-        }
-        if self.nameless && is_about_names_in_components(it.code) {
-            return;
-        }
-        let inside_out = parsed(self.db, key).inside_out;
-        if inside_out.is_some_and(|from| range.start() >= from) {
-            return;
-        }
-        if is_about_machines(it.code)
-            && broken_machines(self.db, key)
-                .iter()
-                .any(|it| it.contains_range(range))
-        {
+        if self.missing.explains(self.db, key, it.code, range) {
             return;
         }
         let severity = it.severity;
@@ -444,16 +306,6 @@ impl<'db> Report<'db> {
                 }
             }
         }
-    }
-
-    /// Whether a range mentions a word whose declaration may not have been understood.
-    fn names_lost_word(&self, key: FileKey<'db>, range: TextRange) -> bool {
-        let text = key.file(self.db).text(self.db);
-        let text = text.get(bytes(range)).unwrap_or_default();
-        !self.unparsed.is_empty()
-            && text
-                .split(|it: char| !(it.is_alphanumeric() || it == '_'))
-                .any(|it| self.unparsed.contains(it))
     }
 
     fn place(&self, src: Src) -> Option<(FileKey<'db>, TextRange)> {
