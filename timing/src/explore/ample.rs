@@ -63,6 +63,8 @@ struct Parts {
     slots: Vec<bool>,
     /// Clients: where they are.
     clients: Vec<bool>,
+    /// Control tasks: what they do.
+    controls: Vec<bool>,
 }
 
 impl Visible {
@@ -78,6 +80,7 @@ impl Visible {
             machines: vec![false; system.machines.len()],
             slots: vec![false; system.services.len()],
             clients: vec![false; system.clients.len()],
+            controls: vec![false; system.components.len()],
         };
         for predicate in predicates {
             predicate.atoms(&mut |atom| match *atom {
@@ -85,8 +88,10 @@ impl Visible {
                 Atom::State { machine, .. } => parts.machines[machine] = true,
                 Atom::Slot(service, _) => parts.slots[service] = true,
                 Atom::Client(client, _) => parts.clients[client] = true,
-                // Nothing that is handled in no time is seen in a control task.
-                Atom::Handling { .. } | Atom::ControlBusy(_) => {}
+                Atom::Handling { service, .. } => {
+                    parts.controls[system.services[service].component] = true;
+                }
+                Atom::ControlBusy(component) => parts.controls[component] = true,
             });
             predicate.atoms(&mut |atom| match *atom {
                 Atom::Task(task, _) => tasks[task] = true,
@@ -328,6 +333,7 @@ impl Moment<'_, '_> {
                 Action::Finish { executor, .. }
                     if self.end_alone(executor)
                         || self.activity_end_alone(executor)
+                        || self.control_end_alone(executor)
                         || self.delay_alone(executor) =>
                 {
                     self.with_outcomes(action, out);
@@ -372,14 +378,17 @@ impl Moment<'_, '_> {
         })
     }
 
+    /// Past its start-up.
+    fn started_up(&self, task: usize) -> bool {
+        let l = self.layout();
+        let permanent = self.system().tasks[task].permanent;
+        l.started(self.s, task)
+            && permanent.is_none_or(|a| matches!(l.mode(self.s, a), mode::NORMAL | mode::ENDED))
+    }
+
     /// A plain task past its start-up.
     fn settled(&self, task: usize) -> bool {
-        let l = self.layout();
-        self.ample.plain[task]
-            && l.started(self.s, task)
-            && self.system().tasks[task]
-                .permanent
-                .is_none_or(|a| matches!(l.mode(self.s, a), mode::NORMAL | mode::ENDED))
+        self.ample.plain[task] && self.started_up(task)
     }
 
     /// A settled task whose tick will be taken as soon as it comes.
@@ -507,13 +516,7 @@ impl Moment<'_, '_> {
         let mut at = 0;
         while let Some(&executor) = members.get(at) {
             at += 1;
-            let Some(automaton) = self.system().automata.get(executor) else {
-                return false;
-            };
-            if automaton.service.is_some()
-                || !self.settled(automaton.task)
-                || self.ample.visible[automaton.task]
-            {
+            if !self.may_acquire_alone(executor) {
                 return false;
             }
             let Some(codel) = self.stepper.codel(self.s, executor) else {
@@ -522,10 +525,17 @@ impl Moment<'_, '_> {
             for other in self.system().codels[codel].conflicts.iter() {
                 let rival = match self.ample.owner[other] {
                     Owner::Nobody => continue,
-                    Owner::Control => return false,
+                    Owner::Control => {
+                        let component = self.system().codels[other].component;
+                        let own = executor == self.layout().control_executor(component);
+                        if !own && self.control_may_want(component, codel) {
+                            return false;
+                        }
+                        continue;
+                    }
                     Owner::Task(rival) => rival,
                 };
-                if rival == automaton.task || members.iter().any(|&it| self.runs(it, rival)) {
+                if members.iter().any(|&it| self.runs(it, rival)) {
                     continue;
                 }
                 match self.rivalry(rival, codel) {
@@ -540,12 +550,26 @@ impl Moment<'_, '_> {
     }
 
     fn runs(&self, executor: usize, task: usize) -> bool {
-        self.system().automata[executor].task == task
+        let automaton = self.system().automata.get(executor);
+        automaton.is_some_and(|it| it.task == task)
+    }
+
+    /// Whether an acquisition by this executor changes nothing that is observed, and cannot be repeated for ever in no time.
+    fn may_acquire_alone(&self, executor: usize) -> bool {
+        match self.system().automata.get(executor) {
+            Some(it) if it.service.is_none() => {
+                self.settled(it.task) && !self.ample.visible[it.task]
+            }
+            _ => self.may_acquire_for_request(executor),
+        }
     }
 
     /// Whether a task can want a lock of `codel` at this moment.
     fn rivalry(&self, task: usize, codel: usize) -> Rivalry {
         let l = self.layout();
+        if !self.ample.plain[task] && !self.task_may_want(task, codel) {
+            return Rivalry::None;
+        }
         if !self.settled(task) || self.due(task) || l.pending(self.s, task) {
             return Rivalry::Later;
         }

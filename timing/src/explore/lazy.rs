@@ -13,8 +13,9 @@
 //! response time is not measured (which would begin later). It can have a resting place, see
 //! [`rest`]; while it is elsewhere its group is not lazy. Groups meet only at cores: while a task of
 //! another group waits for a core no end can wait. (A lazy task that waits loses nothing by a later
-//! grant: its release is past, and its codels have wider windows.) Start-up is never lazy, and
-//! neither is anything while a lazy task has a pending tick: its next job is released, and measured,
+//! grant: its release is past, and its codels have wider windows.) Start-up is lazy only where no
+//! timer starts at its end, and with clients (what overtakes what, see [`super::overtake`], is not known of it). Nothing
+//! is lazy while a lazy task has a pending tick: its next job is released, and measured,
 //! from the end of this one. The order of steps of different groups is not preserved; groups with
 //! something that a predicate is about are therefore not lazy. And there has to be a next hard moment: some task
 //! is periodic.
@@ -39,6 +40,8 @@ pub(crate) struct Lazy {
     group: Vec<usize>,
     /// Automata with a resting place, and the state.
     rest: Vec<(usize, usize)>,
+    /// Tasks whose start-up is lazy.
+    starts: Vec<bool>,
 }
 
 /// The members whose ends can wait in one state.
@@ -142,6 +145,9 @@ impl Lazy {
         let members: Vec<bool> = (0..n).map(|it| !not_lazy.contains(&group[it])).collect();
         rest.retain(|&(a, _)| members[system.automata[a].task]);
         Lazy {
+            starts: (0..system.tasks.len())
+                .map(|task| !system.clients.is_empty() && starts_no_timer(system, task))
+                .collect(),
             any: members.contains(&true),
             members,
             group,
@@ -162,7 +168,11 @@ impl Lazy {
             .zip(&self.members)
             .enumerate()
             .all(|(task, (it, &lazy))| {
-                let normal = |a| matches!(l.mode(s, a), mode::NORMAL | mode::ENDED);
+                let normal = |a| match l.mode(s, a) {
+                    mode::NORMAL | mode::ENDED => true,
+                    mode::FIRST_CODEL | mode::FIRST_RUN => self.starts[task],
+                    _ => false,
+                };
                 !lazy || (!l.pending(s, task) && it.permanent.is_none_or(normal))
             });
         if !settled {
@@ -249,6 +259,16 @@ pub(crate) fn can_wait(waiters: &Waiters, stepper: &Stepper, executor: usize) ->
         None => executor - automata.len() + stepper.layout.tasks,
     };
     waiters[member]
+}
+
+/// Whether no timer starts when a periodic task has been started.
+fn starts_no_timer(system: &TimedSystem, task: usize) -> bool {
+    let it = &system.tasks[task];
+    let mut later = (system.components[it.component].tasks.iter()).skip_while(|&&it| it != task);
+    later.next();
+    it.period.is_some()
+        && later
+            .all(|&it| system.tasks[it].period.is_none() && system.tasks[it].permanent.is_none())
 }
 
 /// An aperiodic task whose cycle never ends.

@@ -6,8 +6,9 @@
 //! * **The report of ended activities**, if nobody waits for their end in a slot. What ends later at this moment is reported
 //!   later at this moment: no other order leads anywhere else.
 //! * **The end** of an activity's codel whose window is over, if the turn goes on, or if the activity ends and nothing else is to be
-//!   done by its task; again without requests at this moment that would make a difference. (A pause is not an end:
-//!   whether the activity has been interrupted is seen at the beginning of its next turn.)
+//!   done by its task; again without requests at this moment that would make a difference. (After a pause the turn of an
+//!   aperiodic task may begin at once, and shows whether the activity has been interrupted.)
+//! * **The end of a codel of a control task** whose time is over, if the message has no other effect than such a request.
 //! * **The end of a client's delay** whose time is over.
 //!
 //! They cannot follow each other for ever in no time if every round of a client has a delay that may take time.
@@ -32,7 +33,7 @@ pub(super) struct Requests {
     instant: Services,
     /// Those of each component.
     of_component: Vec<Services>,
-    /// Automata of activities whose turns take time sooner or later, executed by their tasks.
+    /// Automata of activities whose turns take time sooner or later, of tasks that execute everything themselves.
     ordinary: Vec<bool>,
     /// Predicates say something about what goes on in these.
     visible: Parts,
@@ -78,12 +79,17 @@ impl Requests {
             }
             out.of_component[it.component] |= bit(v);
         }
+        let separate = |task: usize| {
+            let it = &system.tasks[task];
+            let mut automata = it.permanent.iter().chain(&it.slots);
+            system.platform.async_free
+                && automata.any(|&a| system.machine_of(a).states.iter().any(|it| it.is_async))
+        };
         out.ordinary = (system.automata.iter())
             .map(|it| {
                 let machine = &system.machines[it.machine];
-                let separate =
-                    system.platform.async_free && machine.states.iter().any(|it| it.is_async);
-                it.service.is_some() && !separate && !loops_in_no_time(system, machine, false)
+                let hasty = loops_in_no_time(system, machine, false);
+                it.service.is_some() && !separate(it.task) && !hasty
             })
             .collect();
         out
@@ -153,33 +159,35 @@ impl Moment<'_, '_> {
         {
             return false;
         }
-        let it = &system.services[service];
-        let void = |service: usize| {
-            let mut slots = system.services[service].slots.iter();
-            slots.all(|&a| l.mode(self.s, a) == slot::VOID)
-        };
-        // It runs at once, interrupts nothing that is there, and keeps nothing waiting.
-        let alone = void(service)
-            && it.interrupts.iter().all(|&it| void(it))
-            && system.components[it.component]
-                .services
-                .iter()
-                .all(|&other| {
-                    !system.services[other].interrupts.contains(&service)
-                        || system.services[other]
-                            .slots
-                            .iter()
-                            .all(|&a| l.mode(self.s, a) != slot::WAIT)
-                });
-        let runs = it.slots.first().is_none_or(|&a| {
-            let task = system.automata[a].task;
-            known.ordinary[a]
-                && !known.visible.machines[system.automata[a].machine]
-                && self.is_free(task)
-        });
         let others = self.requested_now(|it| it != client);
-        let others = others & known.of_component[it.component];
-        alone && runs && others & known.related[service] == 0 && others & !known.instant == 0
+        let others = others & known.of_component[system.services[service].component];
+        others & known.related[service] == 0
+            && others & !known.instant == 0
+            && self.accepted_alone(service)
+    }
+
+    /// Whether it makes no difference what else comes before the acceptance of a request: it interrupts nothing that is there,
+    /// keeps nothing waiting, and an activity runs at once, on a task that is idle.
+    fn accepted_alone(&self, service: usize) -> bool {
+        let known = &self.ample.requests;
+        let l = self.layout();
+        let system = self.system();
+        let it = &system.services[service];
+        let all = |service: usize, is: &dyn Fn(u16) -> bool| {
+            let mut slots = system.services[service].slots.iter();
+            slots.all(|&a| is(l.mode(self.s, a)))
+        };
+        let void = |service: usize| all(service, &|it| it == slot::VOID);
+        let waits_for_it = |other: &usize| system.services[*other].interrupts.contains(&service);
+        let mut waiting = system.components[it.component].services.iter();
+        void(service)
+            && it.interrupts.iter().all(|&it| void(it))
+            && waiting.all(|other| !waits_for_it(other) || all(*other, &|it| it != slot::WAIT))
+            && it.slots.first().is_none_or(|&a| {
+                known.ordinary[a]
+                    && !known.visible.machines[system.automata[a].machine]
+                    && self.is_free(system.automata[a].task)
+            })
     }
 
     /// Whether nothing of a task can happen at this moment before something is requested of it, and nobody else has to
@@ -188,7 +196,7 @@ impl Moment<'_, '_> {
         let l = self.layout();
         let it = &self.system().tasks[task];
         !self.ample.requests.visible.statuses[task]
-            && l.started(self.s, task)
+            && self.started_up(task)
             && l.status(self.s, task) == TaskStatus::Idle
             && !self.due(task)
             && !l.pending(self.s, task)
@@ -277,10 +285,12 @@ impl Moment<'_, '_> {
         }
         let it = &system.tasks[task];
         let component = it.component;
-        let ends = state.yields.iter().all(|it| !matches!(it, Yield::Pause(_)))
+        // Whether it has been interrupted is seen when its next turn begins.
+        let ends = (it.period.is_some()
+            || state.yields.iter().all(|it| !matches!(it, Yield::Pause(_))))
             && !known.visible.slots[service];
         let nothing_else = (it.slots.iter())
-            .all(|&a| a == executor || l.mode(self.s, a) == slot::VOID)
+            .all(|&a| a == executor || self.cannot_change(a, service))
             && !self.due(task)
             && !l.pending(self.s, task)
             && it.permanent.is_none_or(|a| match l.mode(self.s, a) {
@@ -300,6 +310,145 @@ impl Moment<'_, '_> {
             && l.control(self.s, component) == control::READY
             && requested & known.related[service] == 0
             && requested & !known.instant == 0
+    }
+
+    /// Whether a slot of the task of an activity stays as it is, as far as the task sees it, until that activity has ended,
+    /// if nobody requests anything related.
+    fn cannot_change(&self, slot: usize, activity: usize) -> bool {
+        let system = self.system();
+        let automaton = &system.automata[slot];
+        match self.layout().mode(self.s, slot) {
+            slot::VOID | slot::ETHER => true,
+            slot::WAIT => (automaton.service)
+                .is_some_and(|it| system.services[it].interrupts.contains(&activity)),
+            _ => {
+                self.ample.requests.ordinary[slot]
+                    && !self.ample.requests.visible.machines[automaton.machine]
+            }
+        }
+    }
+
+    /// Whether the end of a codel of a control task can come before anything else.
+    pub(super) fn control_end_alone(&self, executor: usize) -> bool {
+        let known = &self.ample.requests;
+        let l = self.layout();
+        let system = self.system();
+        let Some(component) = executor
+            .checked_sub(l.automata)
+            .filter(|&it| it < l.components)
+        else {
+            return false;
+        };
+        let client = l.requester(self.s, component) as usize;
+        let service = l.handled(self.s, component) as usize;
+        if !known.enabled
+            || l.window(self.s, executor).1 > 0
+            || known.visible.controls[component]
+            || known.visible.clients[client]
+            || known.visible.slots[service]
+        {
+            return false;
+        }
+        let validates = l.control(self.s, component) == control::VALIDATE;
+        let next = l.simple(self.s, component) as usize + 1;
+        let goes_on = !validates && next < system.services[service].simple.len();
+        // What it interrupts has been interrupted before its own codels.
+        let ends = !validates && self.reports_nothing(component);
+        goes_on
+            || ends
+            || (validates && self.reports_nothing(component) && self.accepted_alone(service))
+    }
+
+    /// Whether the end of a message changes nothing in slots.
+    fn reports_nothing(&self, component: usize) -> bool {
+        let l = self.layout();
+        let mut services = self.system().components[component].services.iter();
+        services.all(|&it| {
+            let slots = &self.system().services[it].slots;
+            slots
+                .iter()
+                .all(|&a| !matches!(l.mode(self.s, a), slot::WAIT | slot::ETHER))
+        })
+    }
+
+    /// Whether an acquisition by an activity or a control task changes nothing that is observed, and cannot be repeated for
+    /// ever in no time.
+    pub(super) fn may_acquire_for_request(&self, executor: usize) -> bool {
+        let known = &self.ample.requests;
+        if !known.enabled {
+            return false;
+        }
+        match self.system().automata.get(executor) {
+            // During its start-up a task may want locks twice.
+            Some(it) => {
+                known.ordinary[executor]
+                    && !known.visible.machines[it.machine]
+                    && self.started_up(it.task)
+            }
+            None => {
+                let component = executor - self.system().automata.len();
+                known.visible.controls.get(component) == Some(&false)
+            }
+        }
+    }
+
+    /// Whether a task with activities may want a lock of a codel at this moment.
+    pub(super) fn task_may_want(&self, task: usize, codel: usize) -> bool {
+        let l = self.layout();
+        let system = self.system();
+        let it = &system.tasks[task];
+        let automata = || it.permanent.iter().chain(&it.slots).copied();
+        let separate = system.platform.async_free
+            && automata().any(|a| system.machine_of(a).states.iter().any(|it| it.is_async));
+        let settled = l.started(self.s, task)
+            && (it.permanent)
+                .is_none_or(|a| matches!(l.mode(self.s, a), mode::NORMAL | mode::ENDED));
+        // Nothing else of a task can happen while it executes a codel that does not end yet.
+        let turn = match l.turn(self.s, task) as usize {
+            0 => None,
+            1 => it.permanent,
+            position => it.slots.get(position - 2).copied(),
+        };
+        let executes = turn
+            .is_some_and(|a| l.phase(self.s, a) == phase::EXECUTING && l.window(self.s, a).0 > 0);
+        let rests = l.status(self.s, task) == TaskStatus::Idle
+            && it.period.is_some()
+            && !self.due(task)
+            && !l.pending(self.s, task);
+        if !separate && settled && (executes || rests) {
+            return false;
+        }
+        let conflicts = &system.codels[codel].conflicts;
+        automata().any(|a| {
+            let mut states = system.machine_of(a).states.iter();
+            states.any(|it| conflicts.contains(it.codel))
+        })
+    }
+
+    /// Whether a control task may want a lock of a codel at this moment.
+    pub(super) fn control_may_want(&self, component: usize, codel: usize) -> bool {
+        let l = self.layout();
+        let executor = l.control_executor(component);
+        if !self.ample.requests.enabled {
+            return true;
+        }
+        if l.phase(self.s, executor) == phase::EXECUTING && l.window(self.s, executor).0 > 0 {
+            return false;
+        }
+        let conflicts = &self.system().codels[codel].conflicts;
+        let wants = |service: usize| {
+            let it = &self.system().services[service];
+            it.validate
+                .iter()
+                .chain(&it.simple)
+                .any(|&it| conflicts.contains(it))
+        };
+        let requested = self.requested_now(|_| true);
+        let handled = l.handled(self.s, component) as usize;
+        (self.system().components[component].services.iter()).any(|&it| {
+            let now = requested & bit(it) != 0 || it == handled;
+            now && wants(it)
+        })
     }
 
     /// Whether the end of a client's delay can come before anything else.
