@@ -371,3 +371,26 @@ fn explorer_agrees_when_parts_are_alike() {
         "only {compared} systems were small enough"
     );
 }
+
+#[test]
+fn explorer_agrees_on_any_requests() {
+    let mut compared = 0;
+    let first = first();
+    for seed in first..first + cases() {
+        let system = systems::requests::requests(&mut systems::Dice::new(seed));
+        // Some reductions need that nobody asks how long an aperiodic job is.
+        let all = 0..system.tasks.len();
+        let measured: Vec<usize> = all
+            .filter(|&t| seed % 2 == 0 || system.tasks[t].period.is_some())
+            .collect();
+        match compare_system(seed, &system, &[], &measured, 1) {
+            Some(Ok(())) => compared += 1,
+            Some(Err(why)) => panic!("{why}"),
+            None => {}
+        }
+    }
+    assert!(
+        compared * 4 > cases(),
+        "only {compared} systems were small enough"
+    );
+}

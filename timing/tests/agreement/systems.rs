@@ -1,6 +1,7 @@
 //! Random small systems.
 
 pub(crate) mod alike;
+pub(crate) mod requests;
 
 use dotgen_timing::property::{Atom, Predicate, StatePhase, TaskState};
 use dotgen_timing::system::{
