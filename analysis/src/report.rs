@@ -3,15 +3,15 @@
 //! The layers report in their own terms; here ids become ranges, configured severities are applied,
 //! and what only follows from another problem is left out.
 
+mod consequence;
 mod text;
 
 use std::sync::Arc;
 
 use camino::Utf8Path;
 
-use dotgen_syntax::{SyntaxKind, TextRange};
+use dotgen_syntax::TextRange;
 use rustc_hash::FxHashSet;
-use smol_str::SmolStr;
 
 use crate::{
     base::{Db, SourceFile},
@@ -26,11 +26,12 @@ use crate::{
     source_map::{bytes, ptr},
     suppress::suppressions,
     unit::{
-        self, FileKey, Outcome, UnitKey, Visits, lowered, parsed, preprocessed, roots_of,
-        unit_of_root, visits,
+        self, FileKey, UnitKey, Visits, lowered, parsed, preprocessed, roots_of, unit_of_root,
+        visits,
     },
 };
 
+use consequence::Missing;
 use text::{expanded_from, macro_call_at, related_at, text_report};
 
 /// Units of which the diagnostics of a file are brought together.
@@ -45,17 +46,13 @@ pub(crate) fn unit_report<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<D
     let mut report = Report {
         db,
         visits: visits(db, unit),
-        incomplete: false,
-        unparsed: FxHashSet::default(),
+        missing: Missing::default(),
         out: Vec::new(),
     };
     let mut seen = FxHashSet::default();
     for (i, visit) in report.visits.visits.iter().enumerate() {
         if visit.reached && seen.insert(visit.key) {
-            report.incomplete |= is_incomplete(db, visit.key);
-            report
-                .unparsed
-                .extend(unparsed_words(db, visit.key).iter().cloned());
+            report.missing.add(db, visit.key);
             report.text(i, visit.key);
         }
     }
@@ -125,62 +122,11 @@ pub(crate) fn sort_and_dedup(diagnostics: &mut Vec<Diagnostic>) {
     diagnostics.dedup_by(|a, b| a.sort_key() == b.sort_key());
 }
 
-/// Whether something that the text relies on was not read, so that names may well be missing.
-fn is_incomplete(db: &dyn Db, key: FileKey<'_>) -> bool {
-    let failed = key.outcomes(db).iter().any(|it| match it {
-        Outcome::Include(result) => result.is_err(),
-        Outcome::Requires(result) => result.is_err(),
-    });
-    failed || !key.file(db).status(db).is_text() || !lowered(db, key).misplaced.is_empty()
-}
-
-/// Whether a report can be the mere consequence of a declaration that was not read.
-fn follows_from_missing_text(code: &str) -> bool {
-    code.contains("unknown")
-        || matches!(
-            code,
-            "activity-start"
-                | "activity-task"
-                | "const-operand"
-                | "forward-undefined"
-                | "fsm/stop-without-ether"
-                | "fsm/undefined-state"
-                | "fsm/unreachable-state"
-                | "init-member"
-                | "param-member"
-                | "param-no-ids"
-                | "pragma-masquerade-type"
-                | "throw-not-exception"
-                | "throw/undeclared-use"
-                | "wcet-pragma"
-        )
-}
-
-/// Words in the text that fits no rule of the grammar: a declaration of them may be lost in it.
-#[salsa::tracked]
-fn unparsed_words<'db>(db: &'db dyn Db, key: FileKey<'db>) -> FxHashSet<SmolStr> {
-    let parse = parsed(db, key);
-    if parse.errors.is_empty() {
-        return FxHashSet::default();
-    }
-    let root = parse.syntax();
-    let lost = root
-        .descendants()
-        .filter(|it| it.kind() == SyntaxKind::ERROR);
-    lost.flat_map(|it| it.descendants_with_tokens())
-        .filter_map(|it| it.into_token())
-        .filter(|it| it.kind() == SyntaxKind::IDENT)
-        .map(|it| parse.expansion.text(&it))
-        .collect()
-}
-
 struct Report<'db> {
     db: &'db dyn Db,
     visits: &'db Visits<'db>,
-    /// Some file could not be read: see [`is_incomplete`].
-    incomplete: bool,
-    /// See [`unparsed_words`].
-    unparsed: FxHashSet<SmolStr>,
+    /// What could not be read.
+    missing: Missing,
     out: Vec<Diagnostic>,
 }
 
@@ -239,9 +185,7 @@ impl<'db> Report<'db> {
         let Some((key, range)) = self.place(it.at) else {
             return;
         };
-        if follows_from_missing_text(it.code)
-            && (self.incomplete || self.names_lost_word(key, range))
-        {
+        if self.missing.explains(self.db, key, it.code, range) {
             return;
         }
         let severity = it.severity;
@@ -362,16 +306,6 @@ impl<'db> Report<'db> {
                 }
             }
         }
-    }
-
-    /// Whether a range mentions a word whose declaration may not have been understood.
-    fn names_lost_word(&self, key: FileKey<'db>, range: TextRange) -> bool {
-        let text = key.file(self.db).text(self.db);
-        let text = text.get(bytes(range)).unwrap_or_default();
-        !self.unparsed.is_empty()
-            && text
-                .split(|it: char| !(it.is_alphanumeric() || it == '_'))
-                .any(|it| self.unparsed.contains(it))
     }
 
     fn place(&self, src: Src) -> Option<(FileKey<'db>, TextRange)> {

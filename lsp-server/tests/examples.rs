@@ -36,3 +36,18 @@ fn examples_are_sound_and_every_remark_is_explained() {
     }
     assert!(count >= 4, "{count} examples");
 }
+
+#[test]
+fn examples_are_in_shape() {
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples");
+    let output = Command::new(env!("CARGO_BIN_EXE_dotgen"))
+        .args(["fmt", "--check", "."])
+        .current_dir(&examples)
+        .output()
+        .expect("dotgen runs");
+    let would_change = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        output.status.success(),
+        "run `dotgen fmt examples`:\n{would_change}"
+    );
+}

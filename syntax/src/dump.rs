@@ -45,6 +45,9 @@ pub fn dump(parse: &Parse) -> String {
             "{:?} {:?} {}: {}",
             error.severity, error.range, error.code, error.message
         );
+        if let Some((range, what)) = &error.related {
+            let _ = writeln!(out, "  {range:?}: {what}");
+        }
     }
     out
 }

@@ -4,7 +4,8 @@
 //! whether there is nothing, a blank, or a line break. Where a list may be broken (parameters, states,
 //! values) the author's line breaks stay and only their indentation changes. Comments, directives,
 //! inactive text and macro calls are printed as they are. A declaration that does not parse is left
-//! alone, so the rest of a half-typed file can be formatted.
+//! alone, so the rest of a half-typed file can be formatted. Where a brace is missing, what belongs to
+//! what is a guess: such a file is left alone as a whole.
 //!
 //! The style is the one most published components have: two blanks a level, arguments aligned
 //! under the first, values of properties and trailing comments aligned in runs of lines.
@@ -12,7 +13,7 @@
 mod chunks;
 mod rules;
 
-use crate::{SyntaxNode, TextRange, TextSize};
+use crate::{SyntaxKind::*, SyntaxNode, TextRange, TextSize};
 
 use chunks::{Chunk, ChunkKind};
 use rules::Gap;
@@ -21,6 +22,8 @@ use rules::Gap;
 const INDENT: usize = 2;
 /// Blanks between the longest keyword of a run of properties and its value, at least.
 const VALUE_GAP: usize = 1;
+/// Columns of a tabulator.
+const TAB: usize = 8;
 /// Blanks before a trailing comment, at least.
 const COMMENT_GAP: usize = 2;
 
@@ -36,12 +39,17 @@ pub struct TextEdit {
 /// The edits that bring a tree in shape, in text order, disjoint.
 ///
 /// `broken` are the ranges of syntax errors: the declarations that hold them are left as they are.
-/// With `within`, only edits that touch that range are returned.
+/// With `within`, only edits that touch that range are returned. Without, there are none for a text
+/// whose braces are not paired.
 pub fn format(root: &SyntaxNode, broken: &[TextRange], within: Option<TextRange>) -> Vec<TextEdit> {
+    if within.is_none() && !broken.is_empty() && !chunks::is_paired(root) {
+        return Vec::new();
+    }
     let text = root.text().to_string();
     let chunks = chunks::chunks(root, broken);
     let mut printer = Printer::new(&text, &chunks);
     printer.run();
+    printer.align_defaults();
     printer.align_comments();
     let mut edits = printer.edits();
     if let Some(within) = within {
@@ -159,6 +167,52 @@ impl<'a> Printer<'a> {
         } else {
             blanks
         }
+    }
+
+    /// Keeps the `=` of parameters on lines of their own in one column, where their author has them so.
+    fn align_defaults(&mut self) {
+        let mut run: Vec<usize> = Vec::new();
+        for i in 0..=self.chunks.len() {
+            let chunk = self.chunks.get(i);
+            let opens = |it: &Chunk| it.opens_list.is_some() && it.parent == PARAM_LIST;
+            if chunk.is_none_or(opens) {
+                self.align_column(&run);
+                run.clear();
+            } else if chunk
+                .is_some_and(|it| it.is(EQ) && matches!(it.parent, TYPED_PARAM | PATH_PARAM))
+            {
+                run.push(i);
+            }
+        }
+    }
+
+    fn align_column(&mut self, run: &[usize]) {
+        let columns = run.iter().map(|&i| self.column_in_text(i));
+        let aligned = run.len() > 1 && columns.clone().all(|it| Some(it) == columns.clone().next());
+        let plain = |&i: &usize| !self.chunks[i].frozen && self.printed[i].space == " ";
+        if !aligned || !run.iter().all(plain) {
+            return;
+        }
+        let column = run.iter().map(|&i| self.printed[i].column).max();
+        for &i in run {
+            let blanks = column.unwrap_or(0) - self.printed[i].column;
+            self.printed[i].space.push_str(&" ".repeat(blanks));
+            let line = self.printed.iter_mut().skip(i);
+            let mut line = line
+                .enumerate()
+                .take_while(|(at, it)| *at == 0 || !it.space.contains('\n'));
+            line.by_ref().for_each(|(_, it)| it.column += blanks);
+        }
+    }
+
+    /// Column of a chunk before formatting.
+    fn column_in_text(&self, i: usize) -> usize {
+        let before = &self.text[..self.chunks[i].span().start];
+        let line = &before[before.rfind('\n').map_or(0, |it| it + 1)..];
+        line.chars().fold(0, |column, it| match it {
+            '\t' => column / TAB * TAB + TAB,
+            _ => column + 1,
+        })
     }
 
     /// Puts the trailing comments of consecutive lines in one column.

@@ -28,7 +28,7 @@ use self::{
 };
 pub use crate::preproc::Severity;
 use crate::{
-    ExpansionMap, SyntaxNode, TextRange,
+    ExpansionMap, SyntaxNode, TextRange, TextSize,
     ast::{AstNode, SourceFile},
     directive::DirectiveKind,
     kind::SyntaxKind::{self, *},
@@ -73,6 +73,8 @@ pub struct SyntaxError {
     pub message: String,
     /// Where, in bytes of this file.
     pub range: TextRange,
+    /// Another place that explains it, and what is there.
+    pub related: Option<(TextRange, &'static str)>,
 }
 
 /// The result of parsing one file: always a tree whose text is the text of the file, and the errors.
@@ -84,6 +86,9 @@ pub struct Parse {
     pub errors: Vec<SyntaxError>,
     /// Texts of the tokens that come out of macros.
     pub expansion: ExpansionMap,
+    /// From here on texts seem to be taken for code and code for texts, because a quote is missing. What
+    /// does not parse there is not in `errors`.
+    pub inside_out: Option<TextSize>,
 }
 
 impl Parse {
@@ -110,7 +115,9 @@ pub fn parse(text: &str, raw: &RawTokens, pre: &Preprocessed, fragment: Fragment
     let input = Input::new(text, raw, &pre.elements, is_include);
     let mut p = Parser::new(&input);
     grammar::fragment(&mut p, fragment);
-    let (events, errors) = p.finish();
+    let inside_out = p.inside_out;
+    let (events, mut errors) = p.finish();
+    errors.retain(|it| inside_out.is_none_or(|from| it.token <= from));
     let mut errors = locate(&input, errors);
     let (green, expansion, of_directives) = sink::build(text, raw, pre, events);
     if !of_directives.is_empty() {
@@ -121,6 +128,7 @@ pub fn parse(text: &str, raw: &RawTokens, pre: &Preprocessed, fragment: Fragment
         green,
         errors,
         expansion,
+        inside_out: inside_out.map(|it| input.range(it).start()),
     }
 }
 
@@ -168,6 +176,9 @@ fn locate(input: &Input<'_>, errors: Vec<RawError>) -> Vec<SyntaxError> {
             severity: Severity::Error,
             message,
             range,
+            related: error
+                .related
+                .map(|(token, what)| (input.range(token), what)),
         });
     }
     located.sort_by_key(|it| it.range.start());
@@ -179,6 +190,8 @@ struct RawError {
     code: &'static str,
     message: String,
     token: usize,
+    /// Another token that explains it, and what it is.
+    related: Option<(usize, &'static str)>,
 }
 
 /// The state of the grammar: a position in the input and what has been said so far.
@@ -193,6 +206,15 @@ pub(crate) struct Parser<'i> {
     depth: u32,
     /// Bodies that were ended without their `}`; as many `}` too many follow from them.
     unclosed: u32,
+    /// What belongs in a body whose first line is missing was reported; its `}` is to come.
+    headless: bool,
+    /// Where a text over several lines ends before something that cannot follow it: its quotes are
+    /// those of two texts.
+    inside_out: Option<usize>,
+    /// Bodies around the current token.
+    open: u32,
+    /// First token of the item around the current one.
+    item: usize,
     /// Inside `< >` of a type, where `>>` may be two closing brackets.
     in_angles: bool,
     /// Look-aheads since the last token was consumed.
@@ -209,6 +231,10 @@ impl<'i> Parser<'i> {
             last_error: None,
             depth: 0,
             unclosed: 0,
+            headless: false,
+            inside_out: None,
+            open: 0,
+            item: 0,
             in_angles: false,
             fuel: Cell::new(0),
         }
@@ -355,13 +381,22 @@ impl<'i> Parser<'i> {
                 code,
                 message,
                 token,
+                related: None,
             });
         } else if self.errors.len() == MAX_ERRORS {
             self.errors.push(RawError {
                 code: "syntax",
                 message: "too many syntax errors; those further down are not listed".to_owned(),
                 token,
+                related: None,
             });
+        }
+    }
+
+    /// Adds to the last error another token that explains it.
+    pub(crate) fn explain(&mut self, token: usize, what: &'static str) {
+        if let Some(last) = self.errors.last_mut() {
+            last.related = Some((token, what));
         }
     }
 
@@ -378,6 +413,18 @@ impl<'i> Parser<'i> {
     /// Whether the current token has been reported already.
     pub(crate) fn is_reported(&self) -> bool {
         self.last_error.is_some_and(|last| last >= self.pos)
+    }
+
+    /// Whether more `}` follow than bodies are open: a `{` is missing somewhere.
+    pub(crate) fn has_spare_brace(&self) -> bool {
+        let closing = self.input.closing(self.pos);
+        closing.is_some_and(|it| it > self.open + self.unclosed)
+    }
+
+    /// Whether fewer `}` follow than bodies are open: one is missing somewhere.
+    pub(crate) fn lacks_brace(&self) -> bool {
+        let closing = self.input.closing(self.pos);
+        closing.is_some_and(|it| it < self.open)
     }
 
     /// Enters a construct that may nest. Too deep, it is reported and its text is passed without
@@ -447,6 +494,11 @@ impl<'i> Parser<'i> {
         }
     }
 
+    /// Has the texts from here on taken for code, after an error at the current token or before.
+    pub(crate) fn turn_inside_out(&mut self) {
+        self.inside_out.get_or_insert(self.pos);
+    }
+
     /// Whether the token before the current one is a literal that goes over a line end.
     pub(crate) fn is_after_long_literal(&self) -> bool {
         self.pos.checked_sub(1).is_some_and(|before| {
@@ -457,6 +509,11 @@ impl<'i> Parser<'i> {
     /// Text of the current token.
     pub(crate) fn current_text(&self) -> String {
         self.input.text(self.pos).into_owned()
+    }
+
+    /// Text of the token `n` further on.
+    pub(crate) fn nth_text(&self, n: usize) -> String {
+        self.input.text(self.pos + n).into_owned()
     }
 
     /// Catches grammar loops that do not advance.

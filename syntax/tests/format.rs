@@ -177,6 +177,33 @@ fn shared_files() -> Vec<(String, String)> {
 }
 
 #[test]
+fn defaults_stay_in_their_column() {
+    check(
+        "component c {
+  activity go(in double x   = 0. : \"East\",  // first
+              in double yaw = 1. : \"Heading\",
+        in long n) { task t; };
+  function f(in double x=0.,
+             in double yaw   = 1.);
+  attribute a(in x    =  1,
+              in yaw  = 2);
+};
+",
+        expect![[r#"
+            component c {
+              activity go(in double x   = 0. : "East",  // first
+                          in double yaw = 1. : "Heading",
+                          in long n) { task t; };
+              function f(in double x = 0.,
+                         in double yaw = 1.);
+              attribute a(in x   = 1,
+                          in yaw = 2);
+            };
+        "#]],
+    );
+}
+
+#[test]
 fn real_files_keep_their_tokens_and_settle_at_once() {
     for (path, text) in shared_files() {
         let once = formatted(&text);

@@ -431,6 +431,12 @@ component c {
               Ids ids [ids] 
         "#]],
         );
-        check("component { task t; };", expect![]);
+        check(
+            "component { task t; };",
+            expect![[r#"
+            Component (component without name) [component] 
+              Task t [t] 
+        "#]],
+        );
     }
 }

@@ -1,6 +1,7 @@
 //! What is under the cursor, in a few lines: declaration, type, value, documentation.
 
 mod facts;
+mod own;
 
 use dotgen_syntax::{SyntaxKind, SyntaxNode, TextRange, preproc::MacroSite};
 
@@ -11,7 +12,7 @@ use super::{
     resolve::{Target, container_name, meanings_at},
 };
 use crate::{
-    base::lexed,
+    base::{SourceFile, lexed},
     elab::{DefId, DefKind, Definition, Elaborated, Entity},
     model::{Component, TypeKind},
     source_map::bytes,
@@ -27,7 +28,9 @@ pub(crate) fn hover(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> 
             codels.extend(codel(view.elaborated(), *id));
         }
         let part = match target {
-            Target::Definition(id) => definition(view, *id),
+            Target::Definition(id) => {
+                own::completion(view, range, *id).or_else(|| definition(view, *id))
+            }
             Target::Macro(name, site) => macro_hover(view, range, name, site.as_ref()),
             Target::File(file) => Some(format!("`{}`", file.path(view.db))),
         };
@@ -83,20 +86,7 @@ pub(crate) fn definition(view: &FileView<'_>, id: DefId) -> Option<String> {
 /// The declaration as written, in a standard layout.
 fn declaration_text(view: &FileView<'_>, it: &Definition) -> Option<String> {
     let (file, range) = view.place(it.node)?;
-    let declaring;
-    let there = if file == view.file {
-        view
-    } else {
-        // The declaring file as this unit sees it.
-        let key = crate::unit::serving_visit(view.db, view.unit, file)?.1;
-        declaring = FileView {
-            db: view.db,
-            file,
-            unit: view.unit,
-            key,
-        };
-        &declaring
-    };
+    let there = &view_of(view, file)?;
     let kind = SymbolKind::from(it.kind);
     let node = node_at(there, range);
     let text = match (kind, node) {
@@ -125,6 +115,20 @@ fn declaration_text(view: &FileView<'_>, it: &Definition) -> Option<String> {
         (_, None) => it.name.to_string(),
     };
     Some(text)
+}
+
+/// A file as the unit of a view sees it.
+fn view_of<'db>(view: &FileView<'db>, file: SourceFile) -> Option<FileView<'db>> {
+    let key = match file == view.file {
+        true => view.key,
+        false => crate::unit::serving_visit(view.db, view.unit, file)?.1,
+    };
+    Some(FileView {
+        db: view.db,
+        file,
+        unit: view.unit,
+        key,
+    })
 }
 
 /// The outermost node that covers exactly a range.
@@ -625,6 +629,97 @@ component c {
                 }
                 ```
             "#]],
+        );
+    }
+
+    #[test]
+    fn what_completes_an_interface_shows_itself() {
+        let text = r#"
+//- /i.gen
+interface i {
+  function halt() { doc "Stops."; };
+  activity go(in long x);
+  task t;
+};
+//- /main.gen
+#include "i.gen"
+component c {
+  provides i;
+  ids { long v; };
+  task main { period 5 ms; };
+  function halt() { doc "At once."; codel f(out v); interrupts go; };
+  activity go(in long x) { task main; codel<start> g(in x) yield ether; };
+};
+component d { provides i; function other() { interrupts halt; }; };
+"#;
+        let at = |mark: &str| text.replacen(&mark.replace("$0", ""), mark, 1);
+        check(
+            &at("function halt$0() { doc \"At"),
+            expect![[r#"
+            [halt]
+            ```genom
+            function halt() {
+              doc "At once.";
+              codel f(out v);
+              interrupts go;
+            };
+            ```
+
+            in `c` · implements `halt` of the interface `i` from `i.gen`
+
+            Stops.
+            At once.
+        "#]],
+        );
+        // Where the component uses it, too.
+        check(
+            &at("interrupts go$0"),
+            expect![[r#"
+            [go]
+            ```genom
+            activity go(in long x) {
+              task main;
+              codel<start> g(in x) yield ether;
+            };
+            ```
+
+            in `c` · implements `go` of the interface `i` from `i.gen`
+
+            * interrupted by `halt`
+        "#]],
+        );
+        // A component that says nothing of its own has what the interface says.
+        check(
+            &at("interrupts halt$0"),
+            expect![[r#"
+            [halt]
+            ```genom
+            function halt() {
+              doc "Stops.";
+            };
+            ```
+
+            in `i` · from `i.gen`
+
+            Stops.
+        "#]],
+        );
+        check(
+            &at("function halt$0() { doc \"Stops"),
+            expect![[r#"
+            [halt]
+            ```genom
+            function halt() {
+              doc "Stops.";
+            };
+            ```
+
+            in `i`
+
+            Stops.
+
+            *as included by `main.gen`*
+        "#]],
         );
     }
 

@@ -130,7 +130,11 @@ pub(crate) fn rename(
     edits.sort_by(|a, b| (&a.path, a.range.start).cmp(&(&b.path, b.range.start)));
     edits.dedup();
     check_macros(view, &edits, new_name, is_macro)?;
-    check_meaning(db, &edits, &old, new_name)?;
+    let kind = targets.iter().find_map(|it| match it {
+        Target::Definition(id) => Some(view.elaborated().definition(*id).kind),
+        _ => None,
+    });
+    check_meaning(db, &edits, kind, &old, new_name)?;
     Ok(edits)
 }
 
@@ -309,15 +313,16 @@ fn check_macros(
 fn check_meaning(
     db: &dyn Db,
     edits: &[FileEdit],
+    kind: Option<DefKind>,
     old: &str,
     new_name: &str,
 ) -> Result<(), RenameError> {
     for it in compare(db, edits) {
+        let taken = || clash::taken(db, &it, kind, new_name);
         if let Some(error) = it.new_errors.first() {
-            return refuse(format!(
-                "`{old}` cannot be called `{new_name}`: {}",
-                error.message
-            ));
+            // The error is about a text that nobody has seen: what is in the way says more.
+            let why = taken().unwrap_or_else(|| error.message.clone());
+            return refuse(format!("`{old}` cannot be called `{new_name}`: {why}"));
         }
         let same = it.before.references == it.after.references
             && std::iter::zip(&it.before.definitions, &it.after.definitions).all(|(a, b)| {
@@ -326,9 +331,10 @@ fn check_meaning(
             && it.before.definitions.len() == it.after.definitions.len()
             && shape(&it.before.spec) == shape(&it.after.spec);
         if !same {
-            return refuse(format!(
-                "`{old}` cannot be called `{new_name}`: another `{new_name}` is near, and some names would then mean something else"
-            ));
+            let taken = taken().unwrap_or_else(|| {
+                "some names would then mean something else; choose another name".to_owned()
+            });
+            return refuse(format!("`{old}` cannot be called `{new_name}`: {taken}"));
         }
     }
     Ok(())
@@ -447,5 +453,6 @@ fn relative(from: &Utf8Path, to: &Utf8Path) -> Option<Utf8PathBuf> {
     None
 }
 
+mod clash;
 #[cfg(test)]
 mod tests;

@@ -22,6 +22,8 @@ use crate::{
 
 /// One unit before and after.
 pub(crate) struct Comparison {
+    /// Its root.
+    pub(crate) root: SourceFile,
     pub(crate) before: Arc<Elaborated>,
     pub(crate) after: Arc<Elaborated>,
     /// Errors that were not there before.
@@ -77,6 +79,7 @@ pub(crate) fn compare(db: &dyn Db, edits: &[FileEdit]) -> Vec<Comparison> {
         let unit = unit_of_root(db, *root);
         let there = unit_of_root(&other, other.file(root.path(db)));
         Comparison {
+            root: *root,
             before: elaborated(db, unit).clone(),
             after: elaborated(&other, there).clone(),
             new_errors: new_errors(db, unit, &other, there),

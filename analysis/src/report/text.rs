@@ -50,6 +50,9 @@ pub(super) fn text_report<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<Vec<Di
     for error in &parsed(db, key).errors {
         let severity = syntax_severity(error.severity);
         let mut it = new(error.code, severity, error.range, error.message.clone());
+        let related = error.related.as_ref();
+        it.related
+            .extend(related.map(|(range, message)| related_at(db, file, *range, *message)));
         it.related.extend(expanded_from(db, key, error.range));
         out.push(it);
     }

@@ -82,6 +82,139 @@ component c {
 }
 
 #[test]
+fn a_forgotten_brace_is_one_error() {
+    const RIGHT: &str = "typedef long n;
+component c {
+  version \"1\";
+  ids {
+    long x;
+    struct s { long y; } z;
+  };
+  port in n p {
+    doc \"text\";
+  };
+  task t {
+    period 5 ms;
+    codel<start> f(inout x) yield pause::start wcet 1 ms;
+  };
+  activity a(in long y) {
+    task t;
+    validate v(in y) wcet 1 ms;
+    codel<start> g(inout z, in p) yield ether wcet 1 ms;
+  };
+};
+";
+    check(RIGHT, &[]);
+    for (at, _) in RIGHT.match_indices(['{', '}']) {
+        let (before, after) = (&RIGHT[..at], &RIGHT[at + 1..]);
+        check(&format!("{before}{after}"), &["syntax"]);
+    }
+}
+
+#[test]
+fn a_machine_that_is_not_understood_is_not_judged() {
+    let machine = |start: &str, states: &str| {
+        format!(
+            "component c {{
+  ids {{ long x; }};
+  task t {{
+    {start}
+    codel<main> g(inout x) yield {states} wcet 1 ms;
+    codel<other> h(in x) yield ether wcet 1 ms;
+  }};
+  task u {{ codel<start> i() yield ether wcet 1 ms; codel<lost> j() yield ether wcet 1 ms; }};
+}};
+"
+        )
+    };
+    let of_u = "fsm/unreachable-state";
+    let right = "codel<start> f(out x) yield main wcet 1 ms;";
+    check(&machine(right, "other"), &[of_u]);
+    check(&machine(right, "ether"), &["fsm/unreachable-state", of_u]);
+    for broken in [
+        "codel<start f(out x) yield main wcet 1 ms;",
+        "codl<start> f(out x) yield main wcet 1 ms;",
+        "codel<start> (out x) yield main wcet 1 ms;",
+        "codel<start> f(out x) yeld main wcet 1 ms;",
+        "<start> f(out x) yield main wcet 1 ms;",
+        "codel<start> f(out x yield main wcet 1 ms;",
+        "codel<> f(out x) yield main wcet 1 ms;",
+        "codel start f(out x) yield main wcet 1 ms;",
+    ] {
+        let fixture = Fixture::new(&machine(broken, "ether"));
+        let found = fixture.analysis().diagnostics("/main.gen".into()).unwrap();
+        let mut codes: Vec<_> = found.iter().map(|it| it.code).collect();
+        assert_eq!(codes.pop(), Some(of_u), "{}", fixture.all_diagnostics());
+        assert!(
+            codes.len() == 1 && !codes[0].starts_with("fsm/"),
+            "{broken}: {}",
+            fixture.all_diagnostics()
+        );
+    }
+    // Without its `;` it is understood.
+    check(
+        &machine("codel<start> f(out x) yield main wcet 1 ms", "ether"),
+        &["missing-semicolon", "fsm/unreachable-state", of_u],
+    );
+}
+
+#[test]
+fn a_name_that_is_to_come_is_not_missed() {
+    let text = |ids: &str, port: &str| {
+        format!(
+            "struct s {{ long x; }};
+component c {{
+  ids {{ {ids} }};
+  {port}
+  task t {{ codel<start> f(inout v, port out p) yield ether wcet 1 ms; }};
+  activity a() {{ task t; codel<start> g(in v.x, in w) yield ether wcet 1 ms; }};
+}};
+"
+        )
+    };
+    let port = "port out s p;";
+    check(&text("s v;", port), &["param-unknown"]);
+    check(&text("s ; ", port), &["syntax"]);
+    check(&text("s v;", "port out s"), &["syntax"]);
+}
+
+#[test]
+fn texts_taken_for_code_are_one_error() {
+    let text = |doc: &str| {
+        format!(
+            "component c {{
+  {doc}
+  task t {{ codel<start> f() yield ether wcet 1 ms; }};
+  function g() {{ doc \"Return the limits of the planner.\"; codel h() wcet 1 ms; }};
+  activity a() {{ doc \"Plan, and execute.\"; task t; codel<start> i() yield ether wcet 1 ms; }};
+}};
+"
+        )
+    };
+    check(&text("doc \"What it does.\";"), &[]);
+    check(&text("doc \"What it does.;"), &["missing-semicolon"]);
+    check(&text("doc What it does.\";"), &["syntax"]);
+    check(&text("does.\";"), &["syntax"]);
+    check(
+        &text("doc \"What\nit does.\" doc \"more\"; typedef nope n;"),
+        &["missing-semicolon", "unknown-type"],
+    );
+    // A text over several lines that is none of its business hides nothing.
+    check(
+        &text("dok \"What\nit does.\"; typedef nope n;"),
+        &["syntax", "unknown-type"],
+    );
+}
+
+#[test]
+fn names_from_an_include_without_a_file_are_quiet() {
+    check(
+        "#include \"or/pose/\n#include t.idl\ntypedef m::t u;\n",
+        &["pp-include-bad", "pp-include-bad"],
+    );
+}
+
+#[test]
 fn a_file_included_twice_reports_once() {
     check(
         "//- /a.gen\n#include \"t.idl\"\n//- /b.gen\n#include \"t.idl\"\n//- /t.idl\ntypedef nope t;\n",

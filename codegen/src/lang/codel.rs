@@ -37,9 +37,12 @@ impl Mapper<'_> {
     pub fn prototype(&self, component: u32, codel: &Codel, separator: &str) -> LangResult {
         let arguments = self.codel_arguments(component, codel)?;
         let symbol = self.cname(&codel.name)?;
-        let indent = symbol.chars().count() + 1;
+        let start = symbol.chars().count() + 1;
         let mut out = format!("{}{separator}{symbol}(", self.event_type()?);
-        let mut column = indent;
+        // Under the first argument, wherever the name begins its line.
+        let line = out.rfind('\n').map_or(0, |it| it + 1);
+        let indent = out[line..].chars().count();
+        let mut column = start;
         for (index, argument) in arguments.iter().enumerate() {
             let last = index + 1 == arguments.len();
             let width = argument.chars().count() + 1;
@@ -48,7 +51,7 @@ impl Mapper<'_> {
                 if column + 1 + width > if last { 70 } else { 71 } {
                     out.push('\n');
                     out += &" ".repeat(indent);
-                    column = indent;
+                    column = start;
                 } else {
                     out.push(' ');
                     column += 1;

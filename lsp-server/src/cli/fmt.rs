@@ -18,7 +18,8 @@ const CONTEXT: usize = 3;
 
 /// Bring specifications in shape
 ///
-/// Changes blanks and line ends only; a declaration that does not parse is left as it is.
+/// Changes blanks and line ends only; a declaration that does not parse is left as it is, and so is a
+/// file in which a brace is missing.
 ///
 /// Exit status: 0 when everything is (now) in shape, 1 with --check when something is not, 2 if a
 /// file cannot be read or written.

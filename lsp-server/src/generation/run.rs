@@ -125,10 +125,34 @@ impl Job {
         arguments: &[String],
         cancel: Arc<AtomicBool>,
     ) -> Generated {
+        if let Some(why) = self.unknown(template) {
+            return Generated {
+                status: 2,
+                files: BTreeMap::new(),
+                output: String::new(),
+                messages: why,
+                failed_at: None,
+            };
+        }
         let mut words = vec![template.to_owned()];
         words.extend(arguments.iter().cloned());
         words.push(self.file.file_name().unwrap_or_default().to_owned());
         self.run_words(&words, cancel)
+    }
+
+    /// What to say of a name that no template has: in an editor there are settings, not options.
+    fn unknown(&self, template: &str) -> Option<String> {
+        let all = self.templates();
+        let known = all.iter().any(|it| it.name == template);
+        if known || Utf8Path::new(template).is_absolute() {
+            return None;
+        }
+        let names: Vec<String> = all.iter().map(|it| format!("`{}`", it.name)).collect();
+        Some(format!(
+            "there is no template `{template}`; choose one of {}, or add the directory that has it to the setting \
+             `dotgen.templatePaths` (`template-paths` in dotgen.toml)",
+            names.join(", ")
+        ))
     }
 
     fn run_words(&self, words: &[String], cancel: Arc<AtomicBool>) -> Generated {

@@ -275,6 +275,30 @@ async fn what_dotgen_makes_of_a_document_can_be_looked_at() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn prototypes_are_aligned_under_their_first_argument() {
+    let (mut client, folder, _) = start(json!({})).await;
+    let uri = folder.uri("long.gen");
+    let text = "struct trajectory { double x; };\ncomponent c {\n  ids { trajectory one, other; };\n  task t {\n    \
+                codel<start> plan_it(in one, out other)\n      yield ether;\n  };\n};\n";
+    client.open(&uri, text).await;
+    let mut params = document(&uri);
+    params["position"] = json!({ "line": 4, "character": 20 });
+    let hover = client.ok("textDocument/hover", params).await;
+    let shown = hover["contents"]["value"].as_str().expect("a hover");
+    let fences: Vec<&str> = shown.split("```").collect();
+    let of = |language: &str| fences.iter().find_map(|it| it.strip_prefix(language));
+    assert_eq!(
+        of("c\n"),
+        Some(
+            "genom_event plan_it(const trajectory *one, trajectory *other,\n\
+             \x20                   const genom_context self);\n"
+        ),
+        "{shown}"
+    );
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn fixes_are_offered_where_they_apply() {
     let literals = json!({ "codeActionKind": { "valueSet": ["quickfix"] } });
     let capabilities = json!({ "codeAction": { "codeActionLiteralSupport": literals } });

@@ -192,6 +192,26 @@ async fn plain_clients_are_asked_before_anything_is_written() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn an_unknown_template_is_answered_with_the_setting() {
+    let (mut client, folder) = start(able(), true, &[]).await;
+    let params = json!({ "uri": folder.uri("lamp.gen"), "template": "nams", "apply": false });
+    let execute = "workspace/executeCommand";
+    let failed = client.ok(execute, command("dotgen.generate", params)).await;
+    assert_eq!(failed["status"], "failed");
+    let messages = failed["messages"].as_str().unwrap();
+    for wanted in [
+        "no template `nams`",
+        "`names`",
+        "`skeleton`",
+        "`dotgen.templatePaths`",
+    ] {
+        assert!(messages.contains(wanted), "{messages}");
+    }
+    assert!(!messages.contains("-t "), "{messages}");
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn untrusted_workspaces_run_nothing() {
     let (mut client, folder) = start(able(), false, &[]).await;
     let params = json!({ "uri": folder.uri("lamp.gen"), "template": "names" });

@@ -118,6 +118,34 @@ pub(super) fn chunks(root: &SyntaxNode, broken: &[TextRange]) -> Vec<Chunk> {
     out
 }
 
+/// Whether each brace of a text has its partner, as the grammar reads it.
+pub(super) fn is_paired(root: &SyntaxNode) -> bool {
+    let mut open = 0;
+    let mut events = root.preorder_with_tokens();
+    while let Some(event) = events.next() {
+        match event {
+            WalkEvent::Enter(SyntaxElement::Node(node)) if is_opaque(node.kind()) => {
+                events.skip_subtree();
+            }
+            WalkEvent::Enter(SyntaxElement::Token(token)) => match token.kind() {
+                L_CURLY => open += 1,
+                R_CURLY => open -= 1,
+                _ => {}
+            },
+            _ => {}
+        }
+        if open < 0 {
+            return false;
+        }
+    }
+    open == 0
+}
+
+/// Text that the grammar does not read.
+fn is_opaque(kind: SyntaxKind) -> bool {
+    matches!(kind, DIRECTIVE | INACTIVE | MACRO_CALL)
+}
+
 /// A node on the way down to the current token.
 struct Level {
     kind: SyntaxKind,
@@ -161,33 +189,26 @@ impl Cutter<'_> {
             chunks: self.out.len(),
             fresh: true,
         });
-        if matches!(kind, DIRECTIVE | INACTIVE | MACRO_CALL) && !self.inside_opaque() {
+        if is_opaque(kind) && !self.inside_opaque() {
             self.push(ChunkKind::Opaque, range, false);
         }
     }
 
     fn leave(&mut self, node: &SyntaxNode) {
         self.path.pop();
-        if matches!(node.kind(), DIRECTIVE | INACTIVE | MACRO_CALL) {
+        if is_opaque(node.kind()) {
             (self.newlines, self.spaced) = (0, false);
         }
     }
 
     fn inside_opaque(&self) -> bool {
         let above = self.path.len().saturating_sub(1);
-        self.path[..above]
-            .iter()
-            .any(|l| matches!(l.kind, DIRECTIVE | INACTIVE | MACRO_CALL))
+        self.path[..above].iter().any(|l| is_opaque(l.kind))
     }
 
     fn token(&mut self, token: &SyntaxToken) {
         let range = token.text_range();
-        if range.is_empty()
-            || self
-                .path
-                .iter()
-                .any(|l| matches!(l.kind, DIRECTIVE | INACTIVE | MACRO_CALL))
-        {
+        if range.is_empty() || self.path.iter().any(|l| is_opaque(l.kind)) {
             return;
         }
         match token.kind() {

@@ -7,11 +7,13 @@
 //! Recovery: a broken item is passed up to its `;`, up to the `}` of the body around it, or up to
 //! something that can only be the beginning of another declaration. A missing token is reported
 //! where something else was found, without passing it. After an error nothing is reported at the
-//! same token again, so that one mistake makes one message.
+//! same token again, so that one mistake makes one message. Braces that are missing or too many have
+//! a file of their own (`braces`).
 //!
 //! Comments of the form `// test NAME` hold texts that are parsed by the tests, see
 //! `tests/parser.rs`.
 
+mod braces;
 mod codel;
 mod component;
 mod expr;
@@ -29,7 +31,7 @@ use crate::kind::SyntaxKind::{self, *};
 /// Reads a whole file.
 pub(super) fn fragment(p: &mut Parser<'_>, fragment: Fragment) {
     let m = p.start();
-    spec::items(p, fragment, Place::File);
+    spec::items(p, fragment, None);
     m.complete(p, SOURCE_FILE);
 }
 
@@ -50,15 +52,6 @@ pub(super) fn wcet_pragma(p: &mut Parser<'_>) {
         p.bump_any();
     }
     m.complete(p, DIRECTIVE);
-}
-
-/// Where a list of items ends.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Place {
-    /// At the end of the file.
-    File,
-    /// At a `}`.
-    Braces,
 }
 
 /// The name of a new declaration.
@@ -162,7 +155,8 @@ fn semicolon_or(p: &mut Parser<'_>, after: &str, others: &str) {
         format!("missing `;` after {after}{others}: the file ends here; add `;`")
     } else {
         let found = p.describe_current();
-        let help = if p.is_after_long_literal() {
+        let help = if p.is_after_long_literal() && !spec::at_item(p) {
+            p.turn_inside_out();
             "add `;` before it, or the `\"` that the text over several lines lacks"
         } else {
             "add `;` before it"

@@ -23,6 +23,9 @@ pub(crate) struct Input<'a> {
     sources: Vec<u32>,
     /// Tokens with an `#include` between them and the token before, ascending.
     after_include: Vec<u32>,
+    /// For each token, how many `}` from there on close nothing that is opened there; empty if all
+    /// braces are paired.
+    closing: Vec<u32>,
 }
 
 impl<'a> Input<'a> {
@@ -41,6 +44,7 @@ impl<'a> Input<'a> {
             contextual: Vec::with_capacity(elements.len() / 2),
             sources: Vec::with_capacity(elements.len() / 2),
             after_include: Vec::new(),
+            closing: Vec::new(),
         };
         for (index, element) in elements.iter().enumerate() {
             match element {
@@ -58,7 +62,58 @@ impl<'a> Input<'a> {
                 _ => {}
             }
         }
+        if !input.is_paired() {
+            input.count_closing();
+        }
         input
+    }
+
+    /// Whether each `{` has its `}`.
+    fn is_paired(&self) -> bool {
+        let mut open = 0u32;
+        for kind in &self.kinds {
+            match kind {
+                L_CURLY => open += 1,
+                R_CURLY if open == 0 => return false,
+                R_CURLY => open -= 1,
+                _ => {}
+            }
+        }
+        open == 0
+    }
+
+    fn count_closing(&mut self) {
+        let mut count = 0u32;
+        self.closing = vec![0; self.kinds.len()];
+        for (kind, closing) in self.kinds.iter().zip(&mut self.closing).rev() {
+            match kind {
+                R_CURLY => count += 1,
+                L_CURLY => count = count.saturating_sub(1),
+                _ => {}
+            }
+            *closing = count;
+        }
+    }
+
+    /// How many `}` from token `i` on close nothing that is opened there. `None` if nothing is wrong
+    /// with the braces of the file.
+    pub(crate) fn closing(&self, i: usize) -> Option<u32> {
+        (!self.closing.is_empty()).then(|| self.closing.get(i).copied().unwrap_or(0))
+    }
+
+    /// Column of token `i`, if it is the first of its line.
+    pub(crate) fn indent(&self, i: usize) -> Option<usize> {
+        const TAB: usize = 8;
+        let Some(Element::Real(raw)) = self.element(i) else {
+            return None;
+        };
+        let before = self.text.get(..self.raw.start(*raw as usize))?;
+        let line = &before[before.rfind('\n').map_or(0, |it| it + 1)..];
+        line.chars().try_fold(0, |column, it| match it {
+            ' ' => Some(column + 1),
+            '\t' => Some(column / TAB * TAB + TAB),
+            _ => None,
+        })
     }
 
     fn push(&mut self, kind: SyntaxKind, text: &str, element: usize) {

@@ -29,8 +29,13 @@
 //! * **Acquisitions** of codels that exclude each other, if nobody else can want any of their locks
 //!   at this moment.
 //!
+//! Clients and activities have ample sets of their own, see [`requests`].
+//!
 //! None of this with locks in order of arrival, where every request for a lock counts.
 
+mod requests;
+
+use self::requests::Requests;
 use super::state::{Layout, State, TaskStatus, mode, phase};
 use super::step::{Action, Enabled, Stepper};
 use crate::property::{Atom, Predicate};
@@ -43,6 +48,21 @@ pub(crate) struct Visible {
     pub(super) tasks: Vec<bool>,
     /// Some control task or client.
     pub(super) others: bool,
+    /// The same in more detail.
+    parts: Parts,
+}
+
+/// Parts of a system.
+#[derive(Debug, Clone, Default)]
+struct Parts {
+    /// Tasks: whether they run.
+    statuses: Vec<bool>,
+    /// State machines: where they are.
+    machines: Vec<bool>,
+    /// Services: what is in their slots.
+    slots: Vec<bool>,
+    /// Clients: where they are.
+    clients: Vec<bool>,
 }
 
 impl Visible {
@@ -53,7 +73,21 @@ impl Visible {
     ) -> Self {
         let mut tasks = vec![false; system.tasks.len()];
         let mut others = false;
+        let mut parts = Parts {
+            statuses: vec![false; system.tasks.len()],
+            machines: vec![false; system.machines.len()],
+            slots: vec![false; system.services.len()],
+            clients: vec![false; system.clients.len()],
+        };
         for predicate in predicates {
+            predicate.atoms(&mut |atom| match *atom {
+                Atom::Task(task, _) => parts.statuses[task] = true,
+                Atom::State { machine, .. } => parts.machines[machine] = true,
+                Atom::Slot(service, _) => parts.slots[service] = true,
+                Atom::Client(client, _) => parts.clients[client] = true,
+                // Nothing that is handled in no time is seen in a control task.
+                Atom::Handling { .. } | Atom::ControlBusy(_) => {}
+            });
             predicate.atoms(&mut |atom| match *atom {
                 Atom::Task(task, _) => tasks[task] = true,
                 Atom::State { machine, .. } => {
@@ -70,7 +104,11 @@ impl Visible {
                 Atom::Handling { .. } | Atom::ControlBusy(_) | Atom::Client(..) => others = true,
             });
         }
-        Visible { tasks, others }
+        Visible {
+            tasks,
+            others,
+            parts,
+        }
     }
 }
 
@@ -95,6 +133,7 @@ pub(crate) struct Ample {
     active: Vec<bool>,
     /// Per automaton and state the codels that the same turn can come to after it.
     later: Vec<Vec<CodelSet>>,
+    requests: Requests,
     enabled: bool,
 }
 
@@ -140,6 +179,7 @@ impl Ample {
         }
         let tasks = 0..system.tasks.len();
         Ample {
+            requests: Requests::new(system, &visible),
             plain: tasks.clone().map(plain).collect(),
             visible_on_cores: tasks
                 .clone()
@@ -285,9 +325,20 @@ impl Moment<'_, '_> {
                     out.push(action);
                     return true;
                 }
-                Action::Finish { executor, .. } if self.end_alone(executor) => {
-                    let same = |it: &&Action| matches!(it, Action::Finish { executor: e, .. } if *e == executor);
-                    out.extend(actions.iter().filter(same));
+                Action::Finish { executor, .. }
+                    if self.end_alone(executor)
+                        || self.activity_end_alone(executor)
+                        || self.delay_alone(executor) =>
+                {
+                    self.with_outcomes(action, out);
+                    return true;
+                }
+                Action::Request { client, .. } if self.request_alone(client) => {
+                    self.with_outcomes(action, out);
+                    return true;
+                }
+                Action::Signal { component } if self.report_alone(component) => {
+                    out.push(action);
                     return true;
                 }
                 _ => {}

@@ -28,9 +28,9 @@ pub(crate) fn atom(stepper: &Stepper, s: &State, atom: &Atom) -> bool {
             machine,
             state,
             phase,
-        } => stepper.system.automata.iter().enumerate().any(|(a, it)| {
-            it.machine == machine && l.at(s, a) as usize == state && in_phase(l.phase(s, a), phase)
-        }),
+        } => stepper.automata_of[machine]
+            .iter()
+            .any(|&a| l.at(s, a) as usize == state && in_phase(l.phase(s, a), phase)),
         Atom::Slot(service, status) => {
             let mut modes = stepper.system.services[service]
                 .slots

@@ -248,7 +248,7 @@ const CLOSURES: usize = 1;
 /// States looked at between two looks at what may end the search.
 const LOOKS: usize = 64;
 
-/// Steps for which an exploration that has answered everything goes on at least, to see requests that are refused.
+/// Steps for which an exploration that has answered everything goes on, to see requests that are refused.
 const LINGER: u64 = 20_000;
 
 /// Bytes of a node in the queue.
@@ -732,7 +732,7 @@ impl Search<'_> {
     /// Whether to go on for a while when everything is answered, as requests may turn out to be refused.
     fn lingers(&mut self) -> bool {
         let at = *self.answered_at.get_or_insert(self.steps);
-        self.stepper.system.may_refuse() && self.steps < at.saturating_mul(2) + LINGER
+        self.stepper.system.may_refuse() && self.steps < at + LINGER
     }
 
     /// Whether the longest time of a gauge has been seen, and nothing else is wanted of it.

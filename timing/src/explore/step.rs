@@ -90,11 +90,18 @@ pub(crate) struct Stepper<'s> {
     pub(crate) refused: Vec<Cell<bool>>,
     /// Codels (by number) that exclude no other.
     lockless: Vec<bool>,
+    /// Automata of each machine.
+    pub(crate) automata_of: Vec<Vec<usize>>,
 }
 
 impl<'s> Stepper<'s> {
     pub(crate) fn new(system: &'s TimedSystem, layout: Layout) -> Self {
+        let mut automata_of = vec![Vec::new(); system.machines.len()];
+        for (a, it) in system.automata.iter().enumerate() {
+            automata_of[it.machine].push(a);
+        }
         Stepper {
+            automata_of,
             system,
             layout,
             refused: vec![Cell::new(false); system.services.len()],

@@ -212,6 +212,19 @@ fn states_of_the_machine() {
         "start | go | ether | stop | pause::start | pause::go | pause::stop | pause:: | loop",
     );
     check(&in_arm("task u { codel<start> f() $0"), "yield | wcet");
+    // What the execution time is said with is no state.
+    check(
+        &in_arm("task u { codel<start> f() yield $0 wcet 3 us; codel<go> g() yield ether; };"),
+        "start | go | ether | stop | pause::start | pause::go | pause::stop | pause:: | loop",
+    );
+    check(
+        &in_arm("task u { codel<start> f() yield go, $0 wcet 3 us; codel<go> g() yield ether; };"),
+        "start | ether | stop | pause::start | pause::go | pause::stop | pause:: | loop",
+    );
+    has(
+        &in_arm("const long N = 1; task u { codel<start> f() yield $0 wcet N * 2 us; };"),
+        "start | ether | !wcet | !pause::wcet",
+    );
     check(
         &in_arm("task u { codel<start> f() wcet 1 $0"),
         "s | ms | us",

@@ -27,6 +27,15 @@ pub(super) fn facts(elaborated: &Elaborated, it: &Definition) -> Option<String> 
         DefKind::State => state(component, &it.name),
         _ => Vec::new(),
     };
+    list(&lines)
+}
+
+/// The same for a service as a component has it.
+pub(super) fn of_service(component: &Component, name: &str) -> Option<String> {
+    list(&service(component, name))
+}
+
+fn list(lines: &[String]) -> Option<String> {
     let lines: Vec<String> = lines.iter().map(|it| format!("* {it}")).collect();
     (!lines.is_empty()).then(|| lines.join("\n"))
 }

@@ -173,7 +173,7 @@ fn clashes_captures_and_words_are_refused() {
     refused(
         "typedef long a$0;\ntypedef long b;\n",
         "b",
-        "cannot be called",
+        "`a` cannot be called `b`: a type has that name already (main.gen, line 2); choose another name",
     );
     refused("typedef long a$0;\n", "struct", "reserved");
     refused("typedef long a$0;\n", "xor", "reserved");
@@ -200,7 +200,23 @@ fn clashes_captures_and_words_are_refused() {
     refused(
         "component c { function f() { codel a$0(); codel b(); }; };\n",
         "b",
-        "cannot be called",
+        "a codel has that name already (main.gen, line 1) and codels of one name are one function",
+    );
+    refused(
+        "component c {\n  ids { long x; };\n  task t {\n    codel<start> f$0(in x) yield main;\n    codel<main> g(out x) yield ether;\n  };\n};\n",
+        "g",
+        "`f` cannot be called `g`: a codel has that name already (main.gen, line 5)",
+    );
+    refused(
+        "component c {\n  task t { codel<start> f() yield m$0; codel<m> g() yield n; codel<n> h() yield ether; };\n};\n",
+        "n",
+        "a state has that name already (main.gen, line 2); choose another name, or rename that one first",
+    );
+    // What is not in the way is not named.
+    refused(
+        "struct s { long b; };\ncomponent c { function f(in long a$0, in long z); attribute b(); };\n",
+        "z",
+        "a parameter has that name already",
     );
     // A contextual keyword is a name like any other.
     check("typedef long a$0;\n", "task", "typedef long task;\n");

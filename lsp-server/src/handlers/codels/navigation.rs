@@ -136,7 +136,7 @@ pub(crate) fn rename(
         }
         if let Some(taken) = links::implementations(&folder.sources, to).first() {
             refused.get_or_insert(format!(
-                "A function `{to}` exists already, in {}",
+                "A function `{to}` exists already, in {}; choose another name, or rename that one first",
                 taken.path
             ));
         }

@@ -26,7 +26,9 @@ pub(super) enum Form {
 // };
 pub(super) fn codel(p: &mut Parser<'_>, form: Form) -> &'static str {
     let m = p.start();
-    let has_triggers = p.at(L_ANGLE);
+    // `codel start f()`
+    let lacks_angles = p.at(IDENT) && p.nth(1) == IDENT && p.nth(2) == L_PAREN;
+    let has_triggers = p.at(L_ANGLE) || (lacks_angles && form == Form::Any);
     if has_triggers {
         if form == Form::Simple {
             p.error_here("a `validate` codel has no states: remove them".to_owned());
@@ -79,7 +81,16 @@ pub(super) fn at_codel(p: &Parser<'_>) -> bool {
 
 fn triggers(p: &mut Parser<'_>) {
     let m = p.start();
-    p.bump(L_ANGLE);
+    if !p.eat(L_ANGLE) {
+        let (state, name) = (p.current_text(), p.nth_text(1));
+        p.error_here(format!(
+            "expected `<`, found `{state}`; the states of a codel stand in angle brackets: \
+             `codel<{state}> {name}(…)`"
+        ));
+        state_name(p);
+        m.complete(p, TRIGGERS);
+        return;
+    }
     comma_list(p, state);
     if !p.eat(R_ANGLE) {
         p.expected("`,` or `>`");
@@ -94,6 +105,13 @@ fn triggers(p: &mut Parser<'_>) {
         }
     }
     m.complete(p, TRIGGERS);
+}
+
+/// A state as a bare word.
+fn state_name(p: &mut Parser<'_>) {
+    let m = p.start();
+    name_ref(p);
+    m.complete(p, STATE);
 }
 
 fn yields(p: &mut Parser<'_>) -> &'static str {
@@ -136,7 +154,16 @@ fn state(p: &mut Parser<'_>) -> bool {
 
 /// Whether a name is here that is not the next declaration of half-typed text.
 fn at_state(p: &Parser<'_>) -> bool {
-    p.at(IDENT) && (!spec::at_item(p) || at_timed_state(p))
+    p.at(IDENT) && (!spec::at_item(p) || at_timed_state(p)) && !at_wcet(p)
+}
+
+/// Whether an execution time is here, `wcet 5 us`, rather than a state called `wcet`.
+fn at_wcet(p: &Parser<'_>) -> bool {
+    const VALUE: TokenSet = TokenSet::new(&[INT, FLOAT, L_PAREN]);
+    const OPERATOR: TokenSet =
+        TokenSet::new(&[STAR, SLASH, PLUS, MINUS, COLON2, S_KW, MS_KW, US_KW]);
+    let of_name = p.nth(1) == IDENT && !p.nth_at(1, WCET_KW) && p.nth_at_ts(2, OPERATOR);
+    p.at(WCET_KW) && (p.nth_at_ts(1, VALUE) || of_name)
 }
 
 /// A state called like the beginning of a declaration, with an execution time: `yield period 5 us`,

@@ -18,12 +18,12 @@ pub(super) fn component(p: &mut Parser<'_>) -> bool {
         "this component"
     };
     p.bump_contextual();
-    if name(p) {
-        if p.at(L_CURLY) {
-            spec::body(p, Fragment::Component, true, what);
-        } else if !p.at_item_end() {
-            p.expected("`{` or `;`");
-        }
+    p.headless = false;
+    let named = property::unless_item(p, name);
+    if braces::at_body(p, Fragment::Component) {
+        spec::body(p, Fragment::Component, true, what);
+    } else if named && !p.at_item_end() {
+        p.expected("`{` or `;`");
     }
     semicolon(p, what);
     m.complete(p, COMPONENT);
@@ -47,7 +47,7 @@ pub(super) fn export(p: &mut Parser<'_>) -> bool {
 fn ids(p: &mut Parser<'_>) {
     let m = p.start();
     p.bump(IDS_KW);
-    if p.at(L_CURLY) {
+    if braces::at_body(p, Fragment::Members) {
         spec::body(p, Fragment::Members, false, "the ids");
     } else {
         p.expected("`{`");
@@ -71,7 +71,7 @@ fn port(p: &mut Parser<'_>) {
     } else if types::type_spec(p, types::Allow::Constructed) {
         types::declared_name(p);
     }
-    property::properties(p);
+    property::properties(p, "this port");
     semicolon(p, "this port");
     m.complete(p, PORT);
 }

@@ -87,9 +87,9 @@ pub(super) fn unless_item(p: &mut Parser<'_>, one: fn(&mut Parser<'_>) -> bool) 
 }
 
 /// `{ … }`, if there.
-pub(super) fn properties(p: &mut Parser<'_>) {
-    if p.at(L_CURLY) {
-        spec::body(p, Fragment::Properties, true, "this list of properties");
+pub(super) fn properties(p: &mut Parser<'_>, owner: &str) {
+    if braces::at_body(p, Fragment::Properties) {
+        spec::body(p, Fragment::Properties, true, owner);
     }
 }
 

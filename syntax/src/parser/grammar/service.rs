@@ -17,10 +17,10 @@ pub(super) fn service(p: &mut Parser<'_>) {
         _ => (param::Params::Service, "this activity"),
     };
     p.bump_contextual();
-    if name(p) {
+    if property::unless_item(p, name) {
         param::param_list(p, params);
     }
-    property::properties(p);
+    property::properties(p, what);
     semicolon(p, what);
     m.complete(p, SERVICE);
 }

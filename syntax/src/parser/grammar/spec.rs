@@ -7,15 +7,15 @@ const RESERVED_STARTS: TokenSet = TokenSet::new(&[
     MODULE_KW, CONST_KW, TYPEDEF_KW, STRUCT_KW, UNION_KW, ENUM_KW,
 ]);
 
-/// Items until the end of the file or the closing brace.
-pub(super) fn items(p: &mut Parser<'_>, fragment: Fragment, place: Place) {
+/// Items until the end of the file, or of the body they are in.
+pub(super) fn items(p: &mut Parser<'_>, fragment: Fragment, body: Option<braces::Body<'_>>) {
     loop {
         let before = p.position();
-        match p.current() {
-            EOF => break,
-            R_CURLY if place == Place::Braces => break,
-            R_CURLY => extra_brace(p),
-            _ if place == Place::Braces && leaves_body(p, fragment) => break,
+        match (p.current(), body) {
+            (EOF, _) => break,
+            (_, Some(body)) if leaves_body(p, fragment) || braces::is_left(p, body) => break,
+            (R_CURLY, Some(_)) if !braces::is_stray(p, fragment) => break,
+            (R_CURLY, _) => braces::extra(p),
             _ => item(p, fragment),
         }
         debug_assert!(p.position() > before, "no progress");
@@ -25,37 +25,27 @@ pub(super) fn items(p: &mut Parser<'_>, fragment: Fragment, place: Place) {
     }
 }
 
-/// `{ … }` around items.
+/// `{ … }` around items, where [`braces::at_body`].
 // test body_with_every_item
 // module m { const long a = 1; };
 // component c { ids { long x; }; task t; version "1"; };
 pub(super) fn body(p: &mut Parser<'_>, fragment: Fragment, may_be_empty: bool, owner: &str) {
     let m = p.start();
-    p.bump(L_CURLY);
+    let body = braces::open(p, fragment, owner);
     if p.at(R_CURLY) && !may_be_empty && !p.is_after_include() {
         p.error_here(format!(
             "{owner} cannot be empty; declare something between the braces"
         ));
     }
-    items(p, fragment, Place::Braces);
-    if !p.eat(R_CURLY) {
-        let found = p.describe_current();
-        let message =
-            format!("missing `}}` at the end of {owner}: found {found}; add `}};` before it");
-        let message = if p.at(EOF) {
-            format!("missing `}}` at the end of {owner}: the file ends here; add `}};`")
-        } else {
-            message
-        };
-        p.error_here(message);
-        p.unclosed += 1;
-    }
+    items(p, fragment, Some(body));
+    braces::close(p, body);
     m.complete(p, BODY);
 }
 
 /// One item, whatever is there; passes at least one token.
 fn item(p: &mut Parser<'_>, fragment: Fragment) {
     let start = p.position();
+    let around = std::mem::replace(&mut p.item, start);
     let done = match fragment {
         Fragment::Members => types::member(p),
         Fragment::Cases => types::case(p),
@@ -67,6 +57,7 @@ fn item(p: &mut Parser<'_>, fragment: Fragment) {
     if !done || p.position() == start {
         bad_item(p, fragment);
     }
+    p.item = around;
 }
 
 /// Modules, constants, types: what may stand nearly everywhere.
@@ -90,7 +81,7 @@ fn module(p: &mut Parser<'_>) {
     let m = p.start();
     p.bump(MODULE_KW);
     name(p);
-    if p.at(L_CURLY) {
+    if braces::at_body(p, Fragment::Module) {
         if p.enter() {
             body(p, Fragment::Module, true, "this module");
             p.leave();
@@ -112,12 +103,14 @@ pub(super) fn at_declaration(p: &Parser<'_>) -> bool {
     const NAME: TokenSet = TokenSet::new(&[IDENT]);
     const AFTER_NAME: TokenSet = TokenSet::new(&[L_CURLY, SEMICOLON]);
     const BRACE: TokenSet = TokenSet::new(&[L_CURLY]);
+    const SEMICOLON_ONLY: TokenSet = TokenSet::new(&[SEMICOLON]);
     const PAREN: TokenSet = TokenSet::new(&[L_PAREN]);
     const DIRECTION: TokenSet = TokenSet::new(&[IN_KW, OUT_KW, MULTIPLE_KW]);
     const IN_PARAMS: TokenSet = TokenSet::new(&[COMMA, R_PAREN, DOT]);
     match p.current_contextual() {
         COMPONENT_KW | INTERFACE_KW | TASK_KW => follows(1, NAME) && follows(2, AFTER_NAME),
         EXCEPTION_KW => follows(1, NAME),
+        NATIVE_KW => follows(1, NAME) && follows(2, SEMICOLON_ONLY),
         IDS_KW => follows(1, BRACE),
         ATTRIBUTE_KW | FUNCTION_KW | ACTIVITY_KW => follows(1, NAME) && follows(2, PAREN),
         // `port in NAME,` is a parameter of a codel.
@@ -187,31 +180,38 @@ fn bad_item(p: &mut Parser<'_>, fragment: Fragment) {
         ),
     };
     let known = at_declaration(p) || property::at_property(p);
-    if known && matches!(fragment, Fragment::Specification | Fragment::Module) {
+    let outside = known && matches!(fragment, Fragment::Specification | Fragment::Module);
+    let member = fragment == Fragment::Component && p.at_ts(types::TYPE_FIRST);
+    if outside || member {
+        // The line with the `{` of the body this is in may be missing: that is said once.
+        match p.headless {
+            true => p.mark_reported(),
+            false => p.headless = fragment != Fragment::Module && braces::lacks_head(p),
+        }
+    }
+    if outside {
         let word = p.current_text();
-        p.error_here(format!(
-            "`{word}` cannot stand here, expected {what}; move it into a component"
-        ));
+        p.error_here(match p.headless {
+            true => format!(
+                "`{word}` cannot stand here, expected {what}; is the line `component NAME {{` missing before it?"
+            ),
+            false => {
+                format!("`{word}` cannot stand here, expected {what}; move it into a component")
+            }
+        });
         if !(component::component(p) || component::export(p) || property::property(p)) {
             skip_tokens(p);
         }
     } else {
+        let help = match member && p.headless {
+            true => {
+                "members stand in `ids`, a struct or an exception: is the line with its `{` missing?"
+            }
+            false => help,
+        };
         p.expected_because(what, help);
         skip_tokens(p);
     }
-    m.complete(p, ERROR);
-}
-
-/// A `}` that closes nothing, with the `;` after it.
-fn extra_brace(p: &mut Parser<'_>) {
-    let m = p.start();
-    if p.unclosed > 0 {
-        p.unclosed -= 1;
-        p.mark_reported();
-    }
-    p.error_here("this `}` closes nothing: remove it, or add the `{` it belongs to".to_owned());
-    p.bump(R_CURLY);
-    p.eat(SEMICOLON);
     m.complete(p, ERROR);
 }
 
@@ -228,6 +228,11 @@ fn skip_tokens(p: &mut Parser<'_>) {
     let mut open = 0u32;
     let mut first = true;
     loop {
+        const AFTER_TEXT: TokenSet =
+            TokenSet::new(&[SEMICOLON, COMMA, COLON, R_PAREN, R_CURLY, STRING, EOF]);
+        if !first && p.is_after_long_literal() && !p.at_ts(AFTER_TEXT) {
+            p.turn_inside_out();
+        }
         if !first && (open == 0 && at_item(p) || leaves_body(p, Fragment::Module)) {
             return;
         }

@@ -10,8 +10,8 @@ use super::*;
 pub(super) fn task(p: &mut Parser<'_>) {
     let m = p.start();
     p.bump(TASK_KW);
-    name(p);
-    property::properties(p);
+    property::unless_item(p, name);
+    property::properties(p, "this task");
     semicolon(p, "this task");
     m.complete(p, TASK);
 }

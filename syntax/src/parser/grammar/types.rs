@@ -72,7 +72,7 @@ pub(super) fn exception_decl(p: &mut Parser<'_>) {
             m.abandon(p);
             return false;
         }
-        if p.at(L_CURLY) {
+        if braces::at_body(p, Fragment::Members) {
             spec::body(p, Fragment::Members, true, "this exception");
         }
         m.complete(p, EXCEPTION);
@@ -382,7 +382,7 @@ fn struct_type(p: &mut Parser<'_>) {
     let m = p.start();
     p.bump(STRUCT_KW);
     if type_name(p) {
-        if p.at(L_CURLY) {
+        if braces::at_body(p, Fragment::Members) {
             spec::body(p, Fragment::Members, false, "this struct");
         } else {
             p.expected_because(
@@ -410,7 +410,7 @@ fn union_type(p: &mut Parser<'_>) {
             switch_type(p);
             p.expect(R_PAREN);
         }
-        if p.at(L_CURLY) {
+        if braces::at_body(p, Fragment::Cases) {
             spec::body(p, Fragment::Cases, false, "this union");
         } else {
             p.expected("`{`");
@@ -444,7 +444,7 @@ fn enum_type(p: &mut Parser<'_>) {
     let m = p.start();
     p.bump(ENUM_KW);
     if type_name(p) {
-        if p.at(L_CURLY) {
+        if braces::at_enumerators(p) {
             enumerators(p);
         } else {
             p.expected_because(
@@ -458,7 +458,7 @@ fn enum_type(p: &mut Parser<'_>) {
 
 fn enumerators(p: &mut Parser<'_>) {
     let m = p.start();
-    p.bump(L_CURLY);
+    let body = braces::open(p, Fragment::Members, "this enum");
     while !(p.at(R_CURLY) && p.is_after_include()) {
         let one = p.start();
         if name(p) {
@@ -491,9 +491,7 @@ fn enumerators(p: &mut Parser<'_>) {
             }
         }
     }
-    if !p.eat(R_CURLY) {
-        p.expected("`}`");
-    }
+    braces::close(p, body);
     m.complete(p, ENUMERATOR_LIST);
 }
 

@@ -35,6 +35,11 @@ pub(super) fn classes(system: &TimedSystem, asked: &Asked) -> Vec<Vec<Unit>> {
     for (i, &first) in seeds.iter().enumerate() {
         let mut class: Vec<Unit> = Vec::new();
         for &other in &seeds[i + 1..] {
+            let mut units = out.iter().flatten().chain(&class[class.len().min(1)..]);
+            if !first.resembles(other, system) || units.any(|it| it.holds(first) || it.holds(other))
+            {
+                continue;
+            }
             let Some((one, two)) = exchange(system, asked, first, other) else {
                 continue;
             };
@@ -85,6 +90,30 @@ enum Seed {
     Task(usize),
 }
 
+impl Seed {
+    /// Whether it is worth while to compare two seeds: a quick look, as there are many pairs.
+    fn resembles(self, other: Seed, system: &TimedSystem) -> bool {
+        let task = |it: usize| {
+            let it = &system.tasks[it];
+            (it.period, it.delay, it.permanent.is_some(), it.slots.len())
+        };
+        match (self, other) {
+            (Seed::Component(one), Seed::Component(other)) => {
+                let (one, other) = (&system.components[one], &system.components[other]);
+                one.services.len() == other.services.len()
+                    && (one.tasks.iter().map(|&it| task(it)))
+                        .eq(other.tasks.iter().map(|&it| task(it)))
+            }
+            (Seed::Client(one), Seed::Client(other)) => {
+                let (one, other) = (&system.clients[one], &system.clients[other]);
+                one.steps.len() == other.steps.len() && one.trackers == other.trackers
+            }
+            (Seed::Task(one), Seed::Task(other)) => task(one) == task(other),
+            _ => false,
+        }
+    }
+}
+
 /// The two units around two seeds, if exchanging them changes nothing.
 fn exchange(system: &TimedSystem, asked: &Asked, one: Seed, other: Seed) -> Option<(Unit, Unit)> {
     let mut it = Exchange::new(system);
@@ -98,6 +127,14 @@ fn exchange(system: &TimedSystem, asked: &Asked, one: Seed, other: Seed) -> Opti
 }
 
 impl Unit {
+    fn holds(&self, seed: Seed) -> bool {
+        match seed {
+            Seed::Component(it) => self.components.contains(&it),
+            Seed::Client(it) => self.clients.contains(&it),
+            Seed::Task(it) => self.tasks.contains(&it),
+        }
+    }
+
     fn meets(&self, other: &Unit) -> bool {
         let meet = |one: &[usize], other: &[usize]| one.iter().any(|it| other.contains(it));
         meet(&self.tasks, &other.tasks)

@@ -1,0 +1,54 @@
+//! What a component says of its own about a service that an interface declares.
+
+use dotgen_syntax::{SyntaxKind, TextRange};
+
+use super::{code, elsewhere, facts, view_of};
+use crate::{
+    elab::{DefId, DefKind},
+    ide::{FileView, render::normalized},
+};
+
+/// The declaration by which the component around a mention completes a service of an interface.
+pub(super) fn completion(view: &FileView<'_>, mention: TextRange, id: DefId) -> Option<String> {
+    let elaborated = view.elaborated();
+    let declared = elaborated.definitions.get(id.0 as usize)?;
+    let interface = elaborated.definitions.get(declared.container?.0 as usize)?;
+    let of_an_interface = interface.kind == DefKind::Interface
+        && matches!(
+            declared.kind,
+            DefKind::Function | DefKind::Activity | DefKind::Attribute
+        );
+    if !of_an_interface {
+        return None;
+    }
+    let mut mentions = elaborated.references.iter().filter(|it| it.target == id);
+    let here = mentions
+        .clone()
+        .find(|it| view.place(it.at) == Some((view.file, mention)))?;
+    let component = elaborated.spec.components.get(here.component? as usize)?;
+    let own = mentions.find(|it| it.declaration && it.component == here.component)?;
+
+    let (file, range) = view.place(own.at)?;
+    let there = view_of(view, file)?;
+    let name = there.root().covering_element(range);
+    let service = name
+        .ancestors()
+        .find(|it| it.kind() == SyntaxKind::SERVICE)?;
+    let mut out = code(&normalized(&there, &service));
+    out += &format!(
+        "\n\nin `{}` · implements `{}` of the interface `{}`",
+        component.name, declared.name, interface.name
+    );
+    if let Some(file) = elsewhere(view, declared) {
+        out += &format!(" from `{file}`");
+    }
+    let mut services = component.services.iter();
+    let service = services.find(|it| it.name == declared.name)?;
+    if let Some(doc) = service.doc.as_ref().filter(|it| !it.is_empty()) {
+        out += &format!("\n\n{doc}");
+    }
+    if let Some(facts) = facts::of_service(component, &declared.name) {
+        out += &format!("\n\n{facts}");
+    }
+    Some(out)
+}

@@ -1,0 +1,263 @@
+//! Braces that are missing or too many.
+//!
+//! Whether a `{` or a `}` is missing cannot be seen where it is missing: `task t` may lack its `;` or
+//! its `{`. The braces of the rest of the file tell ([`Parser::has_spare_brace`],
+//! [`Parser::lacks_brace`]), and so does the indentation. Where all braces are paired nothing here
+//! changes how a text is read.
+
+use super::*;
+
+/// Tokens that are looked at to find where a body without `{` ends; none is longer.
+const LOOK_AHEAD: usize = 4096;
+
+/// What stands inside and outside of components.
+const COMMON: TokenSet = TokenSet::new(&[
+    MODULE_KW,
+    CONST_KW,
+    TYPEDEF_KW,
+    NATIVE_KW,
+    EXCEPTION_KW,
+    STRUCT_KW,
+    UNION_KW,
+    ENUM_KW,
+]);
+
+/// A body that is being read.
+#[derive(Clone, Copy)]
+pub(super) struct Body<'a> {
+    pub(super) fragment: Fragment,
+    /// What it belongs to, for messages.
+    pub(super) owner: &'a str,
+    /// Its `{`, unless that is missing.
+    brace: Option<usize>,
+    /// First token of the declaration that it belongs to.
+    item: usize,
+    /// First token in it.
+    first: usize,
+}
+
+/// Begins a body at its `{`, or, where [`at_body`] found one without, at its first item.
+pub(super) fn open<'a>(p: &mut Parser<'_>, fragment: Fragment, owner: &'a str) -> Body<'a> {
+    let brace = p.position();
+    let found = p.eat(L_CURLY);
+    if !found {
+        p.expected_because(
+            &format!("`{{` to open the body of {owner}"),
+            "add `{` before it",
+        );
+    }
+    p.open += 1;
+    Body {
+        fragment,
+        owner,
+        brace: found.then_some(brace),
+        item: p.item,
+        first: p.position(),
+    }
+}
+
+/// Ends a body. Its `}` is missing where something else is.
+pub(super) fn close(p: &mut Parser<'_>, body: Body<'_>) {
+    let closed = !is_left(p, body) && p.eat(R_CURLY);
+    p.open -= 1;
+    if closed {
+        return;
+    }
+    let owner = body.owner;
+    let found = p.describe_current();
+    let reported = p.is_reported();
+    p.error_here(match p.current() {
+        EOF => format!("missing `}}` at the end of {owner}: the file ends here; add `}};`"),
+        // What follows the `}` is there.
+        SEMICOLON => format!("missing `}}` at the end of {owner}: add `}}` before this `;`"),
+        IDENT if body.fragment == Fragment::Members && p.nth_at_ts(1, AFTER_DECLARATOR) => {
+            format!("missing `}}` at the end of {owner}: add `}}` before {found}")
+        }
+        _ => format!("missing `}}` at the end of {owner}: found {found}; add `}};` before it"),
+    });
+    if let (Some(brace), false) = (body.brace, reported) {
+        p.explain(brace, "this `{` is not closed");
+    }
+    p.unclosed += 1;
+}
+
+/// What follows the name that a member is given.
+const AFTER_DECLARATOR: TokenSet = TokenSet::new(&[SEMICOLON, COMMA, L_BRACK]);
+
+/// Whether a body is here, be it without its `{`.
+pub(super) fn at_body(p: &Parser<'_>, fragment: Fragment) -> bool {
+    p.at(L_CURLY) || (!p.at_item_end() && lacks_open(p, fragment))
+}
+
+/// The same for the names of an enum.
+pub(super) fn at_enumerators(p: &Parser<'_>) -> bool {
+    const AFTER: TokenSet = TokenSet::new(&[COMMA, R_CURLY]);
+    p.at(L_CURLY) || (p.at(IDENT) && p.nth_at_ts(1, AFTER) && p.has_spare_brace())
+}
+
+fn lacks_open(p: &Parser<'_>, fragment: Fragment) -> bool {
+    const COMPONENTS: TokenSet = TokenSet::new(&[COMPONENT_KW, INTERFACE_KW]);
+    const TYPES: TokenSet = TokenSet::new(&[STRUCT_KW, UNION_KW, ENUM_KW]);
+    match fragment {
+        Fragment::Specification => false,
+        Fragment::Module => p.at_ts(COMMON) && p.has_spare_brace(),
+        // What stands in components only needs one around it.
+        Fragment::Component if p.at_ts(COMPONENTS) => false,
+        Fragment::Component => {
+            (spec::at_item(p) && !p.at_ts(COMMON))
+                || (p.at(IDENT) || p.at_ts(COMMON)) && p.has_spare_brace()
+        }
+        Fragment::Members if p.at_ts(TYPES) => p.has_spare_brace(),
+        Fragment::Members if p.at(IDENT) || p.at(COLON2) => {
+            types::at_member(p) || p.at(COLON2) && p.has_spare_brace()
+        }
+        Fragment::Members => p.at_ts(types::TYPE_FIRST),
+        Fragment::Cases => p.at(CASE_KW) || p.at(DEFAULT_KW),
+        Fragment::Properties => {
+            property::at_property(p) && p.has_spare_brace() && only_properties_follow(p)
+        }
+    }
+}
+
+/// Whether nothing but properties follows, up to the next `}`.
+fn only_properties_follow(p: &Parser<'_>) -> bool {
+    const DECLARATIONS: TokenSet = TokenSet::new(&[
+        IDS_KW,
+        PORT_KW,
+        TASK_KW,
+        ATTRIBUTE_KW,
+        FUNCTION_KW,
+        ACTIVITY_KW,
+        COMPONENT_KW,
+        INTERFACE_KW,
+        EXCEPTION_KW,
+    ]);
+    let start = p.position();
+    let mut depth = 0u32;
+    let mut begins = true;
+    for i in start..start + LOOK_AHEAD {
+        let kind = p.input.kind(i);
+        // `task t;` is the property of a service.
+        let is_property = p.input.contextual(i) == TASK_KW && p.input.kind(i + 2) == SEMICOLON;
+        if begins && depth == 0 && DECLARATIONS.contains(p.input.contextual(i)) && !is_property {
+            return false;
+        }
+        match kind {
+            EOF => return false,
+            R_CURLY if depth == 0 => return true,
+            R_CURLY => depth -= 1,
+            L_CURLY => depth += 1,
+            _ => {}
+        }
+        begins = matches!(kind, SEMICOLON | R_CURLY);
+    }
+    false
+}
+
+/// Whether a body ends here without its `}`: what is here stands too far to the left to be in it.
+pub(super) fn is_left(p: &Parser<'_>, body: Body<'_>) -> bool {
+    if !p.lacks_brace() {
+        return false;
+    }
+    let outer = p.input.indent(body.item);
+    let here = p.input.indent(p.position());
+    match p.current() {
+        SEMICOLON => here.is_none() || here <= outer,
+        IDENT if body.fragment == Fragment::Members && p.nth_at_ts(1, AFTER_DECLARATOR) => true,
+        kind if kind == R_CURLY || may_follow(p, body.fragment) => {
+            let inner = p.input.indent(body.first);
+            let is_inside = |here| here > outer || here == outer && kind == R_CURLY;
+            outer.is_some()
+                && (inner.is_none() || inner > outer)
+                && here.is_some()
+                && !is_inside(here)
+        }
+        _ => false,
+    }
+}
+
+/// Whether what is here may stand behind a body of this kind, in a component mostly.
+fn may_follow(p: &Parser<'_>, fragment: Fragment) -> bool {
+    const OF_COMPONENTS: TokenSet = TokenSet::new(&[
+        DOC_KW,
+        VERSION_KW,
+        LANG_KW,
+        EMAIL_KW,
+        REQUIRES_KW,
+        CODELS_REQUIRES_KW,
+        CLOCK_RATE_KW,
+        PROVIDES_KW,
+        USES_KW,
+        EXTENDS_KW,
+        THROWS_KW,
+    ]);
+    match fragment {
+        // Not much stands behind components, and not everybody indents what is in them.
+        Fragment::Component => false,
+        Fragment::Properties => {
+            spec::at_declaration(p) || p.at_ts(OF_COMPONENTS) && property::at_certain_property(p)
+        }
+        _ => spec::at_item(p),
+    }
+}
+
+/// Whether the `}` here does not end the body of the component: what only components hold follows, and
+/// another `}`.
+pub(super) fn is_stray(p: &Parser<'_>, fragment: Fragment) -> bool {
+    fragment == Fragment::Component
+        && p.has_spare_brace()
+        && holds(p, p.position() + 1) == Some(true)
+}
+
+/// Whether a `}` follows that ends a body without a first line, before another component begins.
+pub(super) fn lacks_head(p: &Parser<'_>) -> bool {
+    p.has_spare_brace() && holds(p, p.position()).is_some()
+}
+
+/// Whether what only components hold is between a token and the next `}` that closes nothing opened there;
+/// `None` if a component begins before.
+fn holds(p: &Parser<'_>, start: usize) -> Option<bool> {
+    const HELD: TokenSet = TokenSet::new(&[
+        IDS_KW,
+        PORT_KW,
+        TASK_KW,
+        ATTRIBUTE_KW,
+        FUNCTION_KW,
+        ACTIVITY_KW,
+    ]);
+    let (mut depth, mut begins, mut found) = (0u32, true, false);
+    for i in start..start + LOOK_AHEAD {
+        let (kind, word) = (p.input.kind(i), p.input.contextual(i));
+        if begins && depth == 0 {
+            let named = p.input.kind(i + 1) == IDENT;
+            if named && matches!(word, COMPONENT_KW | INTERFACE_KW) {
+                return None;
+            }
+            found |= HELD.contains(word);
+        }
+        match kind {
+            EOF => return None,
+            R_CURLY if depth == 0 => return Some(found),
+            R_CURLY => depth -= 1,
+            L_CURLY => depth += 1,
+            _ => {}
+        }
+        begins = matches!(kind, SEMICOLON | R_CURLY);
+    }
+    None
+}
+
+/// A `}` that closes nothing, with the `;` after it.
+pub(super) fn extra(p: &mut Parser<'_>) {
+    let m = p.start();
+    if p.unclosed > 0 {
+        p.unclosed -= 1;
+        p.mark_reported();
+    } else if std::mem::take(&mut p.headless) {
+        p.mark_reported();
+    }
+    p.error_here("this `}` closes nothing: remove it, or add the `{` it belongs to".to_owned());
+    p.bump(R_CURLY);
+    p.eat(SEMICOLON);
+    m.complete(p, ERROR);
+}

@@ -1,0 +1,120 @@
+//! A brace that somebody forgot is one mistake, and all other declarations are understood.
+
+use std::path::{Path, PathBuf};
+
+use dotgen_syntax::{
+    Parse, SyntaxKind,
+    ast::{AstNode, Name},
+    format::format,
+    parse_text,
+};
+
+fn specifications(folder: &Path, out: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder)
+        .expect("a folder")
+        .filter_map(|it| it.ok())
+    {
+        let path = entry.path();
+        if path.is_dir() {
+            specifications(&path, out);
+        } else if path
+            .extension()
+            .is_some_and(|it| it == "gen" || it == "idl")
+        {
+            out.push(path);
+        }
+    }
+    out.sort();
+}
+
+/// Texts that are right: the examples, and published specifications if they lie beside the project.
+fn texts() -> Vec<(String, String)> {
+    let mut found = Vec::new();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    specifications(&root.join("examples"), &mut found);
+    assert!(!found.is_empty(), "there are examples");
+    let published = root.join("../shared/corpus");
+    if published.is_dir() {
+        specifications(&published, &mut found);
+    } else {
+        eprintln!("SKIPPED: no published specifications in ../shared/corpus");
+    }
+    let read = |it: &PathBuf| Some((it.display().to_string(), std::fs::read_to_string(it).ok()?));
+    let texts = found.iter().filter_map(read);
+    texts
+        .filter(|(_, it)| parse_text(it).errors.is_empty())
+        .collect()
+}
+
+/// What a text declares, in order.
+fn names(parse: &Parse) -> Vec<String> {
+    let names = parse.syntax().descendants().filter_map(Name::cast);
+    names
+        .map(|it| it.text(&parse.expansion).to_string())
+        .collect()
+}
+
+/// The braces of a kind around bodies.
+fn braces(parse: &Parse, kind: SyntaxKind) -> Vec<usize> {
+    let tokens = parse.syntax().descendants_with_tokens();
+    let tokens = tokens.filter_map(|it| it.into_token());
+    tokens
+        .filter(|it| it.kind() == kind && !it.text_range().is_empty())
+        .filter(|it| {
+            let parent = it.parent().map(|it| it.kind());
+            matches!(parent, Some(SyntaxKind::BODY | SyntaxKind::ENUMERATOR_LIST))
+        })
+        .map(|it| it.text_range().start().into())
+        .collect()
+}
+
+/// Takes each brace of a kind out of every text, with `more` of the text that follows it, and lists
+/// those that are not understood as one mistake.
+fn check_without_each(kind: SyntaxKind, more: &str) {
+    let (mut all, mut bad) = (0, Vec::new());
+    for (path, text) in texts() {
+        let right = parse_text(&text);
+        let expected = names(&right);
+        for start in braces(&right, kind) {
+            let rest = &text[start + 1..];
+            let broken = format!(
+                "{}{}",
+                &text[..start],
+                rest.strip_prefix(more).unwrap_or(rest)
+            );
+            let parse = parse_text(&broken);
+            assert_eq!(parse.syntax().text().to_string(), broken);
+            all += 1;
+            let line = text[..start].matches('\n').count() + 1;
+            if parse.errors.len() != 1 || names(&parse) != expected {
+                bad.push(format!("{path}:{line}: {:#?}", parse.errors));
+            }
+        }
+    }
+    assert!(all > 100, "there are braces");
+    assert!(bad.is_empty(), "{} of {all}\n{}", bad.len(), bad.join("\n"));
+}
+
+#[test]
+fn a_forgotten_opening_brace_is_one_error() {
+    check_without_each(SyntaxKind::L_CURLY, "");
+}
+
+#[test]
+fn a_forgotten_closing_brace_is_one_error() {
+    check_without_each(SyntaxKind::R_CURLY, "");
+}
+
+#[test]
+fn a_forgotten_closing_brace_and_semicolon_are_one_error() {
+    check_without_each(SyntaxKind::R_CURLY, ";");
+}
+
+/// A file whose structure is a guess is not brought in shape.
+#[test]
+fn a_text_with_a_forgotten_brace_is_not_formatted() {
+    let text = "component c {\n  task t {\n  period   5 ms;\n  port in n p;\n};\n";
+    let parse = parse_text(text);
+    let broken: Vec<_> = parse.errors.iter().map(|it| it.range).collect();
+    assert_eq!(format(&parse.syntax(), &broken, None), []);
+}
