@@ -3,8 +3,10 @@
 //! Its bounds are never below the exact values, so a task with a bound below its period meets its deadlines. That needs no
 //! exploration, and stands when one has to be given up.
 
+use super::Group;
 use super::checks::{Single, What};
 use crate::analytic::{meets_deadlines, response_bounds};
+use crate::report::{CheckReport, Soundness, Value, Verdict};
 use crate::system::Ticks;
 use crate::system::build::Built;
 
@@ -67,5 +69,68 @@ impl<'b> Analysed<'b> {
         let task = self.built.tasks[&it];
         let system = &self.built.system.tasks[task];
         self.bounds[task] == Some(0) && system.period.is_some() && !system.keep_idle_tick
+    }
+}
+
+impl Group<'_> {
+    pub(super) fn meets_deadlines(&self, check: &Single, bound: Ticks) -> CheckReport {
+        CheckReport {
+            verdict: Verdict::Proved,
+            note: Some(match check.what {
+                What::NoOverdue(_) if bound == 0 => "no job ever waits for a core".to_owned(),
+                _ => format!(
+                    "by response-time analysis: a job takes at most {}",
+                    self.in_words(bound)
+                ),
+            }),
+            ..self.blank(check)
+        }
+    }
+
+    pub(super) fn takes_no_time(&self, check: &Single) -> CheckReport {
+        CheckReport {
+            verdict: Verdict::Proved,
+            value: Some(self.time(0)),
+            note: Some("by response-time analysis: a job takes no time".to_owned()),
+            ..self.blank(check)
+        }
+    }
+
+    /// Where the exploration was given up, a bound from analysis may still be an answer.
+    pub(super) fn bound_unknown(&self, check: &Single, analysed: &Analysed, out: &mut CheckReport) {
+        let (Verdict::Unknown, Some(bound)) = (out.verdict, analysed.of_task(check)) else {
+            return;
+        };
+        let beyond = match check.what {
+            What::Response(_, limit) => self.ticks(limit).is_some_and(|limit| bound > limit),
+            _ => true,
+        };
+        if beyond {
+            if let Some(note) = &mut out.note {
+                let bound = self.in_words(bound);
+                note.push_str(&format!(
+                    "; by response-time analysis a job takes at most {bound}"
+                ));
+            }
+            return;
+        }
+        out.verdict = Verdict::Proved;
+        if out.value == Some(self.time(bound)) {
+            // Reached, and never exceeded.
+            (out.note, out.gave_up) = (None, None);
+            return;
+        }
+        let why = out.gave_up.map_or(String::new(), |it| format!(": {it}"));
+        let reached = match out.value {
+            Some(it @ Value::Time(_)) => format!(", and {} is reached", self.with_unit(it)),
+            _ => String::new(),
+        };
+        out.note = Some(format!(
+            "by response-time analysis: at most {}{reached}; the exact value was not found{why}",
+            self.in_words(bound)
+        ));
+        out.value = Some(self.time(bound));
+        out.soundness = Soundness::UpperBound;
+        out.witness.clear();
     }
 }

@@ -39,7 +39,7 @@ pub(crate) fn alike(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate)
     }
     let mut asked = Vec::new();
     for _ in 0..dice.below(3) {
-        let mut everywhere = |dice: &mut Dice| {
+        let everywhere = |dice: &mut Dice| {
             let it = predicate(&one, dice);
             if dice.in_ten(3) {
                 return it;

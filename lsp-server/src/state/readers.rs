@@ -1,0 +1,73 @@
+//! Readers: requests and the computation of diagnostics get a snapshot in their turn and work elsewhere.
+
+use std::sync::Arc;
+
+use super::State;
+use crate::convert::uri;
+use crate::dispatch::{Admission, Read};
+use crate::snapshot::{DocumentKind, Snapshot, Subject};
+
+impl State {
+    pub(super) fn snapshot(&self) -> Snapshot {
+        let mut snapshot = Snapshot::new(
+            self.host.analysis(),
+            self.documents.open_files().clone(),
+            self.roots.clone(),
+            Arc::new(self.workspace.scanned_folders()),
+            self.config.clone(),
+            self.client.clone(),
+            self.revision,
+            self.vfs.clone(),
+            self.codels.clone(),
+        );
+        snapshot.verification = self.verifier.results().clone();
+        snapshot.scenarios = self.workspace.scenarios.clone();
+        snapshot.templates = self.workspace.templates.clone();
+        snapshot
+    }
+
+    /// Admits a request in its turn and sends it to the blocking pool.
+    pub(super) fn admit(&mut self, read: Read) {
+        if read.control.is_cancelled() {
+            return;
+        }
+        let subject = read.subject.map(|uri| {
+            let path = uri::to_path(&uri);
+            let version = self.documents.open_files().get(&path).map(|it| it.version);
+            Subject { path, uri, version }
+        });
+        if let Some(subject) = &subject {
+            let unknown = match subject.version {
+                Some(_) => self.documents.is_lost(&subject.path),
+                None => !subject.path.is_file(),
+            };
+            // What is said of C and C++ is said by few; of templates, by none.
+            let kind = self.kind_of(&subject.path);
+            let unserved = kind.is_template() || !read.code && kind == DocumentKind::Code;
+            if unknown || unserved {
+                return (read.work)(Admission::UnknownDocument);
+            }
+            if read.expected.is_some_and(|it| it != subject.version) {
+                return (read.work)(Admission::Outdated);
+            }
+        }
+        self.flush();
+        let snapshot = self.snapshot();
+        read.control.attach(snapshot.analysis.cancellation_token());
+        let work = read.work;
+        self.outbox
+            .runtime()
+            .spawn_blocking(move || work(Admission::Admitted(Box::new(snapshot), subject)));
+    }
+
+    pub(super) fn publish(&mut self, revision: u64) {
+        self.flush();
+        if self.publisher.is_due(revision, self.revision)
+            && let Some(events) = self.events.upgrade()
+        {
+            let snapshot = self.snapshot();
+            self.publisher
+                .compute(snapshot, events, self.outbox.runtime());
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! When verification runs, and how its results reach the client.
+
+use super::{Event, State};
+use crate::panic;
+
+impl State {
+    /// Verifies after a pause.
+    pub(super) fn schedule_verification(&mut self) {
+        if !self.config.verification.on_edit() {
+            if self.verifier.stop() {
+                self.show_verification();
+            }
+            return;
+        }
+        let (events, revision) = (self.events.clone(), self.revision);
+        self.outbox.runtime().spawn(async move {
+            tokio::time::sleep(crate::verifier::DEBOUNCE).await;
+            if let Some(events) = events.upgrade() {
+                let _ = events.send(Event::VerifyDue(revision));
+            }
+        });
+    }
+
+    /// Works out on the blocking pool what is to be verified.
+    pub(super) fn verify(&mut self, revision: u64) {
+        self.flush();
+        let Some(events) = self.events.upgrade().filter(|_| revision == self.revision) else {
+            return;
+        };
+        let snapshot = self.snapshot();
+        self.outbox.runtime().spawn_blocking(move || {
+            let wanted = panic::isolate(|| crate::verifier::wanted(&snapshot));
+            drop(snapshot);
+            match wanted {
+                Ok(Ok(wanted)) => {
+                    let _ = events.send(Event::Verify(wanted));
+                }
+                // A change came in between: it has scheduled the next run.
+                Ok(Err(_)) => {}
+                Err(message) => tracing::error!("verification panicked: {message}"),
+            }
+        });
+    }
+
+    /// What verification has to say has changed: diagnostics, lenses.
+    pub(super) fn show_verification(&mut self) {
+        self.publisher
+            .changed(self.revision, &self.outbox, &self.events);
+        let diagnostics = self.client.pull_diagnostics && self.client.diagnostic_refresh;
+        let lenses = self.client.code_lens_refresh;
+        self.outbox.converse(move |client| async move {
+            if diagnostics {
+                let _ = client.workspace_diagnostic_refresh().await;
+            }
+            if lenses {
+                let _ = client.code_lens_refresh().await;
+            }
+        });
+    }
+}

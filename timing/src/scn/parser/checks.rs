@@ -1,0 +1,110 @@
+//! Checks and predicates.
+
+use super::Parser;
+use crate::scn::ast::{Bound, Check, CheckKind, Pred};
+use crate::scn::lexer::Kind;
+
+/// Words that begin a check.
+pub(in crate::scn) const CHECKS: &[&str] = &[
+    "schedulable",
+    "no-overdue",
+    "response",
+    "within",
+    "leadsto",
+    "eventually",
+    "always",
+    "reachable",
+    "deadlock",
+];
+
+impl Parser<'_> {
+    pub(super) fn check_body(&mut self, start: usize) -> Option<Check> {
+        let mut name = None;
+        if self
+            .tokens
+            .get(self.at + 1)
+            .is_some_and(|it| it.kind == Kind::Colon)
+        {
+            name = Some(self.name("the name of the check")?);
+            self.at += 1;
+        }
+        let word = self.word();
+        if !CHECKS.contains(&word) {
+            self.expected(&format!("one of {}", CHECKS.join(", ")));
+            return None;
+        }
+        self.at += 1;
+        let kind = match word {
+            "schedulable" => CheckKind::Schedulable(self.path_or_all()?),
+            "no-overdue" => CheckKind::NoOverdue(self.path_or_all()?),
+            "response" => {
+                let path = self.path_or_all()?;
+                CheckKind::Response(path, self.bound()?)
+            }
+            "within" => {
+                let (p, q) = self.implication()?;
+                CheckKind::Within(p, q, self.bound()?)
+            }
+            "leadsto" => {
+                let (p, q) = self.implication()?;
+                CheckKind::LeadsTo(p, q)
+            }
+            "eventually" => CheckKind::Eventually(self.pred()?),
+            "always" => CheckKind::Always(self.pred()?),
+            "deadlock" => CheckKind::Deadlock,
+            _ => CheckKind::Reachable(self.pred()?),
+        };
+        Some(Check {
+            name,
+            kind,
+            range: start..self.end(),
+        })
+    }
+
+    fn implication(&mut self) -> Option<(Pred, Pred)> {
+        let p = self.pred()?;
+        self.expect(Kind::Implies, "`=>`")?;
+        Some((p, self.pred()?))
+    }
+
+    fn bound(&mut self) -> Option<Bound> {
+        if !self.eat(Kind::AtMost) {
+            return Some(None);
+        }
+        let count = self.number()?;
+        Some(Some((count, self.unit()?)))
+    }
+
+    fn pred(&mut self) -> Option<Pred> {
+        let mut left = self.conjunction()?;
+        while self.eat_word("or") {
+            left = Pred::Or(Box::new(left), Box::new(self.conjunction()?));
+        }
+        Some(left)
+    }
+
+    fn conjunction(&mut self) -> Option<Pred> {
+        let mut left = self.factor()?;
+        while self.eat_word("and") {
+            left = Pred::And(Box::new(left), Box::new(self.factor()?));
+        }
+        Some(left)
+    }
+
+    fn factor(&mut self) -> Option<Pred> {
+        self.nested(|it| {
+            if it.eat_word("not") {
+                return Some(Pred::Not(Box::new(it.factor()?)));
+            }
+            if it.eat_word("leave") {
+                return Some(Pred::Leave(it.path()?));
+            }
+            if it.eat(Kind::OpenParen) {
+                let pred = it.pred()?;
+                it.expect(Kind::CloseParen, "`)`")?;
+                return Some(pred);
+            }
+            Some(Pred::Atom(it.path()?))
+        })
+    }
+}

@@ -1,0 +1,186 @@
+//! A scenario and its items.
+
+use super::Parser;
+use crate::scn::Diagnostic;
+use crate::scn::ast::{Check, Client, Durations, Item, Policy, Scenario, Spanned};
+use crate::scn::lexer::Kind;
+
+/// Words that begin an item.
+pub(in crate::scn) const ITEMS: &[&str] = &[
+    "use",
+    "unit",
+    "cores",
+    "policy",
+    "durations",
+    "duration",
+    "loop",
+    "idle",
+    "locks",
+    "async",
+    "aperiodic",
+    "connect",
+    "slots",
+    "client",
+    "check",
+];
+
+impl Parser<'_> {
+    pub(super) fn scenario(&mut self) -> Scenario {
+        let mut out = Scenario::default();
+        if !self.eat_word("scenario") {
+            self.expected("`scenario NAME { … }`");
+            return out;
+        }
+        if self.peek() == Some(Kind::Name) {
+            out.name = self.word().to_owned();
+            out.name_range = self.range();
+            self.at += 1;
+        } else {
+            self.expected("the name of the scenario");
+        }
+        if self.expect(Kind::OpenBrace, "`{`").is_none() {
+            return out;
+        }
+        loop {
+            match self.peek() {
+                None => {
+                    self.expected("`}` at the end of the scenario");
+                    break;
+                }
+                Some(Kind::CloseBrace) => {
+                    self.at += 1;
+                    break;
+                }
+                Some(Kind::Semicolon) => self.at += 1,
+                Some(_) => {
+                    let start = self.at;
+                    match self.item() {
+                        Some(item) => out.items.push(item),
+                        None => {
+                            self.at += usize::from(self.at == start);
+                            self.recover();
+                        }
+                    }
+                }
+            }
+        }
+        if self.peek().is_some() {
+            self.expected("nothing after the end of the scenario: one scenario per file");
+        }
+        out
+    }
+
+    fn item(&mut self) -> Option<Item> {
+        let start = self.range().start;
+        let word = self.word();
+        if !ITEMS.contains(&word) {
+            self.expected(&format!("one of {}", ITEMS.join(", ")));
+            return None;
+        }
+        self.at += 1;
+        let item = match word {
+            "use" => {
+                let range = self.range();
+                self.expect(Kind::Text, "the name of a `.gen` file in quotes")?;
+                let value = self.text[range.start + 1..range.end - 1].to_owned();
+                Item::Use(Spanned { value, range })
+            }
+            "unit" => {
+                let count = self.number()?;
+                let range = self.range();
+                let unit = self.unit()?;
+                if count == 0 {
+                    let message = "the unit is zero; give at least 1".to_owned();
+                    self.errors
+                        .push(Diagnostic::error("scn-zero-unit", range, message));
+                    return None;
+                }
+                Item::Unit(count, unit)
+            }
+            "cores" if self.eat_word("free") => Item::Cores(None),
+            "cores" => {
+                let range = self.range();
+                let count = self.small()?;
+                if count == 0 {
+                    let message =
+                        "without a core nothing runs; give at least 1, or `free`".to_owned();
+                    self.errors
+                        .push(Diagnostic::error("scn-no-core", range, message));
+                    return None;
+                }
+                Item::Cores(Some(count))
+            }
+            "policy" => Item::Policy(self.choose(&[
+                ("fifo", Policy::Fifo),
+                ("edf", Policy::Edf),
+                ("any", Policy::Any),
+            ])?),
+            "durations" => Item::Durations(self.choose(&[
+                ("interval", Durations::Interval),
+                ("fixed", Durations::Fixed),
+                ("open", Durations::Open),
+            ])?),
+            "duration" => {
+                let path = self.path()?;
+                let interval = self.interval()?;
+                Item::Duration(path, interval, self.unit()?)
+            }
+            "loop" => {
+                let limit = if self.peek() == Some(Kind::Number) {
+                    let range = self.range();
+                    let limit = self.small()?;
+                    if limit == 0 {
+                        let message = "a turn enters a state at least once".to_owned();
+                        self.errors
+                            .push(Diagnostic::error("scn-loop-zero", range, message));
+                        return None;
+                    }
+                    Some(limit)
+                } else {
+                    self.choose(&[("free", None), ("once", Some(1))])?
+                };
+                let path = self.optional_path()?;
+                Item::Loop(limit, path, start..self.end())
+            }
+            "idle" => {
+                let keep = self.choose(&[("drop", false), ("keep", true)])?;
+                Item::Idle(keep, self.optional_path()?)
+            }
+            "locks" => Item::LocksFifo(self.choose(&[("free", false), ("fifo", true)])?),
+            "async" => Item::AsyncFree(self.choose(&[("held", false), ("free", true)])?),
+            "aperiodic" => Item::AperiodicCore(self.choose(&[("core", true), ("free", false)])?),
+            "connect" => {
+                let from = self.path()?;
+                if !self.eat_word("to") {
+                    self.expected("`to`");
+                    return None;
+                }
+                let to = if self.eat_word("none") {
+                    None
+                } else {
+                    Some(self.path()?)
+                };
+                Item::Connect(from, to)
+            }
+            "slots" => {
+                let path = self.path()?;
+                Item::Slots(path, self.small()?)
+            }
+            "client" => {
+                let name = self.name("the name of the client")?;
+                return Some(Item::Client(Client {
+                    name,
+                    steps: self.steps()?,
+                }));
+            }
+            _ => {
+                let check = self.check_body(start)?;
+                self.expect(Kind::Semicolon, "`;`")?;
+                let range = start..self.end();
+                return Some(Item::Check(Check { range, ..check }));
+            }
+        };
+        self.expect(Kind::Semicolon, "`;`")?;
+        Some(item)
+    }
+}

@@ -1,0 +1,119 @@
+//! The steps of clients.
+
+use super::Parser;
+use crate::scn::Diagnostic;
+use crate::scn::ast::{Step, StepKind};
+use crate::scn::lexer::Kind;
+
+/// Words that begin a step of a client.
+pub(in crate::scn) const STEPS: &[&str] = &["send", "await", "delay", "repeat", "choice"];
+
+/// Repetitions larger than this are unrolled no more.
+const REPEAT: u64 = 1000;
+
+impl Parser<'_> {
+    pub(super) fn steps(&mut self) -> Option<Vec<Step>> {
+        self.nested(|it| {
+            it.expect(Kind::OpenBrace, "`{`")?;
+            let mut steps = Vec::new();
+            loop {
+                match it.peek() {
+                    None => {
+                        it.expected("`}`");
+                        return None;
+                    }
+                    Some(Kind::CloseBrace) => {
+                        it.at += 1;
+                        return Some(steps);
+                    }
+                    Some(Kind::Semicolon) => it.at += 1,
+                    Some(_) => {
+                        let start = it.at;
+                        match it.step() {
+                            Some(step) => steps.push(step),
+                            None => {
+                                it.at += usize::from(it.at == start);
+                                it.recover();
+                            }
+                        }
+                    }
+                }
+            }
+        })
+    }
+
+    fn step(&mut self) -> Option<Step> {
+        let start = self.range().start;
+        let mut label = None;
+        if self
+            .tokens
+            .get(self.at + 1)
+            .is_some_and(|it| it.kind == Kind::Colon)
+        {
+            label = Some(self.name("a label")?);
+            self.at += 1;
+        }
+        let word = self.word();
+        if !STEPS.contains(&word) {
+            self.expected(&format!("one of {}", STEPS.join(", ")));
+            return None;
+        }
+        self.at += 1;
+        let kind = match word {
+            "send" => StepKind::Send(self.path()?),
+            "await" => {
+                let ended = self.choose(&[("accepted", false), ("ended", true)])?;
+                let path = self.optional_path()?;
+                if ended {
+                    StepKind::AwaitEnded(path)
+                } else {
+                    StepKind::AwaitAccepted(path)
+                }
+            }
+            "delay" => {
+                let interval = self.interval()?;
+                StepKind::Delay(interval, self.unit()?)
+            }
+            "repeat" => {
+                let count = if self.eat(Kind::Star) {
+                    None
+                } else {
+                    let range = self.range();
+                    let count = self.number()?;
+                    if count > REPEAT {
+                        let message = format!("more than {REPEAT} repetitions; use `*` for no end");
+                        self.errors
+                            .push(Diagnostic::error("scn-repeat", range, message));
+                        return None;
+                    }
+                    Some(count as u32)
+                };
+                let body = self.steps()?;
+                let kind = StepKind::Repeat(count, body);
+                return Some(Step {
+                    label,
+                    kind,
+                    range: start..self.end(),
+                });
+            }
+            _ => {
+                let mut branches = vec![self.steps()?];
+                while self.eat_word("or") {
+                    branches.push(self.steps()?);
+                }
+                let kind = StepKind::Choice(branches);
+                return Some(Step {
+                    label,
+                    kind,
+                    range: start..self.end(),
+                });
+            }
+        };
+        self.expect(Kind::Semicolon, "`;`")?;
+        Some(Step {
+            label,
+            kind,
+            range: start..self.end(),
+        })
+    }
+}

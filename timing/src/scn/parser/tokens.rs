@@ -1,0 +1,98 @@
+//! Looking at tokens, consuming them, and going on after a broken item.
+
+use std::ops::Range;
+
+use super::{ITEMS, Parser};
+use crate::scn::Diagnostic;
+use crate::scn::lexer::Kind;
+
+impl<'t> Parser<'t> {
+    pub(super) fn peek(&self) -> Option<Kind> {
+        self.tokens.get(self.at).map(|it| it.kind)
+    }
+
+    pub(super) fn word(&self) -> &'t str {
+        match self.tokens.get(self.at) {
+            Some(it) if it.kind == Kind::Name => &self.text[it.range.clone()],
+            _ => "",
+        }
+    }
+
+    pub(super) fn range(&self) -> Range<usize> {
+        match self.tokens.get(self.at) {
+            Some(it) => it.range.clone(),
+            None => self.text.len()..self.text.len(),
+        }
+    }
+
+    /// End of the token before.
+    pub(super) fn end(&self) -> usize {
+        self.at
+            .checked_sub(1)
+            .map_or(0, |it| self.tokens[it].range.end)
+    }
+
+    pub(super) fn eat(&mut self, kind: Kind) -> bool {
+        let found = self.peek() == Some(kind);
+        self.at += usize::from(found);
+        found
+    }
+
+    pub(super) fn eat_word(&mut self, word: &str) -> bool {
+        let found = self.word() == word;
+        self.at += usize::from(found);
+        found
+    }
+
+    pub(super) fn expected(&mut self, what: &str) {
+        let range = self.range();
+        let found = match self.tokens.get(self.at) {
+            Some(it) => format!("found `{}`", &self.text[it.range.clone()]),
+            None => "the file ends here".to_owned(),
+        };
+        self.errors.push(Diagnostic::error(
+            "scn-syntax",
+            range,
+            format!("expected {what}, {found}"),
+        ));
+    }
+
+    pub(super) fn expect(&mut self, kind: Kind, what: &str) -> Option<()> {
+        if self.eat(kind) {
+            return Some(());
+        }
+        self.expected(what);
+        None
+    }
+
+    /// Skips to the end of a broken item.
+    pub(super) fn recover(&mut self) {
+        let mut depth = 0;
+        while let Some(kind) = self.peek() {
+            match kind {
+                Kind::Semicolon if depth == 0 => {
+                    self.at += 1;
+                    return;
+                }
+                Kind::OpenBrace => depth += 1,
+                Kind::CloseBrace if depth == 0 => return,
+                Kind::CloseBrace => {
+                    depth -= 1;
+                    if depth == 0 {
+                        self.at += 1;
+                        return;
+                    }
+                }
+                Kind::Name if depth == 0 && ITEMS.contains(&self.word()) => {
+                    // The next item begins on a new line: the `;` was forgotten.
+                    let before = &self.text[self.end()..self.range().start];
+                    if before.contains('\n') {
+                        return;
+                    }
+                }
+                _ => {}
+            }
+            self.at += 1;
+        }
+    }
+}

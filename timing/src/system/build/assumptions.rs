@@ -1,0 +1,91 @@
+//! What the result depends on, in words.
+
+use super::Builder;
+use crate::scn::ast::{self, Durations};
+
+impl Builder<'_> {
+    pub(super) fn assumptions(&mut self) {
+        let settings = self.settings;
+        let mut say = |text: String| self.out.assumptions.push(text);
+        match settings.durations {
+            Durations::Interval => say(
+                "durations: every codel takes any time from 0, or its stated lower bound, to its upper bound".to_owned(),
+            ),
+            Durations::Fixed => say(
+                "durations: every codel takes exactly its worst case; codels that end earlier can make other tasks later".to_owned(),
+            ),
+            Durations::Open => say(
+                "durations: explored from 0 on instead of from just above 0; a failure may be a false alarm".to_owned(),
+            ),
+        }
+        match settings.cores {
+            None => say("cores: no limit".to_owned()),
+            Some(cores) => say(format!(
+                "cores: {cores}, granted {}, held from the grant to the end of the cycle, also while waiting for a lock",
+                match settings.policy {
+                    ast::Policy::Fifo => "in order of release",
+                    ast::Policy::Edf => "by earliest deadline",
+                    ast::Policy::Any => "to any waiting task",
+                }
+            )),
+        }
+        say(if settings.locks_fifo {
+            "locks: in order of arrival among codels that exclude each other".to_owned()
+        } else {
+            "locks: any waiting codel may win, also repeatedly".to_owned()
+        });
+        if settings.clients.is_empty() {
+            say("clients: none; only permanent activities run".to_owned());
+        }
+        say("any declared yield may be taken; exceptions are left out".to_owned());
+        if !settings.async_free {
+            let any = self.out.system.machines.iter().flat_map(|it| &it.states);
+            if any.clone().any(|it| it.is_async) {
+                self.out.assumptions.push(
+                    "async: executed like any other codel, the task keeps its core".to_owned(),
+                );
+            }
+        }
+        for machine in &self.out.system.machines {
+            if let Some(limit) = machine.loop_limit {
+                let scope = if machine.rounds { "round" } else { "turn" };
+                self.out.assumptions.push(format!(
+                    "loop: {} enters no state more than {limit} time(s) in one {scope}; assumed, not proved",
+                    machine.name
+                ));
+            }
+        }
+        let mut ordered: Vec<String> = Vec::new();
+        for &(c, s) in &self.requested {
+            let component = self.names.components[c].component;
+            let it = &component.services[s as usize];
+            let mut lists = [&it.before, &it.after].into_iter();
+            let path = format!("{}.{}", component.name, it.name);
+            if lists.any(|it| it.all || !it.services.is_empty()) && !ordered.contains(&path) {
+                ordered.push(path);
+            }
+        }
+        if !ordered.is_empty() {
+            self.out.assumptions.push(format!(
+                "requests: `before` and `after` of {} are not looked at; they are accepted at any time",
+                ordered.join(", ")
+            ));
+        }
+        if self
+            .out
+            .diagnostics
+            .iter()
+            .any(|it| it.code == "timing-no-wcet")
+        {
+            self.out
+                .assumptions
+                .push("codels without `wcet` take no time".to_owned());
+        }
+        if self.out.system.tasks.iter().any(|it| it.delay > 0) {
+            self.out.assumptions.push(
+                "delay: the first tick of a task comes one period and its delay after its start"
+                    .to_owned(),
+            );
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! Components: their tasks, their services, and what interrupts what.
+
+use dotgen_analysis::model::{CodelKind, Owner, ServiceKind};
+use num_rational::Ratio;
+
+use super::Builder;
+use super::times::TimeOf;
+use crate::scn::{Diagnostic, Place};
+use crate::system::{Automaton, Component, Service, Task};
+
+impl Builder<'_> {
+    pub(super) fn component(&mut self, c: usize) {
+        let it = self.names.components[c].component;
+        let number = self.out.system.components.len();
+        self.out.components.insert(c, number);
+        self.out.system.components.push(Component {
+            name: it.name.to_string(),
+            tasks: Vec::new(),
+            services: Vec::new(),
+        });
+        self.tasks(c, number);
+        self.services(c, number);
+    }
+
+    fn tasks(&mut self, c: usize, number: usize) {
+        let it = self.names.components[c].component;
+        for (t, task) in (0..).zip(&it.tasks) {
+            let path = format!("{}.{}", it.name, task.name);
+            let src = task.period.as_ref().map_or(task.src, |it| it.src);
+            let period_of = self.time_of_task("period", &path, self.place(c, src, "the period"));
+            let period = self.period(c, t).map(|time| self.ticks(time, &period_of));
+            if period == Some(0) {
+                let message = format!("the period of {path} is zero; give a period or none");
+                let error = Diagnostic::error("scn-zero-period", 0..0, message);
+                self.report(error.about(period_of.place));
+            }
+            let src = task.delay.as_ref().map_or(task.src, |it| it.src);
+            let delay_of = self.time_of_task("delay", &path, self.place(c, src, "the delay"));
+            let delay = task.delay.as_ref().map_or(Ratio::new(0, 1), |it| it.value);
+            let delay = self.ticks(delay, &delay_of);
+            let id = self.out.system.tasks.len();
+            let permanent = self
+                .machine(c, number, Owner::Task(t), &path)
+                .map(|machine| {
+                    self.out.system.automata.push(Automaton {
+                        task: id,
+                        machine,
+                        service: None,
+                    });
+                    self.out.system.automata.len() - 1
+                });
+            let keep = self.idle_rule(c, t);
+            self.out.tasks.insert((c, t), id);
+            self.out.system.components[number].tasks.push(id);
+            self.out.system.tasks.push(Task {
+                name: task.name.to_string(),
+                component: number,
+                period: period.map(|it| it.max(1)),
+                delay,
+                keep_idle_tick: keep,
+                permanent,
+                slots: Vec::new(),
+                src: Some((c, task.src)),
+            });
+        }
+    }
+
+    fn time_of_task(&self, what: &str, path: &str, place: Place) -> TimeOf {
+        TimeOf {
+            what: format!("the {what} of {path}"),
+            range: 0..0,
+            place,
+        }
+    }
+
+    fn services(&mut self, c: usize, number: usize) {
+        let it = self.names.components[c].component;
+        for (s, service) in (0..).zip(&it.services) {
+            let path = format!("{}.{}", it.name, service.name);
+            let owner = Owner::Service(s);
+            let activity = service.kind == ServiceKind::Activity;
+            let id = self.out.system.services.len();
+            let mut validate = None;
+            let mut simple = Vec::new();
+            for (index, codel) in (0..).zip(&service.codels) {
+                match codel.kind {
+                    CodelKind::Fsm => {}
+                    CodelKind::Validate => {
+                        validate = Some(self.codel(c, number, owner, index, "", &path, codel));
+                    }
+                    CodelKind::Simple => {
+                        simple.push(self.codel(c, number, owner, index, "", &path, codel));
+                    }
+                }
+            }
+            if service.kind == ServiceKind::Attribute {
+                simple.push(self.attribute(c, number, s, &path));
+            }
+            let mut slots = Vec::new();
+            if activity
+                && let Some(machine) = self.machine(c, number, owner, &path)
+                && let Some(task) = service
+                    .task
+                    .and_then(|t| self.out.tasks.get(&(c, t)).copied())
+                && self.requested.contains(&(c, s))
+            {
+                for _ in 0..self.slots(c, s) {
+                    self.out.system.automata.push(Automaton {
+                        task,
+                        machine,
+                        service: Some(id),
+                    });
+                    slots.push(self.out.system.automata.len() - 1);
+                }
+                self.out.system.tasks[task].slots.extend(&slots);
+            }
+            self.out.services.insert((c, s), id);
+            self.out.system.components[number].services.push(id);
+            self.out.system.services.push(Service {
+                name: service.name.to_string(),
+                component: number,
+                validate,
+                simple,
+                slots,
+                activity,
+                interrupts: Vec::new(),
+                src: Some(service.src),
+            });
+        }
+    }
+
+    pub(super) fn interrupts(&mut self, included: &[usize]) {
+        for &c in included {
+            let component = self.names.components[c].component;
+            for (s, service) in (0..).zip(&component.services) {
+                let all = 0..component.services.len() as u32;
+                let list: Vec<u32> = if service.interrupts.all {
+                    all.collect()
+                } else {
+                    service.interrupts.services.clone()
+                };
+                let id = self.out.services[&(c, s)];
+                self.out.system.services[id].interrupts = list
+                    .iter()
+                    .filter_map(|it| self.out.services.get(&(c, *it)).copied())
+                    .collect();
+            }
+        }
+    }
+}

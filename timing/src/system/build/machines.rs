@@ -1,0 +1,147 @@
+//! State machines, and codels in their places of use.
+
+use dotgen_analysis::model::{Codel as ModelCodel, CodelKind, CodelRef, Owner, Seconds};
+
+use super::Builder;
+use super::times::TimeOf;
+use crate::remark::Remark;
+use crate::system::{Codel, CodelSet, FOREVER, Machine, State, Yield};
+
+impl Builder<'_> {
+    /// The state machine of a task or activity; `None` without a `start` codel.
+    pub(super) fn machine(
+        &mut self,
+        c: usize,
+        number: usize,
+        owner: Owner,
+        path: &str,
+    ) -> Option<usize> {
+        let component = self.names.components[c].component;
+        let codels = component.codels_of(owner);
+        let mut names: Vec<(String, u32)> = Vec::new();
+        for (index, codel) in (0..).zip(codels) {
+            if codel.kind == CodelKind::Fsm {
+                names.extend(codel.triggers.iter().map(|it| (it.name.to_string(), index)));
+            }
+        }
+        let find = |name: &str| names.iter().position(|(it, _)| it == name);
+        let start = find("start")?;
+        let stop = find("stop");
+        let states = names
+            .iter()
+            .map(|(name, index)| {
+                let codel = &codels[*index as usize];
+                let mut yields: Vec<Yield> = Vec::new();
+                for it in &codel.yields {
+                    let to = match find(&it.name) {
+                        Some(to) if it.paused => Yield::Pause(to),
+                        // A codel attached to `ether` is executed once, before the end.
+                        Some(to) if it.name != "ether" || name != "ether" => Yield::Next(to),
+                        _ => Yield::End,
+                    };
+                    if !yields.contains(&to) {
+                        yields.push(to);
+                    }
+                }
+                if yields.is_empty() {
+                    yields.push(Yield::End);
+                }
+                State {
+                    name: name.clone(),
+                    codel: self.codel(c, number, owner, *index, name, path, codel),
+                    yields,
+                    is_async: codel.is_async,
+                }
+            })
+            .collect();
+        let id = self.out.system.machines.len();
+        let (loop_limit, rule) = self.loop_limit(c, owner);
+        self.loop_rules.extend(rule.map(|it| (id, it)));
+        self.out.machines.insert((c, owner), id);
+        self.out.system.machines.push(Machine {
+            name: path.to_owned(),
+            states,
+            start,
+            stop,
+            loop_limit,
+            rounds: false,
+        });
+        Some(id)
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "the coordinates of a codel")]
+    pub(super) fn codel(
+        &mut self,
+        c: usize,
+        number: usize,
+        owner: Owner,
+        index: u32,
+        state: &str,
+        path: &str,
+        codel: &ModelCodel,
+    ) -> usize {
+        let name = if state.is_empty() {
+            codel.name.as_str()
+        } else {
+            state
+        };
+        let path = format!("{path}.{name}");
+        let given = self
+            .durations
+            .get(&(c, owner, index, state.to_owned()))
+            .map(|&it| self.settings.duration[it].0.range());
+        if codel.wcet.is_none() && given.is_none() {
+            let remark = Remark::NoWcet {
+                codel: codel.name.to_string(),
+                path: path.clone(),
+            };
+            let place = self.place(c, codel.src, "no `wcet`");
+            self.report(remark.warning(0..0, vec![place]));
+        }
+        let time_of = TimeOf {
+            what: path.clone(),
+            range: given.unwrap_or_default(),
+            place: self.place(c, codel.src, "this codel"),
+        };
+        let site = Some((c, CodelRef { owner, index }));
+        let times = self.duration(c, owner, index, state, Some(codel));
+        self.push_codel(number, path, times, site, &time_of)
+    }
+
+    pub(super) fn attribute(&mut self, c: usize, number: usize, s: u32, path: &str) -> usize {
+        let service = &self.names.components[c].component.services[s as usize];
+        let times = self.duration(c, Owner::Service(s), u32::MAX, "", None);
+        let given = self
+            .durations
+            .get(&(c, Owner::Service(s), u32::MAX, String::new()))
+            .map(|&it| self.settings.duration[it].0.range());
+        let time_of = TimeOf {
+            what: path.to_owned(),
+            range: given.unwrap_or_default(),
+            place: self.place(c, service.src, "this attribute"),
+        };
+        self.push_codel(number, path.to_owned(), times, None, &time_of)
+    }
+
+    fn push_codel(
+        &mut self,
+        number: usize,
+        path: String,
+        (lower, upper): (Seconds, Option<Seconds>),
+        site: Option<(usize, CodelRef)>,
+        time_of: &TimeOf,
+    ) -> usize {
+        let lower = self.ticks(lower, time_of);
+        let upper = upper.map_or(FOREVER, |it| self.ticks(it, time_of));
+        self.out.system.codels.push(Codel {
+            path,
+            component: number,
+            lower,
+            upper,
+            conflicts: CodelSet::default(),
+            site,
+            src: Some(time_of.place.src),
+        });
+        self.out.system.codels.len() - 1
+    }
+}

@@ -1,0 +1,218 @@
+//! From findings to the answer to one check.
+
+use num_rational::Ratio;
+
+use super::Group;
+use super::checks::{Single, What};
+use super::units::{limit_text, seconds, to_f64};
+use crate::explore::{Bound, Findings, Found, LivenessQuery, Measured, Stop, liveness};
+use crate::property::resolve;
+use crate::report::{CheckReport, Event, GaveUp, Report, Soundness, Value, Verdict};
+use crate::scn::ast::{Durations, Pred};
+
+impl Group<'_> {
+    pub(super) fn blank(&self, check: &Single) -> CheckReport {
+        let task = |it: &(usize, u32)| {
+            let (component, task) = self.task_names(*it);
+            format!("{component}.{task}")
+        };
+        let arrow = |p: &Pred, q: &Pred| format!("{} => {}", p.text(), q.text());
+        let (kind, of) = match &check.what {
+            What::Schedulable(it) => ("schedulable", task(it)),
+            What::NoOverdue(it) => ("no-overdue", task(it)),
+            What::Response(it, _) => ("response", task(it)),
+            What::Within(p, q, _) => ("within", arrow(p, q)),
+            What::LeadsTo(p, q) => ("leadsto", arrow(p, q)),
+            What::Eventually(p) => ("eventually", p.text()),
+            What::Always(p) => ("always", p.text()),
+            What::Reachable(p) => ("reachable", p.text()),
+            What::Deadlock => ("deadlock", String::new()),
+        };
+        let live = matches!(check.what, What::LeadsTo(..) | What::Eventually(_));
+        let bound = match check.what {
+            What::Response(_, bound) | What::Within(_, _, bound) => bound,
+            _ => None,
+        };
+        CheckReport {
+            name: check.check.name.as_ref().map(|it| it.value.clone()),
+            check: kind,
+            of,
+            bound: bound.map(|it| Value::Time(to_f64(seconds(it) / self.unit))),
+            verdict: Verdict::Unknown,
+            soundness: match (self.settings.durations, live) {
+                (Durations::Interval, _) => Soundness::Exact,
+                (Durations::Open, _) => Soundness::Safe,
+                (Durations::Fixed, false) => Soundness::Under,
+                (Durations::Fixed, true) => Soundness::Neither,
+            },
+            value: None,
+            note: None,
+            gave_up: None,
+            counterexample: Vec::new(),
+            witness: Vec::new(),
+            cycle: None,
+        }
+    }
+
+    pub(super) fn one(&self, check: &Single, place: usize, found: &Findings) -> CheckReport {
+        let mut out = self.blank(check);
+        let (stopped, size) = (found.stopped, (found.states, found.bytes));
+        let absent = |it: &Option<Found>, out: &mut CheckReport| match it {
+            Some(found) => {
+                self.refute(&found.run, out);
+            }
+            None => self.unless_stopped(stopped, size, Verdict::Proved, out),
+        };
+        match check.what {
+            What::Schedulable(_) => absent(&found.missed[place], &mut out),
+            What::NoOverdue(_) => absent(&found.overdue[place], &mut out),
+            What::Always(_) => absent(&found.reached[place], &mut out),
+            What::Deadlock => absent(&found.deadlock, &mut out),
+            What::Reachable(_) => match &found.reached[place] {
+                Some(it) => {
+                    out.verdict = Verdict::Proved;
+                    out.witness = self.events(&it.run);
+                }
+                None => self.unless_stopped(stopped, size, Verdict::Refuted, &mut out),
+            },
+            What::Response(task, bound) => {
+                let never = "it is never released";
+                self.bounded(&found.response[place], never, found, &mut out);
+                if let (Some(end), Some(it)) = (exceeded(&found.response[place]), bound) {
+                    let what = format!("the job has taken more than {}", limit_text(it));
+                    let (component, name) = self.task_names(task);
+                    let src = self.built.system.tasks[self.built.tasks[&task]].src;
+                    out.counterexample.push(Event {
+                        task: Some(name),
+                        src: src.map(|(c, src)| (self.names.components[c].spec_index, src)),
+                        ..self.excess_event(end, component, what)
+                    });
+                }
+            }
+            What::Within(_, q, bound) => {
+                let never = "the first predicate never becomes true";
+                self.bounded(&found.within[place], never, found, &mut out);
+                if let (Some(end), Some(it)) = (exceeded(&found.within[place]), bound) {
+                    let what = format!("`{}` has not followed within {}", q.text(), limit_text(it));
+                    let about = check.components.last();
+                    let component = about.map_or(String::new(), |&it| {
+                        self.names.components[it].component.name.to_string()
+                    });
+                    out.counterexample
+                        .push(self.excess_event(end, component, what));
+                }
+            }
+            What::LeadsTo(..) | What::Eventually(_) => {}
+        }
+        out
+    }
+
+    fn bounded(&self, it: &Option<Measured>, never: &str, found: &Findings, out: &mut CheckReport) {
+        let Some(it) = it else {
+            out.note = Some(never.to_owned());
+            self.unless_stopped(
+                found.stopped,
+                (found.states, found.bytes),
+                Verdict::Proved,
+                out,
+            );
+            return;
+        };
+        let base = self.built.system.unit;
+        let time = |ticks| base * Ratio::from_integer(i128::from(ticks));
+        out.value = Some(match it.bound {
+            Bound::Unbounded => Value::Unbounded,
+            Bound::Finite(ticks) => Value::Time(to_f64(time(ticks) / self.unit)),
+        });
+        if let Some(excess) = &it.excess {
+            if matches!(it.bound, Bound::Finite(_)) {
+                let size = (found.states, found.bytes);
+                self.unless_stopped(found.stopped, size, Verdict::Refuted, out);
+                if let Some(note) = &mut out.note {
+                    note.push_str(": this is a lower bound");
+                }
+            }
+            self.refute(&excess.run, out);
+        } else if it.bound == Bound::Unbounded {
+            self.refute(&it.longest.run, out);
+        } else {
+            out.witness = self.events(&it.longest.run);
+            self.unless_stopped(
+                found.stopped,
+                (found.states, found.bytes),
+                Verdict::Proved,
+                out,
+            );
+        }
+    }
+
+    pub(super) fn live(
+        &self,
+        check: &Single,
+        trigger: Option<&Pred>,
+        response: &Pred,
+        report: &mut Report,
+    ) -> CheckReport {
+        let mut out = self.blank(check);
+        let predicate = |pred: &Pred| resolve::resolve(self.names, self.built, pred).ok();
+        let Some(response) = predicate(response) else {
+            return out;
+        };
+        let query = LivenessQuery {
+            trigger: trigger.and_then(predicate),
+            response,
+        };
+        let found = liveness(&self.built.system, &query, self.limits, self.cancel);
+        report.states += found.states;
+        report.memory = report.memory.max(found.bytes);
+        match &found.counterexample {
+            Some(run) => {
+                self.refute(run, &mut out);
+                if out.cycle.is_none() {
+                    out.note = Some("after the end of the run nothing ever happens".to_owned());
+                }
+            }
+            None => self.unless_stopped(
+                found.stopped,
+                (found.states, found.bytes),
+                Verdict::Proved,
+                &mut out,
+            ),
+        }
+        out
+    }
+
+    fn unless_stopped(
+        &self,
+        stopped: Option<Stop>,
+        (states, memory): (usize, usize),
+        verdict: Verdict,
+        out: &mut CheckReport,
+    ) {
+        match stopped {
+            None => out.verdict = verdict,
+            Some(Stop::Answered) => {}
+            Some(reason) => {
+                let gave_up = GaveUp {
+                    reason,
+                    states,
+                    memory,
+                    seconds: self.cancel.time_limit().map(|it| it.as_secs_f64()),
+                };
+                out.note = Some(gave_up.to_string());
+                out.gave_up = Some(gave_up);
+            }
+        }
+    }
+
+    fn task_names(&self, (c, t): (usize, u32)) -> (String, String) {
+        let component = self.names.components[c].component;
+        let task = &component.tasks[t as usize].name;
+        (component.name.to_string(), task.to_string())
+    }
+}
+
+/// When a limit is exceeded, in base units.
+fn exceeded(it: &Option<Measured>) -> Option<u64> {
+    Some(it.as_ref()?.excess.as_ref()?.run.end)
+}

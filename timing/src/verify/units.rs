@@ -1,0 +1,48 @@
+//! Between base units, the unit of the report, and words.
+
+use dotgen_analysis::model::Seconds;
+use num_rational::Ratio;
+
+use super::Group;
+use crate::report::Value;
+use crate::scn::ast::{Bound, Unit};
+use crate::system::Ticks;
+
+impl Group<'_> {
+    pub(super) fn time(&self, ticks: Ticks) -> Value {
+        let time = self.built.system.unit * Ratio::from_integer(i128::from(ticks));
+        Value::Time(to_f64(time / self.unit))
+    }
+
+    pub(super) fn in_words(&self, ticks: Ticks) -> String {
+        self.with_unit(self.time(ticks))
+    }
+
+    pub(super) fn with_unit(&self, time: Value) -> String {
+        let (count, unit) = self.settings.unit.unwrap_or((1, Unit::Milliseconds));
+        let unit = if count == 1 {
+            unit.name().to_owned()
+        } else {
+            format!("× {count} {}", unit.name())
+        };
+        format!("{time} {unit}")
+    }
+
+    /// A limit in base units, rounded down: times are whole. Without one if it is beyond all that is counted.
+    pub(super) fn ticks(&self, limit: Bound) -> Option<Ticks> {
+        let ticks = (seconds(limit?) / self.built.system.unit).to_integer();
+        Ticks::try_from(ticks).ok().filter(|&it| it < Ticks::MAX)
+    }
+}
+
+pub(super) fn seconds((count, unit): (u64, Unit)) -> Seconds {
+    unit.seconds() * Ratio::from_integer(i128::from(count))
+}
+
+pub(super) fn limit_text((count, unit): (u64, Unit)) -> String {
+    format!("{count} {}", unit.name())
+}
+
+pub(crate) fn to_f64(time: Seconds) -> f64 {
+    *time.numer() as f64 / *time.denom() as f64
+}

@@ -1,0 +1,88 @@
+//! From checks to what the explorer watches.
+
+use super::Group;
+use super::analysed::Analysed;
+use super::checks::{Single, What};
+use crate::explore::{ResponseTime, Watch, Within};
+use crate::property::{Predicate, resolve};
+use crate::scn::ast::Pred;
+
+impl Group<'_> {
+    /// Whether a check is about what happens from ticks on, so that steps between them can be put off.
+    pub(super) fn is_about_ticks(&self, check: &Single) -> bool {
+        match check.what {
+            What::Schedulable(_) | What::NoOverdue(_) => true,
+            What::Response(it, _) => {
+                let task = self.built.tasks[&it];
+                self.built.system.tasks[task].period.is_some()
+            }
+            _ => false,
+        }
+    }
+
+    /// What is to be watched for these checks, and where the answer to each will be found.
+    pub(super) fn watch(
+        &self,
+        checks: &[Single],
+        part: impl Iterator<Item = usize>,
+        analysed: &Analysed,
+    ) -> (Watch, Vec<(usize, usize)>) {
+        let mut watch = Watch::default();
+        let mut places = Vec::new();
+        let predicate = |pred: &Pred| resolve::resolve(self.names, self.built, pred).ok();
+        for i in part {
+            let mut task = |list: fn(&mut Watch) -> &mut Vec<usize>, it| {
+                let task = self.built.tasks[&it];
+                let list = list(&mut watch);
+                list.iter().position(|&it| it == task).unwrap_or_else(|| {
+                    list.push(task);
+                    list.len() - 1
+                })
+            };
+            let place = match checks[i].what {
+                What::Schedulable(it) => task(|it| &mut it.schedulable, it),
+                What::NoOverdue(it) => task(|it| &mut it.overdue, it),
+                What::Response(it, bound) => {
+                    let it = ResponseTime {
+                        task: self.built.tasks[&it],
+                        limit: self.ticks(bound),
+                        most: analysed.response(&checks[i]),
+                    };
+                    let same = watch.response.iter().position(|other| *other == it);
+                    same.unwrap_or_else(|| {
+                        watch.response.push(it);
+                        watch.response.len() - 1
+                    })
+                }
+                What::Within(p, q, bound) => {
+                    let (Some(trigger), Some(response)) = (predicate(p), predicate(q)) else {
+                        continue;
+                    };
+                    watch.within.push(Within {
+                        trigger,
+                        response,
+                        limit: self.ticks(bound),
+                    });
+                    watch.within.len() - 1
+                }
+                What::Always(p) => {
+                    let Some(p) = predicate(p) else { continue };
+                    watch.reach.push(Predicate::Not(Box::new(p)));
+                    watch.reach.len() - 1
+                }
+                What::Reachable(p) => {
+                    let Some(p) = predicate(p) else { continue };
+                    watch.reach.push(p);
+                    watch.reach.len() - 1
+                }
+                What::Deadlock => {
+                    watch.deadlock = true;
+                    0
+                }
+                What::LeadsTo(..) | What::Eventually(_) => 0,
+            };
+            places.push((i, place));
+        }
+        (watch, places)
+    }
+}

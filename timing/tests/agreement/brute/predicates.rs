@@ -1,0 +1,79 @@
+//! Whether predicates hold, and since when obligations are open.
+
+use dotgen_timing::property::{Atom, Predicate, SlotStatus, StatePhase, TaskState};
+
+use super::Brute;
+use super::state::{Doing, Mode, State, Status};
+
+impl Brute<'_> {
+    pub(super) fn watch(&self, before: Option<&State>, now: &mut State) {
+        for (i, it) in self.within.iter().enumerate() {
+            let (p, q) = (&it.trigger, &it.response);
+            let value = |it: &Predicate| self.predicate(before, now, it);
+            if now.obligations[i].is_some() {
+                if value(q) {
+                    now.obligations[i] = None;
+                }
+            } else if value(p)
+                && !before.is_some_and(|before| self.predicate(Some(before), before, p))
+                && !value(q)
+            {
+                now.obligations[i] = Some(0);
+            }
+        }
+    }
+
+    pub(super) fn predicate(&self, before: Option<&State>, now: &State, it: &Predicate) -> bool {
+        match it {
+            Predicate::Atom(it) => self.atom(now, it),
+            Predicate::Leave(it) => {
+                before.is_some_and(|before| self.atom(before, it)) && !self.atom(now, it)
+            }
+            Predicate::Not(it) => !self.predicate(before, now, it),
+            Predicate::And(a, b) => {
+                self.predicate(before, now, a) && self.predicate(before, now, b)
+            }
+            Predicate::Or(a, b) => self.predicate(before, now, a) || self.predicate(before, now, b),
+        }
+    }
+
+    fn atom(&self, s: &State, it: &Atom) -> bool {
+        match *it {
+            Atom::Task(t, state) => match state {
+                TaskState::Idle => s.tasks[t].status == Status::Idle,
+                TaskState::Waiting => s.tasks[t].status == Status::Waiting,
+                TaskState::Running => s.tasks[t].status == Status::Running,
+                TaskState::Active => s.tasks[t].status != Status::Idle,
+            },
+            Atom::State {
+                machine,
+                state,
+                phase,
+            } => (0..s.automata.len()).any(|a| {
+                self.system.automata[a].machine == machine
+                    && s.automata[a].at == state
+                    && match s.automata[a].doing {
+                        Doing::Nothing => false,
+                        Doing::Locking => phase != StatePhase::Exec,
+                        Doing::Executing(_) => phase != StatePhase::Lock,
+                    }
+            }),
+            Atom::Slot(service, status) => {
+                let mut modes = self.system.services[service]
+                    .slots
+                    .iter()
+                    .map(|&a| s.automata[a].mode);
+                match status {
+                    SlotStatus::Void => modes.all(|it| it == Mode::Void),
+                    SlotStatus::Wait => modes.any(|it| it == Mode::Wait),
+                    SlotStatus::Run => modes.any(|it| it == Mode::Run),
+                    SlotStatus::Stop => modes.any(|it| it == Mode::Stop),
+                    SlotStatus::Active => modes.any(|it| it != Mode::Void),
+                }
+            }
+            Atom::Handling { .. } | Atom::ControlBusy(_) | Atom::Client(..) => {
+                unreachable!("not generated")
+            }
+        }
+    }
+}

@@ -1,0 +1,218 @@
+//! A state, its beginning, and what executors are doing in it.
+
+use dotgen_timing::system::ClientAction;
+
+use super::Brute;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Status {
+    Idle,
+    Waiting,
+    Running,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Mode {
+    // Permanent activities.
+    Unstarted,
+    FirstCodel,
+    FirstRun,
+    Normal,
+    Ended,
+    // Slots.
+    Void,
+    Wait,
+    Run,
+    Stop,
+    Ether,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Doing {
+    Nothing,
+    Locking,
+    Executing(u32),
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct Task {
+    pub(super) status: Status,
+    pub(super) tick: bool,
+    pub(super) timer: Option<u32>,
+    /// Since release.
+    pub(super) age: u32,
+    /// Position of the automaton that has its turn.
+    pub(super) turn: usize,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct Automaton {
+    pub(super) mode: Mode,
+    /// Entered its `stop` state.
+    pub(super) stopping: bool,
+    pub(super) at: usize,
+    pub(super) doing: Doing,
+    /// Executed by a separate thread.
+    pub(super) separate: bool,
+    pub(super) visits: Vec<u16>,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) enum Step {
+    Starting(usize),
+    Ready,
+    Validate(usize, usize),
+    Simple(usize, usize, usize),
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct Control {
+    pub(super) step: Step,
+    pub(super) doing: Doing,
+    pub(super) signal: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Tracked {
+    Over,
+    Handled,
+    Slot(usize),
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct Client {
+    /// `None`: before the first step.
+    pub(super) at: Option<usize>,
+    pub(super) clock: u32,
+    pub(super) outstanding: bool,
+    pub(super) tracked: Vec<Tracked>,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct State {
+    pub(super) tasks: Vec<Task>,
+    pub(super) automata: Vec<Automaton>,
+    pub(super) controls: Vec<Control>,
+    pub(super) clients: Vec<Client>,
+    pub(super) queue: Vec<usize>,
+    pub(super) lock_queue: Vec<usize>,
+    /// Age of the open obligation of each observer.
+    pub(super) obligations: Vec<Option<u32>>,
+}
+
+impl Brute<'_> {
+    pub(super) fn initial(&self) -> State {
+        let sys = self.system;
+        let mut s = State {
+            tasks: sys
+                .tasks
+                .iter()
+                .map(|_| Task {
+                    status: Status::Idle,
+                    tick: false,
+                    timer: None,
+                    age: 0,
+                    turn: 0,
+                })
+                .collect(),
+            automata: sys
+                .automata
+                .iter()
+                .map(|it| Automaton {
+                    mode: if it.service.is_some() {
+                        Mode::Void
+                    } else {
+                        Mode::Unstarted
+                    },
+                    stopping: false,
+                    at: if it.service.is_some() {
+                        sys.machines[it.machine].start
+                    } else {
+                        0
+                    },
+                    doing: Doing::Nothing,
+                    separate: false,
+                    visits: vec![0; sys.machines[it.machine].states.len()],
+                })
+                .collect(),
+            controls: sys
+                .components
+                .iter()
+                .map(|_| Control {
+                    step: Step::Starting(0),
+                    doing: Doing::Nothing,
+                    signal: false,
+                })
+                .collect(),
+            clients: sys
+                .clients
+                .iter()
+                .map(|it| Client {
+                    at: None,
+                    clock: 0,
+                    outstanding: false,
+                    tracked: vec![Tracked::Over; it.trackers],
+                })
+                .collect(),
+            queue: Vec::new(),
+            lock_queue: Vec::new(),
+            obligations: vec![None; self.within.len()],
+        };
+        for c in 0..sys.components.len() {
+            self.start_from(&mut s, c, 0);
+        }
+        self.watch(None, &mut s);
+        s
+    }
+
+    pub(super) fn executors(&self, s: &State) -> usize {
+        s.automata.len() + s.controls.len() + s.clients.len()
+    }
+
+    pub(super) fn doing(&self, s: &State, e: usize) -> Doing {
+        let (na, nc) = (s.automata.len(), s.controls.len());
+        if e < na {
+            s.automata[e].doing
+        } else if e < na + nc {
+            s.controls[e - na].doing
+        } else {
+            let k = e - na - nc;
+            match s.clients[k]
+                .at
+                .and_then(|at| self.system.clients[k].steps.get(at))
+            {
+                Some(it) if matches!(it.action, ClientAction::Delay(..)) => {
+                    Doing::Executing(s.clients[k].clock)
+                }
+                _ => Doing::Nothing,
+            }
+        }
+    }
+
+    pub(super) fn codel(&self, s: &State, e: usize) -> usize {
+        let na = s.automata.len();
+        if e < na {
+            self.system.machine_of(e).states[s.automata[e].at].codel
+        } else {
+            match s.controls[e - na].step {
+                Step::Validate(service, _) => self.system.services[service].validate.unwrap(),
+                Step::Simple(service, _, i) => self.system.services[service].simple[i],
+                _ => unreachable!("no codel"),
+            }
+        }
+    }
+
+    pub(super) fn bounds(&self, s: &State, e: usize) -> (u32, u32) {
+        let n = s.automata.len() + s.controls.len();
+        if e < n {
+            let codel = &self.system.codels[self.codel(s, e)];
+            (codel.lower, codel.upper)
+        } else {
+            let at = s.clients[e - n].at.unwrap();
+            match self.system.clients[e - n].steps[at].action {
+                ClientAction::Delay(a, b) => (a, b),
+                _ => unreachable!("not a delay"),
+            }
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! How time passes.
+
+use dotgen_timing::system::FOREVER;
+
+use super::state::{Doing, State, Status};
+use super::{Brute, CAP};
+
+impl Brute<'_> {
+    /// One unit of time.
+    pub(super) fn pass(&self, s: &State) -> State {
+        let mut n = s.clone();
+        for task in &mut n.tasks {
+            task.timer = task.timer.map(|it| it + 1);
+            if task.status != Status::Idle {
+                task.age = (task.age + 1).min(CAP);
+            }
+        }
+        for e in 0..self.executors(s) {
+            if let Doing::Executing(elapsed) = self.doing(s, e) {
+                let (a, b) = self.bounds(s, e);
+                let elapsed = if b == FOREVER {
+                    (elapsed + 1).min(a)
+                } else {
+                    elapsed + 1
+                };
+                let (na, nc) = (n.automata.len(), n.controls.len());
+                if e < na {
+                    n.automata[e].doing = Doing::Executing(elapsed);
+                } else if e < na + nc {
+                    n.controls[e - na].doing = Doing::Executing(elapsed);
+                } else {
+                    n.clients[e - na - nc].clock = elapsed;
+                }
+            }
+        }
+        for it in n.obligations.iter_mut().flatten() {
+            *it = (*it + 1).min(CAP);
+        }
+        n
+    }
+
+    /// Whether anything will ever happen after a state in which time passes.
+    pub(super) fn dead(&self, s: &State) -> bool {
+        s.tasks.iter().all(|it| it.timer.is_none())
+            && (0..self.executors(s)).all(|e| !matches!(self.doing(s, e), Doing::Executing(_)))
+    }
+}
