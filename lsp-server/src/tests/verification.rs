@@ -452,6 +452,10 @@ async fn what_is_assumed_stands_at_the_use_of_the_specification() {
     let said = client.pulled(&uri).await;
     let of_wcet = said.iter().filter(|it| it.contains("wcet"));
     assert_eq!(of_wcet.collect::<Vec<_>>(), ["timing/missing-wcet"]);
+    let off = json!({ "settings": { "dotgen": { "severity": { "timing-no-wcet": "off" } } } });
+    client.notify("workspace/didChangeConfiguration", off).await;
+    until(&mut client, &scn, 1, "proved").await;
+    assert_eq!(client.pulled(&scn).await, [""; 0]);
     client.finish_ignoring(STATUS).await;
 }
 
