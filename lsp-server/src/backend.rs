@@ -1,21 +1,23 @@
 //! The protocol's methods. Each hands its message to the writer or to the dispatcher before it
 //! first waits: that is what keeps messages in order.
 
-use std::collections::VecDeque;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+mod tokens;
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use serde_json::Value;
 use tokio::sync::mpsc::unbounded_channel;
 use tokio::sync::{oneshot, watch};
 
-use crate::convert::semantic_tokens::delta;
 use crate::dispatch::Dispatcher;
 use crate::ext::{ChooseRoot, DocumentParams, IncludingRoots, MacroExpansion, PositionParams};
 use crate::handlers::{self, *};
 use crate::outbox::Outbox;
 use crate::proto::*;
 use crate::state::{Event, Mutation, State};
+
+use tokens::TokenResults;
 
 /// See the module.
 pub(crate) struct Backend {
@@ -552,16 +554,7 @@ impl LanguageServer for Backend {
         let Some(data) = question.await? else {
             return Ok(None);
         };
-        let edits = known.map(|known| delta(&known, &data));
-        let tokens = self.tokens.remember(uri, data);
-        Ok(Some(match edits {
-            Some(edits) => SemanticTokensDelta {
-                result_id: tokens.result_id,
-                edits,
-            }
-            .into(),
-            None => tokens.into(),
-        }))
+        Ok(Some(self.tokens.remember_changes(uri, known, data)))
     }
 
     async fn semantic_tokens_range(
@@ -587,42 +580,4 @@ fn retriggered(mut error: Error) -> Error {
         error.data = Some(serde_json::json!({ "retriggerRequest": true }));
     }
     error
-}
-
-/// The last tokens sent for each document, for deltas.
-#[derive(Default)]
-struct TokenResults {
-    next: AtomicU64,
-    last: Mutex<VecDeque<(Uri, SemanticTokens)>>,
-}
-
-impl TokenResults {
-    /// Documents remembered; the others are sent whole.
-    const CAPACITY: usize = 64;
-
-    fn remember(&self, uri: Uri, data: Vec<SemanticToken>) -> SemanticTokens {
-        let id = self.next.fetch_add(1, Ordering::Relaxed);
-        let tokens = SemanticTokens {
-            result_id: Some(id.to_string()),
-            data,
-        };
-        self.forget(&uri);
-        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        last.push_back((uri, tokens.clone()));
-        if last.len() > TokenResults::CAPACITY {
-            last.pop_front();
-        }
-        tokens
-    }
-
-    fn recall(&self, uri: &Uri, result_id: &str) -> Option<Vec<SemanticToken>> {
-        let last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        let (_, tokens) = last.iter().find(|it| it.0 == *uri)?;
-        (tokens.result_id.as_deref() == Some(result_id)).then(|| tokens.data.clone())
-    }
-
-    fn forget(&self, uri: &Uri) {
-        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        last.retain(|it| it.0 != *uri);
-    }
 }

@@ -36,6 +36,7 @@ use crate::vfs::Vfs;
 
 use documents::Documents;
 use flush::Pending;
+use session::Stale;
 use workspace::Workspace;
 
 pub(crate) use changes::Mutation;
@@ -169,7 +170,7 @@ impl State {
             Event::Computed(computed) => {
                 let open = state.documents.open_files();
                 if state.publisher.publish(computed, open, &state.outbox) {
-                    state.refresh();
+                    state.refresh(Stale::Meaning);
                 }
             }
         });

@@ -363,6 +363,24 @@ fn programs_are_told_everything_in_the_document() {
     insta::assert_snapshot!(said.join("\n"));
 }
 
+#[test]
+fn what_is_assumed_has_the_severity_that_is_set() {
+    let severity = "[severity]\ntiming-no-wcet = \"off\"\ntiming-state-cycle = \"hint\"\n";
+    let it = Directory::new(&[("vague.gen", VAGUE), ("dotgen.toml", severity)]);
+    let run = ["verify", "--max-states", "10", "vague.gen"];
+    let told = stderr(&it.run(&run));
+    assert!(!told.contains("no-wcet"), "{told}");
+    assert!(told.contains("hint[timing-state-cycle]"), "{told}");
+    let output = it.run(&[&run[..], &["--format", "json"]].concat());
+    let document = json_of(&output);
+    let all = document["diagnostics"].as_array().expect("a list").iter();
+    let all: Vec<_> = all.map(|it| (&it["code"], &it["severity"])).collect();
+    assert!(!all.is_empty());
+    for it in all {
+        assert_eq!(it, (&"timing-state-cycle".into(), &"hint".into()));
+    }
+}
+
 /// Published and computed results, through the program that people run.
 #[test]
 fn ground_truth() {

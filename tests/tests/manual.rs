@@ -32,6 +32,11 @@ fn codel(id: &str) -> Option<&'static CodelCode> {
     CODES.iter().find(|it| it.code.as_str() == id)
 }
 
+/// Whether a code comes from a verification, which looks at no comments.
+fn of_verification(id: &str) -> bool {
+    codes::verification::CODES.iter().any(|it| it.id == id)
+}
+
 /// Whether a code is about a file of a template.
 fn of_template(id: &str) -> bool {
     check::CODES.iter().any(|it| it.id == id)
@@ -96,13 +101,18 @@ fn page(code: &Code) -> String {
     } else {
         let _ = write!(
             out,
-            "\n## Configuration\n\n```toml\n# dotgen.toml\n[severity]\n\"{id}\" = \"off\" # or \"hint\", \"information\", \"warning\", \"error\"\n```\n\n\
-             In one place: a comment `// dotgen: allow({id}) why it is right here` above the declaration{}.\n",
-            match codel(id) {
-                Some(_) => ", or in front of or inside the function",
-                None => "",
-            }
+            "\n## Configuration\n\n```toml\n# dotgen.toml\n[severity]\n\"{id}\" = \"off\" # or \"hint\", \"information\", \"warning\", \"error\"\n```\n"
         );
+        if !of_verification(id) {
+            let _ = write!(
+                out,
+                "\nIn one place: a comment `// dotgen: allow({id}) why it is right here` above the declaration{}.\n",
+                match codel(id) {
+                    Some(_) => ", or in front of or inside the function",
+                    None => "",
+                }
+            );
+        }
     }
     out
 }

@@ -4,7 +4,7 @@
 //! integer time stamps and the same order of actions (section 12 of the timed semantics). States are
 //! visited in order of absolute time, one *layer* per moment. Within a layer all orders of
 //! simultaneous actions are followed; states in which nothing urgent remains become *nodes*, are
-//! merged and compared with all earlier nodes (see [`store`]), and jump to their next moment.
+//! merged and compared with all earlier nodes (see `explore::store`), and jump to their next moment.
 
 mod ample;
 mod findings;

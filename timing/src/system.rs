@@ -128,7 +128,7 @@ pub struct Machine {
     pub stop: Option<usize>,
     /// How often one turn may enter the same state; `None`: no limit.
     pub loop_limit: Option<u16>,
-    /// The limit counts rounds instead of turns, as no turn can ever end (see [`loops`]).
+    /// The limit counts rounds instead of turns, as no turn can ever end (see `system::loops`).
     pub rounds: bool,
 }
 

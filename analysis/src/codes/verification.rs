@@ -64,4 +64,20 @@ pub const CODES: &[LintCode] = &[
              or make the scenario smaller: fewer requests, `loop once`, a coarser `unit`.",
         )
     },
+    code(
+        "timing-no-wcet",
+        "codels that a verification takes to need no time, as they have no `wcet`",
+        "What is proved then holds for codels that take no time, and real ones are later. It stands at the `use` of a scenario, \
+         and is told by `dotgen verify`; `timing/missing-wcet` says it in the specification.",
+        "component c {\n  task t { period 5 ms;\n    codel<start> f() yield main wcet 10 us;\n    codel<main> g() yield pause::main;\n  };\n};\n",
+        "Add `wcet` with the measured or estimated worst case, or a `duration` in the scenario.",
+    ),
+    code(
+        "timing-state-cycle",
+        "a cycle of states without `pause::` that a verification follows without limit",
+        "Every turn may go round it any number of times, so response times have no bound. It stands in the scenario, and is told by \
+         `dotgen verify`; `fsm/busy-loop` says it in the specification.",
+        "component c {\n  task t { period 5 ms;\n    codel<start> f() yield main;\n    codel<main> g() yield main, ether;\n  };\n};\n",
+        "Yield `pause::main` where each round may wait for the next period, or limit the rounds with `loop` in the scenario.",
+    ),
 ];

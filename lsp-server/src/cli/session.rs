@@ -6,10 +6,11 @@ use dotgen_analysis::diagnostic::Diagnostic;
 use dotgen_analysis::host::{Analysis, AnalysisHost, Cancellable, Change, FileContent};
 use dotgen_codegen::codels::files::FilesConfig;
 use rustc_hash::FxHashMap;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::Reading;
-use crate::config::{self, Config, Problem, Settings};
+use crate::config::{self, Config, Level, Problem, Settings};
 use crate::convert::{Encoding, Lines};
 use crate::panic;
 use crate::vfs::{self, Vfs};
@@ -22,6 +23,8 @@ pub(super) struct Session {
     host: AnalysisHost,
     connections: Vec<dotgen_diagram::system::Connection>,
     codels: FilesConfig,
+    /// Severity by diagnostic code.
+    pub(super) severity: BTreeMap<String, Level>,
 }
 
 /// A specification to read.
@@ -152,6 +155,7 @@ impl Session {
             host,
             connections: configuration.connections,
             codels: settings.codels.files(),
+            severity: configuration.severity,
         }
     }
 

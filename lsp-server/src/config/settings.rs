@@ -4,8 +4,9 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+use dotgen_analysis::diagnostic::{Diagnostic, Severity};
 use dotgen_analysis::ide::{InlayConfig, InlayTypes};
-use dotgen_analysis::{diagnostic::Severity, lint::LintConfig};
+use dotgen_analysis::lint::LintConfig;
 use dotgen_codegen::codels::files::FilesConfig;
 use dotgen_timing::explore::Limits;
 use dotgen_timing::scn::ast::Policy;
@@ -434,5 +435,18 @@ impl Level {
             Level::Hint => Some(Severity::Hint),
             Level::Off => None,
         }
+    }
+
+    /// A finding as the user wants it; `None`: not at all. Errors stay: something cannot go on.
+    pub(crate) fn apply(
+        levels: &BTreeMap<String, Level>,
+        mut it: Diagnostic,
+    ) -> Option<Diagnostic> {
+        if it.severity != Severity::Error
+            && let Some(level) = levels.get(it.code)
+        {
+            it.severity = level.severity()?;
+        }
+        Some(it)
     }
 }

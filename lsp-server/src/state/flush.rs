@@ -7,6 +7,7 @@ use dotgen_analysis::host::Change;
 use rustc_hash::FxHashSet;
 
 use super::State;
+use super::session::Stale;
 use crate::codels;
 use crate::snapshot::DocumentKind;
 use crate::vfs;
@@ -77,7 +78,7 @@ impl State {
             .changed(self.revision, &self.outbox, &self.events);
         self.schedule_verification();
         if std::mem::take(&mut self.publisher.refresh_wanted) {
-            self.refresh();
+            self.refresh(Stale::Meaning);
         }
     }
 }

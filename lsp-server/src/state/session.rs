@@ -8,6 +8,15 @@ use super::State;
 use crate::caps::{self, ClientCaps, ForeignDocuments};
 use crate::proto::*;
 
+/// What the client has to ask for again.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Stale {
+    /// Diagnostics and lenses.
+    Findings,
+    /// Colours as well: what names mean.
+    Meaning,
+}
+
 impl State {
     pub(super) fn initialize(
         &mut self,
@@ -74,9 +83,9 @@ impl State {
     }
 
     /// Asks the client to ask again: something else than the open document has changed.
-    pub(super) fn refresh(&self) {
+    pub(super) fn refresh(&self, stale: Stale) {
         let diagnostics = self.client.pull_diagnostics && self.client.diagnostic_refresh;
-        let tokens = self.client.semantic_tokens_refresh;
+        let tokens = stale == Stale::Meaning && self.client.semantic_tokens_refresh;
         let lenses = self.client.code_lens_refresh;
         self.outbox.converse(move |client| async move {
             // A client that refuses shows what it has until the next edit.

@@ -1,5 +1,6 @@
 //! When verification runs, and how its results reach the client.
 
+use super::session::Stale;
 use super::{Event, State};
 use crate::panic;
 
@@ -46,15 +47,6 @@ impl State {
     pub(super) fn show_verification(&mut self) {
         self.publisher
             .changed(self.revision, &self.outbox, &self.events);
-        let diagnostics = self.client.pull_diagnostics && self.client.diagnostic_refresh;
-        let lenses = self.client.code_lens_refresh;
-        self.outbox.converse(move |client| async move {
-            if diagnostics {
-                let _ = client.workspace_diagnostic_refresh().await;
-            }
-            if lenses {
-                let _ = client.code_lens_refresh().await;
-            }
-        });
+        self.refresh(Stale::Findings);
     }
 }

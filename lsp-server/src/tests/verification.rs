@@ -382,6 +382,46 @@ async fn verification_can_be_switched_off() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn an_answer_refreshes_what_shows_it_and_no_colours() {
+    let refreshes = [
+        "workspace/diagnostic/refresh",
+        "workspace/codeLens/refresh",
+        "workspace/semanticTokens/refresh",
+    ];
+    let folder = Folder::new(&[]);
+    let mut params = telling(&folder);
+    params["capabilities"]["workspace"] = json!({
+        "diagnostics": { "refreshSupport": true },
+        "codeLens": { "refreshSupport": true },
+        "semanticTokens": { "refreshSupport": true },
+    });
+    let answers = refreshes.map(|it| (it, Value::Null)).to_vec();
+    let mut client = Client::start_answering(params, answers).await;
+    let uri = folder.uri("pump.gen");
+    client.open(&uri, &pump("4 ms")).await;
+    until(&mut client, &uri, 1, "proved").await;
+    for (version, slow, status) in [(2, "12 ms", "refuted"), (3, "4 ms", "proved")] {
+        let text = json!([{ "text": pump(slow) }]);
+        client.change(&uri, version, text).await;
+        until(&mut client, &uri, i64::from(version), status).await;
+    }
+    let asked = |client: &Client, what: &str| {
+        let all = client.asked.iter();
+        all.filter(|it| it["method"] == what).count()
+    };
+    let [diagnostics, lens, colours] = refreshes;
+    // Every answer, and every edit that made one stale.
+    while asked(&client, diagnostics) < 5 || asked(&client, lens) < 5 {
+        lenses(&mut client, &uri).await;
+    }
+    assert!(
+        asked(&client, colours) <= 1,
+        "only once the folder was read"
+    );
+    client.finish_ignoring(STATUS).await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn what_is_assumed_stands_at_the_use_of_the_specification() {
     let folder = Folder::new(&[("pump.gen", &pump("4 ms"))]);
     let mut params = telling(&folder);
@@ -412,6 +452,10 @@ async fn what_is_assumed_stands_at_the_use_of_the_specification() {
     let said = client.pulled(&uri).await;
     let of_wcet = said.iter().filter(|it| it.contains("wcet"));
     assert_eq!(of_wcet.collect::<Vec<_>>(), ["timing/missing-wcet"]);
+    let off = json!({ "settings": { "dotgen": { "severity": { "timing-no-wcet": "off" } } } });
+    client.notify("workspace/didChangeConfiguration", off).await;
+    until(&mut client, &scn, 1, "proved").await;
+    assert_eq!(client.pulled(&scn).await, [""; 0]);
     client.finish_ignoring(STATUS).await;
 }
 

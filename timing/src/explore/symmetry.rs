@@ -6,7 +6,7 @@
 //! in ascending order of what is going on in them. (A quotient by automorphisms: C. Ip and D. Dill, *Better verification
 //! through symmetry*, 1996.)
 //!
-//! Runs are found again without any of this, see [`super::search::trace`]: where a state was put in order on the way,
+//! Runs are found again without any of this, see `explore::search::trace`: where a state was put in order on the way,
 //! the rest of the run is about the units as they were before.
 
 mod alike;

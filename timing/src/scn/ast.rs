@@ -1,8 +1,14 @@
 //! Scenarios as data. Every name keeps its range, for diagnostics and editor features.
 
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 use dotgen_analysis::model::Seconds;
+
+/// How many slots an activity can be given. Each one more multiplies what has to be explored.
+pub const SLOTS: RangeInclusive<u32> = 1..=16;
+
+/// Slots of an activity unless a scenario says otherwise.
+pub const DEFAULT_SLOTS: u32 = 2;
 
 /// Something and its bytes in the text.
 #[derive(Debug, Clone, PartialEq, Eq)]

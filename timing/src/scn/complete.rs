@@ -73,6 +73,7 @@ enum Wanted {
     Task,
     TaskOrService,
     Service,
+    Activity,
     Codel,
     Input,
     Output,
@@ -227,7 +228,7 @@ impl<'f> Finder<'f> {
                 let _ = self.path(Wanted::Codel, rest) || self.unit(rest);
             }
             "slots" => {
-                self.path(Wanted::Service, rest);
+                self.path(Wanted::Activity, rest);
             }
             "connect" => {
                 let to = rest.iter().position(|it| word(self.text, Some(it)) == "to");
@@ -403,6 +404,7 @@ impl<'f> Finder<'f> {
                 let fits = match (wanted, &member) {
                     (Wanted::Task | Wanted::TaskOrService, Target::Task(..))
                     | (Wanted::Service | Wanted::TaskOrService, Target::Service(..)) => true,
+                    (Wanted::Activity, &Target::Service(c, s)) => self.names.is_activity(c, s),
                     (Wanted::Input | Wanted::Output, &Target::Port(c, p)) => {
                         let port = &self.names.components[c].component.ports[p as usize];
                         (port.dir == PortDir::In) == (wanted == Wanted::Input)

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use dotgen_analysis::model::{CodelKind, Component, ComponentKind, Owner, Spec};
+use dotgen_analysis::model::{CodelKind, Component, ComponentKind, Owner, ServiceKind, Spec};
 
 use super::Diagnostic;
 use super::ast::{CheckKind, Item, Path, Pred, Scenario, Spanned, Step, StepKind};
@@ -148,6 +148,12 @@ impl<'a> Names<'a> {
             }
         }
         None
+    }
+
+    /// Whether a service of a component is an activity.
+    pub(crate) fn is_activity(&self, c: usize, s: u32) -> bool {
+        let services = &self.components[c].component.services;
+        services[s as usize].kind == ServiceKind::Activity
     }
 
     /// Looks a whole path up.

@@ -91,7 +91,7 @@ const WORDS: &[Word] = &[
     word(
         "slots",
         "slots component.activity 3;",
-        "How many instances of an activity there may be (default 2).",
+        "How many instances of an activity there may be: 1 to 16 (default 2).",
     ),
     word(
         "client",

@@ -47,6 +47,7 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
         settings,
         durations: HashMap::new(),
         loop_rules: HashMap::new(),
+        slots: HashMap::new(),
         requested: Vec::new(),
         out: Built {
             system: TimedSystem {
@@ -86,6 +87,7 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
         .filter(|&it| include(it))
         .collect();
     builder.override_durations();
+    builder.number_slots();
     builder.find_requested();
     builder.choose_unit(&included);
     for &c in &included {
@@ -119,6 +121,8 @@ struct Builder<'b> {
     durations: HashMap<(usize, Owner, u32, String), usize>,
     /// Where the loop limits of machines are written.
     loop_rules: HashMap<usize, Range<usize>>,
+    /// Numbers of slots of activities that the scenario gives.
+    slots: HashMap<(usize, u32), u32>,
     /// Services that some client requests.
     requested: Vec<(usize, u32)>,
     out: Built,

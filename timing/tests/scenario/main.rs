@@ -235,6 +235,48 @@ fn mistakes_are_explained() {
 }
 
 #[test]
+fn slots_are_some_and_not_too_many() {
+    for (number, allowed) in [
+        ("0", false),
+        ("1", true),
+        ("16", true),
+        ("17", false),
+        ("40", false),
+        ("4294967298", false),
+    ] {
+        let text = format!(
+            "scenario s {{ slots sensor.record 3; slots sensor.record {number}; cores 1; }}"
+        );
+        let parsed = parse(&text);
+        let wrong = parsed.errors.iter();
+        let wrong: Vec<_> = wrong.map(|it| (it.code, &text[it.range.clone()])).collect();
+        match allowed {
+            true => assert_eq!(wrong, []),
+            false => assert_eq!(wrong, [("scn-slots", number)]),
+        }
+        assert_eq!(parsed.scenario.items.len(), 2 + usize::from(allowed));
+    }
+    let told = &parse("scenario s { slots sensor.record 40; }").errors[0].message;
+    insta::assert_snapshot!(told, @"an activity can have 1 to 16 slots, not 40: without one it never runs, and each one more multiplies what has to be explored");
+}
+
+#[test]
+fn slots_are_for_activities_whether_requested_or_not() {
+    let report = robot(
+        "slots sensor.record 3; slots sensor.recrod 3; slots sensor.reset 3;
+         slots sensor.acquire 3; check schedulable *;",
+    );
+    insta::assert_snapshot!(summary(&report), @"
+    scn-unknown-name: `sensor` has nothing called `recrod`; did you mean `record`?
+    scn-wrong-kind: `sensor.reset` is no activity, and nothing else has slots; name an activity, or remove this line
+    scn-wrong-kind: `sensor.acquire` is no activity, and nothing else has slots; name an activity, or remove this line
+    ");
+    let wrong = report.diagnostics.iter().map(|it| it.range.len());
+    let names = ["recrod", "sensor.reset", "sensor.acquire"];
+    assert_eq!(Vec::from_iter(wrong), names.map(str::len));
+}
+
+#[test]
 fn orders_of_services_that_are_not_kept_are_an_assumption() {
     let unit = load(
         r#"component c { version "1"; lang "c"; task t {};

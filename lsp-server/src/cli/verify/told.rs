@@ -6,6 +6,7 @@ use dotgen_timing::scn;
 
 use crate::cli::report;
 use crate::cli::session::{Session, Texts};
+use crate::config::Level;
 use crate::convert::{Encoding, Lines};
 use crate::verification::Problem;
 
@@ -43,14 +44,14 @@ impl Told {
         checks: &[&str],
     ) -> anyhow::Result<Told> {
         let option = Utf8PathBuf::from("--check");
-        let found = all.iter().map(|it| {
-            let mut out = problem.diagnostic(it);
+        let found = all.iter().filter_map(|it| {
+            let mut out = Level::apply(&session.severity, problem.diagnostic(it))?;
             let after = it.range.start.checked_sub(problem.text.len());
             if let Some(start) = after.filter(|_| !checks.is_empty()) {
                 out.path = option.clone();
                 out.range = start..start + it.range.len();
             }
-            out
+            Some(out)
         });
         let (of_checks, of_files) = found.partition::<Vec<_>, _>(|it| it.path == option);
         let mut out = Told::about(session, problem, of_files)?;

@@ -111,7 +111,8 @@ pub(crate) fn in_scenario(snapshot: &Snapshot, path: &Utf8Path) -> Vec<Diagnosti
     let mut out: Vec<Diagnostic> = Vec::new();
     if let Some(answer) = entry.settled() {
         let of_model = together(&answer.report.diagnostics);
-        out.extend(of_model.iter().map(|it| at_use(&entry.problem, it)));
+        let of_model = of_model.iter().map(|it| at_use(&entry.problem, it));
+        out.extend(of_model.filter_map(|it| Level::apply(&snapshot.config.severity, it)));
     }
     let checks = scenario(snapshot, entry, path).into_iter();
     out.extend(checks.map(|it| it.diagnostic));

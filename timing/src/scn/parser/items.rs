@@ -2,7 +2,7 @@
 
 use super::Parser;
 use crate::scn::Diagnostic;
-use crate::scn::ast::{Check, Client, Durations, Item, Policy, Scenario, Spanned};
+use crate::scn::ast::{Check, Client, Durations, Item, Policy, SLOTS, Scenario, Spanned};
 use crate::scn::lexer::Kind;
 
 /// Words that begin an item.
@@ -164,7 +164,19 @@ impl Parser<'_> {
             }
             "slots" => {
                 let path = self.path()?;
-                Item::Slots(path, self.small()?)
+                let range = self.range();
+                let count = self.number()?;
+                let Some(count) = u32::try_from(count).ok().filter(|it| SLOTS.contains(it)) else {
+                    let message = format!(
+                        "an activity can have {} to {} slots, not {count}: without one it never runs, and each one more multiplies what has to be explored",
+                        SLOTS.start(),
+                        SLOTS.end()
+                    );
+                    self.errors
+                        .push(Diagnostic::error("scn-slots", range, message));
+                    return None;
+                };
+                Item::Slots(path, count)
             }
             "client" => {
                 let name = self.name("the name of the client")?;

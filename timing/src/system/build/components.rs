@@ -5,6 +5,7 @@ use num_rational::Ratio;
 
 use super::Builder;
 use super::times::TimeOf;
+use crate::scn::ast::DEFAULT_SLOTS;
 use crate::scn::{Diagnostic, Place};
 use crate::system::{Automaton, Component, Service, Task};
 
@@ -104,7 +105,8 @@ impl Builder<'_> {
                     .and_then(|t| self.out.tasks.get(&(c, t)).copied())
                 && self.requested.contains(&(c, s))
             {
-                for _ in 0..self.slots(c, s) {
+                let count = self.slots.get(&(c, s)).copied();
+                for _ in 0..count.unwrap_or(DEFAULT_SLOTS) {
                     self.out.system.automata.push(Automaton {
                         task,
                         machine,

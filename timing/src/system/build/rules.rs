@@ -51,21 +51,23 @@ impl Builder<'_> {
         limit
     }
 
-    pub(super) fn slots(&mut self, c: usize, s: u32) -> u32 {
-        let mut slots = 2;
+    pub(super) fn number_slots(&mut self) {
         for (path, count) in &self.settings.slots {
-            match self.names.resolve(path) {
-                Ok(Target::Service(a, b)) if (a, b) == (c, s) => slots = *count,
-                Ok(Target::Service(..)) => {}
-                Ok(_) => self.report(not_a("service", path)),
-                Err(error) => self.report(error),
-            }
+            let error = match self.names.resolve(path) {
+                Ok(Target::Service(c, s)) if self.names.is_activity(c, s) => {
+                    self.slots.insert((c, s), *count);
+                    continue;
+                }
+                Ok(_) => {
+                    let message = format!(
+                        "`{}` is no activity, and nothing else has slots; name an activity, or remove this line",
+                        path.text()
+                    );
+                    Diagnostic::error("scn-wrong-kind", path.range(), message)
+                }
+                Err(error) => error,
+            };
+            self.report(error);
         }
-        if slots == 0 {
-            let path = &self.settings.slots[0].0;
-            let message = "an activity needs at least one slot".to_owned();
-            self.report(Diagnostic::error("scn-no-slot", path.range(), message));
-        }
-        slots.clamp(1, 16)
     }
 }
