@@ -32,7 +32,7 @@ pub struct Measured {
     pub excess: Option<Found>,
 }
 
-/// What an exploration found. Lists follow those of the [`Watch`].
+/// What an exploration found. Lists follow those of the [`Watch`](super::watch::Watch).
 #[derive(Debug, Clone, Default)]
 pub struct Findings {
     /// Runs in which a tick came too early.
