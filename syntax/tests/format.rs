@@ -163,6 +163,19 @@ fn a_comment_before_a_value_settles_at_once() {
     );
 }
 
+#[test]
+fn comments_side_by_side_stay_there() {
+    check(
+        "component c {\n  require \"a\",\n/* one *//* two */\"b\";\n};\n",
+        expect![[r#"
+            component c {
+              require "a",
+                      /* one */ /* two */ "b";
+            };
+        "#]],
+    );
+}
+
 /// The line end that a file should have would become part of the comment.
 #[test]
 fn a_comment_that_is_continued_by_nothing() {
