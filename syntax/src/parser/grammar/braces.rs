@@ -56,11 +56,12 @@ pub(super) struct Body<'a> {
 pub(super) fn open<'a>(p: &mut Parser<'_>, fragment: Fragment, owner: &'a str) -> Body<'a> {
     let brace = p.position();
     let found = p.eat(L_CURLY);
-    if !found {
+    if !found && !p.is_reported() {
         p.expected_because(
             &format!("`{{` to open the body of {owner}"),
             "add `{` before it",
         );
+        p.lacks("{");
     }
     p.open += 1;
     Body {
@@ -80,19 +81,22 @@ pub(super) fn close(p: &mut Parser<'_>, body: Body<'_>) {
         return;
     }
     let owner = body.owner;
-    let found = p.describe_current();
-    let reported = p.is_reported();
-    p.error_here(match p.current() {
-        EOF => format!("missing `}}` at the end of {owner}: the file ends here; add `}};`"),
-        // What follows the `}` is there.
-        SEMICOLON => format!("missing `}}` at the end of {owner}: add `}}` before this `;`"),
-        IDENT if body.fragment == Fragment::Members && p.nth_at_ts(1, AFTER_DECLARATOR) => {
-            format!("missing `}}` at the end of {owner}: add `}}` before {found}")
+    if !p.is_reported() {
+        let found = p.describe_current();
+        let (missing, message) = match p.current() {
+            EOF => ("};", "the file ends here; add `};`".to_owned()),
+            // What follows the `}` is there.
+            SEMICOLON => ("}", "add `}` before this `;`".to_owned()),
+            IDENT if body.fragment == Fragment::Members && p.nth_at_ts(1, AFTER_DECLARATOR) => {
+                ("}", format!("add `}}` before {found}"))
+            }
+            _ => ("};", format!("found {found}; add `}};` before it")),
+        };
+        p.error_here(format!("missing `}}` at the end of {owner}: {message}"));
+        p.lacks(missing);
+        if let Some(brace) = body.brace {
+            p.explain(brace, "this `{` is not closed");
         }
-        _ => format!("missing `}}` at the end of {owner}: found {found}; add `}};` before it"),
-    });
-    if let (Some(brace), false) = (body.brace, reported) {
-        p.explain(brace, "this `{` is not closed");
     }
     p.unclosed += 1;
 }
