@@ -7,6 +7,7 @@
 //! merged and compared with all earlier nodes (see [`store`]), and jump to their next moment.
 
 mod ample;
+mod findings;
 mod lazy;
 mod liveness;
 mod measure;
@@ -18,10 +19,11 @@ mod state;
 mod step;
 mod store;
 mod symmetry;
+mod watch;
 
+pub use findings::{Bound, Findings, Found, Measured};
 pub use liveness::{Liveness, LivenessQuery, liveness};
 pub use run::{Moment, MomentKind, Run};
-pub use search::{
-    Bound, Findings, Found, Limits, Measured, ResponseTime, Stop, Watch, Within, explore,
-};
+pub use search::explore;
 pub use step::Action;
+pub use watch::{Limits, ResponseTime, Stop, Watch, Within};

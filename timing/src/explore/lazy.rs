@@ -144,9 +144,17 @@ impl Lazy {
         let not_lazy: Vec<usize> = (0..n).filter(|&it| !lazy[it]).map(|it| group[it]).collect();
         let members: Vec<bool> = (0..n).map(|it| !not_lazy.contains(&group[it])).collect();
         rest.retain(|&(a, _)| members[system.automata[a].task]);
+        // The end of start-up lets the control task begin, so its group has to be lazy as well, wherever it is.
+        let can_start = |task: usize| {
+            let control = control(system.tasks[task].component);
+            let mut resting = rest.iter().map(|&(a, _)| group[system.automata[a].task]);
+            members[control] && resting.all(|it| it != group[control])
+        };
         Lazy {
             starts: (0..system.tasks.len())
-                .map(|task| !system.clients.is_empty() && starts_no_timer(system, task))
+                .map(|task| {
+                    !system.clients.is_empty() && starts_no_timer(system, task) && can_start(task)
+                })
                 .collect(),
             any: members.contains(&true),
             members,

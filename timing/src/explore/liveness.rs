@@ -6,10 +6,10 @@ use rustc_hash::FxHashMap;
 
 use super::observe::{self, Observer};
 use super::run::Run;
-use super::search::{Limits, Stop};
 use super::state::{Layout, State};
 use super::step::{Action, Enabled, Stepper};
 use super::store::{Encoded, decode, encode};
+use super::watch::{Limits, Stop};
 use crate::cancel::Cancel;
 use crate::property::Predicate;
 use crate::system::{Ticks, TimedSystem};

@@ -1,8 +1,8 @@
 //! Times that are measured by clocks: response times, and times from one event to another.
 
 use super::run::Run;
-use super::search::Watch;
 use super::state::{Layout, State, TaskStatus};
+use super::watch::Watch;
 use crate::system::Ticks;
 
 /// What is measured.

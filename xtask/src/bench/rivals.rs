@@ -232,7 +232,8 @@ pub(crate) fn rivals(dotgen: &Path, runs: usize, sets: u64) -> Result<bool> {
         };
         step(&format!("Mutual exclusion by time alone: {times:?}, in ms"));
         let question = |n| fischer_question(n, times);
-        agreed &= table(&rivals, runs, "processes", 2..=5, question, &mut [])?;
+        let most = if scale == 1 { 7 } else { 6 };
+        agreed &= table(&rivals, runs, "processes", 2..=most, question, &mut [])?;
     }
     Ok(agreed)
 }

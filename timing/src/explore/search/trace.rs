@@ -1,6 +1,7 @@
 //! Runs to what was seen: found again, backwards from node to node.
 
-use super::{LOOKS, ROOT, Search, Sight, missed, overdue};
+use super::watching::{missed, overdue};
+use super::{LOOKS, ROOT, Search, Sight};
 use crate::explore::measure::Timing;
 use crate::explore::observe;
 use crate::explore::run::Run;

@@ -1,0 +1,318 @@
+//! What is watched while states are explored: when it has been seen, and how long it lasts.
+
+use super::trace::Goal;
+use super::{LOOKS, Longest, Search, Sight};
+use crate::explore::findings::{Bound, Findings, Found, Measured};
+use crate::explore::measure::{Diverging, Gauge, How, Timing};
+use crate::explore::observe;
+use crate::explore::run::Run;
+use crate::explore::state::{State, TaskStatus};
+use crate::explore::step::Stepper;
+use crate::explore::watch::Stop;
+use crate::system::Ticks;
+
+/// Steps for which an exploration that has answered everything goes on, to see requests that are refused.
+const LINGER: u64 = 20_000;
+
+impl Search<'_> {
+    /// Whether everything that is asked has been seen.
+    pub(super) fn answered(&self) -> bool {
+        (0..self.gauges.len()).all(|it| self.is_longest(it))
+            && self.missed.iter().all(Option::is_some)
+            && self.overdue.iter().all(Option::is_some)
+            && self.reached.iter().all(Option::is_some)
+            && (!self.watch.deadlock || self.deadlock.is_some())
+    }
+
+    /// Whether to go on for a while when everything is answered, as requests may turn out to be refused.
+    pub(super) fn lingers(&mut self) -> bool {
+        let at = *self.answered_at.get_or_insert(self.steps);
+        self.stepper.system.may_refuse() && self.steps < at + LINGER
+    }
+
+    /// Whether the longest time of a gauge has been seen, and nothing else is wanted of it.
+    pub(super) fn is_longest(&self, gauge: usize) -> bool {
+        let it = &self.gauges[gauge];
+        it.most.is_some_and(|most| {
+            it.active()
+                && it.limit.is_none_or(|limit| most <= limit)
+                && self.longest[gauge].is_some_and(|it| it.value >= most)
+        })
+    }
+
+    /// Nothing will happen after a node: whatever is measured there has no bound.
+    pub(super) fn waits_forever(&mut self, s: &State, at: Sight) {
+        if self.diverging.is_some() {
+            return;
+        }
+        let gauge = (0..self.gauges.len()).find(|&it| self.measures(it, s).is_some());
+        if let Some(gauge) = gauge {
+            self.limits_in_jump(s, at.parent, Ticks::MAX);
+            self.diverging = Some(Diverging {
+                gauge,
+                proof: Some(self.trace(at, &Goal::Deadlock)),
+                excess: None,
+            });
+        }
+    }
+
+    /// Looks at a state that was just entered.
+    pub(super) fn check(&mut self, before: Option<&State>, s: &State, at: Sight) {
+        for (i, &task) in self.watch.schedulable.iter().enumerate() {
+            if self.missed[i].is_none() && missed(&self.stepper, s, task) {
+                for it in self.symmetry.alike(task, &self.watch.schedulable) {
+                    self.missed[it] = Some(at);
+                }
+                if self.watch.stop_at_first {
+                    self.stopped = Some(Stop::Answered);
+                }
+            }
+        }
+        for (i, it) in self.watch.reach.iter().enumerate() {
+            if self.reached[i].is_none() && observe::predicate(&self.stepper, before, s, it) {
+                self.reached[i] = Some(at);
+            }
+        }
+        for (i, gauge) in self.gauges.iter().enumerate() {
+            if self.longest[i].is_none() && gauge.of.runs(&self.stepper.layout, s) {
+                for it in self.alike(i) {
+                    self.longest[it] = Some(Longest { value: 0, at });
+                }
+            }
+        }
+    }
+
+    /// Gauges of what is not told apart, itself included.
+    pub(super) fn alike(&self, gauge: usize) -> Vec<usize> {
+        let it = &self.gauges[gauge];
+        let Timing::Response(task) = it.of else {
+            return vec![gauge];
+        };
+        let orbit = self.symmetry.orbit(task);
+        let same = |other: &Gauge| {
+            let alike = matches!(other.of, Timing::Response(task) if orbit.contains(&task));
+            alike && (other.limit, other.most) == (it.limit, it.most)
+        };
+        (0..self.gauges.len())
+            .filter(|&other| same(&self.gauges[other]))
+            .collect()
+    }
+
+    /// What has been found of one gauge holds for all that are not told apart.
+    pub(super) fn of_all_alike(&self, found: Diverging) -> Vec<(usize, Diverging)> {
+        let Timing::Response(from) = self.gauges[found.gauge].of else {
+            return vec![(found.gauge, found)];
+        };
+        let of = |gauge: usize| {
+            let Timing::Response(to) = self.gauges[gauge].of else {
+                return (gauge, found.clone());
+            };
+            let run = |it: &Option<Run>| it.as_ref().map(|it| self.exchanged(it, from, to));
+            let renamed = Diverging {
+                gauge,
+                proof: run(&found.proof),
+                excess: run(&found.excess),
+            };
+            (gauge, renamed)
+        };
+        self.alike(found.gauge).into_iter().map(of).collect()
+    }
+
+    /// A run with one task in the place of another that is not told apart from it.
+    pub(super) fn exchanged(&self, run: &Run, from: usize, to: usize) -> Run {
+        let renaming = self.symmetry.exchange(&self.stepper.layout, from, to);
+        let steps = run.steps.iter();
+        Run {
+            steps: steps
+                .map(|&(time, it)| (time, renaming.action(it)))
+                .collect(),
+            ..run.clone()
+        }
+    }
+
+    /// The clock of a gauge, if it measures now.
+    pub(super) fn measures(&self, gauge: usize, s: &State) -> Option<usize> {
+        let (l, of) = (&self.stepper.layout, self.gauges[gauge].of);
+        let other = matches!(of, Timing::Response(task) if self.waiting_only[task]);
+        of.clock(l).filter(|_| !other && of.runs(l, s))
+    }
+
+    /// Notes the limits that are exceeded in a jump from a node, and when. The first moment counts, and jumps
+    /// overlap.
+    pub(super) fn limits_in_jump(&mut self, s: &State, parent: u32, jump: Ticks) {
+        for i in 0..self.gauges.len() {
+            let (Some(limit), Some(clock)) = (self.gauges[i].limit, self.measures(i, s)) else {
+                continue;
+            };
+            // Clocks beyond the limit were seen when they passed it.
+            let Some(left) = limit.checked_sub(s.t[clock]).filter(|&it| it < jump) else {
+                continue;
+            };
+            let time = self.nodes[parent as usize].time + u64::from(left) + 1;
+            if self.excess[i].is_none_or(|it| time < it.time) {
+                for it in self.alike(i) {
+                    self.excess[it] = Some(Sight { parent, time });
+                }
+            }
+        }
+    }
+
+    /// The same for the jumps that have begun when the exploration ends.
+    pub(super) fn limits_under_way(&mut self) {
+        if self.gauges.iter().all(|it| it.limit.is_none()) {
+            return;
+        }
+        for (time, parents) in std::mem::take(&mut self.queue) {
+            for (i, parent) in parents.into_iter().enumerate() {
+                if i % LOOKS == 0 && self.cancel.is_abandoned() {
+                    return;
+                }
+                let s = self.node_state(parent);
+                let jump = (time - self.nodes[parent as usize].time) as Ticks;
+                self.limits_in_jump(&s, parent, jump);
+            }
+        }
+    }
+
+    pub(super) fn excess_run(&self, gauge: usize) -> Option<Run> {
+        let Gauge { of, limit, .. } = self.gauges[gauge];
+        Some(self.trace(self.excess[gauge]?, &Goal::Lasts(of, limit? + 1)))
+    }
+
+    /// Looks at clocks after time has passed.
+    pub(super) fn clocks_after_jump(&mut self, s: &mut State, at: Sight) -> Option<Diverging> {
+        for (i, &task) in self.watch.overdue.iter().enumerate() {
+            if self.overdue[i].is_none() && overdue(&self.stepper, s, task) {
+                for it in self.symmetry.alike(task, &self.watch.overdue) {
+                    self.overdue[it] = Some(at);
+                }
+            }
+            if self.waiting_only[task]
+                && let Some(clock) = self.stepper.layout.response[task]
+            {
+                let running = self.stepper.layout.status(s, task) == TaskStatus::Running;
+                let most = self.stepper.system.tasks[task].period.unwrap_or(0);
+                s.t[clock] = if running { 0 } else { s.t[clock].min(most) };
+            }
+        }
+        for i in 0..self.gauges.len() {
+            let Some(clock) = self.measures(i, s) else {
+                continue;
+            };
+            let value = s.t[clock];
+            if self.longest[i].is_some_and(|it| it.value >= value) {
+                continue;
+            }
+            for it in self.alike(i) {
+                self.longest[it] = Some(Longest { value, at });
+            }
+            if value <= self.patience || self.out_of_bounds() {
+                continue;
+            }
+            self.patience = self.patience.saturating_mul(2);
+            let run = self.trace(at, &Goal::Lasts(self.gauges[i].of, value));
+            let mut out = Diverging {
+                gauge: i,
+                proof: None,
+                excess: None,
+            };
+            let clock = (&self.observers[..], value);
+            if let Some(cycle) = run.repetition(&self.stepper, clock, self.cancel) {
+                let limit = self.gauges[i].limit;
+                let left = limit.and_then(|it| it.checked_sub(value));
+                out.excess = left.and_then(|it| run.prolonged(cycle, it + 1));
+                out.proof = Some(run.repeating(cycle));
+                return Some(out);
+            }
+            if !self.patient && !self.cancel.is_abandoned() {
+                return Some(out);
+            }
+        }
+        None
+    }
+
+    /// What is known of each gauge.
+    pub(super) fn measured(&self) -> Vec<Option<Measured>> {
+        let found = |run| Found { run };
+        (0..self.gauges.len())
+            .map(|i| {
+                let gauge = &self.gauges[i];
+                let excess = gauge
+                    .excess
+                    .clone()
+                    .or_else(|| self.excess_run(i))
+                    .map(found);
+                if let How::Unbounded(run) = &gauge.how {
+                    return Some(Measured {
+                        bound: Bound::Unbounded,
+                        longest: found(run.clone()),
+                        excess,
+                    });
+                }
+                let (reached, limit) = (self.longest[i].map(|it| it.value), gauge.limit);
+                if let (Some(run), Some(limit)) =
+                    (&gauge.excess, limit.filter(|it| reached <= Some(*it)))
+                {
+                    // Known from an exploration before, which this one has not come up with.
+                    return Some(Measured {
+                        bound: Bound::Finite(limit + 1),
+                        longest: found(run.clone()),
+                        excess,
+                    });
+                }
+                self.longest[i].map(|it| Measured {
+                    bound: Bound::Finite(it.value),
+                    longest: found(self.trace(it.at, &Goal::Lasts(gauge.of, it.value))),
+                    excess,
+                })
+            })
+            .collect()
+    }
+
+    pub(super) fn findings(self) -> Findings {
+        let found = |at: Sight, goal: Goal| Found {
+            run: self.trace(at, &goal),
+        };
+        let mut response = self.measured();
+        let within = response.split_off(self.watch.response.len());
+        Findings {
+            missed: (self.watch.schedulable.iter().zip(&self.missed))
+                .map(|(&task, at)| at.map(|at| found(at, Goal::Missed(task))))
+                .collect(),
+            overdue: (self.watch.overdue.iter().zip(&self.overdue))
+                .map(|(&task, at)| at.map(|at| found(at, Goal::Overdue(task))))
+                .collect(),
+            response,
+            reached: (self.watch.reach.iter().zip(&self.reached))
+                .map(|(it, at)| at.map(|at| found(at, Goal::Reach(it))))
+                .collect(),
+            within,
+            deadlock: self
+                .deadlock
+                .filter(|_| self.watch.deadlock)
+                .map(|at| found(at, Goal::Deadlock)),
+            refused: (0..self.stepper.refused.len())
+                .filter(|&service| {
+                    let mut orbit = self.symmetry.service_orbit(service).iter();
+                    orbit.any(|&it| self.stepper.refused[it].get())
+                })
+                .collect(),
+            states: self.states(),
+            steps: self.steps,
+            bytes: self.memory(),
+            stopped: self.stopped,
+        }
+    }
+}
+
+pub(super) fn missed(stepper: &Stepper, s: &State, task: usize) -> bool {
+    stepper.layout.pending(s, task) && stepper.layout.status(s, task) != TaskStatus::Idle
+}
+
+pub(super) fn overdue(stepper: &Stepper, s: &State, task: usize) -> bool {
+    let l = &stepper.layout;
+    let (Some(period), Some(clock)) = (stepper.system.tasks[task].period, l.response[task]) else {
+        return false;
+    };
+    l.status(s, task) == TaskStatus::Waiting && s.t[clock] >= period
+}

@@ -1,0 +1,104 @@
+//! What is to be found out in an exploration.
+
+use crate::cancel::Cancel;
+use crate::property::Predicate;
+use crate::system::Ticks;
+
+/// What is to be found out in one exploration.
+#[derive(Debug, Clone, Default)]
+pub struct Watch {
+    /// Tasks whose ticks must not come before their jobs have ended.
+    pub schedulable: Vec<usize>,
+    /// Tasks that must not wait for a core as long as their period.
+    pub overdue: Vec<usize>,
+    /// Response times that are wanted.
+    pub response: Vec<ResponseTime>,
+    /// Predicates to be reached.
+    pub reach: Vec<Predicate>,
+    /// Pairs of predicates whose least bound is wanted.
+    pub within: Vec<Within>,
+    /// Look for states in which nothing will ever happen again.
+    pub deadlock: bool,
+    /// Stop as soon as a tick came too early.
+    pub stop_at_first: bool,
+}
+
+/// The response time of a task.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ResponseTime {
+    /// The task.
+    pub task: usize,
+    /// If the time exceeds this, the shortest run that does so is wanted.
+    pub limit: Option<Ticks>,
+    /// No job takes longer, as is known from analysis: one that takes as long ends the search for this time.
+    pub most: Option<Ticks>,
+}
+
+/// The time that passes until one predicate follows another.
+#[derive(Debug, Clone)]
+pub struct Within {
+    /// Whenever this becomes true,
+    pub trigger: Predicate,
+    /// this is awaited.
+    pub response: Predicate,
+    /// If the time exceeds this, the shortest run that does so is wanted.
+    pub limit: Option<Ticks>,
+}
+
+/// Bounds on the effort.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Limits {
+    /// Greatest number of states kept.
+    pub states: usize,
+    /// Greatest number of bytes for them.
+    pub bytes: usize,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Limits {
+            states: 20_000_000,
+            bytes: 4 << 30,
+        }
+    }
+}
+
+/// Why an exploration did not finish.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Stop {
+    /// Too many states.
+    States,
+    /// Too much memory.
+    Memory,
+    /// Time is up.
+    Time,
+    /// Nobody wants to know any more.
+    Cancelled,
+    /// Everything that was asked has been found, or with [`Watch::stop_at_first`] the first of it.
+    Answered,
+}
+
+impl Stop {
+    /// What ends an exploration of this size, if anything.
+    pub(super) fn reason(
+        states: usize,
+        bytes: usize,
+        limits: Limits,
+        cancel: &Cancel,
+    ) -> Option<Stop> {
+        cancel.at_work(states, bytes);
+        if cancel.is_over() {
+            Some(match cancel.is_abandoned() {
+                true => Stop::Cancelled,
+                false => Stop::Time,
+            })
+        } else if states > limits.states {
+            Some(Stop::States)
+        } else if bytes > limits.bytes {
+            Some(Stop::Memory)
+        } else {
+            None
+        }
+    }
+}
