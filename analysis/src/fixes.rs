@@ -3,9 +3,20 @@
 //! Rules work on the model and know no text. Here a finding, back at its place in a file, gets the
 //! edits that remove its cause, made from the tree around it.
 
+mod braces;
+
+pub(crate) use braces::missing_brace;
+
+use camino::Utf8Path;
+
 use dotgen_syntax::{
     SyntaxElement, SyntaxKind, SyntaxNode, SyntaxToken, TextRange, TextSize,
     ast::{self, AstNode},
+};
+
+use crate::{
+    diagnostic::{FileEdit, Fix},
+    source_map::bytes,
 };
 
 /// A fix within one file: its title, and replacements of ranges.
@@ -13,6 +24,21 @@ use dotgen_syntax::{
 pub(crate) struct TextFix {
     pub(crate) title: String,
     pub(crate) edits: Vec<(TextRange, String)>,
+}
+
+impl TextFix {
+    /// The fix of a file.
+    pub(crate) fn within(self, path: &Utf8Path) -> Fix {
+        let edit = |(range, new_text)| FileEdit {
+            path: path.to_owned(),
+            range: bytes(range),
+            new_text,
+        };
+        Fix {
+            title: self.title,
+            edits: self.edits.into_iter().map(edit).collect(),
+        }
+    }
 }
 
 /// A finding at its place, with the places related to it in the same file.

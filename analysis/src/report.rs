@@ -356,18 +356,8 @@ fn attach_fixes(root: &dotgen_syntax::SyntaxNode, found: &mut Diagnostic) {
         range: text_range(&found.range),
         related: &related,
     };
-    let edit = |(range, new_text)| FileEdit {
-        path: path.clone(),
-        range: bytes(range),
-        new_text,
-    };
     let fixes = fixes::fixes(root, &finding).into_iter();
-    let fixes: Vec<Fix> = fixes
-        .map(|fix| Fix {
-            title: fix.title,
-            edits: fix.edits.into_iter().map(edit).collect(),
-        })
-        .collect();
+    let fixes: Vec<Fix> = fixes.map(|it| it.within(path)).collect();
     found.fixes.extend(fixes);
 }
 

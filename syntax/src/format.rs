@@ -269,7 +269,9 @@ impl<'a> Printer<'a> {
         // One line end at the end of the file.
         if let Some(last) = self.chunks.last() {
             let span = last.span().end..self.text.len();
-            let wanted = if last.frozen || last.kind == ChunkKind::Opaque {
+            // A backslash would join a new line end to the comment before it.
+            let joins = self.text[..span.start].ends_with('\\');
+            let wanted = if last.frozen || joins || last.kind == ChunkKind::Opaque {
                 self.text[span.clone()].to_owned()
             } else {
                 self.newlines(1, 0)

@@ -75,6 +75,8 @@ pub struct SyntaxError {
     pub range: TextRange,
     /// Another place that explains it, and what is there.
     pub related: Option<(TextRange, &'static str)>,
+    /// The brace that is missing before it, with what goes with it: `{`, `}` or `};`.
+    pub missing: Option<&'static str>,
 }
 
 /// The result of parsing one file: always a tree whose text is the text of the file, and the errors.
@@ -179,6 +181,7 @@ fn locate(input: &Input<'_>, errors: Vec<RawError>) -> Vec<SyntaxError> {
             related: error
                 .related
                 .map(|(token, what)| (input.range(token), what)),
+            missing: error.missing,
         });
     }
     located.sort_by_key(|it| it.range.start());
@@ -192,6 +195,7 @@ struct RawError {
     token: usize,
     /// Another token that explains it, and what it is.
     related: Option<(usize, &'static str)>,
+    missing: Option<&'static str>,
 }
 
 /// The state of the grammar: a position in the input and what has been said so far.
@@ -382,6 +386,7 @@ impl<'i> Parser<'i> {
                 message,
                 token,
                 related: None,
+                missing: None,
             });
         } else if self.errors.len() == MAX_ERRORS {
             self.errors.push(RawError {
@@ -389,6 +394,7 @@ impl<'i> Parser<'i> {
                 message: "too many syntax errors; those further down are not listed".to_owned(),
                 token,
                 related: None,
+                missing: None,
             });
         }
     }
@@ -397,6 +403,13 @@ impl<'i> Parser<'i> {
     pub(crate) fn explain(&mut self, token: usize, what: &'static str) {
         if let Some(last) = self.errors.last_mut() {
             last.related = Some((token, what));
+        }
+    }
+
+    /// Adds to the last error the brace that is missing there.
+    pub(crate) fn lacks(&mut self, brace: &'static str) {
+        if let Some(last) = self.errors.last_mut() {
+            last.missing = Some(brace);
         }
     }
 

@@ -130,6 +130,63 @@ fn comments_stay() {
     );
 }
 
+/// Whether something is broken must not depend on the white space around it.
+#[test]
+fn a_broken_declaration_beside_a_brace_settles_at_once() {
+    check(
+        "component c {\n  ; struct s{long y,z;}task t{};\n};\nmodule m {\n  const   long b =}\n;\n",
+        expect![[r#"
+            component c {
+              ;
+              struct s { long y, z; }
+              task t { };
+            };
+            module m {
+              const long b =
+            };
+        "#]],
+    );
+}
+
+#[test]
+fn a_comment_before_a_value_settles_at_once() {
+    check(
+        "component c {\n  doc// why\n\"one\"\n\"two\";\n  version \"1\"; // first\n};\n",
+        expect![[r#"
+            component c {
+              doc  // why
+                "one"
+                "two";
+              version "1";  // first
+            };
+        "#]],
+    );
+}
+
+#[test]
+fn comments_side_by_side_stay_there() {
+    check(
+        "component c {\n  require \"a\",\n/* one *//* two */\"b\";\n};\n",
+        expect![[r#"
+            component c {
+              require "a",
+                      /* one */ /* two */ "b";
+            };
+        "#]],
+    );
+}
+
+/// The line end that a file should have would become part of the comment.
+#[test]
+fn a_comment_that_is_continued_by_nothing() {
+    check(
+        "task  t;\n// \\",
+        expect![[r#"
+        task  t;
+        // \"#]],
+    );
+}
+
 fn first_difference(a: &str, b: &str) -> String {
     let differs = a
         .lines()
@@ -238,6 +295,11 @@ fn damaged_files_keep_their_tokens() {
                 while !damaged.is_char_boundary(at) {
                     at -= 1;
                 }
+                if random(4) == 0 {
+                    let cut = |it: char| it.len_utf8();
+                    let end = at + damaged[at..].chars().take(6).map(cut).sum::<usize>();
+                    damaged.replace_range(at..end, " ");
+                }
                 let noise = [
                     "{",
                     "}",
@@ -251,6 +313,13 @@ fn damaged_files_keep_their_tokens() {
                     "#if X\n",
                     "<",
                     "\t",
+                    "//",
+                    "// x\n",
+                    "/* x */",
+                    ")",
+                    "};",
+                    "\\\n",
+                    "X",
                 ];
                 damaged.insert_str(at, noise[random(noise.len())]);
             }

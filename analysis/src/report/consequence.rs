@@ -80,6 +80,8 @@ fn lacks_name<'db>(db: &'db dyn Db, key: FileKey<'db>) -> bool {
         let name = match it.kind() {
             PORT | SERVICE | TASK => NAME,
             LOCAL_PROPERTY | MEMBER | TYPED_PARAM => DECLARATOR,
+            // A body whose first line is missing.
+            ERROR => return it.children().any(|it| it.kind() == BODY),
             _ => return false,
         };
         !it.children().any(|it| it.kind() == name)

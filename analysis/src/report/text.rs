@@ -11,6 +11,7 @@ use smol_str::SmolStr;
 use crate::{
     base::{Db, FileStatus, SourceFile, lexed},
     diagnostic::{Diagnostic, Related, Severity},
+    fixes,
     source_map::{bytes, offset},
     unit::{self, FileKey, lowered, parsed, preprocessed},
 };
@@ -54,6 +55,11 @@ pub(super) fn text_report<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<Vec<Di
         it.related
             .extend(related.map(|(range, message)| related_at(db, file, *range, *message)));
         it.related.extend(expanded_from(db, key, error.range));
+        if error.missing.is_some() && macro_call_at(db, key, error.range).is_none() {
+            let root = parsed(db, key).syntax();
+            let fix = fixes::missing_brace(&root, error);
+            it.fixes.extend(fix.map(|it| it.within(file.path(db))));
+        }
         out.push(it);
     }
     for &range in &lowered(db, key).misplaced {

@@ -112,6 +112,38 @@ component c {
 }
 
 #[test]
+fn a_forgotten_first_line_of_a_task_or_service_is_one_error() {
+    const RIGHT: &str = "component c {
+  version \"1\";
+  ids { long x; };
+  task t {
+    period 5 ms;
+    codel<start> f(inout x) yield pause::start wcet 1 ms;
+  };
+  activity a(in long y) {
+    doc \"It goes.\";
+    task t;
+    validate v(in y) wcet 1 ms;
+    codel<start> g(in y, out x) yield ether wcet 1 ms;
+    interrupts a;
+  };
+  function f() {
+    interrupts a;
+  };
+};
+";
+    check(RIGHT, &[]);
+    for line in [
+        "  task t {\n",
+        "  activity a(in long y) {\n",
+        "  function f() {\n",
+    ] {
+        let (before, after) = RIGHT.split_once(line).unwrap();
+        check(&format!("{before}{after}"), &["syntax"]);
+    }
+}
+
+#[test]
 fn a_machine_that_is_not_understood_is_not_judged() {
     let machine = |start: &str, states: &str| {
         format!(

@@ -321,3 +321,75 @@ async fn documents_without_a_file_or_a_folder() {
     }
     client.finish().await;
 }
+
+/// A text with an edit that inserts something.
+fn with_inserted(text: &str, edit: &Value) -> String {
+    let number = |it: &Value| it.as_u64().expect("a number") as usize;
+    let start = &edit["range"]["start"];
+    let lines = text.split_inclusive('\n').take(number(&start["line"]));
+    let at = lines.map(str::len).sum::<usize>() + number(&start["character"]);
+    let new_text = edit["newText"].as_str().expect("a text");
+    format!("{}{new_text}{}", &text[..at], &text[at..])
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_missing_brace_is_inserted_where_it_belongs() {
+    const RIGHT: &str = "typedef long n;
+component c {
+  version \"1\";
+  ids {
+    long x;
+    struct s { long y; } z;
+  };
+  task t {
+    period 5 ms; // five
+  };
+
+  // What goes on.
+  function f(in long y) {
+    doc \"It works.\";
+  };
+};
+";
+    let folder = Folder::new(&[("a.gen", RIGHT)]);
+    let mut client = Client::start(folder.params(pulling())).await;
+    let uri = folder.uri("a.gen");
+    let broken: Vec<(&str, &str)> = vec![
+        ("component c {", "component c"),
+        ("  ids {", "  ids"),
+        ("struct s {", "struct s"),
+        ("long y; } z", "long y; z"),
+        ("long y; } z;\n  };", "long y; } z;"),
+        ("task t {", "task t"),
+        ("// five\n  };", "// five"),
+        ("// five\n  };", "// five\n  ;"),
+        ("(in long y) {", "(in long y)"),
+        ("  };\n};\n", "  };\n"),
+    ];
+    for (i, (right, wrong)) in broken.into_iter().enumerate() {
+        let text = RIGHT.replacen(right, wrong, 1);
+        match i {
+            0 => client.open(&uri, &text).await,
+            _ => {
+                let changes = json!([{ "text": text }]);
+                client.change(&uri, i as i32 + 1, changes).await;
+            }
+        }
+        let found = client.ok("textDocument/diagnostic", document(&uri)).await;
+        let mut found = found["items"].as_array().expect("diagnostics").clone();
+        found.retain(|it| {
+            it["code"]
+                .as_str()
+                .is_some_and(|it| it.starts_with("syntax"))
+        });
+        assert_eq!(found.len(), 1, "{wrong}: {found:?}");
+        let mut params = document(&uri);
+        params["range"] = found[0]["range"].clone();
+        params["context"] = json!({ "diagnostics": [], "only": ["quickfix"] });
+        let actions = client.ok("textDocument/codeAction", params).await;
+        let edit = &actions[0]["edit"]["changes"][&uri][0];
+        assert_eq!(edit["range"]["start"], edit["range"]["end"], "{actions}");
+        assert_eq!(with_inserted(&text, edit), RIGHT, "{wrong}: {actions}");
+    }
+    client.finish().await;
+}

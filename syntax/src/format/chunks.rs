@@ -258,20 +258,21 @@ impl Cutter<'_> {
         };
         let closes_list = matches!(kind, ChunkKind::Token(R_PAREN | R_CURLY)) && is_list(up(1));
         let opens_list = matches!(kind, ChunkKind::Token(L_PAREN | L_CURLY)) && is_list(up(1));
-        let value = self
-            .path
-            .iter()
-            .rposition(|l| is_valued_property(l.kind))
-            .is_some_and(|at| {
-                // The second piece of the property is where its value begins.
-                self.out.len() == self.path[at].chunks + 1
-            });
+        let comment = matches!(kind, ChunkKind::Comment | ChunkKind::TrailingComment);
+        // The second piece of a property is where its value begins. Comments move with those of other lines,
+        // so nothing is aligned under them.
+        let property = |l: &Level| is_valued_property(l.kind);
+        let value = !comment
+            && self
+                .path
+                .iter()
+                .rposition(property)
+                .is_some_and(|at| self.out.len() == self.path[at].chunks + 1);
         let item = self
             .path
             .iter()
             .rposition(|l| is_block(l.kind))
             .map_or(1, |b| b + 1);
-        let comment = matches!(kind, ChunkKind::Comment | ChunkKind::TrailingComment);
         let first_of_item = !comment
             && self
                 .path
@@ -319,8 +320,10 @@ impl Cutter<'_> {
     }
 }
 
+/// Whether an error is in a node. One right beside it is not, or it would matter whether there is
+/// white space between, which is what formatting changes.
 fn touches(broken: TextRange, range: TextRange) -> bool {
-    broken.start() <= range.end() && range.start() <= broken.end()
+    broken.start() < range.end() && range.start() < broken.end()
 }
 
 /// Whether there is a line break between the braces of a block.

@@ -47,6 +47,8 @@ pub(super) fn gap(text: &str, before: Option<&Chunk>, chunk: &Chunk) -> Gap {
         ChunkKind::TrailingComment => return Gap::Comment,
         ChunkKind::Comment if chunk.list_depth > 0 => return Gap::Continue,
         ChunkKind::Comment => return line,
+        // It stays beside a comment that it follows.
+        ChunkKind::InlineComment if before.kind == ChunkKind::Comment => return Gap::Space,
         _ => {}
     }
     if before.ends_line || matches!(before.kind, ChunkKind::Comment | ChunkKind::TrailingComment) {

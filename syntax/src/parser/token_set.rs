@@ -21,6 +21,12 @@ impl TokenSet {
         TokenSet(set)
     }
 
+    /// The kinds of both sets.
+    pub(crate) const fn union(self, other: TokenSet) -> TokenSet {
+        let ([a, b, c], [d, e, f]) = (self.0, other.0);
+        TokenSet([a | d, b | e, c | f])
+    }
+
     pub(crate) const fn contains(&self, kind: SyntaxKind) -> bool {
         let bit = kind as usize;
         bit < 192 && self.0[bit / 64] & (1 << (bit % 64)) != 0

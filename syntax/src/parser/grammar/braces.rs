@@ -22,6 +22,22 @@ const COMMON: TokenSet = TokenSet::new(&[
     ENUM_KW,
 ]);
 
+/// Properties of components alone.
+const OF_COMPONENTS: TokenSet = TokenSet::new(&[
+    VERSION_KW,
+    LANG_KW,
+    EMAIL_KW,
+    REQUIRES_KW,
+    CODELS_REQUIRES_KW,
+    CLOCK_RATE_KW,
+    PROVIDES_KW,
+    USES_KW,
+    EXTENDS_KW,
+]);
+
+/// Properties that components have too.
+const SHARED: TokenSet = TokenSet::new(&[DOC_KW, THROWS_KW]);
+
 /// A body that is being read.
 #[derive(Clone, Copy)]
 pub(super) struct Body<'a> {
@@ -40,11 +56,12 @@ pub(super) struct Body<'a> {
 pub(super) fn open<'a>(p: &mut Parser<'_>, fragment: Fragment, owner: &'a str) -> Body<'a> {
     let brace = p.position();
     let found = p.eat(L_CURLY);
-    if !found {
+    if !found && !p.is_reported() {
         p.expected_because(
             &format!("`{{` to open the body of {owner}"),
             "add `{` before it",
         );
+        p.lacks("{");
     }
     p.open += 1;
     Body {
@@ -64,19 +81,22 @@ pub(super) fn close(p: &mut Parser<'_>, body: Body<'_>) {
         return;
     }
     let owner = body.owner;
-    let found = p.describe_current();
-    let reported = p.is_reported();
-    p.error_here(match p.current() {
-        EOF => format!("missing `}}` at the end of {owner}: the file ends here; add `}};`"),
-        // What follows the `}` is there.
-        SEMICOLON => format!("missing `}}` at the end of {owner}: add `}}` before this `;`"),
-        IDENT if body.fragment == Fragment::Members && p.nth_at_ts(1, AFTER_DECLARATOR) => {
-            format!("missing `}}` at the end of {owner}: add `}}` before {found}")
+    if !p.is_reported() {
+        let found = p.describe_current();
+        let (missing, message) = match p.current() {
+            EOF => ("};", "the file ends here; add `};`".to_owned()),
+            // What follows the `}` is there.
+            SEMICOLON => ("}", "add `}` before this `;`".to_owned()),
+            IDENT if body.fragment == Fragment::Members && p.nth_at_ts(1, AFTER_DECLARATOR) => {
+                ("}", format!("add `}}` before {found}"))
+            }
+            _ => ("};", format!("found {found}; add `}};` before it")),
+        };
+        p.error_here(format!("missing `}}` at the end of {owner}: {message}"));
+        p.lacks(missing);
+        if let Some(brace) = body.brace {
+            p.explain(brace, "this `{` is not closed");
         }
-        _ => format!("missing `}}` at the end of {owner}: found {found}; add `}};` before it"),
-    });
-    if let (Some(brace), false) = (body.brace, reported) {
-        p.explain(brace, "this `{` is not closed");
     }
     p.unclosed += 1;
 }
@@ -119,8 +139,36 @@ fn lacks_open(p: &Parser<'_>, fragment: Fragment) -> bool {
     }
 }
 
+/// Whether, in a component, the properties of a task or service begin here whose first line is missing,
+/// up to its `}`.
+pub(super) fn at_headless_properties(p: &Parser<'_>) -> bool {
+    property::at_property(p)
+        && !p.at_ts(OF_COMPONENTS)
+        && p.has_spare_brace()
+        && properties_follow(p).is_some_and(|held| held)
+}
+
 /// Whether nothing but properties follows, up to the next `}`.
 fn only_properties_follow(p: &Parser<'_>) -> bool {
+    properties_follow(p).is_some()
+}
+
+/// If nothing but properties follows, up to the next `}`: whether some are of tasks or services only.
+fn properties_follow(p: &Parser<'_>) -> Option<bool> {
+    const HELD: TokenSet = TokenSet::new(&[
+        PERIOD_KW,
+        DELAY_KW,
+        PRIORITY_KW,
+        SCHEDULING_KW,
+        STACK_KW,
+        INTERRUPTS_KW,
+        BEFORE_KW,
+        AFTER_KW,
+        VALIDATE_KW,
+        LOCAL_KW,
+        ASYNC_KW,
+        CODEL_KW,
+    ]);
     const DECLARATIONS: TokenSet = TokenSet::new(&[
         IDS_KW,
         PORT_KW,
@@ -134,24 +182,27 @@ fn only_properties_follow(p: &Parser<'_>) -> bool {
     ]);
     let start = p.position();
     let mut depth = 0u32;
-    let mut begins = true;
+    let (mut begins, mut held) = (true, false);
     for i in start..start + LOOK_AHEAD {
         let kind = p.input.kind(i);
         // `task t;` is the property of a service.
         let is_property = p.input.contextual(i) == TASK_KW && p.input.kind(i + 2) == SEMICOLON;
-        if begins && depth == 0 && DECLARATIONS.contains(p.input.contextual(i)) && !is_property {
-            return false;
+        if begins && depth == 0 {
+            if DECLARATIONS.contains(p.input.contextual(i)) && !is_property {
+                return None;
+            }
+            held |= HELD.contains(p.input.contextual(i));
         }
         match kind {
-            EOF => return false,
-            R_CURLY if depth == 0 => return true,
+            EOF => return None,
+            R_CURLY if depth == 0 => return Some(held),
             R_CURLY => depth -= 1,
             L_CURLY => depth += 1,
             _ => {}
         }
         begins = matches!(kind, SEMICOLON | R_CURLY);
     }
-    false
+    None
 }
 
 /// Whether a body ends here without its `}`: what is here stands too far to the left to be in it.
@@ -178,24 +229,12 @@ pub(super) fn is_left(p: &Parser<'_>, body: Body<'_>) -> bool {
 
 /// Whether what is here may stand behind a body of this kind, in a component mostly.
 fn may_follow(p: &Parser<'_>, fragment: Fragment) -> bool {
-    const OF_COMPONENTS: TokenSet = TokenSet::new(&[
-        DOC_KW,
-        VERSION_KW,
-        LANG_KW,
-        EMAIL_KW,
-        REQUIRES_KW,
-        CODELS_REQUIRES_KW,
-        CLOCK_RATE_KW,
-        PROVIDES_KW,
-        USES_KW,
-        EXTENDS_KW,
-        THROWS_KW,
-    ]);
     match fragment {
         // Not much stands behind components, and not everybody indents what is in them.
         Fragment::Component => false,
         Fragment::Properties => {
-            spec::at_declaration(p) || p.at_ts(OF_COMPONENTS) && property::at_certain_property(p)
+            spec::at_declaration(p)
+                || p.at_ts(OF_COMPONENTS.union(SHARED)) && property::at_certain_property(p)
         }
         _ => spec::at_item(p),
     }

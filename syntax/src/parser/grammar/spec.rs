@@ -52,6 +52,7 @@ fn item(p: &mut Parser<'_>, fragment: Fragment) {
         Fragment::Properties => property::property(p),
         Fragment::Module => declaration(p),
         Fragment::Specification => component::component(p) || declaration(p),
+        Fragment::Component if braces::at_headless_properties(p) => headless_properties(p),
         Fragment::Component => declaration(p) || component::export(p) || property::property(p),
     };
     if !done || p.position() == start {
@@ -213,6 +214,20 @@ fn bad_item(p: &mut Parser<'_>, fragment: Fragment) {
         skip_tokens(p);
     }
     m.complete(p, ERROR);
+}
+
+/// The properties of a task or service whose first line is missing, with their `}`.
+fn headless_properties(p: &mut Parser<'_>) -> bool {
+    let m = p.start();
+    let word = p.current_text();
+    p.error_here(format!(
+        "`{word}` cannot stand in a component; is the line that begins its task or service missing before it, \
+         such as `task NAME {{`?"
+    ));
+    body(p, Fragment::Properties, true, "this task or service");
+    p.eat(SEMICOLON);
+    m.complete(p, ERROR);
+    true
 }
 
 /// Passes the rest of a broken declaration, with its `;`.

@@ -1,0 +1,67 @@
+//! Braces that are missing, put where their author would write them.
+
+use dotgen_syntax::{SyntaxError, SyntaxKind, SyntaxNode, SyntaxToken, TextRange, TextSize};
+
+use super::{TextFix, indent_of};
+
+/// The fix of a syntax error that says which brace is missing.
+pub(crate) fn missing_brace(root: &SyntaxNode, error: &SyntaxError) -> Option<TextFix> {
+    let brace = error.missing?;
+    // At the end of the file the last token is reported.
+    let here = match error.code {
+        "syntax-eof" => root.text_range().end(),
+        _ => error.range.start(),
+    };
+    let before = token_before(root, here)?;
+    let (at, text) = match brace {
+        "{" => (before.text_range().end(), " {".to_owned()),
+        "};" => end_of_body(root, error, &before, here)?,
+        // What goes on behind it is there: `;`, or a name.
+        _ if starts_name(root, here) => (here, format!("{brace} ")),
+        _ => (here, brace.to_owned()),
+    };
+    Some(TextFix {
+        title: format!("Insert `{brace}`"),
+        edits: vec![(TextRange::empty(at), text)],
+    })
+}
+
+/// The last token before a place that is neither blank nor comment.
+fn token_before(root: &SyntaxNode, at: TextSize) -> Option<SyntaxToken> {
+    let mut token = root.token_at_offset(at).left_biased();
+    while let Some(it) = token {
+        let range = it.text_range();
+        if !it.kind().is_trivia() && !range.is_empty() && range.end() <= at {
+            return Some(it);
+        }
+        token = it.prev_token();
+    }
+    None
+}
+
+fn starts_name(root: &SyntaxNode, at: TextSize) -> bool {
+    let token = root.token_at_offset(at).right_biased();
+    token.is_some_and(|it| it.kind() == SyntaxKind::IDENT)
+}
+
+/// `};` on a line of its own, under the beginning of the declaration, behind the comment of the line before; or
+/// on that line, when the body is on one.
+fn end_of_body(
+    root: &SyntaxNode,
+    error: &SyntaxError,
+    before: &SyntaxToken,
+    here: TextSize,
+) -> Option<(TextSize, String)> {
+    let (opening, _) = error.related?;
+    let opening = root.token_at_offset(opening.start()).right_biased()?;
+    let indent = indent_of(&opening.parent()?.parent()?);
+    let behind = std::iter::successors(before.next_token(), SyntaxToken::next_token);
+    let mut behind = behind.take_while(|it| it.text_range().start() < here);
+    match behind.find(|it| it.kind() == SyntaxKind::NEWLINE) {
+        Some(end) => Some((
+            end.text_range().start(),
+            format!("{}{indent}}};", end.text()),
+        )),
+        None => Some((before.text_range().end(), " };".to_owned())),
+    }
+}
