@@ -149,8 +149,8 @@ async def test_error_appears_and_vanishes(client: LanguageClient, workspace):
 async def test_positions_count_in_the_negotiated_unit(client: LanguageClient, workspace):
     document = Document(client, workspace / "maneuver.gen")
     # Four, two or one unit each: a server that counts otherwise places the edit wrongly and sees an error.
-    document.replace("  period\t5 ms;", "  /* \U0001f681\U0001f681 */ period\t5 ms;")
-    document.replace("period\t5 ms;", "period\t10 ms; oops")
+    document.replace("  period 5 ms;", "  /* \U0001f681\U0001f681 */ period 5 ms;")
+    document.replace("period 5 ms;", "period 10 ms; oops")
     await document.wait_for_errors(lambda errors: errors)
     document.replace(" oops", "")
     await document.wait_for_errors(lambda errors: not errors)
