@@ -56,9 +56,9 @@ pub(super) struct Arguments {
     #[arg(long = "check", value_name = "CHECK", action = clap::ArgAction::Append)]
     checks: Vec<String>,
 
-    /// Give up a check at this number of states
-    #[arg(long, value_name = "N", default_value_t = Limits::default().states)]
-    max_states: usize,
+    /// Give up a check at this number of states [default: 20000000; without a scenario 2000000]
+    #[arg(long, value_name = "N")]
+    max_states: Option<usize>,
 
     /// Give up a check when its states take so many megabytes
     #[arg(long, value_name = "MB", default_value_t = Limits::default().bytes >> 20)]
@@ -112,6 +112,10 @@ enum DurationsName {
     Open,
 }
 
+/// States for a specification without a scenario: with a client that may send anything, most that is not found soon
+/// is not found at all, and nobody said that it matters.
+const UNASKED_STATES: usize = 2_000_000;
+
 /// A problem and its answer.
 struct Answer {
     problem: Problem,
@@ -146,7 +150,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             Told::about(&session, &problem, problem.errors.clone())?.print()?;
             return Ok(Outcome::Unusable);
         }
-        let options = arguments.options(&checks, problem.text.len())?;
+        let options = arguments.options(&checks, &problem)?;
         let cancel = Cancel::default();
         if let Some(time) = arguments.timeout {
             cancel.limit(time);
@@ -240,13 +244,18 @@ fn problems(arguments: &Arguments) -> anyhow::Result<Vec<(Session, Problem)>> {
 }
 
 impl Arguments {
-    /// Places in the checks follow a text of length `before`.
-    fn options(&self, checks: &[&str], before: usize) -> anyhow::Result<Options> {
+    /// Places in the checks follow the text of the problem.
+    fn options(&self, checks: &[&str], problem: &Problem) -> anyhow::Result<Options> {
+        let written = problem.path.extension() == Some("scn");
+        let most = match written {
+            true => Limits::default().states,
+            false => UNASKED_STATES,
+        };
         let limits = Limits {
-            states: self.max_states,
+            states: self.max_states.unwrap_or(most),
             bytes: self.max_memory.saturating_mul(1 << 20),
         };
-        let mut at = before;
+        let mut at = problem.text.len();
         let mut parsed = Vec::new();
         for body in checks {
             parsed.push(check(body, at)?);
