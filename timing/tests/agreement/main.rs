@@ -8,6 +8,7 @@ use dotgen_timing::analytic::{meets_deadlines, response_bounds};
 use dotgen_timing::explore::{
     Bound, Found, Limits, Measured, ResponseTime, Watch, Within, explore,
 };
+use dotgen_timing::property::Predicate;
 use dotgen_timing::system::TimedSystem;
 use dotgen_timing::verify::Cancel;
 
@@ -19,16 +20,17 @@ const LIMITS: Limits = Limits {
 /// Compares everything on the system of one seed; `None` if it was too large for brute force.
 fn compare(seed: u64) -> Option<Result<(), String>> {
     let (system, within) = systems::random(&mut systems::Dice::new(seed));
-    let pairs = within.into_iter();
-    let within: Vec<Within> = pairs
-        .map(|(trigger, response)| Within {
-            trigger,
-            response,
-            limit: None,
-        })
-        .collect();
     let all: Vec<usize> = (0..system.tasks.len()).collect();
-    compare_system(seed, &system, &within, &all, 1)
+    compare_system(seed, &system, &withins(within), &all, 1)
+}
+
+fn withins(pairs: Vec<(Predicate, Predicate)>) -> Vec<Within> {
+    let within = |(trigger, response)| Within {
+        trigger,
+        response,
+        limit: None,
+    };
+    pairs.into_iter().map(within).collect()
 }
 
 /// The same for a given system; only the response times of `measured` tasks are asked for. Limits differ from one
@@ -277,11 +279,15 @@ fn first() -> u64 {
     given.and_then(|it| it.parse().ok()).unwrap_or(0)
 }
 
-#[test]
-fn explorer_agrees_with_brute_force() {
+/// Compares systems from `first` seed on; at least one in `share` has to be small enough for brute force.
+fn all_agree(
+    first: u64,
+    cases: u64,
+    share: u64,
+    compare: impl Fn(u64) -> Option<Result<(), String>>,
+) {
     let mut compared = 0;
-    let first = first();
-    for seed in first..first + cases() {
+    for seed in first..first + cases {
         match compare(seed) {
             Some(Ok(())) => compared += 1,
             Some(Err(why)) => panic!("{why}"),
@@ -289,108 +295,56 @@ fn explorer_agrees_with_brute_force() {
         }
     }
     assert!(
-        compared * 2 > cases(),
-        "only {compared} systems were small enough"
-    );
-}
-
-#[test]
-fn explorer_agrees_when_tasks_compete() {
-    let mut compared = 0;
-    let first = first();
-    for seed in first..first + cases() {
-        let system = systems::competing(&mut systems::Dice::new(seed));
-        // Some reductions need that nobody asks how long an aperiodic job is.
-        let all = 0..system.tasks.len();
-        let measured: Vec<usize> = all
-            .filter(|&t| seed % 2 == 0 || system.tasks[t].period.is_some())
-            .collect();
-        match compare_system(seed, &system, &[], &measured, 1) {
-            Some(Ok(())) => compared += 1,
-            Some(Err(why)) => panic!("{why}"),
-            None => {}
-        }
-    }
-    assert!(
-        compared * 3 > cases(),
-        "only {compared} systems were small enough"
-    );
-}
-
-#[test]
-fn explorer_agrees_on_polling_loops() {
-    let mut compared = 0;
-    let cases = cases() / 20;
-    for seed in 0..cases {
-        let system = systems::polling(&mut systems::Dice::new(seed));
-        // The job of the polling task has no end; asking for its length would forbid to reduce it.
-        let periodic: Vec<usize> = (1..system.tasks.len()).collect();
-        match compare_system(seed, &system, &[], &periodic, 1) {
-            Some(Ok(())) => compared += 1,
-            Some(Err(why)) => panic!("{why}"),
-            None => {}
-        }
-    }
-    assert!(
-        compared * 4 > cases,
+        compared * share > cases,
         "only {compared} of {cases} systems were small enough"
     );
 }
 
+/// Sometimes all tasks, sometimes only periodic ones: some reductions need that nobody asks how long an aperiodic job is.
+fn measured(seed: u64, system: &TimedSystem) -> Vec<usize> {
+    (0..system.tasks.len())
+        .filter(|&t| seed % 2 == 0 || system.tasks[t].period.is_some())
+        .collect()
+}
+
+#[test]
+fn explorer_agrees_with_brute_force() {
+    all_agree(first(), cases(), 2, compare);
+}
+
+#[test]
+fn explorer_agrees_when_tasks_compete() {
+    all_agree(first(), cases(), 3, |seed| {
+        let system = systems::competing(&mut systems::Dice::new(seed));
+        compare_system(seed, &system, &[], &measured(seed, &system), 1)
+    });
+}
+
+#[test]
+fn explorer_agrees_on_polling_loops() {
+    all_agree(0, cases() / 20, 4, |seed| {
+        let system = systems::polling(&mut systems::Dice::new(seed));
+        // The job of the polling task has no end; asking for its length would forbid to reduce it.
+        let periodic: Vec<usize> = (1..system.tasks.len()).collect();
+        compare_system(seed, &system, &[], &periodic, 1)
+    });
+}
+
 #[test]
 fn explorer_agrees_when_parts_are_alike() {
-    let mut compared = 0;
-    let first = first();
-    for seed in first..first + cases() {
-        let mut dice = systems::Dice::new(seed);
-        let (system, asked) = systems::alike::alike(&mut dice);
-        let within: Vec<Within> = (asked.into_iter())
-            .map(|(trigger, response)| Within {
-                trigger,
-                response,
-                limit: None,
-            })
-            .collect();
+    all_agree(first(), cases(), 3, |seed| {
+        let (system, asked) = systems::alike::alike(&mut systems::Dice::new(seed));
         // One of them is sometimes asked more than the others.
-        let all = system.tasks.len();
-        let measured: Vec<usize> = (usize::from(seed % 5 == 0)..all).collect();
-        match compare_system(
-            seed,
-            &system,
-            &within,
-            &measured,
-            usize::from(seed % 7 == 0),
-        ) {
-            Some(Ok(())) => compared += 1,
-            Some(Err(why)) => panic!("{why}"),
-            None => {}
-        }
-    }
-    assert!(
-        compared * 3 > cases(),
-        "only {compared} systems were small enough"
-    );
+        let measured: Vec<usize> = (usize::from(seed % 5 == 0)..system.tasks.len()).collect();
+        let vary = usize::from(seed % 7 == 0);
+        compare_system(seed, &system, &withins(asked), &measured, vary)
+    });
 }
 
 #[test]
 fn explorer_agrees_on_any_requests() {
-    let mut compared = 0;
-    let first = first();
-    for seed in first..first + cases() {
+    all_agree(first(), cases(), 4, |seed| {
         let system = systems::requests::requests(&mut systems::Dice::new(seed));
-        // Some reductions need that nobody asks how long an aperiodic job is.
-        let all = 0..system.tasks.len();
-        let measured: Vec<usize> = all
-            .filter(|&t| seed % 2 == 0 || system.tasks[t].period.is_some())
-            .collect();
-        match compare_system(seed, &system, &[], &measured, 1) {
-            Some(Ok(())) => compared += 1,
-            Some(Err(why)) => panic!("{why}"),
-            None => {}
-        }
-    }
-    assert!(
-        compared * 4 > cases(),
-        "only {compared} systems were small enough"
-    );
+        compare_system(seed, &system, &[], &measured(seed, &system), 1)
+    });
 }

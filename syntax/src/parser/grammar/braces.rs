@@ -180,29 +180,36 @@ fn properties_follow(p: &Parser<'_>) -> Option<bool> {
         INTERFACE_KW,
         EXCEPTION_KW,
     ]);
-    let start = p.position();
-    let mut depth = 0u32;
-    let (mut begins, mut held) = (true, false);
-    for i in start..start + LOOK_AHEAD {
-        let kind = p.input.kind(i);
+    let mut held = false;
+    let ends = each_beginning(p, p.position(), |i| {
+        let word = p.input.contextual(i);
         // `task t;` is the property of a service.
-        let is_property = p.input.contextual(i) == TASK_KW && p.input.kind(i + 2) == SEMICOLON;
-        if begins && depth == 0 {
-            if DECLARATIONS.contains(p.input.contextual(i)) && !is_property {
-                return None;
-            }
-            held |= HELD.contains(p.input.contextual(i));
+        let is_property = word == TASK_KW && p.input.kind(i + 2) == SEMICOLON;
+        held |= HELD.contains(word);
+        is_property || !DECLARATIONS.contains(word)
+    });
+    ends.then_some(held)
+}
+
+/// Looks at each token that something begins with, outside of braces that open here, up to the next `}` that
+/// closes nothing opened here. Whether there is one, and `goes_on` was true until then.
+fn each_beginning(p: &Parser<'_>, start: usize, mut goes_on: impl FnMut(usize) -> bool) -> bool {
+    let (mut depth, mut begins) = (0u32, true);
+    for i in start..start + LOOK_AHEAD {
+        if begins && depth == 0 && !goes_on(i) {
+            return false;
         }
+        let kind = p.input.kind(i);
         match kind {
-            EOF => return None,
-            R_CURLY if depth == 0 => return Some(held),
+            EOF => return false,
+            R_CURLY if depth == 0 => return true,
             R_CURLY => depth -= 1,
             L_CURLY => depth += 1,
             _ => {}
         }
         begins = matches!(kind, SEMICOLON | R_CURLY);
     }
-    None
+    false
 }
 
 /// Whether a body ends here without its `}`: what is here stands too far to the left to be in it.
@@ -264,26 +271,13 @@ fn holds(p: &Parser<'_>, start: usize) -> Option<bool> {
         FUNCTION_KW,
         ACTIVITY_KW,
     ]);
-    let (mut depth, mut begins, mut found) = (0u32, true, false);
-    for i in start..start + LOOK_AHEAD {
-        let (kind, word) = (p.input.kind(i), p.input.contextual(i));
-        if begins && depth == 0 {
-            let named = p.input.kind(i + 1) == IDENT;
-            if named && matches!(word, COMPONENT_KW | INTERFACE_KW) {
-                return None;
-            }
-            found |= HELD.contains(word);
-        }
-        match kind {
-            EOF => return None,
-            R_CURLY if depth == 0 => return Some(found),
-            R_CURLY => depth -= 1,
-            L_CURLY => depth += 1,
-            _ => {}
-        }
-        begins = matches!(kind, SEMICOLON | R_CURLY);
-    }
-    None
+    let mut found = false;
+    let ends = each_beginning(p, start, |i| {
+        let word = p.input.contextual(i);
+        found |= HELD.contains(word);
+        !(matches!(word, COMPONENT_KW | INTERFACE_KW) && p.input.kind(i + 1) == IDENT)
+    });
+    ends.then_some(found)
 }
 
 /// A `}` that closes nothing, with the `;` after it.

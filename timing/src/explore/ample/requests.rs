@@ -201,8 +201,6 @@ impl Moment<'_, '_> {
             && !self.due(task)
             && !l.pending(self.s, task)
             && it.slots.iter().all(|&a| l.mode(self.s, a) == slot::VOID)
-            && (it.permanent)
-                .is_none_or(|a| matches!(l.mode(self.s, a), mode::NORMAL | mode::ENDED))
             && (!self.system().needs_core(task) || self.cores_for_all())
     }
 
@@ -400,9 +398,7 @@ impl Moment<'_, '_> {
         let automata = || it.permanent.iter().chain(&it.slots).copied();
         let separate = system.platform.async_free
             && automata().any(|a| system.machine_of(a).states.iter().any(|it| it.is_async));
-        let settled = l.started(self.s, task)
-            && (it.permanent)
-                .is_none_or(|a| matches!(l.mode(self.s, a), mode::NORMAL | mode::ENDED));
+        let settled = self.started_up(task);
         // Nothing else of a task can happen while it executes a codel that does not end yet.
         let turn = match l.turn(self.s, task) as usize {
             0 => None,
