@@ -303,7 +303,7 @@ fn all_agree(
 /// Sometimes all tasks, sometimes only periodic ones: some reductions need that nobody asks how long an aperiodic job is.
 fn measured(seed: u64, system: &TimedSystem) -> Vec<usize> {
     (0..system.tasks.len())
-        .filter(|&t| seed % 2 == 0 || system.tasks[t].period.is_some())
+        .filter(|&t| seed.is_multiple_of(2) || system.tasks[t].period.is_some())
         .collect()
 }
 
@@ -335,8 +335,9 @@ fn explorer_agrees_when_parts_are_alike() {
     all_agree(first(), cases(), 3, |seed| {
         let (system, asked) = systems::alike::alike(&mut systems::Dice::new(seed));
         // One of them is sometimes asked more than the others.
-        let measured: Vec<usize> = (usize::from(seed % 5 == 0)..system.tasks.len()).collect();
-        let vary = usize::from(seed % 7 == 0);
+        let measured: Vec<usize> =
+            (usize::from(seed.is_multiple_of(5))..system.tasks.len()).collect();
+        let vary = usize::from(seed.is_multiple_of(7));
         compare_system(seed, &system, &withins(asked), &measured, vary)
     });
 }
