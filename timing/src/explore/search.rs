@@ -1,11 +1,14 @@
 //! Exploration in order of time: from moment to moment.
 
+mod hunt;
 mod layer;
 mod trace;
 mod watching;
 
 use std::collections::BTreeMap;
 
+use self::hunt::Hunt;
+pub use self::hunt::chase;
 use super::ample::{Ample, Visible};
 use super::findings::Findings;
 use super::lazy::Lazy;
@@ -61,6 +64,7 @@ fn until_measured(
 ) -> Findings {
     loop {
         let mut search = Search::new(system, watch, gauges, limits, cancel);
+        search.hunt = (!watch.in_order).then(|| Hunt::new(watch));
         let diverging = search.run();
         cancel.ended(search.states());
         match diverging {
@@ -138,8 +142,12 @@ struct Search<'a> {
     /// Tasks whose clock only serves the overdue check.
     waiting_only: Vec<bool>,
     stopped: Option<Stop>,
-    /// Steps taken when everything was answered.
-    answered_at: Option<u64>,
+    /// Steps until which to go on after everything was answered.
+    until: Option<u64>,
+    /// The moment that is looked at.
+    now: u64,
+    /// What is done beside, unless this is part of it.
+    hunt: Option<Hunt>,
     /// Found while a layer was closed.
     diverging: Option<Diverging>,
     /// Bytes of the states that a layer begins with.
@@ -248,7 +256,9 @@ impl<'a> Search<'a> {
             patience: longest.saturating_add(work).max(16),
             waiting_only,
             stopped: None,
-            answered_at: None,
+            until: None,
+            now: 0,
+            hunt: None,
             diverging: None,
             under_way: 0,
             spare: Vec::new(),
@@ -265,6 +275,7 @@ impl Search<'_> {
             && self.stopped.is_none()
             && let Some((time, parents)) = self.queue.pop_first()
         {
+            self.now = time;
             let mut states = Vec::with_capacity(parents.len());
             self.under_way =
                 states.capacity() * (size_of::<u32>() + self.stepper.layout.state_bytes());
@@ -285,6 +296,9 @@ impl Search<'_> {
             if self.diverging.is_none() && self.stopped.is_none() {
                 self.close_layer(time, states, false);
             }
+        }
+        if self.stopped == Some(Stop::States) && self.may_end_earlier() {
+            self.chase_earlier(self.further());
         }
         self.limits_under_way();
         let mut diverging = self.diverging.take()?;
@@ -307,22 +321,27 @@ impl Search<'_> {
     }
 
     fn out_of_bounds(&mut self) -> bool {
-        let states = self.nodes.len() + self.layer.len();
+        let states = self.nodes.len() + self.layer.len() + self.hunted();
         let reason = Stop::reason(states, self.memory(), self.limits, self.cancel);
         if reason.is_some() {
             self.stopped = reason;
-        } else if self.answered() && !self.lingers() {
+            return true;
+        }
+        self.hunt_if_due();
+        if self.answered() && !self.goes_on() {
             self.stopped = Some(Stop::Answered);
         }
         self.stopped.is_some()
     }
 
-    /// States kept; where the exploration was broken off also those of the moment at which that happened.
+    /// States kept, or looked at beside; where the exploration was broken off also those of the moment at which that
+    /// happened.
     fn states(&self) -> usize {
-        match self.stopped {
-            None | Some(Stop::Answered) => self.nodes.len(),
-            Some(_) => self.nodes.len() + self.layer.len(),
-        }
+        let moment = match self.stopped {
+            None | Some(Stop::Answered) => 0,
+            Some(_) => self.layer.len(),
+        };
+        self.nodes.len() + moment + self.hunted()
     }
 
     fn memory(&self) -> usize {

@@ -120,7 +120,8 @@ impl Symmetry {
         out
     }
 
-    fn identity(&self, layout: &Layout) -> Renaming {
+    /// Everything is called as it is.
+    pub(super) fn identity(&self, layout: &Layout) -> Renaming {
         let all = |n: usize| (0..n).collect();
         Renaming {
             tasks: all(layout.tasks),
@@ -317,6 +318,19 @@ impl Renaming {
             components: inverse(&self.components),
             services: inverse(&self.services),
             clients: inverse(&self.clients),
+            executors: self.executors,
+        }
+    }
+
+    /// What does both, the other first.
+    pub(super) fn after(&self, first: &Renaming) -> Renaming {
+        let both = |first: &[usize], then: &[usize]| first.iter().map(|&it| then[it]).collect();
+        Renaming {
+            tasks: both(&first.tasks, &self.tasks),
+            automata: both(&first.automata, &self.automata),
+            components: both(&first.components, &self.components),
+            services: both(&first.services, &self.services),
+            clients: both(&first.clients, &self.clients),
             executors: self.executors,
         }
     }

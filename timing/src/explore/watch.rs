@@ -21,6 +21,8 @@ pub struct Watch {
     pub deadlock: bool,
     /// Stop as soon as a tick came too early.
     pub stop_at_first: bool,
+    /// Look at everything in order of time, as only what happens early is of interest.
+    pub in_order: bool,
 }
 
 /// The response time of a task.

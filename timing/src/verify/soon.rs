@@ -116,7 +116,9 @@ impl Group<'_> {
         report: &mut Report,
     ) {
         let analysed = Analysed::new(self.built);
-        let (watch, places) = self.watch(checks, part.into_iter(), &analysed);
+        let (mut watch, places) = self.watch(checks, part.into_iter(), &analysed);
+        // What fails later is left to later stages.
+        watch.in_order = true;
         if places.is_empty() {
             return;
         }

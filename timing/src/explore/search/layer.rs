@@ -47,24 +47,8 @@ impl Search<'_> {
             if self.stopped.is_some() || (self.steps % 16 == 1 && self.out_of_bounds()) {
                 return;
             }
-            // Committed steps without a choice need not be kept; the bound is there because
-            // a client may go round in circles without taking time.
-            self.stepper.enabled(&s, &mut enabled);
-            for _ in 0..16 {
-                if !enabled.committed || enabled.actions.len() != 1 {
-                    break;
-                }
-                self.step(
-                    &mut s,
-                    enabled.actions[0],
-                    &mut held,
-                    Sight { parent, time },
-                );
-                self.stepper.enabled(&s, &mut enabled);
-            }
-            if held == 0 && self.symmetry.order(&self.stepper.layout, &mut s).is_some() {
-                self.stepper.enabled(&s, &mut enabled);
-            }
+            let at = Sight { parent, time };
+            self.settle(&mut s, &mut held, &mut enabled, |_| at);
             encode(&self.stepper, &s, &mut it);
             if held != 0 {
                 it.key.extend(held.to_le_bytes());
@@ -82,31 +66,65 @@ impl Search<'_> {
             if key as usize == self.layer_calm.len() {
                 self.layer_calm.push(!enabled.urgent);
             }
-            let calm = !enabled.urgent && !enabled.forced;
-            let waiters = calm.then(|| self.lazy.waiters(&self.stepper, &s)).flatten();
-            self.ample.select(&self.stepper, &s, &enabled, &mut first);
-            let now = Now {
-                stepper: &self.stepper,
-                ample: &self.ample,
-                s: &s,
-                enabled: &enabled,
-            };
-            self.overtake.select(now, held, &first, &mut followed);
+            self.followed((&s, held), &enabled, &mut first, &mut followed);
             for &(action, mut held) in &followed {
-                if let Action::Finish { executor, .. } = action
-                    && let Some(waiters) = &waiters
-                    && lazy::can_wait(waiters, &self.stepper, executor)
-                {
-                    continue;
-                }
                 let mut next = self.spare.pop().unwrap_or_default();
                 next.clone_from(&s);
-                self.step(&mut next, action, &mut held, Sight { parent, time });
+                self.step(&mut next, action, &mut held, at);
                 stack.push((next, parent, held));
             }
             self.spare.push(s);
         }
         self.keep_calm(time, &links);
+    }
+
+    /// Performs committed steps without a choice, which need not be kept, and puts the state in order. `at` tells where a step
+    /// leads to. Whether the state was not in order.
+    pub(super) fn settle(
+        &mut self,
+        s: &mut State,
+        held: &mut Held,
+        enabled: &mut Enabled,
+        mut at: impl FnMut(Action) -> Sight,
+    ) -> bool {
+        self.stepper.enabled(s, enabled);
+        // The bound is there because a client may go round in circles without taking time.
+        for _ in 0..16 {
+            if !enabled.committed || enabled.actions.len() != 1 {
+                break;
+            }
+            let action = enabled.actions[0];
+            self.step(s, action, held, at(action));
+            self.stepper.enabled(s, enabled);
+        }
+        let ordered = *held == 0 && self.symmetry.order(&self.stepper.layout, s).is_some();
+        if ordered {
+            self.stepper.enabled(s, enabled);
+        }
+        ordered
+    }
+
+    /// Writes the actions to follow in a state, with what they hold back.
+    pub(super) fn followed(
+        &self,
+        (s, held): (&State, Held),
+        enabled: &Enabled,
+        first: &mut Vec<Action>,
+        out: &mut Vec<(Action, Held)>,
+    ) {
+        self.ample.select(&self.stepper, s, enabled, first);
+        let now = Now {
+            stepper: &self.stepper,
+            ample: &self.ample,
+            s,
+            enabled,
+        };
+        self.overtake.select(now, held, first, out);
+        let calm = !enabled.urgent && !enabled.forced;
+        if let Some(waiters) = calm.then(|| self.lazy.waiters(&self.stepper, s)).flatten() {
+            let waits = |executor| lazy::can_wait(&waiters, &self.stepper, executor);
+            out.retain(|it| !matches!(it.0, Action::Finish { executor, .. } if waits(executor)));
+        }
     }
 
     /// Performs an action, and looks at the state it leads to.

@@ -15,19 +15,29 @@ use crate::system::Ticks;
 const LINGER: u64 = 20_000;
 
 impl Search<'_> {
-    /// Whether everything that is asked has been seen.
+    /// Whether everything that is asked has been seen, or caught.
     pub(super) fn answered(&self) -> bool {
         (0..self.gauges.len()).all(|it| self.is_longest(it))
-            && self.missed.iter().all(Option::is_some)
-            && self.overdue.iter().all(Option::is_some)
-            && self.reached.iter().all(Option::is_some)
             && (!self.watch.deadlock || self.deadlock.is_some())
+            && self.all_caught()
     }
 
-    /// Whether to go on for a while when everything is answered, as requests may turn out to be refused.
-    pub(super) fn lingers(&mut self) -> bool {
-        let at = *self.answered_at.get_or_insert(self.steps);
-        self.stepper.system.may_refuse() && self.steps < at + LINGER
+    /// Whether to go on for a while when everything is answered: what was only caught may be seen earlier, and requests may
+    /// turn out to be refused.
+    pub(super) fn goes_on(&mut self) -> bool {
+        let refusals = self.stepper.system.may_refuse();
+        let until = match self.until {
+            Some(it) => it,
+            None => {
+                let mut further = if refusals { LINGER } else { 0 };
+                if self.may_end_earlier() {
+                    further = self.further();
+                    self.chase_earlier(further);
+                }
+                *self.until.insert(self.steps + further)
+            }
+        };
+        self.steps < until && (refusals || self.may_end_earlier())
     }
 
     /// Whether the longest time of a gauge has been seen, and nothing else is wanted of it.
@@ -269,37 +279,54 @@ impl Search<'_> {
             .collect()
     }
 
+    /// Services of which a request was refused.
+    pub(super) fn refused(&self) -> Vec<usize> {
+        let beside = |it: usize| self.hunt.as_ref().is_some_and(|hunt| hunt.refused.contains(&it));
+        (0..self.stepper.refused.len())
+            .filter(|&service| {
+                let mut orbit = self.symmetry.service_orbit(service).iter();
+                orbit.any(|&it| self.stepper.refused[it].get() || beside(it))
+            })
+            .collect()
+    }
+
     pub(super) fn findings(self) -> Findings {
         let found = |at: Sight, goal: Goal| Found {
             run: self.trace(at, &goal),
         };
+        let hunt = self.hunt.as_ref();
+        let caught = |run: Option<&Run>| run.map(|it| Found { run: it.clone() });
         let mut response = self.measured();
         let within = response.split_off(self.watch.response.len());
         Findings {
-            missed: (self.watch.schedulable.iter().zip(&self.missed))
-                .map(|(&task, at)| at.map(|at| found(at, Goal::Missed(task))))
+            missed: (self.watch.schedulable.iter().zip(&self.missed).enumerate())
+                .map(|(i, (&task, at))| {
+                    let seen = at.map(|at| found(at, Goal::Missed(task)));
+                    seen.or_else(|| caught(hunt?.missed(i)))
+                })
                 .collect(),
-            overdue: (self.watch.overdue.iter().zip(&self.overdue))
-                .map(|(&task, at)| at.map(|at| found(at, Goal::Overdue(task))))
+            overdue: (self.watch.overdue.iter().zip(&self.overdue).enumerate())
+                .map(|(i, (&task, at))| {
+                    let seen = at.map(|at| found(at, Goal::Overdue(task)));
+                    seen.or_else(|| caught(hunt?.overdue(i)))
+                })
                 .collect(),
             response,
-            reached: (self.watch.reach.iter().zip(&self.reached))
-                .map(|(it, at)| at.map(|at| found(at, Goal::Reach(it))))
+            reached: (self.watch.reach.iter().zip(&self.reached).enumerate())
+                .map(|(i, (it, at))| {
+                    let seen = at.map(|at| found(at, Goal::Reach(it)));
+                    seen.or_else(|| caught(hunt?.reached(i)))
+                })
                 .collect(),
             within,
             deadlock: self
                 .deadlock
                 .filter(|_| self.watch.deadlock)
                 .map(|at| found(at, Goal::Deadlock)),
-            refused: (0..self.stepper.refused.len())
-                .filter(|&service| {
-                    let mut orbit = self.symmetry.service_orbit(service).iter();
-                    orbit.any(|&it| self.stepper.refused[it].get())
-                })
-                .collect(),
+            refused: self.refused(),
             states: self.states(),
-            steps: self.steps,
-            bytes: self.memory(),
+            steps: self.effort(),
+            bytes: hunt.map_or(0, |it| it.bytes).max(self.memory()),
             stopped: self.stopped,
         }
     }

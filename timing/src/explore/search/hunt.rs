@@ -1,0 +1,349 @@
+//! Hunts: what a single state shows is also looked for depth first.
+//!
+//! In order of time the runs found are short, but whatever can happen earlier is looked at before: what goes wrong late, or
+//! at a moment at which very much can happen, is found late. So beside a search in order of time, and with a small part of its
+//! effort, others go straight on (see [`chase`]): many short ones, in different orders, as one that has begun wrongly hardly
+//! ever recovers. They prove nothing; what they catch is a run like any other.
+//!
+//! Such runs are longer than they have to be. So before they are told, ones that end earlier are chased, and then
+//! the search in order of time goes on: both for as long as everything has taken so far, if that is not very long.
+
+mod chase;
+
+use self::chase::{Chase, Order};
+use super::{Search, Sight};
+use crate::cancel::Cancel;
+use crate::explore::findings::{Findings, Found};
+use crate::explore::run::Run;
+use crate::explore::watch::{Limits, Stop, Watch};
+use crate::system::TimedSystem;
+
+/// Steps after which a search is not small any more.
+const SMALL: u64 = 1000;
+
+/// Steps of a short chase.
+const SHORT: u64 = 1500;
+
+/// Steps for each of the two ways to an earlier end, at most.
+const FURTHER: u64 = 200_000;
+
+/// Steps for each state kept from which on moments are crowded: what happens in them is what takes long.
+const CROWDED: u64 = 64;
+
+/// What was caught so far, and what it has cost.
+#[derive(Debug, Default)]
+pub(super) struct Hunt {
+    caught: Lists<Option<Run>>,
+    /// Chases so far.
+    chases: u64,
+    /// Steps of all chases.
+    pub(super) steps: u64,
+    /// States that were looked at in them.
+    pub(super) states: usize,
+    /// Bytes used, together with the search, in the largest.
+    pub(super) bytes: usize,
+    /// Services of which a request was refused.
+    pub(super) refused: Vec<usize>,
+    /// Nothing is left to be caught, or no room for it.
+    over: bool,
+    /// Nothing is left to be caught late.
+    not_late: bool,
+}
+
+/// One for each of what is watched and shown by a single state.
+#[derive(Debug, Default)]
+struct Lists<T> {
+    missed: Vec<T>,
+    overdue: Vec<T>,
+    reached: Vec<T>,
+}
+
+impl<T> Lists<T> {
+    fn all(&self) -> impl Iterator<Item = &T> {
+        self.missed.iter().chain(&self.overdue).chain(&self.reached)
+    }
+
+    fn is_empty(&self) -> bool {
+        self.all().next().is_none()
+    }
+}
+
+impl Hunt {
+    pub(super) fn new(watch: &Watch) -> Self {
+        Hunt {
+            caught: Lists {
+                missed: vec![None; watch.schedulable.len()],
+                overdue: vec![None; watch.overdue.len()],
+                reached: vec![None; watch.reach.len()],
+            },
+            ..Hunt::default()
+        }
+    }
+
+    /// Steps of the next chase: mostly few, as those that are lucky need few.
+    fn length(&self) -> u64 {
+        SHORT * luby(self.chases / Order::KINDS + 1)
+    }
+
+    /// Whether there should be one more beside a search that has taken so many steps and kept so many states.
+    fn is_due(&self, steps: u64, states: usize) -> bool {
+        let crowded = steps > CROWDED * states as u64;
+        let share = 2 * SHORT + steps / if crowded { 4 } else { 64 };
+        steps >= SMALL && !self.over && self.steps + self.length() <= share
+    }
+
+    /// Notes what a chase for some of the watched things has caught, if it is new or ends earlier. Whether any of it does.
+    fn note(&mut self, goals: &Lists<usize>, caught: Lists<Option<Run>>) -> bool {
+        let lists = [
+            (&mut self.caught.missed, &goals.missed, caught.missed),
+            (&mut self.caught.overdue, &goals.overdue, caught.overdue),
+            (&mut self.caught.reached, &goals.reached, caught.reached),
+        ];
+        let mut any = false;
+        for (known, goals, caught) in lists {
+            for (&goal, run) in goals.iter().zip(caught) {
+                let place = &mut known[goal];
+                if let Some(run) = run
+                    && place.as_ref().is_none_or(|it| run.end < it.end)
+                {
+                    *place = Some(run);
+                    any = true;
+                }
+            }
+        }
+        any
+    }
+
+    pub(super) fn missed(&self, i: usize) -> Option<&Run> {
+        self.caught.missed[i].as_ref()
+    }
+
+    pub(super) fn overdue(&self, i: usize) -> Option<&Run> {
+        self.caught.overdue[i].as_ref()
+    }
+
+    pub(super) fn reached(&self, i: usize) -> Option<&Run> {
+        self.caught.reached[i].as_ref()
+    }
+}
+
+impl Search<'_> {
+    /// What is watched, shown by a single state, and not seen yet: by number, as far as it is `wanted`, given what was
+    /// caught of it.
+    fn unseen(&self, wanted: &dyn Fn(Option<&Run>) -> bool) -> Lists<usize> {
+        let none = Vec::new();
+        let [missed, overdue, reached] = self.lists().map(|(seen, caught)| {
+            let caught = caught.unwrap_or(&none);
+            let all = 0..seen.len();
+            all.filter(|&it| seen[it].is_none() && wanted(caught.get(it).and_then(Option::as_ref)))
+                .collect()
+        });
+        Lists {
+            missed,
+            overdue,
+            reached,
+        }
+    }
+
+    /// Whether there is any of it.
+    fn any_unseen(&self, wanted: &dyn Fn(Option<&Run>) -> bool) -> bool {
+        self.lists().into_iter().any(|(seen, caught)| {
+            let caught = |it: usize| caught.and_then(|caught| caught[it].as_ref());
+            (0..seen.len()).any(|it| seen[it].is_none() && wanted(caught(it)))
+        })
+    }
+
+    /// What was seen, and what was caught if there is a hunt.
+    fn lists(&self) -> [(&[Option<Sight>], Option<&Vec<Option<Run>>>); 3] {
+        let caught = self.hunt.as_ref().map(|it| &it.caught);
+        [
+            (&self.missed, caught.map(|it| &it.missed)),
+            (&self.overdue, caught.map(|it| &it.overdue)),
+            (&self.reached, caught.map(|it| &it.reached)),
+        ]
+    }
+
+    /// Whether everything that a single state shows was seen or caught.
+    pub(super) fn all_caught(&self) -> bool {
+        !self.any_unseen(&|caught| caught.is_none())
+    }
+
+    /// Whether something was only caught, and may still be seen earlier.
+    pub(super) fn may_end_earlier(&self) -> bool {
+        self.any_unseen(&|caught| caught.is_some_and(|it| it.end > self.now))
+    }
+
+    /// Steps so far, with those of the hunt.
+    pub(super) fn effort(&self) -> u64 {
+        self.steps + self.hunt.as_ref().map_or(0, |it| it.steps)
+    }
+
+    /// States looked at in the hunt.
+    pub(super) fn hunted(&self) -> usize {
+        self.hunt.as_ref().map_or(0, |it| it.states)
+    }
+
+    fn is_hunt_due(&self) -> bool {
+        let hunt = self.hunt.as_ref();
+        hunt.is_some_and(|it| it.is_due(self.steps, self.nodes.len()))
+    }
+
+    /// Steps for each of the two ways to an earlier end of what was caught.
+    pub(super) fn further(&self) -> u64 {
+        self.effort().min(FURTHER)
+    }
+
+    /// Hunts for what has not been seen, if it is time to.
+    pub(super) fn hunt_if_due(&mut self) {
+        while self.is_hunt_due() {
+            let goals = self.unseen(&|caught| caught.is_none());
+            if goals.is_empty() {
+                self.hunt.iter_mut().for_each(|it| it.over = true);
+                return;
+            }
+            let watch = self.watch_for(&goals);
+            let mut chase = Chase::new(self.beside(&watch));
+            while self.is_hunt_due() && !self.chase(&mut chase, &goals, None) {}
+            let caught = self.hunt.as_ref().map(|it| &it.caught.missed);
+            if self.watch.stop_at_first && caught.is_some_and(|it| it.iter().any(Option::is_some)) {
+                self.stopped = Some(Stop::Answered);
+                return;
+            }
+        }
+    }
+
+    /// For so many steps, looks for runs that end earlier than those that were caught: soon after the moment up to which
+    /// everything is known, then up to moments that are further and further away.
+    pub(super) fn chase_earlier(&mut self, further: u64) {
+        let goals = self.unseen(&|caught| caught.is_some());
+        let watch = self.watch_for(&goals);
+        let mut chase = Chase::new(self.beside(&watch));
+        let until = self.effort() + further;
+        let length = further / 4;
+        let (mut low, mut width) = (self.now, 1);
+        while let Some(hunt) = &self.hunt
+            && !hunt.over
+            && self.effort() + length <= until
+        {
+            let last = hunt.caught.all().flatten().map(|it| it.end).max();
+            let Some(high) = last.filter(|&it| it > low + 1) else {
+                return;
+            };
+            if low + width >= high {
+                width = 1;
+            }
+            if self.chase(&mut chase, &goals, Some((length, low + width))) {
+                (low, width) = (low + width / 2, 1);
+            } else if chase.is_exhausted() {
+                low += width;
+            } else {
+                width *= 2;
+            }
+        }
+    }
+
+    /// One chase, of a length and up to a moment. Whether it has caught anything new.
+    fn chase(
+        &mut self,
+        chase: &mut Chase,
+        goals: &Lists<usize>,
+        bounds: Option<(u64, u64)>,
+    ) -> bool {
+        // After the end of a search for want of room only few more are looked at.
+        let states = match self.stopped {
+            Some(_) => 0,
+            None => self.nodes.len() + self.layer.len() + self.hunted(),
+        };
+        let bytes = self.memory();
+        let Some(hunt) = &mut self.hunt else {
+            return false;
+        };
+        let (length, end) = bounds.unwrap_or((hunt.length(), u64::MAX));
+        let mut order = Order::numbered(hunt.chases);
+        order.late &= !hunt.not_late;
+        let room = chase.run(order, length, end, (states, bytes));
+        hunt.over |= !room || (end == u64::MAX && !order.late && chase.is_exhausted());
+        hunt.not_late |= end == u64::MAX && order.late && chase.is_exhausted();
+        hunt.chases += 1;
+        hunt.steps += chase.steps;
+        hunt.states += chase.states();
+        hunt.bytes = hunt.bytes.max(bytes + chase.memory());
+        for service in chase.refused() {
+            if !hunt.refused.contains(&service) {
+                hunt.refused.push(service);
+            }
+        }
+        let caught = chase.caught();
+        hunt.note(goals, caught)
+    }
+
+    /// A search for something else in the same system, within the same limits.
+    fn beside<'w>(&self, watch: &'w Watch) -> Search<'w>
+    where
+        Self: 'w,
+    {
+        Search::new(self.stepper.system, watch, &[], self.limits, self.cancel)
+    }
+
+    fn watch_for(&self, goals: &Lists<usize>) -> Watch {
+        let pick = |list: &[usize], goals: &[usize]| goals.iter().map(|&it| list[it]).collect();
+        Watch {
+            schedulable: pick(&self.watch.schedulable, &goals.missed),
+            overdue: pick(&self.watch.overdue, &goals.overdue),
+            reach: (goals.reached.iter())
+                .map(|&it| self.watch.reach[it].clone())
+                .collect(),
+            stop_at_first: self.watch.stop_at_first,
+            ..Watch::default()
+        }
+    }
+}
+
+/// Only chases a system: what the states of one chase of this number show, of those a [`Watch`] can be answered by.
+pub fn chase(
+    system: &TimedSystem,
+    watch: &Watch,
+    (number, steps): (u64, u64),
+    limits: Limits,
+    cancel: &Cancel,
+) -> Findings {
+    let mut chase = Chase::new(Search::new(system, watch, &[], limits, cancel));
+    let room = chase.run(Order::numbered(number), steps, u64::MAX, (0, 0));
+    let caught = chase.caught();
+    let found = |runs: Vec<Option<Run>>| {
+        let found = |run| Found { run };
+        runs.into_iter().map(|it| it.map(found)).collect()
+    };
+    Findings {
+        missed: found(caught.missed),
+        overdue: found(caught.overdue),
+        reached: found(caught.reached),
+        refused: chase.refused(),
+        states: chase.states(),
+        steps: chase.steps,
+        bytes: chase.memory(),
+        stopped: (!room || !chase.is_done()).then_some(Stop::States),
+        ..Findings::default()
+    }
+}
+
+/// 1 1 2 1 1 2 4 1 1 2 1 1 2 4 8 …: how often to begin anew where luck decides how long something takes (M. Luby, A.
+/// Sinclair and D. Zuckerman, *Optimal speedup of Las Vegas algorithms*, 1993).
+fn luby(i: u64) -> u64 {
+    let power = (i + 1).next_power_of_two();
+    match power == i + 1 {
+        true => power / 2,
+        false => luby(i + 1 - power / 2),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::luby;
+
+    #[test]
+    fn lengths_of_chases() {
+        let first: Vec<u64> = (1..=15).map(luby).collect();
+        assert_eq!(first, [1, 1, 2, 1, 1, 2, 4, 1, 1, 2, 1, 1, 2, 4, 8]);
+    }
+}

@@ -1,0 +1,342 @@
+//! One search depth first. All rules and reductions are those of the search in order of time; only the order differs, and
+//! states of all moments are compared with each other.
+//!
+//! Every state is followed as it was come to, and never joined with others: so the steps that led to it are a run.
+
+use super::Lists;
+use crate::explore::lazy;
+use crate::explore::overtake::Held;
+use crate::explore::run::Run;
+use crate::explore::search::watching::{missed, overdue};
+use crate::explore::search::{ROOT, Search, Sight};
+use crate::explore::state::State;
+use crate::explore::step::{Action, Enabled, Stepper};
+use crate::explore::store::{Encoded, Store, encode};
+use crate::explore::watch::Stop;
+use crate::system::{FOREVER, Ticks};
+
+/// Steps between two looks at what may end the search.
+const LOOKS: u64 = 16;
+
+/// What is done first of what can be done in a state.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Order {
+    /// Time passes before anything that can wait.
+    patient: bool,
+    /// Codels that have an upper bound take as long as they can: what goes wrong mostly does so then. Not everything that
+    /// can happen is looked at.
+    pub(super) late: bool,
+    /// Chooses among actions; `None`: the last of them first.
+    dice: Option<u64>,
+}
+
+impl Order {
+    /// Orders that differ in more than luck.
+    pub(super) const KINDS: u64 = 3;
+
+    /// A different one for every number.
+    pub(super) fn numbered(number: u64) -> Self {
+        Order {
+            patient: number % Self::KINDS == 1,
+            late: number % Self::KINDS == 2,
+            dice: (number > 0).then(|| number.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1),
+        }
+    }
+
+    fn shuffle<T>(&mut self, list: &mut [T]) {
+        let Some(dice) = &mut self.dice else { return };
+        for i in (1..list.len()).rev() {
+            // Xorshift.
+            *dice ^= *dice << 13;
+            *dice ^= *dice >> 7;
+            *dice ^= *dice << 17;
+            list.swap(i, (*dice % (i as u64 + 1)) as usize);
+        }
+    }
+}
+
+/// What led from one state to the next.
+#[derive(Debug, Clone, Copy)]
+enum Step {
+    Act(Action),
+    Pass(Ticks),
+    /// What is alike was put in order.
+    Order,
+}
+
+/// A state to go on from.
+struct Open {
+    s: State,
+    held: Held,
+    /// The last step to it, and its time.
+    at: Sight,
+}
+
+/// A search depth first.
+pub(super) struct Chase<'a> {
+    /// The rules, and what was seen of what is watched: after which of the steps.
+    search: Search<'a>,
+    seen: Store,
+    /// Steps, each with the one before.
+    trail: Vec<(u32, Step)>,
+    open: Vec<Open>,
+    pub(super) steps: u64,
+}
+
+impl<'a> Chase<'a> {
+    pub(super) fn new(search: Search<'a>) -> Self {
+        Chase {
+            seen: Store::new(search.stepper.layout.clocks()),
+            search,
+            trail: Vec::new(),
+            open: Vec::new(),
+            steps: 0,
+        }
+    }
+
+    /// Begins anew, and goes on for so many steps, never beyond the moment `end`. `beside` are states and bytes that are in use
+    /// already. `false` if a limit ended it.
+    pub(super) fn run(
+        &mut self,
+        mut order: Order,
+        steps: u64,
+        end: u64,
+        beside: (usize, usize),
+    ) -> bool {
+        self.begin();
+        let mut enabled = Enabled::default();
+        let mut first = Vec::new();
+        let mut followed = Vec::new();
+        let mut it = Encoded::default();
+        while !self.is_over() && self.steps < steps {
+            let Some(Open {
+                mut s,
+                mut held,
+                mut at,
+            }) = self.open.pop()
+            else {
+                break;
+            };
+            self.steps += 1;
+            if self.steps % LOOKS == 1 && self.out_of_bounds(beside) {
+                return false;
+            }
+            let trail = &mut self.trail;
+            let search = &mut self.search;
+            let ordered = search.settle(&mut s, &mut held, &mut enabled, |action| {
+                at.parent = push(trail, at.parent, Step::Act(action));
+                at
+            });
+            if ordered {
+                at.parent = push(trail, at.parent, Step::Order);
+            }
+            encode(&search.stepper, &s, &mut it);
+            if held != 0 {
+                it.key.extend(held.to_le_bytes());
+            }
+            if self.seen.insert(&it, 0, |_, _| 0).is_none() {
+                continue;
+            }
+            search.followed((&s, held), &enabled, &mut first, &mut followed);
+            if order.late {
+                let l = &search.stepper.layout;
+                followed.retain(|&(action, _)| {
+                    !matches!(action, Action::Finish { executor, .. }
+                        if !matches!(l.window(&s, executor).1, 0 | FOREVER))
+                });
+            }
+            order.shuffle(&mut followed);
+            let calm = !enabled.urgent && !enabled.forced;
+            let jump = calm.then(|| self.jump(&s, order)).flatten();
+            let jump = jump.filter(|&it| at.time + u64::from(it) <= end);
+            if !order.patient {
+                jump.into_iter().for_each(|jump| self.pass(&s, at, jump));
+            }
+            for &(action, held) in &followed {
+                self.act(&s, held, at, action);
+            }
+            if order.patient {
+                jump.into_iter().for_each(|jump| self.pass(&s, at, jump));
+            }
+        }
+        true
+    }
+
+    fn begin(&mut self) {
+        let search = &mut self.search;
+        search.missed.fill(None);
+        search.overdue.fill(None);
+        search.reached.fill(None);
+        search.stopped = None;
+        self.seen.clear();
+        self.trail.clear();
+        self.open.clear();
+        self.steps = 0;
+        let at = Sight {
+            parent: ROOT,
+            time: 0,
+        };
+        let s = search.stepper.initial();
+        search.check(None, &s, at);
+        self.open.push(Open { s, held: 0, at });
+    }
+
+    /// Whether everything was seen, or enough.
+    fn is_over(&self) -> bool {
+        self.search.stopped.is_some() || self.search.answered()
+    }
+
+    /// Whether nothing is left to be looked at, of everything there is.
+    pub(super) fn is_exhausted(&self) -> bool {
+        self.open.is_empty() && !self.is_over()
+    }
+
+    /// Whether there is nothing more to look for, or to look at.
+    pub(super) fn is_done(&self) -> bool {
+        self.open.is_empty() || self.is_over()
+    }
+
+    fn out_of_bounds(&self, (states, bytes): (usize, usize)) -> bool {
+        let Search { limits, cancel, .. } = self.search;
+        let (states, bytes) = (states + self.states(), bytes + self.memory());
+        Stop::reason(states, bytes, limits, cancel).is_some()
+    }
+
+    /// How long to let time pass.
+    fn jump(&self, s: &State, order: Order) -> Option<Ticks> {
+        let Search { lazy, stepper, .. } = &self.search;
+        if !order.late {
+            return lazy::next_moment(lazy, stepper, s);
+        }
+        let waiters = lazy.waiters(stepper, s);
+        stepper.next_moment(s, &|executor| {
+            let waits = waiters.as_ref();
+            stepper.layout.window(s, executor).1 != FOREVER
+                || waits.is_some_and(|it| lazy::can_wait(it, stepper, executor))
+        })
+    }
+
+    fn pass(&mut self, s: &State, at: Sight, jump: Ticks) {
+        let mut s = s.clone();
+        let at = Sight {
+            parent: push(&mut self.trail, at.parent, Step::Pass(jump)),
+            time: at.time + u64::from(jump),
+        };
+        self.search.stepper.elapse(&mut s, jump);
+        self.search.clocks_after_jump(&mut s, at);
+        self.open.push(Open { s, held: 0, at });
+    }
+
+    fn act(&mut self, s: &State, mut held: Held, at: Sight, action: Action) {
+        let mut s = s.clone();
+        let at = Sight {
+            parent: push(&mut self.trail, at.parent, Step::Act(action)),
+            ..at
+        };
+        self.search.step(&mut s, action, &mut held, at);
+        self.open.push(Open { s, held, at });
+    }
+
+    /// Runs to what was seen.
+    pub(super) fn caught(&mut self) -> Lists<Option<Run>> {
+        let of_tasks = |tasks: &[usize], seen: &[Option<Sight>], shown: Shown| -> Vec<_> {
+            let all = tasks.iter().zip(seen);
+            all.map(|(&task, at)| at.map(|at| (at, Some((task, shown)))))
+                .collect()
+        };
+        let Search { watch, .. } = self.search;
+        let lists = Lists {
+            missed: of_tasks(&watch.schedulable, &self.search.missed, missed),
+            overdue: of_tasks(&watch.overdue, &self.search.overdue, overdue),
+            reached: (self.search.reached.iter())
+                .map(|at| at.map(|at| (at, None)))
+                .collect(),
+        };
+        let mut runs = |list: Vec<Option<_>>| {
+            let run = list.into_iter();
+            run.map(|it| it.map(|(at, about)| self.run_to(at, about)))
+                .collect()
+        };
+        Lists {
+            missed: runs(lists.missed),
+            overdue: runs(lists.overdue),
+            reached: runs(lists.reached),
+        }
+    }
+
+    /// The run that ends with a step, and is about a task if something is shown of one: its steps are taken again, and called
+    /// as they were before anything was put in order.
+    fn run_to(&mut self, at: Sight, about: Option<(usize, Shown)>) -> Run {
+        let mut steps = Vec::new();
+        let mut last = at.parent;
+        while let Some(&(before, step)) = self.trail.get(last as usize) {
+            steps.push(step);
+            last = before;
+        }
+        let search = &mut self.search;
+        let mut s = search.stepper.initial();
+        let mut names = search.symmetry.identity(&search.stepper.layout);
+        let mut run = Run::default();
+        for step in steps.into_iter().rev() {
+            match step {
+                Step::Act(action) => {
+                    run.steps.push((run.end, names.action(action)));
+                    let now = Sight {
+                        time: run.end,
+                        ..at
+                    };
+                    search.step(&mut s, action, &mut 0, now);
+                }
+                Step::Pass(time) => {
+                    run.end += u64::from(time);
+                    let now = Sight {
+                        time: run.end,
+                        ..at
+                    };
+                    search.stepper.elapse(&mut s, time);
+                    search.clocks_after_jump(&mut s, now);
+                }
+                Step::Order => {
+                    if let Some(order) = search.symmetry.order(&search.stepper.layout, &mut s) {
+                        names = names.after(&order.inverse());
+                    }
+                }
+            }
+        }
+        let Some((task, shown)) = about else {
+            return run;
+        };
+        let mut alike = search.symmetry.orbit(task).iter().copied();
+        match alike.find(|&it| shown(&search.stepper, &s, it)) {
+            Some(it) if names.task(it) != task => search.exchanged(&run, names.task(it), task),
+            _ => run,
+        }
+    }
+
+    /// Services of which a request was refused.
+    pub(super) fn refused(&self) -> Vec<usize> {
+        self.search.refused()
+    }
+
+    /// The number of states that were looked at.
+    pub(super) fn states(&self) -> usize {
+        self.seen.len()
+    }
+
+    /// Bytes in use, roughly.
+    pub(super) fn memory(&self) -> usize {
+        let open = size_of::<Open>() + self.search.stepper.layout.state_bytes();
+        self.seen.memory()
+            + self.trail.capacity() * size_of::<(u32, Step)>()
+            + self.open.capacity() * open
+    }
+}
+
+/// Whether a state shows something of a task.
+type Shown = fn(&Stepper, &State, usize) -> bool;
+
+/// Adds a step after another.
+fn push(trail: &mut Vec<(u32, Step)>, before: u32, step: Step) -> u32 {
+    trail.push((before, step));
+    trail.len() as u32 - 1
+}
