@@ -81,6 +81,9 @@ fn until_measured(
 /// States looked at between two looks at what may end the search.
 const LOOKS: usize = 64;
 
+/// Steps for each state kept from which on moments are crowded: what happens in them is what takes long.
+const CROWDED: u64 = 64;
+
 /// Bytes of a node in the queue.
 const QUEUED: usize = 2 * size_of::<u32>();
 
@@ -127,6 +130,8 @@ struct Search<'a> {
     queue: BTreeMap<u64, Vec<u32>>,
     layer: Store,
     layer_calm: Vec<bool>,
+    /// All states of former moments that were crowded.
+    crowd: Store,
     steps: u64,
     missed: Vec<Option<Sight>>,
     overdue: Vec<Option<Sight>>,
@@ -245,6 +250,7 @@ impl<'a> Search<'a> {
             queue: BTreeMap::new(),
             layer: Store::new(clocks),
             layer_calm: Vec::new(),
+            crowd: Store::new(clocks),
             steps: 0,
             missed: vec![None; watch.schedulable.len()],
             overdue: vec![None; watch.overdue.len()],
@@ -320,6 +326,10 @@ impl Search<'_> {
         decode_to(&self.stepper, self.passed.key(node.key), dims, s);
     }
 
+    fn is_crowded(&self) -> bool {
+        self.steps > CROWDED * self.nodes.len() as u64
+    }
+
     fn out_of_bounds(&mut self) -> bool {
         let states = self.nodes.len() + self.layer.len() + self.hunted();
         let reason = Stop::reason(states, self.memory(), self.limits, self.cancel);
@@ -347,6 +357,7 @@ impl Search<'_> {
     fn memory(&self) -> usize {
         self.passed.memory()
             + self.layer.memory()
+            + self.crowd.memory()
             + self.nodes.capacity() * size_of::<Node>()
             + self.dims.capacity() * size_of::<Ticks>()
             + self.edges.capacity() * size_of::<(u32, u32)>()

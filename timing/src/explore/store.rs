@@ -301,6 +301,14 @@ impl Store {
         Some(k)
     }
 
+    /// Whether one of the covers holds a state.
+    pub(crate) fn holds(&self, it: &Encoded) -> bool {
+        let windows = (it.dims.len() - self.clocks) / 2;
+        let shape = Shape { windows };
+        self.find(&it.key)
+            .any(|(dims, _)| shape.covers(dims, &it.dims))
+    }
+
     /// The covers of the key with these bytes.
     pub(crate) fn find(&self, key: &[u8]) -> impl Iterator<Item = (&[Ticks], u32)> {
         let hash = hash(key);

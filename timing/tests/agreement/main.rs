@@ -6,7 +6,7 @@ mod systems;
 use brute::{Brute, CAP, Results};
 use dotgen_timing::analytic::{meets_deadlines, response_bounds};
 use dotgen_timing::explore::{
-    Bound, Found, Limits, Measured, ResponseTime, Watch, Within, explore,
+    Bound, Findings, Found, Limits, Measured, ResponseTime, Watch, Within, chase, explore,
 };
 use dotgen_timing::property::Predicate;
 use dotgen_timing::system::TimedSystem;
@@ -151,6 +151,7 @@ fn compare_system(
             return Err("no deadlock at the end of the run".to_owned());
         }
         knowing_bounds(system, measured, &expected.response)?;
+        chased(&brute, &expected)?;
         let refused: Vec<bool> = (0..system.services.len())
             .map(|it| found.refused.contains(&it))
             .collect();
@@ -194,6 +195,49 @@ fn knowing_bounds(
                 "response of {task}, known to be {:?}, is {bound:?}",
                 known(task)
             ));
+        }
+    }
+    Ok(())
+}
+
+/// Searches depth first, of all kinds and to the end, catch what there is to be caught.
+fn chased(brute: &Brute, expected: &Results) -> Result<(), String> {
+    let all: Vec<usize> = (0..brute.system.tasks.len()).collect();
+    let watch = Watch {
+        schedulable: all.clone(),
+        overdue: all.clone(),
+        ..Watch::default()
+    };
+    for number in 0..5 {
+        let cancel = Cancel::default();
+        let found = chase(brute.system, &watch, (number, 1_000_000), LIMITS, &cancel);
+        if found.stopped.is_some() {
+            return Err(format!("chase {number} gave up"));
+        }
+        let shows = |it: &Found, pick: fn(&Results) -> &Vec<bool>, task: usize| {
+            let last = brute.replay(&it.run.steps, it.run.end);
+            last.map(|it| pick(&it)[task])
+                .map_err(|why| format!("chase {number}: {why}: {:?}", it.run))
+        };
+        let lists: [(
+            fn(&Findings) -> &Vec<Option<Found>>,
+            fn(&Results) -> &Vec<bool>,
+        ); 2] = [
+            (|it| &it.missed, |it| &it.missed),
+            (|it| &it.overdue, |it| &it.overdue),
+        ];
+        for (found_in, pick) in lists {
+            for (task, it) in found_in(&found).iter().enumerate() {
+                // Not everything is looked at when codels take as long as they can.
+                let complete = number % 3 != 2;
+                let wrong = match it {
+                    Some(it) => !shows(it, pick, task)?,
+                    None => complete && pick(expected)[task],
+                };
+                if wrong {
+                    return Err(format!("chase {number}: task {task}, found {it:?}"));
+                }
+            }
         }
     }
     Ok(())

@@ -27,9 +27,6 @@ const SHORT: u64 = 1500;
 /// Steps for each of the two ways to an earlier end, at most.
 const FURTHER: u64 = 200_000;
 
-/// Steps for each state kept from which on moments are crowded: what happens in them is what takes long.
-const CROWDED: u64 = 64;
-
 /// What was caught so far, and what it has cost.
 #[derive(Debug, Default)]
 pub(super) struct Hunt {
@@ -44,11 +41,18 @@ pub(super) struct Hunt {
     pub(super) bytes: usize,
     /// Services of which a request was refused.
     pub(super) refused: Vec<usize>,
-    /// Nothing is left to be caught, or no room for it.
+    /// Everything that there is was looked at.
     over: bool,
+    /// There is no room for more.
+    full: bool,
     /// Nothing is left to be caught late.
     not_late: bool,
+    /// Something was caught late.
+    late: bool,
 }
+
+/// What was seen where, and what was caught if there is a hunt.
+type List<'s> = (&'s [Option<Sight>], Option<&'s Vec<Option<Run>>>);
 
 /// One for each of what is watched and shown by a single state.
 #[derive(Debug, Default)]
@@ -85,11 +89,11 @@ impl Hunt {
         SHORT * luby(self.chases / Order::KINDS + 1)
     }
 
-    /// Whether there should be one more beside a search that has taken so many steps and kept so many states.
-    fn is_due(&self, steps: u64, states: usize) -> bool {
-        let crowded = steps > CROWDED * states as u64;
-        let share = 2 * SHORT + steps / if crowded { 4 } else { 64 };
-        steps >= SMALL && !self.over && self.steps + self.length() <= share
+    /// Whether there should be one more beside a search that has taken so many steps, at `crowded` moments or not.
+    fn is_due(&self, steps: u64, crowded: bool) -> bool {
+        let more = if crowded { steps / 4 } else { steps / 128 };
+        let share = SHORT + (steps / 4).min(SHORT) + more;
+        steps >= SMALL && !self.over && !self.full && self.steps + self.length() <= share
     }
 
     /// Notes what a chase for some of the watched things has caught, if it is new or ends earlier. Whether any of it does.
@@ -154,7 +158,7 @@ impl Search<'_> {
     }
 
     /// What was seen, and what was caught if there is a hunt.
-    fn lists(&self) -> [(&[Option<Sight>], Option<&Vec<Option<Run>>>); 3] {
+    fn lists(&self) -> [List<'_>; 3] {
         let caught = self.hunt.as_ref().map(|it| &it.caught);
         [
             (&self.missed, caught.map(|it| &it.missed)),
@@ -185,7 +189,7 @@ impl Search<'_> {
 
     fn is_hunt_due(&self) -> bool {
         let hunt = self.hunt.as_ref();
-        hunt.is_some_and(|it| it.is_due(self.steps, self.nodes.len()))
+        hunt.is_some_and(|it| it.is_due(self.steps, self.is_crowded()))
     }
 
     /// Steps for each of the two ways to an earlier end of what was caught.
@@ -198,7 +202,6 @@ impl Search<'_> {
         while self.is_hunt_due() {
             let goals = self.unseen(&|caught| caught.is_none());
             if goals.is_empty() {
-                self.hunt.iter_mut().for_each(|it| it.over = true);
                 return;
             }
             let watch = self.watch_for(&goals);
@@ -219,10 +222,10 @@ impl Search<'_> {
         let watch = self.watch_for(&goals);
         let mut chase = Chase::new(self.beside(&watch));
         let until = self.effort() + further;
-        let length = further / 4;
+        let length = further / 5;
         let (mut low, mut width) = (self.now, 1);
         while let Some(hunt) = &self.hunt
-            && !hunt.over
+            && !hunt.full
             && self.effort() + length <= until
         {
             let last = hunt.caught.all().flatten().map(|it| it.end).max();
@@ -260,9 +263,11 @@ impl Search<'_> {
         };
         let (length, end) = bounds.unwrap_or((hunt.length(), u64::MAX));
         let mut order = Order::numbered(hunt.chases);
-        order.late &= !hunt.not_late;
+        // Late ones are no use for what others have caught.
+        order.late &= !hunt.not_late && (end == u64::MAX || hunt.late);
         let room = chase.run(order, length, end, (states, bytes));
-        hunt.over |= !room || (end == u64::MAX && !order.late && chase.is_exhausted());
+        hunt.full |= !room;
+        hunt.over |= end == u64::MAX && !order.late && chase.is_exhausted();
         hunt.not_late |= end == u64::MAX && order.late && chase.is_exhausted();
         hunt.chases += 1;
         hunt.steps += chase.steps;
@@ -274,7 +279,9 @@ impl Search<'_> {
             }
         }
         let caught = chase.caught();
-        hunt.note(goals, caught)
+        let any = hunt.note(goals, caught);
+        hunt.late |= any && order.late;
+        any
     }
 
     /// A search for something else in the same system, within the same limits.

@@ -53,6 +53,10 @@ impl Search<'_> {
             if held != 0 {
                 it.key.extend(held.to_le_bytes());
             }
+            if self.crowd.holds(&it) {
+                self.spare.push(s);
+                continue;
+            }
             let tag = links.len() as u32;
             links.push((parent, u32::MAX));
             let Some(key) = self
@@ -76,6 +80,30 @@ impl Search<'_> {
             self.spare.push(s);
         }
         self.keep_calm(time, &links);
+        self.keep_crowd();
+    }
+
+    /// Where very much happens at each moment, most of it happens again at later ones: whatever states of this one lead to
+    /// is known then.
+    fn keep_crowd(&mut self) {
+        if !self.is_crowded() {
+            return;
+        }
+        let layer = std::mem::take(&mut self.layer);
+        let mut it = Encoded::default();
+        for key in 0..layer.len() as u32 {
+            if key % 64 == 63 && self.out_of_bounds() {
+                break;
+            }
+            it.key.clear();
+            it.key.extend(layer.key(key));
+            for (dims, _) in layer.covers(key) {
+                it.dims.clear();
+                it.dims.extend(dims);
+                self.crowd.insert(&it, 0, |_, _| 0);
+            }
+        }
+        self.layer = layer;
     }
 
     /// Performs committed steps without a choice, which need not be kept, and puts the state in order. `at` tells where a step

@@ -281,7 +281,11 @@ impl Search<'_> {
 
     /// Services of which a request was refused.
     pub(super) fn refused(&self) -> Vec<usize> {
-        let beside = |it: usize| self.hunt.as_ref().is_some_and(|hunt| hunt.refused.contains(&it));
+        let beside = |it: usize| {
+            self.hunt
+                .as_ref()
+                .is_some_and(|hunt| hunt.refused.contains(&it))
+        };
         (0..self.stepper.refused.len())
             .filter(|&service| {
                 let mut orbit = self.symmetry.service_orbit(service).iter();
