@@ -6,7 +6,7 @@ mod systems;
 use brute::{Brute, CAP, Results};
 use dotgen_timing::analytic::{meets_deadlines, response_bounds};
 use dotgen_timing::explore::{
-    Bound, Findings, Found, Limits, Measured, ResponseTime, Watch, Within, chase, explore,
+    Bound, Found, Limits, Measured, ResponseTime, Watch, Within, chase, explore,
 };
 use dotgen_timing::property::Predicate;
 use dotgen_timing::system::TimedSystem;
@@ -219,15 +219,15 @@ fn chased(brute: &Brute, expected: &Results) -> Result<(), String> {
             last.map(|it| pick(&it)[task])
                 .map_err(|why| format!("chase {number}: {why}: {:?}", it.run))
         };
-        let lists: [(
-            fn(&Findings) -> &Vec<Option<Found>>,
-            fn(&Results) -> &Vec<bool>,
-        ); 2] = [
-            (|it| &it.missed, |it| &it.missed),
-            (|it| &it.overdue, |it| &it.overdue),
+        let lists = [
+            (
+                &found.missed,
+                (|it| &it.missed) as fn(&Results) -> &Vec<bool>,
+            ),
+            (&found.overdue, |it| &it.overdue),
         ];
         for (found_in, pick) in lists {
-            for (task, it) in found_in(&found).iter().enumerate() {
+            for (task, it) in found_in.iter().enumerate() {
                 // Not everything is looked at when codels take as long as they can.
                 let complete = number % 3 != 2;
                 let wrong = match it {

@@ -118,6 +118,18 @@ impl Hunt {
         any
     }
 
+    /// The end of the run to some of them that ends last.
+    fn last_end(&self, goals: &Lists<usize>) -> Option<u64> {
+        let lists = [
+            (&self.caught.missed, &goals.missed),
+            (&self.caught.overdue, &goals.overdue),
+            (&self.caught.reached, &goals.reached),
+        ];
+        let runs = lists.into_iter();
+        let runs = runs.flat_map(|(caught, goals)| goals.iter().map(|&it| caught[it].as_ref()));
+        runs.flatten().map(|it| it.end).max()
+    }
+
     pub(super) fn missed(&self, i: usize) -> Option<&Run> {
         self.caught.missed[i].as_ref()
     }
@@ -222,14 +234,13 @@ impl Search<'_> {
         let watch = self.watch_for(&goals);
         let mut chase = Chase::new(self.beside(&watch));
         let until = self.effort() + further;
-        let length = further / 5;
+        let length = (further / 5).max(1);
         let (mut low, mut width) = (self.now, 1);
         while let Some(hunt) = &self.hunt
             && !hunt.full
             && self.effort() + length <= until
         {
-            let last = hunt.caught.all().flatten().map(|it| it.end).max();
-            let Some(high) = last.filter(|&it| it > low + 1) else {
+            let Some(high) = hunt.last_end(&goals).filter(|&it| it > low + 1) else {
                 return;
             };
             if low + width >= high {
