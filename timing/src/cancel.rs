@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 #[derive(Default)]
 pub struct Cancel {
     abandoned: AtomicBool,
+    interrupted: OnceLock<Instant>,
     deadline: OnceLock<Deadline>,
     ask: Option<Box<dyn Fn() -> bool + Send + Sync>>,
     /// States of explorations that have ended, and of the one at work.
@@ -21,6 +22,10 @@ struct Deadline {
     /// `None`: beyond all times.
     at: Option<Instant>,
 }
+
+/// When the search is over, the runs that show what was found are looked for so long at most; and not longer than a
+/// quarter of the time there was.
+const GRACE: Duration = Duration::from_secs(2);
 
 /// How far a verification is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -45,6 +50,16 @@ impl Cancel {
         self.abandoned.store(true, Ordering::Release);
     }
 
+    /// Whoever waits has waited long enough: what was found until now counts, with the runs that show it.
+    pub fn interrupt(&self) {
+        self.interrupted.get_or_init(Instant::now);
+    }
+
+    /// Whether it was interrupted.
+    pub fn is_interrupted(&self) -> bool {
+        self.interrupted.get().is_some()
+    }
+
     /// Time is up so long from now on: what was found until then counts, with the runs that show it. Only the first
     /// limit counts.
     pub fn limit(&self, time: Duration) {
@@ -61,8 +76,23 @@ impl Cancel {
 
     /// Whether the search has to end.
     pub fn is_over(&self) -> bool {
+        self.is_abandoned() || self.is_interrupted() || self.is_after(Duration::ZERO)
+    }
+
+    /// Whether even the runs that show what was found are not to be looked for any more.
+    pub(crate) fn is_too_late(&self) -> bool {
+        let interrupted = self.interrupted.get();
+        let limit = self.time_limit().unwrap_or_default();
+        self.is_abandoned()
+            || interrupted.is_some_and(|it| it.elapsed() >= GRACE)
+            || self.is_after(GRACE.min(limit / 4))
+    }
+
+    /// Whether time has been up for so long.
+    fn is_after(&self, grace: Duration) -> bool {
         let at = self.deadline.get().and_then(|it| it.at);
-        self.is_abandoned() || at.is_some_and(|it| Instant::now() >= it)
+        let at = at.and_then(|it| it.checked_add(grace));
+        at.is_some_and(|it| Instant::now() >= it)
     }
 
     /// Whether nobody wants the answer any more.

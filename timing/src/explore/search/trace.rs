@@ -35,9 +35,14 @@ struct Hit {
 type Point = Vec<Option<Ticks>>;
 
 impl Search<'_> {
-    /// A run to what was seen, empty if nobody wants it any more: segments from node to node, found backwards with the remaining times
+    /// A run to what was seen, without steps if it is too late for that: segments from node to node, found backwards with the remaining times
     /// that the later part of the run needs.
     pub(super) fn trace(&self, at: Sight, goal: &Goal) -> Run {
+        let left_out = || Run {
+            end: at.time,
+            left_out: true,
+            ..Run::default()
+        };
         let mut segments: Vec<(u64, Vec<Action>)> = Vec::new();
         let mut node = at.parent;
         let mut task = None;
@@ -45,7 +50,7 @@ impl Search<'_> {
             self.any_point(&self.node_state(node))
         } else {
             let Some((actions, last, hit)) = self.segment(node, at.time, goal) else {
-                return Run::default();
+                return left_out();
             };
             task = hit.task;
             segments.push((at.time, actions));
@@ -55,9 +60,9 @@ impl Search<'_> {
             if let Some(segment) = segments.last() {
                 point = self.point_before(node, segment, &point);
             }
-            // Nobody wants it any more; a part of a run would be of no use.
+            // A part of a run would be of no use.
             let Some((parent, actions, order)) = self.segment_to(node, &point) else {
-                return Run::default();
+                return left_out();
             };
             if let Some(back) = order.map(|it| it.inverse()) {
                 for (_, later) in &mut segments {
@@ -166,7 +171,7 @@ impl Search<'_> {
         let mut ordered = State::default();
         let mut at = 0;
         while at < found.len() {
-            if at % LOOKS == 0 && self.cancel.is_abandoned() {
+            if at % LOOKS == 0 && self.cancel.is_too_late() {
                 return None;
             }
             let s = found[at].0.clone();
