@@ -1,20 +1,36 @@
 //! Ending a verification from outside, and seeing from there how far it is.
 
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 /// Looked at often by everything that can take long.
 #[derive(Default)]
 pub struct Cancel {
     abandoned: AtomicBool,
-    interrupted: OnceLock<Instant>,
+    interrupt: Interrupt,
     deadline: OnceLock<Deadline>,
     ask: Option<Box<dyn Fn() -> bool + Send + Sync>>,
     /// States of explorations that have ended, and of the one at work.
     before: AtomicUsize,
     now: AtomicUsize,
     bytes: AtomicUsize,
+}
+
+/// Ends verifications with what is known so far, those that begin later as well.
+#[derive(Debug, Clone, Default)]
+pub struct Interrupt(Arc<OnceLock<Instant>>);
+
+impl Interrupt {
+    /// Whoever waits has waited long enough.
+    pub fn raise(&self) {
+        self.0.get_or_init(Instant::now);
+    }
+
+    /// Whether it was raised.
+    pub fn is_raised(&self) -> bool {
+        self.0.get().is_some()
+    }
 }
 
 struct Deadline {
@@ -50,14 +66,17 @@ impl Cancel {
         self.abandoned.store(true, Ordering::Release);
     }
 
-    /// Whoever waits has waited long enough: what was found until now counts, with the runs that show it.
-    pub fn interrupt(&self) {
-        self.interrupted.get_or_init(Instant::now);
+    /// One that also ends when an interrupt is raised: what was found until then counts, with the runs that show it.
+    pub fn interrupted_by(interrupt: &Interrupt) -> Self {
+        Cancel {
+            interrupt: interrupt.clone(),
+            ..Cancel::default()
+        }
     }
 
     /// Whether it was interrupted.
     pub fn is_interrupted(&self) -> bool {
-        self.interrupted.get().is_some()
+        self.interrupt.is_raised()
     }
 
     /// Time is up so long from now on: what was found until then counts, with the runs that show it. Only the first
@@ -81,7 +100,7 @@ impl Cancel {
 
     /// Whether even the runs that show what was found are not to be looked for any more.
     pub(crate) fn is_too_late(&self) -> bool {
-        let interrupted = self.interrupted.get();
+        let interrupted = self.interrupt.0.get();
         let limit = self.time_limit().unwrap_or_default();
         self.is_abandoned()
             || interrupted.is_some_and(|it| it.elapsed() >= GRACE)

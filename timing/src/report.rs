@@ -233,6 +233,13 @@ impl Report {
         self.checks.len() - self.checks.iter().filter(open).count()
     }
 
+    /// `5 of 7 checks answered`
+    pub fn how_far(&self) -> String {
+        let of = self.checks.len();
+        let checks = if of == 1 { "check" } else { "checks" };
+        format!("{} of {of} {checks} answered", self.answered())
+    }
+
     /// Adds what an exploration took.
     pub(crate) fn effort(&mut self, found: &Findings) {
         self.states += found.states;

@@ -19,7 +19,7 @@ use self::checks::{Single, What, expand};
 use self::groups::groups;
 use self::soon::Seen;
 pub(crate) use self::units::to_f64;
-pub use crate::cancel::{Cancel, Effort};
+pub use crate::cancel::{Cancel, Effort, Interrupt};
 use crate::explore::{Findings, Limits, Stop, Watch, explore};
 use crate::report::Report;
 use crate::scn::Diagnostic;

@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use dotgen_timing::verify::verify_telling;
+use dotgen_timing::verify::{Interrupt, verify_telling};
 
 use super::*;
 
@@ -126,8 +126,9 @@ fn nothing_is_told_to_those_who_do_not_want_it_any_more() {
 
 #[test]
 fn what_was_interrupted_says_so_and_the_rest_stands() {
-    let cancel = Cancel::default();
-    cancel.interrupt();
+    let interrupt = Interrupt::default();
+    let cancel = Cancel::interrupted_by(&interrupt);
+    interrupt.raise();
     let (_, report) = told(ALL, &Options::default(), &cancel);
     let answer = |check, of| {
         let mut all = report.checks.iter();
