@@ -20,7 +20,7 @@ use self::groups::groups;
 use self::soon::Seen;
 pub(crate) use self::units::to_f64;
 pub use crate::cancel::{Cancel, Effort, Interrupt};
-use crate::explore::{Findings, Limits, Stop, Watch, explore};
+use crate::explore::{Findings, Limits, Stop, Watch, explore, explore_telling};
 use crate::report::Report;
 use crate::scn::Diagnostic;
 use crate::scn::ast::{Check, Durations, Policy, Scenario, Unit};
@@ -69,7 +69,7 @@ pub fn verify_telling(
     scenario: &Scenario,
     options: &Options,
     cancel: &Cancel,
-    tell: &dyn Fn(&Report),
+    tell: &(dyn Fn(&Report) + Sync),
 ) -> Report {
     let names = Names::new(&input.specs);
     let settings = settings(scenario, options);
@@ -95,7 +95,7 @@ fn verify_settings(
     settings: &Settings,
     limits: Limits,
     cancel: &Cancel,
-    tell: &dyn Fn(&Report),
+    tell: &(dyn Fn(&Report) + Sync),
 ) -> Report {
     let start = Instant::now();
     let (count, unit) = settings.unit.unwrap_or((1, Unit::Milliseconds));
@@ -189,7 +189,7 @@ struct Group<'g> {
     limits: Limits,
     cancel: &'g Cancel,
     /// Tells how the report stands.
-    tell: &'g dyn Fn(&mut Report),
+    tell: &'g (dyn Fn(&mut Report) + Sync),
 }
 
 /// Said when all checks were answered before everything was explored.
@@ -265,10 +265,20 @@ impl Group<'_> {
             .partition(|&&i| matches!(checks[i].what, What::LeadsTo(..) | What::Eventually(_)));
         if !explored.is_empty() {
             let (watch, places) = self.watch(checks, explored.into_iter(), analysed);
-            let found = explore(&self.built.system, &watch, self.limits, self.cancel);
+            let mut news = |found: &Findings| {
+                let before = report.answered();
+                self.seen_for_good(checks, &places, found, report);
+                if report.answered() > before {
+                    (self.tell)(report);
+                }
+            };
+            let system = &self.built.system;
+            let found = explore_telling(system, &watch, self.limits, self.cancel, &mut news);
             report.effort(&found);
             self.refusals(&found, report);
-            for (i, place) in places {
+            // As it was told, where an exploration that begins again comes to it by another run.
+            let open = places.into_iter().filter(|it| report.is_open(it.0));
+            for (i, place) in open.collect::<Vec<_>>() {
                 let mut it = self.one(&checks[i], place, &found);
                 seen.add_to(i, &mut it);
                 self.bound_unknown(&checks[i], analysed, &mut it);
@@ -284,6 +294,27 @@ impl Group<'_> {
             };
             report.answer(i, it);
             (self.tell)(report);
+        }
+    }
+
+    /// Answers what no later moment of an exploration changes.
+    fn seen_for_good(
+        &self,
+        checks: &[Single],
+        places: &[(usize, usize)],
+        found: &Findings,
+        report: &mut Report,
+    ) {
+        for &(i, place) in places {
+            let seen = match checks[i].what {
+                What::Schedulable(_) => &found.missed[place],
+                What::NoOverdue(_) => &found.overdue[place],
+                What::Always(_) | What::Reachable(_) => &found.reached[place],
+                _ => continue,
+            };
+            if seen.is_some() && report.is_open(i) {
+                report.answer(i, self.one(&checks[i], place, found));
+            }
         }
     }
 }

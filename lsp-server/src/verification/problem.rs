@@ -275,7 +275,12 @@ impl Problem {
     }
 
     /// Verifies, and tells what is known as soon as there is more. Only sensible without [`Problem::errors`].
-    pub fn verify(&self, options: &Options, cancel: &Cancel, tell: &dyn Fn(&Report)) -> Report {
+    pub fn verify(
+        &self,
+        options: &Options,
+        cancel: &Cancel,
+        tell: &(dyn Fn(&Report) + Sync),
+    ) -> Report {
         let input = SystemInput {
             specs: self.specs(),
         };

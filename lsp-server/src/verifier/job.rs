@@ -111,7 +111,7 @@ pub(crate) fn run(
     options: Options,
     limit: Duration,
     cancel: &Cancel,
-    tell: impl Fn(Found),
+    tell: impl Fn(Found) + Sync,
 ) {
     let _turn = lock(&TURN);
     if cancel.is_abandoned() {

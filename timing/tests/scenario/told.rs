@@ -1,6 +1,6 @@
 //! What is told before the end: answers as they are found.
 
-use std::cell::RefCell;
+use std::sync::Mutex;
 
 use dotgen_timing::verify::{Interrupt, verify_telling};
 
@@ -31,10 +31,10 @@ fn told(items: &str, options: &Options, cancel: &Cancel) -> (Vec<Report>, Report
     };
     let parsed = parse(&format!("scenario robot {{ {items} }}"));
     assert_eq!(parsed.errors, []);
-    let told = RefCell::new(Vec::new());
-    let tell = |it: &Report| told.borrow_mut().push(it.clone());
+    let told = Mutex::new(Vec::new());
+    let tell = |it: &Report| told.lock().unwrap().push(it.clone());
     let report = verify_telling(&input, &parsed.scenario, options, cancel, &tell);
-    (told.into_inner(), report)
+    (told.into_inner().unwrap(), report)
 }
 
 /// An answer with all that belongs to it.
@@ -114,14 +114,14 @@ fn nothing_is_told_to_those_who_do_not_want_it_any_more() {
         specs: vec![&unit.spec],
     };
     let scenario = parse("scenario x { check response *; check schedulable *; check deadlock; }");
-    let (times, cancel) = (RefCell::new(0), Cancel::default());
+    let (times, cancel) = (Mutex::new(0), Cancel::default());
     let tell = |_: &Report| {
-        *times.borrow_mut() += 1;
+        *times.lock().unwrap() += 1;
         cancel.abandon();
     };
     let options = Options::default();
     verify_telling(&input, &scenario.scenario, &options, &cancel, &tell);
-    assert_eq!(times.into_inner(), 1);
+    assert_eq!(times.into_inner().unwrap(), 1);
 }
 
 #[test]
@@ -162,4 +162,23 @@ fn a_run_that_there_is_no_time_for_is_left_out() {
             "{note}"
         );
     }
+}
+
+#[test]
+fn what_is_seen_in_an_exploration_is_told_while_it_goes_on() {
+    let items = "client k { repeat * { delay [0, *] ms; choice { send sensor.record; } or { send sensor.reset; } } }
+      check within sensor.record.run => sensor.record.void; check reachable sensor.record.stop;";
+    let mut some = Options::default();
+    some.limits.states = 20_000;
+    let (told, last) = told(items, &some, &Cancel::default());
+    let verdicts = |it: &Report| it.checks.iter().map(|it| it.verdict).collect::<Vec<_>>();
+    let all: Vec<_> = told.iter().map(verdicts).collect();
+    let expected = [
+        [Verdict::Open, Verdict::Open],
+        [Verdict::Open, Verdict::Proved],
+        [Verdict::Unknown, Verdict::Proved],
+    ];
+    assert_eq!(all, expected);
+    assert!(!last.checks[1].witness.is_empty());
+    assert_eq!(whole(&told[1].checks[1]), whole(&last.checks[1]));
 }

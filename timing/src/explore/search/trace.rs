@@ -1,5 +1,9 @@
 //! Runs to what was seen: found again, backwards from node to node.
 
+use std::sync::{Mutex, PoisonError};
+
+use rustc_hash::FxHashMap;
+
 use super::watching::{missed, overdue};
 use super::{LOOKS, ROOT, Search, Sight};
 use crate::explore::measure::Timing;
@@ -22,6 +26,18 @@ pub(super) enum Goal<'g> {
     Deadlock,
 }
 
+/// Runs by what was seen and where: what was told once is not looked for again, and does not change.
+pub(super) type Traced = Mutex<FxHashMap<(Kind, u32, u64), Run>>;
+
+/// What can be told before the end.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Kind {
+    Missed(usize),
+    Overdue(usize),
+    /// By its place in memory.
+    Reached(usize),
+}
+
 /// How a state is like the goal.
 #[derive(Default)]
 struct Hit {
@@ -38,6 +54,20 @@ impl Search<'_> {
     /// A run to what was seen, without steps if it is too late for that: segments from node to node, found backwards with the remaining times
     /// that the later part of the run needs.
     pub(super) fn trace(&self, at: Sight, goal: &Goal) -> Run {
+        let Some(kind) = goal.kind() else {
+            return self.traced_back(at, goal);
+        };
+        let key = (kind, at.parent, at.time);
+        let known = || self.traced.lock().unwrap_or_else(PoisonError::into_inner);
+        let before = known().get(&key).cloned();
+        before.unwrap_or_else(|| {
+            let run = self.traced_back(at, goal);
+            known().insert(key, run.clone());
+            run
+        })
+    }
+
+    fn traced_back(&self, at: Sight, goal: &Goal) -> Run {
         let left_out = || Run {
             end: at.time,
             left_out: true,
@@ -269,6 +299,15 @@ impl Search<'_> {
 }
 
 impl Goal<'_> {
+    fn kind(&self) -> Option<Kind> {
+        match *self {
+            Goal::Missed(task) => Some(Kind::Missed(task)),
+            Goal::Overdue(task) => Some(Kind::Overdue(task)),
+            Goal::Reach(predicate) => Some(Kind::Reached(std::ptr::from_ref(predicate).addr())),
+            _ => None,
+        }
+    }
+
     /// The task it is about.
     fn task(&self) -> Option<usize> {
         match *self {
