@@ -289,6 +289,13 @@ impl Verifier {
     }
 }
 
+impl Drop for Verifier {
+    /// The work ends with the server.
+    fn drop(&mut self) {
+        self.stop();
+    }
+}
+
 fn notify(told: &mut Told, path: &Utf8Path, entry: &Entry, outbox: &Outbox) {
     let (Some(uri), Some(told)) = (crate::convert::uri::from_path(path), told) else {
         return;
