@@ -305,6 +305,9 @@ async fn answers_are_shown_as_they_are_found() {
     assert_eq!(answer["howFar"], "3 of 4 checks answered");
     assert_eq!(answer["checks"][3]["verdict"], "open");
     assert_eq!(answer["timeline"]["check"], 2, "the run that refutes it");
+    let codels = answer["codels"].as_array().expect("a list").iter();
+    let mut odd = codels.filter(|it| it["path"] == "pump.a1.start");
+    assert_eq!(odd.next().expect("it has one")["wcet"], 1007.0);
 
     // An edit makes all of it stale at once, and nothing of it is told of the new text.
     client
