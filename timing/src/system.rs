@@ -7,7 +7,7 @@
 
 pub mod build;
 mod locks;
-mod loops;
+pub(crate) mod loops;
 mod patience;
 mod program;
 pub mod settings;
@@ -321,6 +321,14 @@ impl TimedSystem {
     pub fn needs_core(&self, task: usize) -> bool {
         self.platform.cores.is_some()
             && (self.tasks[task].period.is_some() || self.platform.aperiodic_core)
+    }
+
+    /// Whether some codel of a task is executed by a separate thread, also when its job has ended.
+    pub(crate) fn runs_apart(&self, task: usize) -> bool {
+        let it = &self.tasks[task];
+        let mut automata = it.permanent.iter().chain(&it.slots);
+        self.platform.async_free
+            && automata.any(|&a| self.machine_of(a).states.iter().any(|it| it.is_async))
     }
 
     /// Services that some client can request. The others never run.

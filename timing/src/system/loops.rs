@@ -98,13 +98,9 @@ fn stuck_states(machine: &Machine, limit: u16) -> (Vec<usize>, bool) {
     let mut found: Vec<usize> = Vec::new();
     let mut all = true;
     let mut seen = FxHashSet::default();
-    let mut stack: Vec<(usize, Vec<u16>)> = begins
+    let mut stack: Vec<Visited> = begins
         .into_iter()
-        .map(|at| {
-            let mut visits = vec![0; machine.states.len()];
-            visits[at] = 1;
-            (at, visits)
-        })
+        .map(|at| beginning(machine, Some(limit), at))
         .collect();
     while let Some((at, visits)) = stack.pop() {
         if seen.len() == COMBINATIONS {
@@ -114,23 +110,70 @@ fn stuck_states(machine: &Machine, limit: u16) -> (Vec<usize>, bool) {
         if !seen.insert((at, visits.clone())) {
             continue;
         }
-        let mut stuck = true;
-        for it in &machine.states[at].yields {
-            match *it {
-                Yield::Next(next) if visits[next] < limit => {
-                    stuck = false;
-                    let mut visits = visits.clone();
-                    visits[next] += 1;
-                    stack.push((next, visits));
-                }
-                Yield::Next(next) => stuck &= !(machine.rounds && next != at),
-                Yield::Pause(_) | Yield::End => stuck = false,
-            }
-        }
+        let entered = within(machine, Some(limit), at, &visits);
+        let round = begins_round(machine, at, &entered);
+        let leaves = machine.states[at]
+            .yields
+            .iter()
+            .any(|it| !matches!(it, Yield::Next(_)));
+        let stuck = !leaves && entered.is_empty() && round.is_empty();
+        stack.extend(entered);
         if stuck && !found.contains(&at) {
             found.push(at);
         }
     }
     found.sort_unstable();
     (found, all)
+}
+
+/// A state of a machine, and how often the turn has entered each state; nothing where there is no limit.
+pub(crate) type Visited = (usize, Vec<u16>);
+
+/// The beginning of a turn, or a round, in a state.
+pub(crate) fn beginning(machine: &Machine, limit: Option<u16>, state: usize) -> Visited {
+    let mut visits = Vec::new();
+    if limit.is_some() {
+        visits.resize(machine.states.len(), 0);
+        visits[state] = 1;
+    }
+    (state, visits)
+}
+
+/// What a limit lets the turn go on with from a state.
+fn within(machine: &Machine, limit: Option<u16>, at: usize, visits: &[u16]) -> Vec<Visited> {
+    let yields = machine.states[at].yields.iter();
+    let next = yields.filter_map(|it| match *it {
+        Yield::Next(next) => Some(next),
+        _ => None,
+    });
+    next.filter(|&next| limit.is_none_or(|limit| visits[next] < limit))
+        .map(|next| {
+            let mut visits = visits.to_vec();
+            if let Some(it) = visits.get_mut(next) {
+                *it += 1;
+            }
+            (next, visits)
+        })
+        .collect()
+}
+
+/// Where a new round begins, if there are rounds and this one is over.
+fn begins_round(machine: &Machine, at: usize, within: &[Visited]) -> Vec<Visited> {
+    let yields = &machine.states[at].yields;
+    if !machine.rounds || !within.is_empty() {
+        return Vec::new();
+    }
+    let next = yields.iter().filter_map(|it| match *it {
+        Yield::Next(next) if next != at => Some(next),
+        _ => None,
+    });
+    next.map(|next| beginning(machine, machine.loop_limit, next))
+        .collect()
+}
+
+/// What can follow a state in the same turn.
+pub(crate) fn followers(machine: &Machine, (at, visits): &Visited) -> Vec<Visited> {
+    let mut out = within(machine, machine.loop_limit, *at, visits);
+    out.extend(begins_round(machine, *at, &out));
+    out
 }

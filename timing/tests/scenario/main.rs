@@ -1,5 +1,6 @@
 //! Scenario language and verification, on small specifications of our own.
 
+mod quick;
 mod told;
 
 use std::sync::Arc;
@@ -9,7 +10,6 @@ use camino::Utf8Path;
 use dotgen_analysis::host::{
     AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags, UnitResult,
 };
-use dotgen_timing::analytic::response_bounds;
 use dotgen_timing::derive::{largest_wcet, minimum_cores, smallest_period};
 use dotgen_timing::explore::Stop;
 use dotgen_timing::report::{CheckReport, Report, Value, Verdict};
@@ -425,15 +425,6 @@ fn connections_that_make_codels_wait_are_named() {
     let scan = vec!["sensor.scan → control.scan".to_owned()];
     assert_eq!(shared(""), (scan.clone(), scan));
     assert_eq!(shared("connect control.scan to none;"), (vec![], vec![]));
-}
-
-#[test]
-fn the_quick_bound_is_there_at_once() {
-    let unit = load(ROBOT);
-    let names = Names::new(&[&unit.spec]);
-    let settings = Settings::new(&parse("scenario x { cores 2; }").scenario);
-    let built = build(&names, &settings, &|_| true);
-    insta::assert_debug_snapshot!(response_bounds(&built.system));
 }
 
 #[test]

@@ -1,0 +1,92 @@
+//! How long a task can wait for a core.
+
+use super::Analysis;
+use super::demand::Demand;
+use crate::system::loops::can_pause;
+use crate::system::{Policy, Yield};
+
+impl Analysis<'_> {
+    /// The longest that a job can wait for a core, given how long jobs of all tasks have theirs.
+    pub(super) fn core_wait(&self, task: usize, held: &[Option<u64>]) -> Option<u64> {
+        let system = self.system;
+        let Some(cores) = system.platform.cores else {
+            return Some(0);
+        };
+        if !system.needs_core(task) {
+            return Some(0);
+        }
+        let others = (0..system.tasks.len()).filter(|&it| it != task && system.needs_core(it));
+        let mut demand = Demand::default();
+        // Other tasks that keep a core for ever at worst, and those that do so even if they are given it only once.
+        let (mut kept, mut held_for_ever) = (0, 0);
+        // Under FIFO every other task has at most one job that was released before.
+        let mut ahead = 0u64;
+        for other in others {
+            let work = held[other].filter(|_| !self.may_be_endless(other));
+            match work {
+                Some(work) => ahead = ahead.checked_add(work)?,
+                None => held_for_ever += 1,
+            }
+            match work.and_then(|work| self.jobs(other, work, 0)) {
+                Some(it) => demand.jobs.extend((it.work > 0).then_some(it)),
+                None => kept += 1,
+            }
+        }
+        if system.platform.policy == Policy::Edf
+            && let Some(period) = system.tasks[task].period
+        {
+            for it in &mut demand.jobs {
+                it.released = period.checked_sub(it.period).map(u64::from);
+            }
+        }
+        let cores = u64::from(cores);
+        let left = |taken: u64| cores.checked_sub(taken).filter(|&left| left > 0);
+        let busy = left(kept).and_then(|left| demand.longest_busy(left));
+        let queue = left(held_for_ever).map(|left| ahead / left);
+        match system.platform.policy {
+            Policy::Fifo => busy.into_iter().chain(queue).min(),
+            Policy::Edf | Policy::Any => busy,
+        }
+    }
+
+    /// Whether no job of another periodic task can be under way while a job of this one has its core: all other cores are
+    /// taken for ever before the first tick of any.
+    pub(super) fn alone(&self, task: usize) -> bool {
+        let system = self.system;
+        let Some(cores) = system.platform.cores else {
+            return false;
+        };
+        let on_cores = (0..system.tasks.len()).filter(|&it| system.needs_core(it));
+        let (periodic, endless): (Vec<usize>, Vec<usize>) =
+            on_cores.partition(|&it| system.tasks[it].period.is_some());
+        let first_tick = periodic.iter().map(|&it| self.first_tick(it)).min();
+        let at_once = |&it: &usize| {
+            let asks = self.started[it];
+            self.always_endless(it) && asks.is_some_and(|it| Some(it) < first_tick)
+        };
+        periodic.contains(&task)
+            && endless.len() + 1 == cores as usize
+            && endless.iter().all(at_once)
+    }
+
+    /// Whether a cycle of an aperiodic task can go on for ever.
+    fn may_be_endless(&self, task: usize) -> bool {
+        let it = &self.system.tasks[task];
+        it.period.is_none()
+            && it.permanent.is_some_and(|a| {
+                let machine = self.system.machine_of(a);
+                (0..machine.states.len()).any(|state| !can_pause(machine, state))
+            })
+    }
+
+    /// Whether its first cycle goes on for ever in any case.
+    fn always_endless(&self, task: usize) -> bool {
+        let endless = |a: usize| {
+            let states = self.system.machine_of(a).states.iter();
+            let mut yields = states.flat_map(|it| &it.yields);
+            yields.all(|it| matches!(it, Yield::Next(_)))
+        };
+        let permanent = self.system.tasks[task].permanent;
+        permanent.is_some_and(endless) && !self.system.runs_apart(task)
+    }
+}

@@ -1,0 +1,115 @@
+//! Which activities can be under way at the same time, as far as the order of requests tells.
+
+use rustc_hash::FxHashSet;
+
+use crate::system::{Client, ClientAction, TimedSystem};
+
+/// Clients that can be in more situations than this may have all slots in use.
+const SITUATIONS: usize = 2_000;
+
+/// Tasks with more combinations of activities than this may have all slots in use.
+const COMBINATIONS: usize = 32;
+
+/// Per task, sets of automata: those that have a turn in one job are among those of one set.
+///
+/// Whoever has had a turn in a job keeps its slot until the job has ended, so all of them are in use at its end.
+pub(super) fn of_one_job(system: &TimedSystem) -> Vec<Vec<Vec<usize>>> {
+    let live: Vec<Option<FxHashSet<Live>>> = system
+        .clients
+        .iter()
+        .map(|it| situations(system, it))
+        .collect();
+    let of_task = |task: usize| {
+        let it = &system.tasks[task];
+        let permanent: Vec<usize> = it.permanent.into_iter().collect();
+        let all = || FxHashSet::from_iter([[&permanent[..], &it.slots[..]].concat()]);
+        // What ends beside a job gives its slot back at once.
+        if system.runs_apart(task) {
+            return all().into_iter().collect();
+        }
+        let mut sets = FxHashSet::from_iter([permanent.clone()]);
+        for live in &live {
+            let with = |set: &Vec<usize>| -> Option<Vec<Vec<usize>>> {
+                let live = live.as_ref()?.iter();
+                let more = live.map(|it| with_slots(system, task, set, it));
+                Some(more.collect())
+            };
+            let next: Option<Vec<Vec<Vec<usize>>>> = sets.iter().map(with).collect();
+            let Some(next) = next else {
+                sets = all();
+                break;
+            };
+            sets = next.into_iter().flatten().collect();
+            let within = |one: &Vec<usize>, other: &Vec<usize>| {
+                one.len() < other.len() && one.iter().all(|it| other.contains(it))
+            };
+            let most = sets
+                .iter()
+                .filter(|&it| !sets.iter().any(|other| within(it, other)));
+            sets = most.cloned().collect();
+            if sets.len() > COMBINATIONS {
+                sets = all();
+                break;
+            }
+        }
+        sets.into_iter().collect()
+    };
+    (0..system.tasks.len()).map(of_task).collect()
+}
+
+/// Adds slots for so many instances.
+fn with_slots(system: &TimedSystem, task: usize, set: &[usize], live: &Live) -> Vec<usize> {
+    let mut out = set.to_vec();
+    for &(service, _) in live {
+        let slots = system.services[service].slots.iter();
+        let mut free = slots.filter(|&&a| system.automata[a].task == task && !out.contains(&a));
+        if let Some(&slot) = free.next() {
+            out.push(slot);
+        }
+    }
+    out.sort_unstable();
+    out
+}
+
+/// Instances of activities: the service and the trackers that follow it.
+type Live = Vec<(usize, Vec<usize>)>;
+
+/// The instances there can be of the requests of a client, one list for each situation it can be in.
+///
+/// Those nobody waits for stay for ever here. That they may end makes no other list longer: as many more as then find
+/// a slot are there already.
+fn situations(system: &TimedSystem, client: &Client) -> Option<FxHashSet<Live>> {
+    let mut seen: FxHashSet<(usize, Live)> = FxHashSet::default();
+    let mut stack: Vec<(usize, Live)> = client.first.iter().map(|&it| (it, Vec::new())).collect();
+    while let Some((at, live)) = stack.pop() {
+        if !seen.insert((at, live.clone())) {
+            continue;
+        }
+        if seen.len() > SITUATIONS {
+            return None;
+        }
+        let Some(step) = client.steps.get(at) else {
+            continue;
+        };
+        let mut live = live;
+        match step.action {
+            ClientAction::Send {
+                service,
+                ref trackers,
+            } => {
+                for (_, it) in &mut live {
+                    it.retain(|it| !trackers.contains(it));
+                }
+                let already = live.iter().filter(|it| it.0 == service).count();
+                if already < system.services[service].slots.len() {
+                    live.push((service, trackers.clone()));
+                }
+                live.sort_unstable();
+            }
+            ClientAction::AwaitEnded(tracker) => live.retain(|it| !it.1.contains(&tracker)),
+            ClientAction::AwaitAccepted | ClientAction::Delay(..) => {}
+        }
+        stack.extend(step.next.iter().map(|&next| (next, live.clone())));
+    }
+    Some(seen.into_iter().map(|it| it.1).collect())
+}

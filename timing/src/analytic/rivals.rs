@@ -1,0 +1,159 @@
+//! Who can keep a codel waiting for its locks.
+
+use super::Analysis;
+use super::demand::Stretches;
+use super::ways::Ways;
+use crate::system::{Client, ClientAction, CodelSet, FOREVER, LockOrder, Machine, TimedSystem};
+
+/// What can keep codels waiting for their locks.
+#[derive(Debug, Default)]
+pub(super) struct Rivals {
+    /// Periodic tasks.
+    pub(super) jobs: Vec<Rival>,
+    /// Tasks without a period; `None`: there is no telling how much they work.
+    pub(super) stretches: Vec<Option<Stretches>>,
+    /// What control tasks can execute at all.
+    pub(super) control: Option<u64>,
+}
+
+/// A periodic task, and what of its work keeps others waiting.
+#[derive(Debug)]
+pub(super) struct Rival {
+    pub(super) task: usize,
+    /// In its start-up.
+    pub(super) start: Option<u64>,
+    /// In one job.
+    pub(super) job: Option<u64>,
+}
+
+/// The codels whose execution can keep each codel waiting. With locks in order of arrival it also waits for what those
+/// before it wait for.
+pub(super) fn excluded(system: &TimedSystem) -> Vec<CodelSet> {
+    let mut sets: Vec<CodelSet> = system
+        .codels
+        .iter()
+        .map(|it| it.conflicts.clone())
+        .collect();
+    let mut changed = system.platform.locks == LockOrder::Fifo;
+    while std::mem::take(&mut changed) {
+        for i in 0..sets.len() {
+            let members: Vec<usize> = sets[i].iter().collect();
+            for member in members {
+                let more: Vec<usize> = sets[member].iter().collect();
+                for it in more {
+                    if !sets[i].contains(it) {
+                        sets[i].insert(it);
+                        changed = true;
+                    }
+                }
+            }
+        }
+    }
+    sets
+}
+
+impl Analysis<'_> {
+    /// What certain tasks, and control tasks, can execute of some codels, while a codel of its `own` task is waited for. The job
+    /// of that is not in its own way, unless it leaves codels to others; its start-up may be.
+    pub(super) fn rivals(
+        &self,
+        excluded: &CodelSet,
+        own: Option<usize>,
+        of: &dyn Fn(usize) -> bool,
+    ) -> Rivals {
+        let mut out = Rivals {
+            control: Some(0),
+            ..Rivals::default()
+        };
+        if excluded.is_empty() {
+            return out;
+        }
+        let cost = |codel: usize| match excluded.contains(codel) {
+            true => self.upper(codel),
+            false => Some(0),
+        };
+        for (task, it) in self.system.tasks.iter().enumerate().filter(|it| of(it.0)) {
+            if it.period.is_some() {
+                let start = it.permanent.map_or(Some(0), |a| self.start_up(a, &cost));
+                let parties = match own == Some(task) && !self.system.runs_apart(task) {
+                    true => &[],
+                    false => &self.parties[task][..],
+                };
+                let jobs = parties.iter().map(|it| self.turns(it, &cost));
+                let most = jobs.max_by_key(|it| it.unwrap_or(u64::MAX));
+                let job = most.unwrap_or(Some(0));
+                if (start, job) != (Some(0), Some(0)) {
+                    out.jobs.push(Rival { task, start, job });
+                }
+                continue;
+            }
+            for &automaton in it.permanent.iter().chain(&it.slots) {
+                let machine = self.system.machine_of(automaton);
+                if machine.states.iter().any(|it| cost(it.codel) != Some(0)) {
+                    // Activities begin again at any time.
+                    let alone = it.slots.is_empty();
+                    let found = alone.then(|| self.stretches(machine, &cost));
+                    out.stretches.push(found.flatten());
+                }
+            }
+        }
+        out.control = self.control_work(excluded);
+        out
+    }
+
+    /// The longest that an execution of a codel can be, unless it has no end.
+    pub(super) fn upper(&self, codel: usize) -> Option<u64> {
+        let upper = self.system.codels[codel].upper;
+        (upper != FOREVER).then_some(u64::from(upper))
+    }
+
+    /// The work of a permanent activity without periods, given what each codel has of it.
+    fn stretches(
+        &self,
+        machine: &Machine,
+        cost: &dyn Fn(usize) -> Option<u64>,
+    ) -> Option<Stretches> {
+        let lower = |state: usize| self.system.codels[machine.states[state].codel].lower;
+        let cost = |state: usize| cost(machine.states[state].codel);
+        let breaks = |state: usize| cost(state) == Some(0) && lower(state) > 0;
+        let gaps = (0..machine.states.len()).filter(|&it| breaks(it));
+        Some(Stretches {
+            work: Ways::stretches(machine, &|it| !breaks(it)).costliest(&cost)?,
+            gap: gaps.map(|it| u64::from(lower(it))).min(),
+        })
+    }
+
+    fn control_work(&self, excluded: &CodelSet) -> Option<u64> {
+        let mut sum = 0u64;
+        for client in &self.system.clients {
+            for (at, step) in client.steps.iter().enumerate() {
+                let ClientAction::Send { service, .. } = step.action else {
+                    continue;
+                };
+                let service = &self.system.services[service];
+                let codels = service.validate.iter().chain(&service.simple);
+                let mut codels = codels.filter(|&&it| excluded.contains(it));
+                let work = codels.try_fold(0u64, |sum, &it| sum.checked_add(self.upper(it)?))?;
+                if work > 0 && on_cycle(client, at) {
+                    return None;
+                }
+                sum = sum.checked_add(work)?;
+            }
+        }
+        Some(sum)
+    }
+}
+
+fn on_cycle(client: &Client, at: usize) -> bool {
+    let mut seen = vec![false; client.steps.len()];
+    let mut stack: Vec<usize> = client.steps[at].next.clone();
+    while let Some(it) = stack.pop() {
+        if it == at {
+            return true;
+        }
+        if it < client.steps.len() && !std::mem::replace(&mut seen[it], true) {
+            stack.extend(&client.steps[it].next);
+        }
+    }
+    false
+}

@@ -1,0 +1,127 @@
+//! Ways through the states of a machine, and what they cost at most.
+
+use rustc_hash::FxHashMap;
+
+use crate::system::loops::{Visited, beginning, followers};
+use crate::system::{Machine, Yield};
+
+/// Machines whose loop limits make more combinations of states and visits than this are given up: a quick bound must be
+/// quick.
+const COMBINATIONS: usize = 2_000;
+
+/// States that a new turn of a machine can begin with, except the first one.
+pub(super) fn resumed(machine: &Machine) -> impl Iterator<Item = usize> + '_ {
+    let yields = machine.states.iter().flat_map(|it| &it.yields);
+    yields.filter_map(|it| match *it {
+        Yield::Pause(state) => Some(state),
+        _ => None,
+    })
+}
+
+/// Ways through states of a machine.
+#[derive(Debug)]
+pub(super) struct Ways {
+    /// The state of each vertex.
+    at: Vec<usize>,
+    /// The vertices that can follow each.
+    next: Vec<Vec<usize>>,
+    /// There are too many vertices; each state once instead, and how often a way can enter it.
+    often: Option<Option<u16>>,
+}
+
+impl Ways {
+    /// The turns that begin with one of some states.
+    pub(super) fn turns(machine: &Machine, from: impl IntoIterator<Item = usize>) -> Self {
+        Self::new(machine, from, &|_| true, false)
+    }
+
+    /// Ways that begin anywhere, go on beyond pauses, and only lead through some states.
+    pub(super) fn stretches(machine: &Machine, through: &dyn Fn(usize) -> bool) -> Self {
+        Self::new(machine, 0..machine.states.len(), through, true)
+    }
+
+    fn new(
+        machine: &Machine,
+        from: impl IntoIterator<Item = usize>,
+        through: &dyn Fn(usize) -> bool,
+        beyond_pauses: bool,
+    ) -> Self {
+        let begin = |state| beginning(machine, machine.loop_limit, state);
+        let mut vertices: Vec<Visited> = Vec::new();
+        let mut known: FxHashMap<Visited, usize> = FxHashMap::default();
+        let mut number = |vertices: &mut Vec<Visited>, it: Visited| {
+            *known.entry(it.clone()).or_insert_with(|| {
+                vertices.push(it);
+                vertices.len() - 1
+            })
+        };
+        for state in from.into_iter().filter(|&it| through(it)) {
+            number(&mut vertices, begin(state));
+        }
+        let mut next = Vec::new();
+        while let Some(vertex) = vertices.get(next.len()) {
+            let mut following = followers(machine, vertex);
+            if beyond_pauses {
+                let yields = machine.states[vertex.0].yields.iter();
+                following.extend(yields.filter_map(|it| match *it {
+                    Yield::Pause(state) => Some(begin(state)),
+                    _ => None,
+                }));
+            }
+            following.retain(|it| through(it.0));
+            let numbers = following.into_iter().map(|it| number(&mut vertices, it));
+            next.push(numbers.collect());
+            if vertices.len() > COMBINATIONS {
+                let limit = machine.loop_limit;
+                return Ways {
+                    at: (0..machine.states.len())
+                        .filter(|&it| through(it))
+                        .collect(),
+                    next: Vec::new(),
+                    often: Some(limit.filter(|_| !machine.rounds && !beyond_pauses)),
+                };
+            }
+        }
+        Ways {
+            at: vertices.into_iter().map(|it| it.0).collect(),
+            next,
+            often: None,
+        }
+    }
+
+    /// The states they lead through.
+    pub(super) fn states(&self) -> impl Iterator<Item = usize> + '_ {
+        self.at.iter().copied()
+    }
+
+    /// The cost of the costliest way; `None` if there is no greatest, or it is not found.
+    pub(super) fn costliest(&self, cost: &dyn Fn(usize) -> Option<u64>) -> Option<u64> {
+        let costs: Vec<u64> = self.states().map(cost).collect::<Option<_>>()?;
+        let sum = costs.iter().try_fold(0u64, |sum, &it| sum.checked_add(it));
+        if sum == Some(0) {
+            return sum;
+        }
+        if let Some(often) = self.often {
+            return sum?.checked_mul(u64::from(often?));
+        }
+        // Longest ways, round by round: with n vertices they are stable after n rounds, unless there is a cycle that
+        // costs something.
+        let mut longest = costs.clone();
+        for _ in 0..=costs.len() {
+            let mut changed = false;
+            for vertex in (0..costs.len()).rev() {
+                for &following in &self.next[vertex] {
+                    let through = costs[vertex].checked_add(longest[following])?;
+                    if through > longest[vertex] {
+                        longest[vertex] = through;
+                        changed = true;
+                    }
+                }
+            }
+            if !changed {
+                return longest.into_iter().max();
+            }
+        }
+        None
+    }
+}

@@ -1,0 +1,163 @@
+//! Quick bounds: what response-time analysis knows at once.
+
+use dotgen_timing::analytic::response_bounds;
+use dotgen_timing::scn::names::Names;
+use dotgen_timing::scn::parse;
+use dotgen_timing::system::build::build;
+use dotgen_timing::system::settings::Settings;
+
+use super::{ROBOT, load};
+
+/// Bounds on the response times of all tasks, in base units.
+fn bounds(specification: &str, scenario: &str) -> String {
+    let unit = load(specification);
+    let names = Names::new(&[&unit.spec]);
+    let parsed = parse(&format!("scenario x {{ {scenario} }}"));
+    assert_eq!(parsed.errors, []);
+    let built = build(&names, &Settings::new(&parsed.scenario), &|_| true);
+    let bounds = response_bounds(&built.system);
+    let lines = bounds.iter().enumerate().map(|(task, bound)| {
+        let bound = bound.map_or("-".to_owned(), |it| it.to_string());
+        format!("{} {bound}\n", built.system.task_path(task))
+    });
+    lines.collect()
+}
+
+#[test]
+fn the_quick_bound_is_there_at_once() {
+    insta::assert_snapshot!(bounds(ROBOT, "cores 2;"), @r"
+    sensor.acquire 6
+    control.move 4
+    ");
+}
+
+/// Two tasks with a lock in common, of which one works most of the time.
+const PAIR: &str = r#"
+component pair {
+  version "1"; lang "c";
+  ids { long a; };
+  task io {
+    period 10 ms;
+    codel <start> io_start() yield pause::read wcet 1 ms;
+    codel <read> io_read() yield insert wcet 1 ms;
+    codel <insert> io_insert(out a) yield pause::read wcet 1 ms;
+  };
+  task filter {
+    period 10 ms;
+    codel <start> filter_start(out a) yield filter wcet 2 ms;
+    codel <filter> filter_main(inout a) yield pause::filter wcet 6 ms;
+  };
+};
+"#;
+
+#[test]
+fn of_a_task_that_keeps_its_deadlines_the_rest_of_one_job_is_in_the_way() {
+    // Not two jobs of the filter: the next one comes too late for that. Nor its start-up, which is over by then.
+    insta::assert_snapshot!(bounds(PAIR, ""), @r"
+    pair.io 8
+    pair.filter 7
+    ");
+}
+
+#[test]
+fn a_task_that_may_be_late_can_have_a_second_job_at_once() {
+    // One carried in, one on a pending tick, and those released meanwhile; of `io`, which is late then, the same three.
+    let late = PAIR.replace("wcet 6 ms", "wcet 9 ms");
+    insta::assert_snapshot!(bounds(&late, ""), @r"
+    pair.io 301
+    pair.filter 12
+    ");
+}
+
+/// Activities that take 4 and 5 of 10 ms.
+const ACTIVITIES: &str = r#"
+component arm {
+  version "1"; lang "c";
+  ids { long a; };
+  task move { period 10 ms; };
+  activity go() { task move; codel <start> go_main(out a) yield ether wcet 4 ms; };
+  activity grasp() { task move; codel <start> grasp_main(out a) yield ether wcet 5 ms; };
+};
+"#;
+
+#[test]
+fn activities_that_are_awaited_do_not_come_together() {
+    let client = |steps: &str| {
+        bounds(
+            ACTIVITIES,
+            &format!("client c {{ repeat * {{ {steps} }} }}"),
+        )
+    };
+    let go = "send arm.go;";
+    let grasp = "send arm.grasp;";
+    // All slots, two of each.
+    assert_eq!(client(&format!("{go} {grasp}")), "arm.move 18\n");
+    let one = format!("{go} await ended; {grasp} await ended;");
+    assert_eq!(client(&one), "arm.move 5\n");
+    let either = format!("choice {{ {go} }} or {{ {grasp} }} await ended;");
+    assert_eq!(client(&either), "arm.move 5\n");
+    let both = format!("{go} {grasp} await ended arm.go; await ended arm.grasp;");
+    assert_eq!(client(&both), "arm.move 9\n");
+    // Nobody waits for `grasp`, so there will be two of it.
+    assert_eq!(
+        client(&format!("{go} await ended; {grasp}")),
+        "arm.move 14\n"
+    );
+    // Of two clients each can have one.
+    let two = format!("client c {{ repeat * {{ {one} }} }} client d {{ {go} }}");
+    assert_eq!(bounds(ACTIVITIES, &two), "arm.move 9\n");
+    let two = format!("slots arm.go 1; {two}");
+    assert_eq!(bounds(ACTIVITIES, &two), "arm.move 9\n");
+}
+
+/// A task that never gives its core back, and two others.
+const ENDLESS: &str = r#"
+component bus {
+  version "1"; lang "c";
+  ids { long line; long state; };
+  task comm {
+    codel <start> comm_start(out line) yield poll wcet 1 ms;
+    codel <poll> comm_poll() yield poll, read wcet 5 ms;
+    codel <read> comm_read(out line) yield poll wcet 2 ms;
+  };
+  task fast {
+    period 20 ms;
+    codel <start> fast_start(out state) yield pause::run wcet 1 ms;
+    codel <run> fast_run(in line, out state) yield pause::run wcet 3 ms;
+  };
+  task slow {
+    period 50 ms;
+    codel <start> slow_start(out state) yield pause::run wcet 1 ms;
+    codel <run> slow_run(out state) yield pause::run wcet 8 ms;
+  };
+};
+"#;
+
+#[test]
+fn who_works_for_ever_is_in_the_way_until_the_next_break() {
+    // `fast` waits for one `read`, as the line is free for a millisecond then; but that can pass eight times while `slow` is at
+    // work.
+    let scenario = "duration bus.comm.poll [1,*] ms; loop once bus.comm;";
+    insta::assert_snapshot!(bounds(ENDLESS, scenario), @r"
+    bus.comm -
+    bus.fast 29
+    bus.slow 17
+    ");
+    // Without a break there is no bound.
+    insta::assert_snapshot!(bounds(ENDLESS, "loop once bus.comm;"), @r"
+    bus.comm -
+    bus.fast -
+    bus.slow 17
+    ");
+}
+
+#[test]
+fn jobs_on_the_same_core_do_not_wait_for_locks_of_each_other() {
+    // One core for all but `comm`: 3 of `fast`, with 2 of `comm` before, then 8 of `slow`; or the other way round.
+    let scenario = "duration bus.comm.poll [1,*] ms; loop once bus.comm; cores 2;";
+    insta::assert_snapshot!(bounds(ENDLESS, scenario), @r"
+    bus.comm -
+    bus.fast 13
+    bus.slow 13
+    ");
+}
