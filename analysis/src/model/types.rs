@@ -1,0 +1,233 @@
+//! Types and constants, as resolved.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Name, Src};
+
+/// Index into [`Spec::types`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct TypeId(pub u32);
+
+/// A type object: named types, anonymous types, and the other things that live in scopes
+/// (constants, members, enumerators, states, ports, remotes).
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Type {
+    /// What it is.
+    pub kind: TypeKind,
+    /// Name inside its scope; `None` for anonymous types.
+    pub name: Option<Name>,
+    /// Enclosing scopes, outermost first; empty at global scope. An anonymous type has those of the
+    /// place where it was written.
+    pub scope: Vec<Scope>,
+    /// Where it was declared (its name when it has one).
+    pub src: Src,
+    /// The struct, union or exception it is nested in.
+    pub parent: Option<TypeId>,
+    /// `#pragma masquerade TEMPLATE TYPE DATA`: pairs of template and data.
+    pub masquerade: Vec<(String, String)>,
+}
+
+/// One enclosing scope of a type.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct Scope {
+    /// Kind of scope.
+    pub kind: ScopeKind,
+    /// Its name.
+    pub name: Name,
+}
+
+/// Kinds of scope, in the words of the template language.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ScopeKind {
+    /// A module, component, interface, or the `pause` scope of a component.
+    Module,
+    /// A struct (the ids included).
+    Struct,
+    /// A union.
+    Union,
+    /// An exception.
+    Exception,
+}
+
+impl TypeKind {
+    /// The word for the kind: what IDL calls base types, and templates the others.
+    pub fn word(&self) -> &'static str {
+        match self {
+            TypeKind::Boolean => "boolean",
+            TypeKind::Octet => "octet",
+            TypeKind::Char => "char",
+            TypeKind::Short => "short",
+            TypeKind::UnsignedShort => "unsigned short",
+            TypeKind::Long => "long",
+            TypeKind::UnsignedLong => "unsigned long",
+            TypeKind::LongLong => "long long",
+            TypeKind::UnsignedLongLong => "unsigned long long",
+            TypeKind::Float => "float",
+            TypeKind::Double => "double",
+            TypeKind::Any => "any",
+            TypeKind::String { .. } => "string",
+            TypeKind::Array { .. } => "array",
+            TypeKind::Sequence { .. } => "sequence",
+            TypeKind::Optional { .. } => "optional",
+            TypeKind::Enum { .. } => "enum",
+            TypeKind::Enumerator { .. } => "enumerator",
+            TypeKind::Struct { .. } => "struct",
+            TypeKind::StructMember { .. } => "struct member",
+            TypeKind::Union { .. } => "union",
+            TypeKind::UnionMember { .. } => "union member",
+            TypeKind::Exception { .. } => "exception",
+            TypeKind::Native => "native",
+            TypeKind::Typedef { .. } => "typedef",
+            TypeKind::Const { .. } => "const",
+            TypeKind::ForwardStruct { .. } => "forward struct",
+            TypeKind::ForwardUnion { .. } => "forward union",
+            TypeKind::Event => "event",
+            TypeKind::PauseEvent => "pause event",
+            TypeKind::Port { .. } => "port",
+            TypeKind::Remote { .. } => "remote",
+            TypeKind::Unknown => "unknown",
+        }
+    }
+}
+
+/// Kinds of type objects.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[allow(missing_docs, reason = "the IDL keywords say it")]
+pub enum TypeKind {
+    Boolean,
+    Octet,
+    Char,
+    Short,
+    UnsignedShort,
+    Long,
+    UnsignedLong,
+    LongLong,
+    UnsignedLongLong,
+    Float,
+    Double,
+    Any,
+    /// `string` or `string<bound>`.
+    String {
+        bound: Option<u64>,
+    },
+    /// One dimension; `long a[2][3]` is an array of 2 of an array of 3.
+    Array {
+        element: TypeId,
+        length: u64,
+    },
+    Sequence {
+        element: TypeId,
+        bound: Option<u64>,
+    },
+    Optional {
+        element: TypeId,
+    },
+    Enum {
+        enumerators: Vec<TypeId>,
+    },
+    /// One value of an enum; `value` counts from 0.
+    Enumerator {
+        enumeration: TypeId,
+        value: u32,
+    },
+    Struct {
+        members: Vec<TypeId>,
+    },
+    StructMember {
+        ty: TypeId,
+    },
+    Union {
+        switch: TypeId,
+        members: Vec<TypeId>,
+    },
+    UnionMember {
+        ty: TypeId,
+        labels: Vec<Label>,
+    },
+    /// Without members it carries no data and is no data type.
+    Exception {
+        members: Vec<TypeId>,
+    },
+    Native,
+    Typedef {
+        ty: TypeId,
+    },
+    /// A named constant, or an anonymous one (the value of a `period`, `priority`, …).
+    Const {
+        ty: TypeId,
+        value: Value,
+    },
+    /// `struct s;`: `definition` once completed.
+    ForwardStruct {
+        definition: Option<TypeId>,
+    },
+    /// `union u;`
+    ForwardUnion {
+        definition: Option<TypeId>,
+    },
+    /// A state of a state machine.
+    Event,
+    /// The paused form of a state (`pause::s`); lives in scope `pause` of its component.
+    PauseEvent,
+    /// The type object of a port; `component` and `port` index into [`Spec::components`] and
+    /// [`Component::ports`].
+    Port {
+        component: u32,
+        port: u32,
+    },
+    /// The type object of a remote service.
+    Remote {
+        component: u32,
+        remote: u32,
+    },
+    /// Stands for a type that could not be resolved; causes no further diagnostic.
+    Unknown,
+}
+
+/// A label of a union case.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub enum Label {
+    /// `default:`
+    Default,
+    /// `case VALUE:`
+    Case(Value),
+}
+impl Eq for Label {}
+
+/// The value of a constant expression.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", content = "value", rename_all = "lowercase")]
+pub enum Value {
+    /// `TRUE`, `FALSE`
+    Bool(bool),
+    /// Unsigned integer (also the result of arithmetic on unsigned operands).
+    Uint(u64),
+    /// Signed integer.
+    Int(i64),
+    /// Floating point number.
+    Float(f64),
+    /// One character, its raw text without quotes.
+    Char(String),
+    /// Raw text between the quotes, escapes uninterpreted except `\"`.
+    String(String),
+    /// An enumerator.
+    Enum(TypeId),
+}
+
+impl Value {
+    /// The word for the kind.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Value::Bool(_) => "bool",
+            Value::Uint(_) => "uint",
+            Value::Int(_) => "int",
+            Value::Float(_) => "float",
+            Value::Char(_) => "char",
+            Value::String(_) => "string",
+            Value::Enum(_) => "enum",
+        }
+    }
+}
+impl Eq for Value {}
