@@ -99,6 +99,10 @@ pub struct VerificationStatusParams {
     pub scenario: String,
     /// Whether the scenario is written in a file.
     pub written: bool,
+    /// Checks that are answered for this version; while it is at work, these answers are final.
+    pub answered: Option<usize>,
+    /// Checks that there are.
+    pub checks: Option<usize>,
     /// The least number of cores with which no deadline is missed, once it is known.
     pub minimum_cores: Option<u32>,
     /// States of the answer, if it is of this version.

@@ -64,8 +64,10 @@ pub(crate) struct Entry {
     pub(crate) version: Option<i32>,
     /// What is verified.
     pub(crate) problem: Arc<Problem>,
-    /// The last answer; of `problem` unless the status is stale or running.
+    /// The last answer.
     pub(crate) answer: Option<Arc<Answer>>,
+    /// Whether that is about `problem`; while the status is running, checks are open.
+    holds: bool,
     /// Quick bounds of `problem`, once there.
     pub(crate) bounds: Arc<Vec<TaskBound>>,
     /// What the answer is to be found with.
@@ -77,20 +79,24 @@ pub(crate) struct Entry {
 impl Entry {
     /// Where the places of the answer are.
     pub(crate) fn places(&self) -> &Arc<Problem> {
-        match (self.settled(), &self.answer) {
+        match (self.known(), &self.answer) {
             (None, Some(answer)) => &answer.problem,
             _ => &self.problem,
         }
     }
 
-    /// The answer, if it is about the present text.
+    /// What is known of the present text: the answer, or what there is of it.
+    pub(crate) fn known(&self) -> Option<&Arc<Answer>> {
+        self.answer.as_ref().filter(|_| self.holds)
+    }
+
+    /// The answer, if it is complete and about the present text.
     pub(crate) fn settled(&self) -> Option<&Arc<Answer>> {
-        let settled = !matches!(self.status, Status::Stale | Status::Running);
-        self.answer.as_ref().filter(|_| settled)
+        self.known().filter(|_| self.status != Status::Running)
     }
 }
 
-/// A problem and what was found.
+/// A problem and what was found; as long as the work goes on, what has been found so far.
 pub(crate) struct Answer {
     pub(crate) problem: Arc<Problem>,
     pub(crate) options: Options,
@@ -151,6 +157,7 @@ impl Verifier {
             if entry.status != Status::Stale && read(entry) {
                 entry.cancel.abandon();
                 entry.status = Status::Stale;
+                entry.holds = false;
                 changed = true;
                 notify(&mut self.told, path, entry, outbox);
             }
@@ -209,6 +216,7 @@ impl Verifier {
                 None => Status::Running,
             };
             let bounds = known.as_ref().map(|it| it.bounds.clone());
+            let holds = known.is_some();
             let entry = Entry {
                 status,
                 version,
@@ -218,6 +226,7 @@ impl Verifier {
                     Status::Blocked => None,
                     _ => known.or(before.and_then(|it| it.answer)),
                 },
+                holds,
                 bounds: bounds.unwrap_or_default(),
                 options: options.clone(),
                 job: self.jobs,
@@ -262,6 +271,9 @@ impl Verifier {
         };
         match it.found {
             Found::Bounds(bounds) => entry.bounds = bounds,
+            // On its way when the whole answer came.
+            Found::SoFar(_) if entry.status != Status::Running => return false,
+            Found::SoFar(answer) => (entry.answer, entry.holds) = (Some(answer), true),
             Found::Answer(answer) => {
                 self.remembered.retain(|it| {
                     !it.problem.is_same(&answer.problem) || it.options != answer.options
@@ -269,7 +281,7 @@ impl Verifier {
                 self.remembered.push_front(answer.clone());
                 self.remembered.truncate(REMEMBERED);
                 entry.status = answer.status();
-                entry.answer = Some(answer);
+                (entry.answer, entry.holds) = (Some(answer), true);
             }
         }
         notify(&mut self.told, &it.path, entry, outbox);
@@ -277,17 +289,26 @@ impl Verifier {
     }
 }
 
+impl Drop for Verifier {
+    /// The work ends with the server.
+    fn drop(&mut self) {
+        self.stop();
+    }
+}
+
 fn notify(told: &mut Told, path: &Utf8Path, entry: &Entry, outbox: &Outbox) {
     let (Some(uri), Some(told)) = (crate::convert::uri::from_path(path), told) else {
         return;
     };
-    let settled = entry.settled();
+    let (known, settled) = (entry.known(), entry.settled());
     let params = VerificationStatusParams {
         uri,
         version: entry.version,
         status: entry.status,
         scenario: entry.problem.scenario.name.clone(),
         written: entry.problem.is_written(),
+        answered: known.map(|it| it.report.answered()),
+        checks: known.map(|it| it.report.checks.len()),
         minimum_cores: settled.and_then(|it| it.cores.as_ref()?.cores),
         states: settled.map(|it| it.report.states),
         seconds: settled.map(|it| it.report.seconds),

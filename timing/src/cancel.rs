@@ -1,13 +1,14 @@
 //! Ending a verification from outside, and seeing from there how far it is.
 
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 /// Looked at often by everything that can take long.
 #[derive(Default)]
 pub struct Cancel {
     abandoned: AtomicBool,
+    interrupt: Interrupt,
     deadline: OnceLock<Deadline>,
     ask: Option<Box<dyn Fn() -> bool + Send + Sync>>,
     /// States of explorations that have ended, and of the one at work.
@@ -16,11 +17,31 @@ pub struct Cancel {
     bytes: AtomicUsize,
 }
 
+/// Ends verifications with what is known so far, those that begin later as well.
+#[derive(Debug, Clone, Default)]
+pub struct Interrupt(Arc<OnceLock<Instant>>);
+
+impl Interrupt {
+    /// Whoever waits has waited long enough.
+    pub fn raise(&self) {
+        self.0.get_or_init(Instant::now);
+    }
+
+    /// Whether it was raised.
+    pub fn is_raised(&self) -> bool {
+        self.0.get().is_some()
+    }
+}
+
 struct Deadline {
     after: Duration,
     /// `None`: beyond all times.
     at: Option<Instant>,
 }
+
+/// When the search is over, the runs that show what was found are looked for so long at most; and not longer than a
+/// quarter of the time there was.
+const GRACE: Duration = Duration::from_secs(2);
 
 /// How far a verification is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -45,6 +66,19 @@ impl Cancel {
         self.abandoned.store(true, Ordering::Release);
     }
 
+    /// One that also ends when an interrupt is raised: what was found until then counts, with the runs that show it.
+    pub fn interrupted_by(interrupt: &Interrupt) -> Self {
+        Cancel {
+            interrupt: interrupt.clone(),
+            ..Cancel::default()
+        }
+    }
+
+    /// Whether it was interrupted.
+    pub fn is_interrupted(&self) -> bool {
+        self.interrupt.is_raised()
+    }
+
     /// Time is up so long from now on: what was found until then counts, with the runs that show it. Only the first
     /// limit counts.
     pub fn limit(&self, time: Duration) {
@@ -61,8 +95,23 @@ impl Cancel {
 
     /// Whether the search has to end.
     pub fn is_over(&self) -> bool {
+        self.is_abandoned() || self.is_interrupted() || self.is_after(Duration::ZERO)
+    }
+
+    /// Whether even the runs that show what was found are not to be looked for any more.
+    pub(crate) fn is_too_late(&self) -> bool {
+        let interrupted = self.interrupt.0.get();
+        let limit = self.time_limit().unwrap_or_default();
+        self.is_abandoned()
+            || interrupted.is_some_and(|it| it.elapsed() >= GRACE)
+            || self.is_after(GRACE.min(limit / 4))
+    }
+
+    /// Whether time has been up for so long.
+    fn is_after(&self, grace: Duration) -> bool {
         let at = self.deadline.get().and_then(|it| it.at);
-        self.is_abandoned() || at.is_some_and(|it| Instant::now() >= it)
+        let at = at.and_then(|it| it.checked_add(grace));
+        at.is_some_and(|it| Instant::now() >= it)
     }
 
     /// Whether nobody wants the answer any more.

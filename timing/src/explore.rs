@@ -24,6 +24,6 @@ mod watch;
 pub use findings::{Bound, Findings, Found, Measured};
 pub use liveness::{Liveness, LivenessQuery, liveness};
 pub use run::{Moment, MomentKind, Run};
-pub use search::{chase, explore};
+pub use search::{chase, explore, explore_telling};
 pub use step::Action;
 pub use watch::{Limits, ResponseTime, Stop, Watch, Within};

@@ -47,6 +47,8 @@ pub enum Verdict {
     Refuted,
     /// Given up.
     Unknown,
+    /// Not answered yet. Only in what is told before the end.
+    Open,
 }
 
 /// What a verdict is worth (section 11 of the timed semantics).
@@ -101,7 +103,13 @@ pub struct CheckReport {
     /// Event of the run from which on it repeats for ever.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cycle: Option<usize>,
+    /// There is a run, but there was no time to find its steps.
+    #[serde(skip)]
+    pub left_out: bool,
 }
+
+/// Said of such a check.
+const LEFT_OUT: &str = "the run that shows it is left out: there was no time to find its steps";
 
 /// Where an exploration was given up.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -129,6 +137,7 @@ impl std::fmt::Display for GaveUp {
                 write!(f, "gave up after {seconds} s and {states} states")
             }
             (Stop::Cancelled, _) => f.write_str("cancelled"),
+            (Stop::Interrupted, _) => write!(f, "interrupted at {states} states"),
             _ => write!(f, "gave up at {states} states"),
         }
     }
@@ -201,6 +210,36 @@ impl Report {
         }
     }
 
+    /// Whether a check has no answer yet.
+    pub(crate) fn is_open(&self, check: usize) -> bool {
+        self.checks[check].verdict == Verdict::Open
+    }
+
+    /// Answers a check, once and for all.
+    pub(crate) fn answer(&mut self, check: usize, mut answer: CheckReport) {
+        assert!(self.is_open(check), "an answer is final");
+        if answer.left_out {
+            answer.note = Some(match answer.note {
+                Some(note) => format!("{note}; {LEFT_OUT}"),
+                None => LEFT_OUT.to_owned(),
+            });
+        }
+        self.checks[check] = answer;
+    }
+
+    /// How many checks have an answer.
+    pub fn answered(&self) -> usize {
+        let open = |it: &&CheckReport| it.verdict == Verdict::Open;
+        self.checks.len() - self.checks.iter().filter(open).count()
+    }
+
+    /// `5 of 7 checks answered`
+    pub fn how_far(&self) -> String {
+        let of = self.checks.len();
+        let checks = if of == 1 { "check" } else { "checks" };
+        format!("{} of {of} {checks} answered", self.answered())
+    }
+
     /// Adds what an exploration took.
     pub(crate) fn effort(&mut self, found: &Findings) {
         self.states += found.states;
@@ -246,6 +285,7 @@ impl Report {
                 Verdict::Proved => "proved ",
                 Verdict::Refuted => "REFUTED",
                 Verdict::Unknown => "unknown",
+                Verdict::Open => "open   ",
             };
             let title = format!("{} {}", it.check, it.of);
             let _ = write!(out, "{verdict}  {title:<0$}", width + 1);

@@ -19,9 +19,9 @@ use self::checks::{Single, What, expand};
 use self::groups::groups;
 use self::soon::Seen;
 pub(crate) use self::units::to_f64;
-pub use crate::cancel::{Cancel, Effort};
-use crate::explore::{Findings, Limits, Stop, Watch, explore};
-use crate::report::{CheckReport, Report};
+pub use crate::cancel::{Cancel, Effort, Interrupt};
+use crate::explore::{Findings, Limits, Stop, Watch, explore, explore_telling};
+use crate::report::Report;
 use crate::scn::Diagnostic;
 use crate::scn::ast::{Check, Durations, Policy, Scenario, Unit};
 use crate::scn::names::Names;
@@ -57,8 +57,23 @@ pub fn verify(
     options: &Options,
     cancel: &Cancel,
 ) -> Report {
+    verify_telling(input, scenario, options, cancel, &|_| {})
+}
+
+/// Verifies a scenario, and tells what is known as soon as there is more of it.
+///
+/// What is told is the report as it stands: checks without an answer are [open](crate::report::Verdict::Open), every other answer is
+/// the one of the final report. Once nobody wants it any more, nothing is told.
+pub fn verify_telling(
+    input: &SystemInput,
+    scenario: &Scenario,
+    options: &Options,
+    cancel: &Cancel,
+    tell: &(dyn Fn(&Report) + Sync),
+) -> Report {
     let names = Names::new(&input.specs);
-    verify_settings(&names, &settings(scenario, options), options.limits, cancel)
+    let settings = settings(scenario, options);
+    verify_settings(&names, &settings, options.limits, cancel, tell)
 }
 
 /// A scenario with its overrides.
@@ -75,12 +90,12 @@ pub fn settings(scenario: &Scenario, options: &Options) -> Settings {
     settings
 }
 
-/// Verifies settings; what the derived questions vary.
-pub(crate) fn verify_settings(
+fn verify_settings(
     names: &Names,
     settings: &Settings,
     limits: Limits,
     cancel: &Cancel,
+    tell: &(dyn Fn(&Report) + Sync),
 ) -> Report {
     let start = Instant::now();
     let (count, unit) = settings.unit.unwrap_or((1, Unit::Milliseconds));
@@ -106,9 +121,24 @@ pub(crate) fn verify_settings(
     if report.has_errors() {
         return report;
     }
-    let unit = unit.seconds() * Ratio::from_integer(i128::from(count));
+    let tell = |report: &mut Report| {
+        report.seconds = start.elapsed().as_secs_f64();
+        if !cancel.is_abandoned() {
+            tell(report);
+        }
+    };
+    let of_whole = Group {
+        names,
+        built: &whole,
+        unit: unit.seconds() * Ratio::from_integer(i128::from(count)),
+        settings,
+        limits,
+        cancel,
+        tell: &tell,
+    };
+    report.checks = checks.iter().map(|it| of_whole.open(it)).collect();
+    let mut parts: Vec<(Built, Vec<usize>)> = Vec::new();
     let groups = groups(names, &whole, &checks);
-    let mut answers: Vec<Option<CheckReport>> = vec![None; checks.len()];
     for group in &groups {
         let of_group: Vec<usize> = (0..checks.len())
             .filter(|&i| {
@@ -121,27 +151,35 @@ pub(crate) fn verify_settings(
         if of_group.is_empty() {
             continue;
         }
-        let built = if groups.len() == 1 {
-            whole.clone()
-        } else {
-            build(names, settings, &|c| group.contains(&c))
+        let built = match groups.len() {
+            1 => whole.clone(),
+            _ => build(names, settings, &|c| group.contains(&c)),
         };
-        Group {
-            names,
-            built: &built,
-            unit,
-            settings,
-            limits,
-            cancel,
-        }
-        .answer(&checks, &of_group, &mut answers, &mut report);
+        parts.push((built, of_group));
     }
-    report.checks = answers.into_iter().flatten().collect();
+    let groups: Vec<(Group, &[usize], Analysed)> = (parts.iter())
+        .map(|(built, of_group)| {
+            let group = Group { built, ..of_whole };
+            (group, &**of_group, Analysed::new(built))
+        })
+        .collect();
+    // What takes little is done for all groups first: none has to wait until another one is explored.
+    for (group, of_group, analysed) in &groups {
+        group.analyse(&checks, of_group, analysed, &mut report);
+    }
+    tell(&mut report);
+    let seen: Vec<Seen> = (groups.iter())
+        .map(|(group, of_group, _)| group.soon(&checks, of_group, groups.len() == 1, &mut report))
+        .collect();
+    for ((group, of_group, analysed), seen) in groups.iter().zip(&seen) {
+        group.rest(&checks, of_group, analysed, seen, &mut report);
+    }
     report.seconds = start.elapsed().as_secs_f64();
     report
 }
 
 /// Components that are explored together.
+#[derive(Clone, Copy)]
 struct Group<'g> {
     names: &'g Names<'g>,
     built: &'g Built,
@@ -150,6 +188,8 @@ struct Group<'g> {
     settings: &'g Settings,
     limits: Limits,
     cancel: &'g Cancel,
+    /// Tells how the report stands.
+    tell: &'g (dyn Fn(&mut Report) + Sync),
 }
 
 /// Said when all checks were answered before everything was explored.
@@ -157,26 +197,33 @@ const NOT_EXAMINED: &str =
     "no request was seen to be refused for want of a slot, but not everything was looked at";
 
 impl Group<'_> {
-    /// Answers the checks of this group.
-    fn answer(
+    /// Answers what analysis alone can answer.
+    fn analyse(
         &self,
         checks: &[Single],
         of_group: &[usize],
-        answers: &mut [Option<CheckReport>],
+        analysed: &Analysed,
         report: &mut Report,
     ) {
-        let analysed = Analysed::new(self.built);
         for &i in of_group {
-            answers[i] = if let Some(bound) = analysed.deadline(&checks[i]) {
-                Some(self.meets_deadlines(&checks[i], bound))
+            if let Some(bound) = analysed.deadline(&checks[i]) {
+                report.answer(i, self.meets_deadlines(&checks[i], bound));
             } else if analysed.is_zero(&checks[i]) {
-                Some(self.takes_no_time(&checks[i]))
-            } else {
-                None
-            };
+                report.answer(i, self.takes_no_time(&checks[i]));
+            }
         }
-        let seen = self.soon(checks, of_group, answers, report);
-        let open = of_group.iter().copied().filter(|&i| answers[i].is_none());
+    }
+
+    /// Answers what is still open.
+    fn rest(
+        &self,
+        checks: &[Single],
+        of_group: &[usize],
+        analysed: &Analysed,
+        seen: &Seen,
+        report: &mut Report,
+    ) {
+        let open = of_group.iter().copied().filter(|&i| report.is_open(i));
         // What makes reductions impossible is not looked for together with what does not.
         let (together, apart): (Vec<usize>, Vec<usize>) =
             open.partition(|&i| self.is_about_ticks(&checks[i]));
@@ -186,7 +233,7 @@ impl Group<'_> {
             self.refusals(&found, report);
         }
         for part in [together, apart] {
-            self.explore(checks, &part, &analysed, &seen, answers, report);
+            self.explore(checks, &part, analysed, seen, report);
         }
     }
 
@@ -211,33 +258,63 @@ impl Group<'_> {
         part: &[usize],
         analysed: &Analysed,
         seen: &Seen,
-        answers: &mut [Option<CheckReport>],
         report: &mut Report,
     ) {
-        let (watch, places) = self.watch(checks, part.iter().copied(), analysed);
-        let explored = places
+        let (lasting, explored): (Vec<usize>, Vec<usize>) = part
             .iter()
-            .any(|&(i, _)| !matches!(checks[i].what, What::LeadsTo(..) | What::Eventually(_)));
-        let found = if explored {
-            explore(&self.built.system, &watch, self.limits, self.cancel)
-        } else {
-            Findings::default()
-        };
-        report.effort(&found);
-        if explored {
+            .partition(|&&i| matches!(checks[i].what, What::LeadsTo(..) | What::Eventually(_)));
+        if !explored.is_empty() {
+            let (watch, places) = self.watch(checks, explored.into_iter(), analysed);
+            let mut news = |found: &Findings| {
+                let before = report.answered();
+                self.seen_for_good(checks, &places, found, report);
+                if report.answered() > before {
+                    (self.tell)(report);
+                }
+            };
+            let system = &self.built.system;
+            let found = explore_telling(system, &watch, self.limits, self.cancel, &mut news);
+            report.effort(&found);
             self.refusals(&found, report);
+            // As it was told, where an exploration that begins again comes to it by another run.
+            let open = places.into_iter().filter(|it| report.is_open(it.0));
+            for (i, place) in open.collect::<Vec<_>>() {
+                let mut it = self.one(&checks[i], place, &found);
+                seen.add_to(i, &mut it);
+                self.bound_unknown(&checks[i], analysed, &mut it);
+                report.answer(i, it);
+            }
+            (self.tell)(report);
         }
-        for (i, place) in places {
-            answers[i] = Some(match checks[i].what {
+        for i in lasting {
+            let it = match checks[i].what {
                 What::LeadsTo(p, q) => self.live(&checks[i], Some(p), q, report),
                 What::Eventually(p) => self.live(&checks[i], None, p, report),
-                _ => {
-                    let mut it = self.one(&checks[i], place, &found);
-                    seen.add_to(i, &mut it);
-                    self.bound_unknown(&checks[i], analysed, &mut it);
-                    it
-                }
-            });
+                _ => continue,
+            };
+            report.answer(i, it);
+            (self.tell)(report);
+        }
+    }
+
+    /// Answers what no later moment of an exploration changes.
+    fn seen_for_good(
+        &self,
+        checks: &[Single],
+        places: &[(usize, usize)],
+        found: &Findings,
+        report: &mut Report,
+    ) {
+        for &(i, place) in places {
+            let seen = match checks[i].what {
+                What::Schedulable(_) => &found.missed[place],
+                What::NoOverdue(_) => &found.overdue[place],
+                What::Always(_) | What::Reachable(_) => &found.reached[place],
+                _ => continue,
+            };
+            if seen.is_some() && report.is_open(i) {
+                report.answer(i, self.one(&checks[i], place, found));
+            }
         }
     }
 }

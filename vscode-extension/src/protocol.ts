@@ -127,6 +127,9 @@ export interface VerificationStatus {
   status: VerificationState;
   scenario: string;
   written: boolean;
+  /** Checks that are answered for this version, and checks that there are. */
+  answered: number | null;
+  checks: number | null;
   minimumCores: number | null;
   states: number | null;
   seconds: number | null;
@@ -152,7 +155,8 @@ export interface VerificationCheck {
   name: string | null;
   check: string;
   of: string;
-  verdict: 'proved' | 'refuted' | 'gave up';
+  /** `open`: not answered yet. */
+  verdict: 'proved' | 'refuted' | 'gave up' | 'open';
   worth: string | null;
   value: string | null;
   limit: string | null;
@@ -166,6 +170,10 @@ export interface VerificationAnswer {
   uri: string;
   version: number | null;
   status: VerificationState;
+  /** Whether what follows is of an earlier text. */
+  earlier: boolean;
+  /** How many checks are answered, while some are open. */
+  howFar: string | null;
   scenario: string;
   written: boolean;
   platform: string;

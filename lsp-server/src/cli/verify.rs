@@ -1,5 +1,6 @@
 //! `dotgen verify`
 
+mod interrupt;
 mod json;
 mod progress;
 mod text;
@@ -20,6 +21,7 @@ use dotgen_timing::scn::ast::{Check, Durations, Policy};
 use dotgen_timing::scn::parse_check;
 use dotgen_timing::verify::{Cancel, Options, settings};
 
+use self::progress::Doing;
 use self::told::Told;
 use super::session::{self, Session};
 use super::{Outcome, Reading};
@@ -145,18 +147,26 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let checks: Vec<&str> = arguments.checks.iter().map(|it| body(it)).collect();
     checks.iter().try_for_each(|it| check(it, 0).map(drop))?;
     let mut answers = Vec::new();
+    let interrupt = interrupt::on_terminal();
     for (session, problem) in problems(arguments)? {
         if !problem.errors.is_empty() {
             Told::about(&session, &problem, problem.errors.clone())?.print()?;
             return Ok(Outcome::Unusable);
         }
         let options = arguments.options(&checks, &problem)?;
-        let cancel = Cancel::default();
+        let cancel = Cancel::interrupted_by(&interrupt);
         if let Some(time) = arguments.timeout {
             cancel.limit(time);
         }
         let doing = format!("verifying {}", problem.scenario.name);
-        let report = progress::during(&cancel, &doing, |_| problem.verify(&options, &cancel));
+        let report = progress::during(&cancel, &doing, |tell| {
+            problem.verify(&options, &cancel, &|it| {
+                tell(Doing {
+                    what: doing.clone(),
+                    how_far: it.how_far(),
+                })
+            })
+        });
         let told = |all: &[scn::Diagnostic]| Told::by_verifier(&session, &problem, all, &checks);
         // Programs are told everything, in their document if there is one.
         if matches!(arguments.format, Format::Text) || report.has_errors() {
@@ -166,16 +176,14 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             return Ok(Outcome::Unusable);
         }
         let diagnostics = told(&report.diagnostics)?.to_json()?;
-        let sensitivity = match arguments.sensitivity {
+        let sensitivity = match arguments.sensitivity && !interrupt.is_raised() {
             // What is wrong with the scenario has been said.
             true => progress::during(&cancel, "looking for limits", |tell| {
                 let asking = |it: Asking| {
-                    tell(format!(
-                        "looking for {} ({} of {})",
-                        it.asking,
-                        it.done + 1,
-                        it.of
-                    ));
+                    tell(Doing {
+                        what: format!("looking for {}", it.asking),
+                        how_far: format!("{} of {}", it.done + 1, it.of),
+                    });
                 };
                 problem.sensitivity(&options, &cancel, &asking).ok()
             }),

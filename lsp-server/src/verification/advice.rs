@@ -24,7 +24,7 @@ impl Names {
             (Stop::Memory, Names::Settings) => Some("verification.max-memory"),
             (Stop::Time, Names::Options) => Some("--timeout"),
             (Stop::Time, Names::Settings) => Some("verification.time-limit"),
-            (Stop::Cancelled | Stop::Answered, _) => None,
+            (Stop::Cancelled | Stop::Interrupted | Stop::Answered, _) => None,
         }
     }
 }

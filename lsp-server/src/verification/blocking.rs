@@ -59,7 +59,7 @@ pub(crate) fn table(problem: &Problem, options: &Options) -> Vec<Row> {
         CodelAt {
             path: codel.path.clone(),
             upper: finite.then(|| scale.from_seconds(time)),
-            micros: finite.then(|| *time.numer() as f64 / *time.denom() as f64 * 1e6),
+            micros: finite.then(|| *time.numer() as f64 * 1e6 / *time.denom() as f64),
             src: codel
                 .site
                 .and_then(|(c, _)| Some((names.components[c].spec_index, codel.src?))),

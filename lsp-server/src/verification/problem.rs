@@ -11,7 +11,7 @@ use dotgen_timing::derive::{Progress, Sensitivity, sensitivity};
 use dotgen_timing::report::Report;
 use dotgen_timing::scn::ast::{Item, Policy, Scenario, Spanned};
 use dotgen_timing::scn::{self, default_text_on};
-use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
+use dotgen_timing::verify::{Cancel, Options, SystemInput, verify_telling};
 
 use crate::vfs;
 
@@ -274,12 +274,17 @@ impl Problem {
         sensitivity(&input, &self.scenario, options, cancel, progress)
     }
 
-    /// Verifies. Only sensible without [`Problem::errors`].
-    pub fn verify(&self, options: &Options, cancel: &Cancel) -> Report {
+    /// Verifies, and tells what is known as soon as there is more. Only sensible without [`Problem::errors`].
+    pub fn verify(
+        &self,
+        options: &Options,
+        cancel: &Cancel,
+        tell: &(dyn Fn(&Report) + Sync),
+    ) -> Report {
         let input = SystemInput {
             specs: self.specs(),
         };
-        verify(&input, &self.scenario, options, cancel)
+        verify_telling(&input, &self.scenario, options, cancel, tell)
     }
 }
 

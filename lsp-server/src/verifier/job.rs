@@ -1,6 +1,6 @@
 //! The work itself: quick bounds, the exact answer, then the number of cores.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use camino::Utf8PathBuf;
@@ -8,7 +8,7 @@ use dotgen_timing::derive::minimum_cores;
 use dotgen_timing::report::Verdict;
 use dotgen_timing::verify::{Cancel, Options, SystemInput};
 use tokio::runtime::Handle;
-use tokio::sync::mpsc::UnboundedSender;
+use tokio::sync::mpsc::{UnboundedSender, WeakUnboundedSender};
 
 use super::Answer;
 use crate::panic;
@@ -19,6 +19,9 @@ use crate::verification::{Problem, TaskBound, quick_bounds};
 /// number is a verification of its own.
 const QUICK_SECONDS: f64 = 1.0;
 
+/// Answers that come sooner after others than this are told with them.
+const PACE: Duration = Duration::from_millis(50);
+
 /// One verification at a time: they are after the same memory, and the editor wants the other cores.
 static TURN: Mutex<()> = Mutex::new(());
 
@@ -26,6 +29,8 @@ static TURN: Mutex<()> = Mutex::new(());
 pub(crate) enum Found {
     /// Quick bounds.
     Bounds(Arc<Vec<TaskBound>>),
+    /// What is known of the exact answer.
+    SoFar(Arc<Answer>),
     /// The exact answer; again when the number of cores has come.
     Answer(Arc<Answer>),
 }
@@ -54,6 +59,7 @@ impl Job {
     ) {
         // The writer goes when its queue is dropped: a job must not keep it.
         let events = events.downgrade();
+        let pace = runtime.clone();
         runtime.spawn_blocking(move || {
             let Job {
                 path,
@@ -62,15 +68,30 @@ impl Job {
                 options,
                 limit,
             } = self;
-            let tell = |found: Found| {
+            // The last part of an answer that was not told yet.
+            let held: Arc<Mutex<Option<Verified>>> = Arc::default();
+            let send = |events: &WeakUnboundedSender<Event>, it: Verified| {
                 if let Some(events) = events.upgrade() {
-                    let path = path.clone();
-                    let it = Verified {
-                        path,
-                        number,
-                        found,
-                    };
                     let _ = events.send(Event::Verified(Box::new(it)));
+                }
+            };
+            let tell = |found: Found| {
+                let part = matches!(found, Found::SoFar(_));
+                let it = Verified {
+                    path: path.clone(),
+                    number,
+                    found,
+                };
+                if !part {
+                    return send(&events, it);
+                }
+                if lock(&held).replace(it).is_none() {
+                    let (held, events) = (held.clone(), events.clone());
+                    pace.spawn(async move {
+                        tokio::time::sleep(PACE).await;
+                        let it = lock(&held).take();
+                        it.into_iter().for_each(|it| send(&events, it));
+                    });
                 }
             };
             if let Err(message) = panic::isolate(|| run(problem, options, limit, &cancel, tell)) {
@@ -80,35 +101,41 @@ impl Job {
     }
 }
 
+fn lock<T>(it: &Mutex<T>) -> MutexGuard<'_, T> {
+    it.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Verifies within a time limit and tells what it finds. Tells nothing more once cancelled.
 pub(crate) fn run(
     problem: Arc<Problem>,
     options: Options,
     limit: Duration,
     cancel: &Cancel,
-    tell: impl Fn(Found),
+    tell: impl Fn(Found) + Sync,
 ) {
-    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    let _turn = lock(&TURN);
     if cancel.is_abandoned() {
         return;
     }
     cancel.limit(limit);
     let bounds = Arc::new(quick_bounds(&problem, &options));
     tell(Found::Bounds(bounds.clone()));
-    let report = problem.verify(&options, cancel);
-    if cancel.is_abandoned() {
-        return;
-    }
     let answer = |report, cores| {
-        Found::Answer(Arc::new(Answer {
+        Arc::new(Answer {
             problem: problem.clone(),
             options: options.clone(),
             report,
             bounds: bounds.clone(),
             cores,
-        }))
+        })
     };
-    tell(answer(report.clone(), None));
+    let report = problem.verify(&options, cancel, &|so_far| {
+        tell(Found::SoFar(answer(so_far.clone(), None)));
+    });
+    if cancel.is_abandoned() {
+        return;
+    }
+    tell(Found::Answer(answer(report.clone(), None)));
     let deadlines = || report.checks.iter().filter(|it| it.check == "schedulable");
     let worth_it = report.seconds < QUICK_SECONDS
         && deadlines().next().is_some()
@@ -124,7 +151,7 @@ pub(crate) fn run(
         if let Some(cores) = cores.ok().filter(decided)
             && !cancel.is_abandoned()
         {
-            tell(answer(report, Some(cores)));
+            tell(Found::Answer(answer(report, Some(cores))));
         }
     }
 }

@@ -165,8 +165,9 @@ impl Graph<'_> {
             .unanswered(&visits)
             .and_then(|open| self.cycle(&successors, &open))
             .map(|cycle| self.run(&visits, &successors, &cycle));
-        if self.cancel.is_abandoned() {
-            stopped = Some(Stop::Cancelled);
+        if self.cancel.is_too_late() {
+            // What was not found may not have been looked for.
+            stopped = Stop::reason(visits.len(), bytes, self.limits, self.cancel);
         }
         self.cancel.ended(visits.len());
         Liveness {
@@ -177,11 +178,11 @@ impl Graph<'_> {
         }
     }
 
-    /// The states in which the answer is still awaited; `None` if nobody wants to know any more.
+    /// The states in which the answer is still awaited; `None` if it is too late.
     fn unanswered(&self, visits: &[Visit]) -> Option<Vec<bool>> {
         let mut open = Vec::with_capacity(visits.len());
         for (i, it) in visits.iter().enumerate() {
-            if i.is_multiple_of(LOOKS) && self.cancel.is_abandoned() {
+            if i.is_multiple_of(LOOKS) && self.cancel.is_too_late() {
                 return None;
             }
             let s = decode(&self.stepper, &it.state.key, &it.state.dims);
@@ -289,7 +290,7 @@ impl Graph<'_> {
             colour[root] = 1;
             while let Some(top) = stack.last_mut() {
                 steps += 1;
-                if steps.is_multiple_of(16 * LOOKS) && self.cancel.is_abandoned() {
+                if steps.is_multiple_of(16 * LOOKS) && self.cancel.is_too_late() {
                     return None;
                 }
                 let node = top.0 as usize;

@@ -20,6 +20,8 @@ pub struct Run {
     pub end: u64,
     /// From this step on the run repeats itself for ever.
     pub cycle: Option<usize>,
+    /// There is such a run, but there was no time to find its steps.
+    pub left_out: bool,
 }
 
 /// One line of a run for readers.
@@ -115,6 +117,7 @@ impl Run {
             cycle: steps.iter().position(|it| it.0 > from),
             steps,
             end: to,
+            left_out: false,
         }
     }
 
@@ -130,6 +133,7 @@ impl Run {
             steps: self.steps.iter().copied().filter(|it| it.0 <= to).collect(),
             end,
             cycle: None,
+            left_out: false,
         };
         let rounds = (end - to).div_ceil(to - from);
         for round in 1..=rounds {

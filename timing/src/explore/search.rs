@@ -2,6 +2,7 @@
 
 mod hunt;
 mod layer;
+mod news;
 mod trace;
 mod watching;
 
@@ -9,6 +10,8 @@ use std::collections::BTreeMap;
 
 use self::hunt::Hunt;
 pub use self::hunt::chase;
+use self::news::{News, Teller};
+use self::trace::Traced;
 use super::ample::{Ample, Visible};
 use super::findings::Findings;
 use super::lazy::Lazy;
@@ -26,8 +29,20 @@ use crate::system::{Ticks, TimedSystem};
 
 /// Explores all runs of a system.
 pub fn explore(system: &TimedSystem, watch: &Watch, limits: Limits, cancel: &Cancel) -> Findings {
+    explore_telling(system, watch, limits, cancel, &mut |_| {})
+}
+
+/// Explores all runs of a system, and tells of failures and of predicates that are reached as soon as they are seen.
+/// Findings that are told have nothing else in them; the same may be told again.
+pub fn explore_telling(
+    system: &TimedSystem,
+    watch: &Watch,
+    limits: Limits,
+    cancel: &Cancel,
+    news: &mut (dyn FnMut(&Findings) + Send),
+) -> Findings {
     let mut gauges = Gauge::of(watch, &How::Shared);
-    let mut findings = until_measured(system, watch, &mut gauges, limits, cancel);
+    let mut findings = until_measured(system, watch, &mut gauges, limits, cancel, news);
     // What grew suspiciously is measured alone, so that clocks do not multiply.
     for (i, gauge) in gauges.iter().enumerate() {
         let given_up = findings.stopped.is_some_and(|it| it != Stop::Answered);
@@ -47,7 +62,7 @@ pub fn explore(system: &TimedSystem, watch: &Watch, limits: Limits, cancel: &Can
         };
         let mut own = Gauge::of(&alone, &How::Patient);
         own[0].excess.clone_from(&gauge.excess);
-        let mut found = until_measured(system, &alone, &mut own, limits, cancel);
+        let mut found = until_measured(system, &alone, &mut own, limits, cancel, &mut |_| {});
         *place = found.response.pop().or(found.within.pop()).flatten();
         findings.absorb(&found);
     }
@@ -61,10 +76,12 @@ fn until_measured(
     gauges: &mut [Gauge],
     limits: Limits,
     cancel: &Cancel,
+    news: Teller,
 ) -> Findings {
     loop {
         let mut search = Search::new(system, watch, gauges, limits, cancel);
         search.hunt = (!watch.in_order).then(|| Hunt::new(watch));
+        search.news = Some(News::new(&mut *news));
         let diverging = search.run();
         cancel.ended(search.states());
         match diverging {
@@ -142,6 +159,10 @@ struct Search<'a> {
     /// Where each gauge exceeds its limit first.
     excess: Vec<Option<Sight>>,
     deadlock: Option<Sight>,
+    /// Told what is seen for good.
+    news: Option<News<'a>>,
+    /// Runs that were found again already.
+    traced: Traced,
     /// Clocks are examined for divergence when they exceed this.
     patience: Ticks,
     /// Tasks whose clock only serves the overdue check.
@@ -259,6 +280,8 @@ impl<'a> Search<'a> {
             longest: vec![None; gauges.len()],
             excess: vec![None; gauges.len()],
             deadlock: None,
+            news: None,
+            traced: Traced::default(),
             patience: longest.saturating_add(work).max(16),
             waiting_only,
             stopped: None,
@@ -340,6 +363,8 @@ impl Search<'_> {
         self.hunt_if_due();
         if self.answered() && !self.goes_on() {
             self.stopped = Some(Stop::Answered);
+        } else {
+            self.tell_news();
         }
         self.stopped.is_some()
     }

@@ -75,6 +75,8 @@ pub enum Stop {
     Memory,
     /// Time is up.
     Time,
+    /// Whoever waits has waited long enough.
+    Interrupted,
     /// Nobody wants to know any more.
     Cancelled,
     /// Everything that was asked has been found, or with [`Watch::stop_at_first`] the first of it.
@@ -91,9 +93,10 @@ impl Stop {
     ) -> Option<Stop> {
         cancel.at_work(states, bytes);
         if cancel.is_over() {
-            Some(match cancel.is_abandoned() {
-                true => Stop::Cancelled,
-                false => Stop::Time,
+            Some(match (cancel.is_abandoned(), cancel.is_interrupted()) {
+                (true, _) => Stop::Cancelled,
+                (false, true) => Stop::Interrupted,
+                (false, false) => Stop::Time,
             })
         } else if states > limits.states {
             Some(Stop::States)

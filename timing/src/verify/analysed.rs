@@ -132,5 +132,6 @@ impl Group<'_> {
         out.value = Some(self.time(bound));
         out.soundness = Soundness::UpperBound;
         out.witness.clear();
+        out.left_out = false;
     }
 }

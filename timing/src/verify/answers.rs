@@ -51,6 +51,15 @@ impl Group<'_> {
             counterexample: Vec::new(),
             witness: Vec::new(),
             cycle: None,
+            left_out: false,
+        }
+    }
+
+    /// What is asked, without an answer.
+    pub(super) fn open(&self, check: &Single) -> CheckReport {
+        CheckReport {
+            verdict: Verdict::Open,
+            ..self.blank(check)
         }
     }
 
@@ -71,7 +80,7 @@ impl Group<'_> {
             What::Reachable(_) => match &found.reached[place] {
                 Some(it) => {
                     out.verdict = Verdict::Proved;
-                    out.witness = self.events(&it.run);
+                    self.witness(&it.run, &mut out);
                 }
                 None => self.unless_stopped(stopped, size, Verdict::Refuted, &mut out),
             },
@@ -136,7 +145,7 @@ impl Group<'_> {
         } else if it.bound == Bound::Unbounded {
             self.refute(&it.longest.run, out);
         } else {
-            out.witness = self.events(&it.longest.run);
+            self.witness(&it.longest.run, out);
             self.unless_stopped(
                 found.stopped,
                 (found.states, found.bytes),
@@ -212,7 +221,8 @@ impl Group<'_> {
     }
 }
 
-/// When a limit is exceeded, in base units.
+/// When a limit is exceeded, in base units, by a run that is known.
 fn exceeded(it: &Option<Measured>) -> Option<u64> {
-    Some(it.as_ref()?.excess.as_ref()?.run.end)
+    let run = &it.as_ref()?.excess.as_ref()?.run;
+    (!run.left_out).then_some(run.end)
 }

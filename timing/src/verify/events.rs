@@ -12,6 +12,7 @@ impl Group<'_> {
     pub(super) fn refute(&self, run: &Run, out: &mut CheckReport) {
         out.verdict = Verdict::Refuted;
         out.counterexample = self.events(run);
+        out.left_out = run.left_out;
         out.cycle = run.cycle.map(|at| {
             let prefix = Run {
                 steps: run.steps[..at].to_vec(),
@@ -19,6 +20,12 @@ impl Group<'_> {
             };
             self.events(&prefix).len()
         });
+    }
+
+    /// A run shows what is told of a check.
+    pub(super) fn witness(&self, run: &Run, out: &mut CheckReport) {
+        out.witness = self.events(run);
+        out.left_out = run.left_out;
     }
 
     /// A run in words and in the unit of the report.

@@ -67,25 +67,25 @@ impl Seen {
 }
 
 impl Group<'_> {
-    /// Answers what can be answered soon.
+    /// Answers what can be answered soon. What is alone and has no clients that may wait is explored anyway.
     pub(super) fn soon(
         &self,
         checks: &[Single],
         of_group: &[usize],
-        answers: &mut [Option<CheckReport>],
+        alone: bool,
         report: &mut Report,
     ) -> Seen {
         let mut seen = Seen(vec![None; checks.len()]);
         for (rounds, states) in STAGES {
-            let Some(system) = self.built.system.staying_after(rounds.unwrap_or(0)) else {
-                break;
-            };
-            let built = match rounds {
-                Some(_) => &Built {
+            let staying = self.built.system.staying_after(rounds.unwrap_or(0));
+            let built = match (rounds, staying) {
+                (None, None) if alone => break,
+                (None, _) => self.built,
+                (Some(_), None) => continue,
+                (Some(_), Some(system)) => &Built {
                     system,
                     ..self.built.clone()
                 },
-                None => self.built,
             };
             let stage = Group {
                 built,
@@ -97,10 +97,10 @@ impl Group<'_> {
             };
             let open = of_group.iter().copied();
             let (ticks, others): (Vec<usize>, Vec<usize>) = open
-                .filter(|&i| answers[i].is_none() && checks[i].is_of_task())
+                .filter(|&i| report.is_open(i) && checks[i].is_of_task())
                 .partition(|&i| self.is_about_ticks(&checks[i]));
             for part in [ticks, others] {
-                stage.stage(checks, part, rounds.is_none(), answers, &mut seen, report);
+                stage.stage(checks, part, rounds.is_none(), &mut seen, report);
             }
         }
         seen
@@ -111,7 +111,6 @@ impl Group<'_> {
         checks: &[Single],
         part: Vec<usize>,
         whole: bool,
-        answers: &mut [Option<CheckReport>],
         seen: &mut Seen,
         report: &mut Report,
     ) {
@@ -128,6 +127,7 @@ impl Group<'_> {
         if complete {
             self.refusals(&found, report);
         }
+        let before = report.answered();
         for (i, place) in places {
             let mut it = self.one(&checks[i], place, &found);
             if complete {
@@ -136,10 +136,13 @@ impl Group<'_> {
             // With more requests some other run may take longer, unless this one takes for ever.
             let final_value = matches!(it.value, None | Some(Value::Unbounded));
             if complete || (it.verdict == Verdict::Refuted && final_value) {
-                answers[i] = Some(it);
+                report.answer(i, it);
             } else if found.stopped != Some(Stop::Cancelled) {
                 seen.note(i, it);
             }
+        }
+        if report.answered() > before {
+            (self.tell)(report);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Scenario language and verification, on small specifications of our own.
 
 mod quick;
+mod told;
 
 use std::sync::Arc;
 use std::time::Duration;

@@ -143,8 +143,10 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
       this.send({ type: 'busy', text: 'Verifying the variation …' });
     }
     let answer: VerificationAnswer | null;
+    // While answers come in, the run on show stays if it refutes something, and so its zoom.
+    const shown = this.answer?.earlier === false && this.answer.status === 'running' && this.refutes(this.answer) ? this.answer.timeline?.check : undefined;
     try {
-      const { uri, check, whatIf } = subject;
+      const { uri, check = shown, whatIf } = subject;
       answer = await client.sendRequest(
         verification,
         { textDocument: { uri }, theme: 'editor', ...(check === undefined ? {} : { check }), ...(whatIf === undefined ? {} : { whatIf: strip(whatIf) }) },
@@ -161,15 +163,22 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
     this.panel.title = `Verification: ${answer.scenario}`;
     // Somebody looks at this run: it does not disappear under their eyes.
     const { pinned } = this;
-    const settled = !['stale', 'running'].includes(answer.status);
-    const refuted = (check: number) => answer.checks[check]?.verdict === 'refuted';
-    const replaces = (run: VerificationAnswer['timeline']) => settled && run !== null && run.check === pinned?.check && (refuted(run.check) || !this.pinnedRefutes);
-    const keeps = pinned !== null && !replaces(answer.timeline);
-    if (!keeps && pin && settled) {
-      this.pinned = answer.timeline;
-      this.pinnedRefutes = answer.timeline !== null && refuted(answer.timeline.check);
+    const present = !answer.earlier;
+    const run = answer.timeline;
+    const replaces = present && run !== null && run.check === pinned?.check && (this.refutes(answer) || !this.pinnedRefutes);
+    const keeps = pinned !== null && !replaces;
+    // What was asked for may not be answered yet.
+    const settled = present && answer.status !== 'running';
+    if (!keeps && pin && (settled || (present && run?.check === subject.check))) {
+      this.pinned = run;
+      this.pinnedRefutes = this.refutes(answer);
     }
     this.send({ type: 'answer', subject, answer: keeps ? { ...answer, timeline: pinned } : answer, pinned: keeps });
+  }
+
+  /** Whether the run of an answer refutes its check. */
+  private refutes({ timeline, checks }: VerificationAnswer): boolean {
+    return timeline !== null && checks[timeline.check]?.verdict === 'refuted';
   }
 
   private showLimits(limits: Limits): void {

@@ -2,6 +2,7 @@
 import type { FromPage, Limits, Subject, ToPage } from '../verification/messages';
 import type { Place, VerificationAnswer, WhatIf } from '../protocol';
 import { Canvas } from './canvas';
+import { update } from './update';
 
 declare function acquireVsCodeApi(): { postMessage(message: FromPage): void; setState(state: Subject): void };
 
@@ -16,6 +17,13 @@ const STATES: Record<VerificationAnswer['status'], string> = {
   refuted: 'refuted',
   'gave-up': 'gave up',
   blocked: 'not verified',
+};
+
+const CLASSES: Record<VerificationAnswer['checks'][number]['verdict'], string> = {
+  proved: 'proved',
+  refuted: 'refuted',
+  'gave up': 'gave-up',
+  open: 'running',
 };
 
 let subject: Subject | undefined;
@@ -34,9 +42,13 @@ function rich(text: string): (Node | string)[] {
   return text.split('`').map((part, i) => (i % 2 === 1 ? node('code', part) : part));
 }
 
-function link(text: string, place: Place | null, action?: () => void): Node {
+/** The focus stays on what has the same name when it is shown anew. */
+function link(text: string, place: Place | null, action?: () => void, name = text): Node {
   if (place === null && action === undefined) return node('span', rich(text));
   const it = node('a', rich(text));
+  it.dataset['name'] = name;
+  // What leads elsewhere now is not the same.
+  it.dataset['place'] = JSON.stringify(place);
   it.tabIndex = 0;
   it.setAttribute('role', action === undefined ? 'link' : 'button');
   const go = action ?? (() => place !== null && jump(place));
@@ -68,6 +80,7 @@ function showHead(it: VerificationAnswer): void {
   state.textContent = STATES[it.status];
   state.className = `state ${it.status}`;
   const facts = [it.platform];
+  if (it.howFar !== null) facts.push(it.howFar);
   if (it.minimumCores !== null) facts.push(`at least ${it.minimumCores} ${it.minimumCores === 1 ? 'core' : 'cores'} needed`);
   if (it.states > 0) facts.push(`${it.states} states, ${it.seconds.toFixed(it.seconds < 1 ? 3 : 1)} s`);
   element('facts').textContent = facts.join(' · ');
@@ -84,26 +97,24 @@ function showHead(it: VerificationAnswer): void {
 function notice(text: string): void {
   const it = element('notice');
   it.hidden = text === '';
-  it.replaceChildren(...text.split('\n').map((line) => node('div', rich(line))));
+  update(it, text.split('\n').map((line) => node('div', rich(line))));
 }
 
 function showChecks(it: VerificationAnswer): void {
   const table = element('checks');
-  const old = ['stale', 'running'].includes(it.status);
-  table.classList.toggle('stale', old);
+  table.classList.toggle('stale', it.earlier);
   if (it.checks.length === 0) {
     const bounds = it.bounds.map((bound) => row([bound.task, `R ≤ ${bound.bound}`], [1]));
-    table.replaceChildren(...(bounds.length > 0 ? [heads(['task', 'quick bound']), ...bounds] : [row(['There is no answer yet.'])]));
-    return;
+    return update(table, bounds.length > 0 ? [heads(['task', 'quick bound']), ...bounds] : [row(['There is no answer yet.'])]);
   }
   // Columns that are empty are left out.
   const columns = (['value', 'limit', 'slack'] as const).filter((name) => it.checks.some((check) => check[name] !== null));
   const rows = it.checks.flatMap((check, i) => {
     const title = check.name === null ? `${check.check} ${check.of}` : `${check.name}: ${check.check} ${check.of}`;
-    const run: Node | string = check.hasRun ? link(check.verdict === 'refuted' ? 'show why' : 'show run', null, () => host.postMessage({ type: 'check', check: i })) : '';
+    const run: Node | string = check.hasRun ? link(check.verdict === 'refuted' ? 'show why' : 'show run', null, () => host.postMessage({ type: 'check', check: i }), `run ${i}`) : '';
     const notes = [check.worth, check.note].filter((note) => note !== null).join('; ');
-    const verdict = node('span', check.verdict, check.verdict === 'gave up' ? 'gave-up' : check.verdict);
-    const lines = [row([verdict, link(title, check.location), ...columns.map((name) => check[name] ?? ''), run], columns.map((_, at) => at + 2))];
+    const verdict = node('span', check.verdict === 'open' ? 'verifying …' : check.verdict, CLASSES[check.verdict]);
+    const lines = [row([verdict, link(title, check.location, undefined, `check ${i}`), ...columns.map((name) => check[name] ?? ''), run], columns.map((_, at) => at + 2))];
     if (notes !== '') {
       // Whole sentences have a line of their own.
       const note = node('td', rich(notes), 'faint');
@@ -113,7 +124,7 @@ function showChecks(it: VerificationAnswer): void {
     for (const line of lines) line.classList.toggle('shown', it.timeline?.check === i);
     return lines;
   });
-  table.replaceChildren(heads(['verdict', 'check', ...columns, '']), ...rows);
+  update(table, [heads(['verdict', 'check', ...columns, '']), ...rows]);
 }
 
 function showRun(it: VerificationAnswer, pinned: boolean): void {
@@ -127,8 +138,8 @@ function showRun(it: VerificationAnswer, pinned: boolean): void {
   view.classList.toggle('old', pinned);
   element('dismiss').hidden = !pinned;
   element('runTitle').textContent = pinned ? `${timeline.title} (of an earlier text)` : timeline.title;
-  element('events').textContent = timeline.events.join('\n');
   if (drawn === timeline.svg) return;
+  element('events').textContent = timeline.events.join('\n');
   drawn = timeline.svg;
   const [, width = '800', height = '200'] = /width="([\d.]+)" height="([\d.]+)"/.exec(timeline.svg) ?? [];
   canvas.show(timeline.svg, Number(width), Number(height));
@@ -157,11 +168,11 @@ function showWhatIf(it: VerificationAnswer): void {
     field.setAttribute('form', 'whatIf');
     field.dataset['codel'] = codel.path;
     field.dataset['was'] = codel.wcet === null ? '' : String(codel.wcet);
-    field.value = field.dataset['was'];
     field.setAttribute('aria-label', `WCET of ${codel.path} in microseconds`);
     return row([link(codel.path, codel.location), node('span', [field, ' us'])], [1]);
   });
-  element('codels').replaceChildren(heads(['codel', 'WCET']), ...rows);
+  update(element('codels'), [heads(['codel', 'WCET']), ...rows]);
+  for (const field of document.querySelectorAll<HTMLInputElement>('input.wcet')) field.value = field.dataset['was'] ?? '';
 }
 
 /** What is different from what is shown, on top of the variation that is shown. */
@@ -189,8 +200,9 @@ function showBlocking(it: VerificationAnswer): void {
   const rows = it.blocking.flatMap(({ codel, location, by }) =>
     by.map((other, i) => row([i === 0 ? link(codel, location) : '', link(other.codel, other.location), other.time, node('span', rich(other.through))], [2])),
   );
-  element('blocking').replaceChildren(
-    ...(rows.length > 0 ? [heads(['codel', 'may wait for', 'which takes at most', 'because both use']), ...rows] : [row(['No codel can keep another one waiting.'])]),
+  update(
+    element('blocking'),
+    rows.length > 0 ? [heads(['codel', 'may wait for', 'which takes at most', 'because both use']), ...rows] : [row(['No codel can keep another one waiting.'])],
   );
 }
 
@@ -227,7 +239,7 @@ function show(next: VerificationAnswer, of: Subject, pinned: boolean): void {
   showWhatIf(next);
   showBlocking(next);
   const warnings = next.warnings.map(({ message, location }) => node('li', [link(message, location)]));
-  element('assumptions').replaceChildren(...warnings, ...[...next.assumptions, ...next.notes].map((it) => node('li', rich(it))));
+  update(element('assumptions'), [...warnings, ...[...next.assumptions, ...next.notes].map((it) => node('li', rich(it)))]);
 }
 
 window.addEventListener('message', ({ data }: MessageEvent<ToPage>) => {

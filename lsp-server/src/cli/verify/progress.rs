@@ -13,18 +13,30 @@ const EVERY: Duration = Duration::from_millis(250);
 /// Longer lines would be wrapped, and could not be taken back.
 const WIDTH: usize = 78;
 
+/// What is at work.
+#[derive(Clone, Default)]
+pub(super) struct Doing {
+    /// In words; shortened when it is too long.
+    pub(super) what: String,
+    /// Of that, if it is known.
+    pub(super) how_far: String,
+}
+
 /// Does some work, which says what it is at; meanwhile its line is kept up to date.
 pub(super) fn during<R>(
     cancel: &Cancel,
     doing: &str,
-    work: impl FnOnce(&(dyn Fn(String) + Sync)) -> R,
+    work: impl FnOnce(&(dyn Fn(Doing) + Sync)) -> R,
 ) -> R {
     let dumb = std::env::var_os("TERM").is_some_and(|it| it == "dumb");
     if dumb || !std::io::stderr().is_terminal() {
         return work(&|_| {});
     }
     let shared = Shared {
-        doing: Mutex::new(doing.to_owned()),
+        doing: Mutex::new(Doing {
+            what: doing.to_owned(),
+            ..Doing::default()
+        }),
         over: Mutex::new(false),
         ended: Condvar::new(),
     };
@@ -36,7 +48,7 @@ pub(super) fn during<R>(
 }
 
 struct Shared {
-    doing: Mutex<String>,
+    doing: Mutex<Doing>,
     over: Mutex<bool>,
     ended: Condvar,
 }
@@ -73,19 +85,23 @@ impl Shared {
     }
 }
 
-/// `verifying hover: 1203456 states, 12 s, 340 MB`
-fn words(doing: &str, effort: Effort, elapsed: Duration) -> String {
+/// `verifying hover: 5 of 7 checks answered, 1203456 states, 12 s, 340 MB`
+fn words(Doing { what, how_far }: &Doing, effort: Effort, elapsed: Duration) -> String {
     let Effort { states, bytes } = effort;
+    let how_far = match how_far.is_empty() {
+        true => String::new(),
+        false => format!("{how_far}, "),
+    };
     let so_far = format!(
-        ": {states} states, {} s, {} MB",
+        ": {how_far}{states} states, {} s, {} MB",
         elapsed.as_secs(),
         bytes >> 20
     );
     let left = WIDTH.saturating_sub(so_far.len());
-    match doing.char_indices().nth(left) {
-        None => format!("{doing}{so_far}"),
+    match what.char_indices().nth(left) {
+        None => format!("{what}{so_far}"),
         Some(_) => {
-            let start: String = doing.chars().take(left.saturating_sub(2)).collect();
+            let start: String = what.chars().take(left.saturating_sub(2)).collect();
             format!("{start} …{so_far}")
         }
     }
@@ -127,15 +143,23 @@ mod tests {
             bytes: 340 << 20,
         };
         let after = Duration::from_millis(12_700);
+        let words = |what: &str, how_far: &str| {
+            let (what, how_far) = (what.to_owned(), how_far.to_owned());
+            words(&Doing { what, how_far }, effort, after)
+        };
         assert_eq!(
-            words("verifying hover", effort, after),
+            words("verifying hover", ""),
             "verifying hover: 1203456 states, 12 s, 340 MB"
         );
+        assert_eq!(
+            words("verifying hover", "5 of 7 checks answered"),
+            "verifying hover: 5 of 7 checks answered, 1203456 states, 12 s, 340 MB"
+        );
         let long = format!("looking for the WCET of {}", "é".repeat(100));
-        let line = words(&long, effort, after);
+        let line = words(&long, "2 of 9");
         assert!(line.chars().count() <= WIDTH, "{line}");
         assert!(
-            line.ends_with("é …: 1203456 states, 12 s, 340 MB"),
+            line.ends_with("é …: 2 of 9, 1203456 states, 12 s, 340 MB"),
             "{line}"
         );
     }

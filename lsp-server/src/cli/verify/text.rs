@@ -119,7 +119,7 @@ fn sensitivity(out: &mut impl Write, it: &Sensitivity, scale: Scale) -> anyhow::
         }
     }
     if it.incomplete {
-        writeln!(out, "  {FAINT}given up here: time is up{FAINT:#}")?;
+        writeln!(out, "  {FAINT}given up here{FAINT:#}")?;
     }
     Ok(())
 }
@@ -185,6 +185,7 @@ fn word(verdict: Verdict) -> &'static str {
         Verdict::Proved => "proved",
         Verdict::Refuted => "refuted",
         Verdict::Unknown => "gave up",
+        Verdict::Open => "open",
     }
 }
 
@@ -192,7 +193,7 @@ fn style(verdict: Verdict) -> Style {
     match verdict {
         Verdict::Proved => AnsiColor::Green.on_default(),
         Verdict::Refuted => AnsiColor::Red.on_default().bold(),
-        Verdict::Unknown => AnsiColor::Yellow.on_default().bold(),
+        Verdict::Unknown | Verdict::Open => AnsiColor::Yellow.on_default().bold(),
     }
 }
 

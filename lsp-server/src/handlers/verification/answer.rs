@@ -65,6 +65,10 @@ pub(crate) struct VerificationResult {
     /// Version of the document it holds for.
     version: Option<i32>,
     status: Option<Status>,
+    /// Whether what follows is of an earlier text.
+    earlier: bool,
+    /// How many checks are answered, as long as it is not all of them.
+    how_far: Option<String>,
     scenario: String,
     /// Whether the scenario is written in a file.
     written: bool,
@@ -171,6 +175,7 @@ pub(crate) struct Prepared {
     uri: Option<Uri>,
     version: Option<i32>,
     status: Status,
+    earlier: bool,
     problem: Arc<Problem>,
     places: Arc<Problem>,
     bounds: Arc<Vec<TaskBound>>,
@@ -195,6 +200,7 @@ pub(crate) fn prepare(
             uri: Some(subject.uri.clone()),
             version: subject.version,
             status: Status::Running,
+            earlier: false,
             places: problem.clone(),
             problem,
             bounds: Arc::default(),
@@ -214,6 +220,7 @@ pub(crate) fn prepare(
         uri: snapshot.uri(path),
         version: entry.version,
         status: entry.status,
+        earlier: known && entry.answer.is_some() && entry.known().is_none(),
         problem: entry.problem.clone(),
         places: entry.places().clone(),
         bounds: entry.bounds.clone(),
@@ -379,6 +386,7 @@ pub(crate) fn present(
         uri: prepared.uri.clone(),
         version: prepared.version,
         status: Some(prepared.status),
+        earlier: prepared.earlier,
         scenario: problem.scenario.name.clone(),
         written: prepared.problem.is_written(),
         platform: summary::platform(&settings),
@@ -411,6 +419,9 @@ pub(crate) fn present(
             location: snapshot.location(&at.path, &at.range)?,
             message: at.message,
         });
+    }
+    if report.answered() < report.checks.len() && !prepared.earlier {
+        out.how_far = Some(report.how_far());
     }
     out.advice = advice::of_report(report, problem, advice::Names::Settings);
     out.minimum_cores = answer.cores.as_ref().and_then(|it| it.cores);
@@ -495,6 +506,7 @@ fn shown_check(
             Verdict::Proved => "proved",
             Verdict::Refuted => "refuted",
             Verdict::Unknown => "gave up",
+            Verdict::Open => "open",
         }
         .to_owned(),
         worth: match check.soundness {

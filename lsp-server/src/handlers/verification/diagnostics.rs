@@ -74,7 +74,7 @@ pub(crate) fn in_specification(
 /// Why a specification cannot be verified without a scenario. What is merely remarked about it is said by analysis;
 /// and what is wrong with a scenario is said there.
 fn of_model(entry: &Entry, path: &Utf8Path) -> Vec<Diagnostic> {
-    let answer = entry.settled().filter(|_| !entry.problem.is_written());
+    let answer = entry.known().filter(|_| !entry.problem.is_written());
     let found = answer.iter().flat_map(|it| &it.report.diagnostics);
     let found = found.filter(|it| it.remark.is_none());
     let found = found.map(|it| entry.problem.diagnostic(it));
@@ -83,7 +83,7 @@ fn of_model(entry: &Entry, path: &Utf8Path) -> Vec<Diagnostic> {
 
 fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Found> {
     // What was found in an earlier version says nothing about this one.
-    let Some(answer) = entry.settled() else {
+    let Some(answer) = entry.known() else {
         return Vec::new();
     };
     let mut out = Vec::new();
@@ -109,7 +109,7 @@ pub(crate) fn in_scenario(snapshot: &Snapshot, path: &Utf8Path) -> Vec<Diagnosti
         return Vec::new();
     };
     let mut out: Vec<Diagnostic> = Vec::new();
-    if let Some(answer) = entry.settled() {
+    if let Some(answer) = entry.known() {
         let of_model = together(&answer.report.diagnostics);
         let of_model = of_model.iter().map(|it| at_use(&entry.problem, it));
         out.extend(of_model.filter_map(|it| Level::apply(&snapshot.config.severity, it)));
@@ -136,14 +136,11 @@ fn at_use(problem: &Problem, it: &scn::Diagnostic) -> Diagnostic {
 }
 
 fn scenario(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Found> {
-    let Some(answer) = entry.settled() else {
+    let Some(answer) = entry.known() else {
         return Vec::new();
     };
     let mut out = Vec::new();
     for (check, report) in answer.report.checks.iter().enumerate() {
-        if report.verdict == Verdict::Proved {
-            continue;
-        }
         let Some(written) = check_of(&entry.problem.scenario, report) else {
             continue;
         };
@@ -163,7 +160,7 @@ fn diagnostic(
 ) -> Option<Diagnostic> {
     let scale = answer.scale();
     let (code, mut message) = match (check.verdict, check.check, check.value) {
-        (Verdict::Proved, ..) => return None,
+        (Verdict::Proved | Verdict::Open, ..) => return None,
         (Verdict::Unknown, ..) => (GAVE_UP, {
             let why = check.note.as_deref().unwrap_or("gave up");
             let reason = check.gave_up.map(|it| it.reason);
@@ -175,15 +172,12 @@ fn diagnostic(
             )
         }),
         (_, "schedulable", _) => {
-            let last = check.counterexample.last()?;
+            let last = check.counterexample.last();
+            let at = last.map_or(String::new(), |it| format!("at {} ", scale.show(it.time)));
+            let what = format!("{at}its next period begins before the job has ended");
             (
                 MISS,
-                format!(
-                    "`{}` can miss its deadline: at {} its next period begins before the job has \
-                     ended",
-                    check.of,
-                    scale.show(last.time)
-                ),
+                format!("`{}` can miss its deadline: {what}", check.of),
             )
         }
         (_, "response" | "within", Some(value)) => {

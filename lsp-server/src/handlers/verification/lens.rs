@@ -12,6 +12,9 @@ use crate::snapshot::{Snapshot, Subject};
 use crate::verification::summary::{self, Scale};
 use crate::verifier::{Answer, Entry, Status, about};
 
+/// Of what has no answer yet.
+const VERIFYING: &str = "verifying …";
+
 /// `R 7 ms of 10 ms · slack 30 % · proved, ≥ 2 cores` over every task.
 pub(crate) fn lenses(snapshot: &Snapshot, subject: &Subject) -> Cancellable<Vec<CodeLens>> {
     let mut out = Vec::new();
@@ -51,7 +54,7 @@ pub(crate) fn scenario_lenses(
     let uri = &subject.uri;
     let heading = lines.range(&entry.problem.scenario.name_range);
     let mut out = vec![lens(snapshot, heading, whole(entry), uri, None)];
-    if let Some(answer) = entry.settled() {
+    if let Some(answer) = entry.known() {
         let scale = answer.scale();
         let mut titles: Vec<(std::ops::Range<usize>, Vec<String>, usize)> = Vec::new();
         for (i, report) in answer.report.checks.iter().enumerate() {
@@ -115,8 +118,11 @@ fn lens(
 
 /// The check that shows most about a task: a refuted one, else its response.
 fn shown(entry: &Entry, task: &str) -> Option<usize> {
-    let checks = &entry.settled()?.report.checks;
-    let of_task = || checks.iter().enumerate().filter(|it| it.1.of == task);
+    let checks = &entry.known()?.report.checks;
+    let of_task = || {
+        let all = checks.iter().enumerate();
+        all.filter(|it| it.1.of == task && it.1.verdict != Verdict::Open)
+    };
     let refuted = of_task().find(|it| it.1.verdict == Verdict::Refuted);
     let response = || of_task().find(|it| it.1.check == "response");
     refuted
@@ -128,32 +134,34 @@ fn shown(entry: &Entry, task: &str) -> Option<usize> {
 /// Where a verification as a whole stands.
 fn whole(entry: &Entry) -> String {
     let text = match entry.status {
-        Status::Stale | Status::Running => "verifying …".to_owned(),
+        Status::Stale | Status::Running => VERIFYING.to_owned(),
         Status::Proved => "proved".to_owned(),
         Status::Refuted => "refuted".to_owned(),
         Status::GaveUp => "gave up".to_owned(),
         Status::Blocked => return "not verified: there are errors".to_owned(),
     };
-    match entry.settled() {
-        Some(it) => format!(
+    match (entry.settled(), entry.known()) {
+        (Some(it), _) => format!(
             "{text} · {} states, {:.2} s",
             it.report.states, it.report.seconds
         ),
-        None => text,
+        (None, Some(it)) => format!("{text} · {}", it.report.how_far()),
+        (None, None) => text,
     }
 }
 
 /// What is known of a task; `None` if the verification says nothing about it.
 fn of_task(entry: &Entry, task: &str) -> Option<String> {
-    let Some(answer) = entry.settled().filter(|_| entry.status != Status::Blocked) else {
+    let bound = entry.bounds.iter().find(|it| it.task == task);
+    let bound = bound.filter(|_| entry.status == Status::Running);
+    let bound = bound.map(|it| format!("R ≤ {}", scale_of(entry).show(it.bound)));
+    let Some(answer) = entry.known().filter(|_| entry.status != Status::Blocked) else {
         let what = match entry.status {
             Status::Blocked => "not verified: there are errors",
-            _ => "verifying …",
+            _ => VERIFYING,
         };
-        let bound = entry.bounds.iter().find(|it| it.task == task);
-        let bound = bound.filter(|_| entry.status == Status::Running);
         return Some(match bound {
-            Some(it) => format!("R ≤ {} · {what}", scale_of(entry).show(it.bound)),
+            Some(it) => format!("{it} · {what}"),
             None => what.to_owned(),
         });
     };
@@ -168,12 +176,25 @@ fn of_task(entry: &Entry, task: &str) -> Option<String> {
     if all.is_empty() {
         return None;
     }
-    let mut parts = Vec::new();
-    if deadline.is_some_and(|it| it.verdict == Verdict::Refuted) {
-        parts.push("deadline missed".to_owned());
-    }
-    parts.extend(response.into_iter().flat_map(|it| measured(answer, it)));
     let has = |verdict| all.iter().any(|it| it.verdict == verdict);
+    let open = has(Verdict::Open);
+    let mut parts = Vec::new();
+    match deadline.map(|it| it.verdict) {
+        Some(Verdict::Refuted) => parts.push("deadline missed".to_owned()),
+        Some(Verdict::Proved) if open => parts.push("deadline met".to_owned()),
+        _ => {}
+    }
+    match response.filter(|it| it.verdict != Verdict::Open) {
+        Some(it) => parts.extend(measured(answer, it)),
+        None => parts.extend(bound.filter(|_| open)),
+    }
+    if open {
+        if has(Verdict::Refuted) {
+            parts.push("refuted".to_owned());
+        }
+        parts.push(VERIFYING.to_owned());
+        return Some(parts.join(" · "));
+    }
     let mut word = if has(Verdict::Refuted) {
         "refuted".to_owned()
     } else if has(Verdict::Unknown) {
@@ -229,6 +250,7 @@ fn verdict(report: &CheckReport) -> String {
         (Verdict::Refuted, _) => "refuted".to_owned(),
         (Verdict::Unknown, Some(why)) => why.to_string(),
         (Verdict::Unknown, None) => "gave up".to_owned(),
+        (Verdict::Open, _) => VERIFYING.to_owned(),
     }
 }
 

@@ -13,7 +13,29 @@ const GUESS = `component guess {
   task slow { period 20 ms; codel<start> h(in x) yield pause::start wcet 3 ms; };
 };
 `;
+/** A lamp, and a mixer of which not everything can be found out. */
+const EIGHT = [0, 1, 2, 3, 4, 5, 6, 7];
+const LAMP = `component lamp {
+  ids { long light; };
+  task blink { period 8 ms; codel<start> toggle(inout light) yield pause::start wcet 1 ms; };
+};
+component mixer {
+  ids { long level; };
+  task u { period 7 ms; codel<start> w(inout level) yield pause::start wcet 1301 us; };
+${EIGHT.map((i) => `  activity a${i}() { task u; codel<start> s${i}(inout level) yield pause::start, ether wcet ${1000 + 7 * i} us; };`).join('\n')}
+};
+`;
+const BOTH = `scenario both {
+  use "lamp.gen";
+  client any { repeat * { delay [0,*] ms; choice ${EIGHT.map((i) => `{ send mixer.a${i}; }`).join(' or ')} } }
+  check response lamp.blink;
+  check wrong: always not lamp.blink;
+  check limit: within mixer.a0.run => mixer.a0.void <= 1 s;
+}
+`;
 export const files = {
+  'lamp.gen': LAMP,
+  'both.scn': BOTH,
   'guess.gen': GUESS,
   'guess.scn': 'scenario guess {\n  use "guess.gen";\n  check schedulable guess.slow;\n  check response guess.spin;\n}\n',
 };
@@ -151,6 +173,7 @@ export function checks(wb) {
       wb.folderSettings({ 'dotgen.verification': { 'max-states': 30 } });
       await state('gave up').waitFor();
       await frame.locator('#notice', { hasText: 'raise verification.max-states in the settings' }).waitFor();
+      await wb.open('pump.scn');
       await lens('gave up at').waitFor();
       await frame.locator('#title').scrollIntoViewIfNeeded();
       await wb.shot('69-gave-up.png');
@@ -169,6 +192,40 @@ export function checks(wb) {
       await assumed.filter({ hasText: 'have no wcet' }).click();
       await page.locator('.tab.active', { hasText: 'guess.gen' }).waitFor();
       await page.locator('.monaco-editor .line-numbers.active-line-number', { hasText: /^4$/ }).waitFor();
+    }],
+    ['answers are shown as they are found', async () => {
+      wb.folderSettings({ 'dotgen.verification': { 'time-limit': 3600, 'max-states': 4000000000 } });
+      await wb.open('both.scn');
+      await lens('verifying … · 2 of 3 checks answered').waitFor();
+      await lens('1 ms · proved').waitFor();
+      await wb.squiggles('warning').first().waitFor();
+      await wb.command('dotgen: Show Verification');
+      await state('verifying').waitFor();
+      await frame.locator('#facts', { hasText: '2 of 3 checks answered' }).waitFor();
+      await frame.locator('#checks tr', { hasText: 'limit' }).locator('.running', { hasText: 'verifying' }).waitFor();
+      await frame.locator('#runTitle', { hasText: 'a run that refutes it' }).waitFor();
+      await wb.shot('69-partly.png');
+    }],
+    ['the rest comes without a change of what is looked at', async () => {
+      const why = frame.locator('#checks a', { hasText: 'show why' });
+      await why.focus();
+      await page.keyboard.press('Enter');
+      await frame.locator('#in').click();
+      const width = () => frame.locator('#view svg').getAttribute('width');
+      const zoomed = await width();
+      // The element itself stays, and with it focus and selection.
+      await why.evaluate((it) => { it.marked = true; });
+      await page.locator('.monaco-editor .view-line', { hasText: 'check limit' }).first().click();
+      await page.keyboard.press('End');
+      await page.keyboard.press('Shift+Home');
+      await page.keyboard.press('Delete');
+      await state('refuted').waitFor();
+      await frame.locator('#facts', { hasText: 'states' }).waitFor();
+      await lens('refuted ·').waitFor();
+      assert.equal(await width(), zoomed);
+      assert.ok(await why.evaluate((it) => it.marked));
+      await wb.shot('69-whole.png');
+      wb.folderSettings({});
     }],
   ];
   return { more };

@@ -1,5 +1,9 @@
 //! Runs to what was seen: found again, backwards from node to node.
 
+use std::sync::{Mutex, PoisonError};
+
+use rustc_hash::FxHashMap;
+
 use super::watching::{missed, overdue};
 use super::{LOOKS, ROOT, Search, Sight};
 use crate::explore::measure::Timing;
@@ -22,6 +26,18 @@ pub(super) enum Goal<'g> {
     Deadlock,
 }
 
+/// Runs by what was seen and where: what was told once is not looked for again, and does not change.
+pub(super) type Traced = Mutex<FxHashMap<(Kind, u32, u64), Run>>;
+
+/// What can be told before the end.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Kind {
+    Missed(usize),
+    Overdue(usize),
+    /// By its place in memory.
+    Reached(usize),
+}
+
 /// How a state is like the goal.
 #[derive(Default)]
 struct Hit {
@@ -35,9 +51,28 @@ struct Hit {
 type Point = Vec<Option<Ticks>>;
 
 impl Search<'_> {
-    /// A run to what was seen, empty if nobody wants it any more: segments from node to node, found backwards with the remaining times
+    /// A run to what was seen, without steps if it is too late for that: segments from node to node, found backwards with the remaining times
     /// that the later part of the run needs.
     pub(super) fn trace(&self, at: Sight, goal: &Goal) -> Run {
+        let Some(kind) = goal.kind() else {
+            return self.traced_back(at, goal);
+        };
+        let key = (kind, at.parent, at.time);
+        let known = || self.traced.lock().unwrap_or_else(PoisonError::into_inner);
+        let before = known().get(&key).cloned();
+        before.unwrap_or_else(|| {
+            let run = self.traced_back(at, goal);
+            known().insert(key, run.clone());
+            run
+        })
+    }
+
+    fn traced_back(&self, at: Sight, goal: &Goal) -> Run {
+        let left_out = || Run {
+            end: at.time,
+            left_out: true,
+            ..Run::default()
+        };
         let mut segments: Vec<(u64, Vec<Action>)> = Vec::new();
         let mut node = at.parent;
         let mut task = None;
@@ -45,7 +80,7 @@ impl Search<'_> {
             self.any_point(&self.node_state(node))
         } else {
             let Some((actions, last, hit)) = self.segment(node, at.time, goal) else {
-                return Run::default();
+                return left_out();
             };
             task = hit.task;
             segments.push((at.time, actions));
@@ -55,9 +90,9 @@ impl Search<'_> {
             if let Some(segment) = segments.last() {
                 point = self.point_before(node, segment, &point);
             }
-            // Nobody wants it any more; a part of a run would be of no use.
+            // A part of a run would be of no use.
             let Some((parent, actions, order)) = self.segment_to(node, &point) else {
-                return Run::default();
+                return left_out();
             };
             if let Some(back) = order.map(|it| it.inverse()) {
                 for (_, later) in &mut segments {
@@ -166,7 +201,7 @@ impl Search<'_> {
         let mut ordered = State::default();
         let mut at = 0;
         while at < found.len() {
-            if at % LOOKS == 0 && self.cancel.is_abandoned() {
+            if at % LOOKS == 0 && self.cancel.is_too_late() {
                 return None;
             }
             let s = found[at].0.clone();
@@ -264,6 +299,15 @@ impl Search<'_> {
 }
 
 impl Goal<'_> {
+    fn kind(&self) -> Option<Kind> {
+        match *self {
+            Goal::Missed(task) => Some(Kind::Missed(task)),
+            Goal::Overdue(task) => Some(Kind::Overdue(task)),
+            Goal::Reach(predicate) => Some(Kind::Reached(std::ptr::from_ref(predicate).addr())),
+            _ => None,
+        }
+    }
+
     /// The task it is about.
     fn task(&self) -> Option<usize> {
         match *self {

@@ -1,0 +1,84 @@
+//! What has been seen for good while the exploration goes on: told at once.
+
+use std::sync::Mutex;
+
+use super::trace::Goal;
+use super::{Search, Sight};
+use crate::explore::findings::{Findings, Found};
+
+/// Whom to tell; several threads may look at the search meanwhile.
+pub(super) type Teller<'a> = &'a mut (dyn FnMut(&Findings) + Send);
+
+/// Whom to tell, and what was told already, by the lists of the watch.
+pub(super) struct News<'a> {
+    teller: Mutex<Teller<'a>>,
+    missed: Vec<bool>,
+    overdue: Vec<bool>,
+    reached: Vec<bool>,
+}
+
+impl<'a> News<'a> {
+    pub(super) fn new(teller: Teller<'a>) -> Self {
+        News {
+            teller: Mutex::new(teller),
+            missed: Vec::new(),
+            overdue: Vec::new(),
+            reached: Vec::new(),
+        }
+    }
+}
+
+impl Search<'_> {
+    /// Tells what is new: what fails, or is reached. What comes later does not change that, nor the run that shows it.
+    pub(super) fn tell_news(&mut self) {
+        let Some(mut news) = self.news.take() else {
+            return;
+        };
+        let any = is_new(&news.missed, &self.missed)
+            || is_new(&news.overdue, &self.overdue)
+            || is_new(&news.reached, &self.reached);
+        if any {
+            let watch = self.watch;
+            let found = Findings {
+                missed: self.found(&mut news.missed, &self.missed, |i| {
+                    Goal::Missed(watch.schedulable[i])
+                }),
+                overdue: self.found(&mut news.overdue, &self.overdue, |i| {
+                    Goal::Overdue(watch.overdue[i])
+                }),
+                reached: self.found(&mut news.reached, &self.reached, |i| {
+                    Goal::Reach(&watch.reach[i])
+                }),
+                response: vec![None; watch.response.len()],
+                within: vec![None; watch.within.len()],
+                ..Findings::default()
+            };
+            if let Ok(tell) = news.teller.get_mut() {
+                tell(&found);
+            }
+        }
+        self.news = Some(news);
+    }
+
+    /// What was seen and not told, which it is now.
+    fn found<'g>(
+        &self,
+        told: &mut Vec<bool>,
+        seen: &[Option<Sight>],
+        goal: impl Fn(usize) -> Goal<'g>,
+    ) -> Vec<Option<Found>> {
+        told.resize(seen.len(), false);
+        let all = seen.iter().zip(told).enumerate();
+        all.map(|(i, (seen, told))| {
+            let at = seen.filter(|_| !std::mem::replace(told, true))?;
+            let run = self.trace(at, &goal(i));
+            Some(Found { run })
+        })
+        .collect()
+    }
+}
+
+fn is_new(told: &[bool], seen: &[Option<Sight>]) -> bool {
+    let mut all = seen.iter().enumerate();
+    all.any(|(i, seen)| seen.is_some() && told.get(i) != Some(&true))
+}

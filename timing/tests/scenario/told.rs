@@ -1,0 +1,184 @@
+//! What is told before the end: answers as they are found.
+
+use std::sync::Mutex;
+
+use dotgen_timing::verify::{Interrupt, verify_telling};
+
+use super::*;
+
+/// A robot, and a lamp that has nothing to do with it and is answered by analysis; the checks of the robot come first.
+const LAMP: &str = r#"
+component lamp {
+  version "1"; lang "c";
+  ids { long light; };
+  task blink { period 8 ms; codel <start> toggle(inout light) yield pause::start wcet 1 ms; };
+};
+"#;
+
+/// Clients that may do anything at any time are taken in stages.
+const ALL: &str =
+    "client k { delay [0, *] ms; send sensor.record; delay [0, *] ms; send sensor.reset; }
+  check response sensor.acquire <= 2 ms; check schedulable *; check no-overdue *; check response *;
+  check within sensor.record.run => sensor.record.void <= 5 ms; check always not sensor.record.stop;
+  check leadsto sensor.record.run => sensor.record.void; check eventually control.move;
+  check response lamp.blink; check schedulable lamp.blink;";
+
+/// What is told of a system with a lamp, and the report in the end.
+fn told(items: &str, options: &Options, cancel: &Cancel) -> (Vec<Report>, Report) {
+    let unit = load(&format!("{ROBOT}{LAMP}"));
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let parsed = parse(&format!("scenario robot {{ {items} }}"));
+    assert_eq!(parsed.errors, []);
+    let told = Mutex::new(Vec::new());
+    let tell = |it: &Report| told.lock().unwrap().push(it.clone());
+    let report = verify_telling(&input, &parsed.scenario, options, cancel, &tell);
+    (told.into_inner().unwrap(), report)
+}
+
+/// An answer with all that belongs to it.
+fn whole(it: &CheckReport) -> String {
+    serde_json::to_string(it).unwrap()
+}
+
+#[test]
+fn an_answer_that_was_told_is_final_and_the_same_as_without_telling() {
+    let mut few = Options::default();
+    few.limits.states = 50;
+    for options in [Options::default(), few] {
+        let (told, last) = told(ALL, &options, &Cancel::default());
+        let untold = {
+            let unit = load(&format!("{ROBOT}{LAMP}"));
+            let input = SystemInput {
+                specs: vec![&unit.spec],
+            };
+            let scenario = parse(&format!("scenario robot {{ {ALL} }}")).scenario;
+            verify(&input, &scenario, &options, &Cancel::default())
+        };
+        let without_time = |it: &Report| Report {
+            seconds: 0.0,
+            ..it.clone()
+        };
+        assert_eq!(
+            serde_json::to_string(&without_time(&last)).unwrap(),
+            serde_json::to_string(&without_time(&untold)).unwrap()
+        );
+        assert_eq!(last.answered(), last.checks.len());
+        let mut answered = 0;
+        for (i, now) in told.iter().enumerate() {
+            assert_eq!(now.checks.len(), last.checks.len());
+            assert_eq!(now.assumptions, last.assumptions);
+            // Each time there is more; at first perhaps nothing but what is asked.
+            assert!(now.answered() > answered || i == 0, "told for nothing");
+            answered = now.answered();
+            for (it, last) in now.checks.iter().zip(&last.checks) {
+                match it.verdict {
+                    Verdict::Open => assert_eq!(
+                        (&it.name, it.check, &it.of, it.bound),
+                        (&last.name, last.check, &last.of, last.bound)
+                    ),
+                    _ => assert_eq!(whole(it), whole(last)),
+                }
+            }
+        }
+        assert_eq!(
+            answered,
+            last.checks.len(),
+            "the last answers are told as well"
+        );
+        assert!(told.len() > 3, "told {} times", told.len());
+    }
+}
+
+#[test]
+fn what_takes_little_is_answered_first_whatever_it_belongs_to() {
+    let (told, _) = told(ALL, &Options::default(), &Cancel::default());
+    let mut known = vec![false; told[0].checks.len()];
+    let mut new = |report: &Report| -> Vec<String> {
+        let all = report.checks.iter().zip(&mut known);
+        let new = all.filter(|(it, known)| it.verdict != Verdict::Open && !**known);
+        new.map(|(it, known)| {
+            *known = true;
+            format!("{} {}", it.check, it.of)
+        })
+        .collect()
+    };
+    insta::assert_debug_snapshot!(told.iter().map(&mut new).collect::<Vec<_>>());
+}
+
+#[test]
+fn nothing_is_told_to_those_who_do_not_want_it_any_more() {
+    let unit = load(ROBOT);
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let scenario = parse("scenario x { check response *; check schedulable *; check deadlock; }");
+    let (times, cancel) = (Mutex::new(0), Cancel::default());
+    let tell = |_: &Report| {
+        *times.lock().unwrap() += 1;
+        cancel.abandon();
+    };
+    let options = Options::default();
+    verify_telling(&input, &scenario.scenario, &options, &cancel, &tell);
+    assert_eq!(times.into_inner().unwrap(), 1);
+}
+
+#[test]
+fn what_was_interrupted_says_so_and_the_rest_stands() {
+    let interrupt = Interrupt::default();
+    let cancel = Cancel::interrupted_by(&interrupt);
+    interrupt.raise();
+    let (_, report) = told(ALL, &Options::default(), &cancel);
+    let answer = |check, of| {
+        let mut all = report.checks.iter();
+        all.find(|it| it.check == check && it.of == of).unwrap()
+    };
+    assert_eq!(answer("schedulable", "lamp.blink").verdict, Verdict::Proved);
+    let open = answer("leadsto", "sensor.record.run => sensor.record.void");
+    assert_eq!(open.verdict, Verdict::Unknown);
+    assert_eq!(open.gave_up.unwrap().reason, Stop::Interrupted);
+    assert!(open.note.as_deref().unwrap().starts_with("interrupted at "));
+}
+
+#[test]
+fn a_run_that_there_is_no_time_for_is_left_out() {
+    // This is seen before the first look at the clock, and then it is too late.
+    let check = "check reachable control.move.idle; check always not control.move.idle;";
+    let (_, report) = told(check, &Options::default(), &Cancel::default());
+    assert!(report.checks.iter().all(|it| it.note.is_none()));
+    let cancel = Cancel::default();
+    cancel.limit(Duration::ZERO);
+    let (_, report) = told(check, &Options::default(), &cancel);
+    let [reachable, always] = &report.checks[..] else {
+        panic!("{}", checks_in_words(&report));
+    };
+    assert_eq!(reachable.verdict, Verdict::Proved);
+    assert_eq!(always.verdict, Verdict::Refuted);
+    for it in [reachable, always] {
+        let note = it.note.as_deref().unwrap_or_default();
+        assert!(
+            note.starts_with("the run that shows it is left out"),
+            "{note}"
+        );
+    }
+}
+
+#[test]
+fn what_is_seen_in_an_exploration_is_told_while_it_goes_on() {
+    let items = "client k { repeat * { delay [0, *] ms; choice { send sensor.record; } or { send sensor.reset; } } }
+      check within sensor.record.run => sensor.record.void; check reachable sensor.record.stop;";
+    let mut some = Options::default();
+    some.limits.states = 20_000;
+    let (told, last) = told(items, &some, &Cancel::default());
+    let verdicts = |it: &Report| it.checks.iter().map(|it| it.verdict).collect::<Vec<_>>();
+    let all: Vec<_> = told.iter().map(verdicts).collect();
+    let expected = [
+        [Verdict::Open, Verdict::Open],
+        [Verdict::Open, Verdict::Proved],
+        [Verdict::Unknown, Verdict::Proved],
+    ];
+    assert_eq!(all, expected);
+    assert!(!last.checks[1].witness.is_empty());
+    assert_eq!(whole(&told[1].checks[1]), whole(&last.checks[1]));
+}
