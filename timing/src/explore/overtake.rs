@@ -19,7 +19,8 @@
 //!
 //! * taking locks, on taking others that exclude these;
 //! * a tick, on the end of the current job, or of the start-up, of its task; and, with fewer cores than
-//!   tasks, on whoever else can join the queue; except under FIFO also on whoever can give back a core;
+//!   tasks, on whoever else can join the queue, also by a tick that its own start-up has to come before; except under FIFO also
+//!   on whoever can give back a core;
 //! * the end of a cycle after which the task joins the queue again, on others of the kind.
 
 use super::ample::Ample;
@@ -280,14 +281,16 @@ impl Moment<'_, '_> {
         set(&|q| q != own && self.can_come_to(q, conflicts))
     }
 
-    /// Whether a task can join the queue at this moment, other than by a tick.
+    /// Whether a task can join the queue at this moment, other than by a tick as things are. A tick that comes during the
+    /// start-up finds nothing to do; after it, the task joins.
     fn may_join(&self, task: usize) -> bool {
         let system = self.stepper.system;
         if !system.needs_core(task) {
             return false;
         }
         if system.tasks[task].period.is_some() {
-            return self.stepper.layout.pending(self.s, task);
+            return self.stepper.layout.pending(self.s, task)
+                || (self.due(task) && !settled(self.stepper, self.s, task));
         }
         !settled(self.stepper, self.s, task)
             || (self.stepper.layout.status(self.s, task) != TaskStatus::Idle
