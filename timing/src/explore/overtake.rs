@@ -281,16 +281,17 @@ impl Moment<'_, '_> {
         set(&|q| q != own && self.can_come_to(q, conflicts))
     }
 
-    /// Whether a task can join the queue at this moment, other than by a tick as things are. A tick that comes during the
-    /// start-up finds nothing to do; after it, the task joins.
+    /// Whether a task can join the queue at this moment, other than by a tick that nothing has to come before. One that
+    /// comes during the start-up finds nothing to do; one that was held back until that has ended makes the task join.
     fn may_join(&self, task: usize) -> bool {
         let system = self.stepper.system;
         if !system.needs_core(task) {
             return false;
         }
         if system.tasks[task].period.is_some() {
-            return self.stepper.layout.pending(self.s, task)
-                || (self.due(task) && !settled(self.stepper, self.s, task));
+            let released = self.held != 0 && self.held >> (TICKS + task) & 1 == 0;
+            let joins = released || !settled(self.stepper, self.s, task);
+            return self.stepper.layout.pending(self.s, task) || (self.due(task) && joins);
         }
         !settled(self.stepper, self.s, task)
             || (self.stepper.layout.status(self.s, task) != TaskStatus::Idle

@@ -339,7 +339,7 @@ fn all_agree(
         }
     }
     assert!(
-        compared * share > cases,
+        compared * share >= cases,
         "only {compared} of {cases} systems were small enough"
     );
 }
@@ -356,12 +356,20 @@ fn explorer_agrees_with_brute_force() {
     all_agree(first(), cases(), 2, compare);
 }
 
+fn compare_competing(seed: u64) -> Option<Result<(), String>> {
+    let system = systems::competing(&mut systems::Dice::new(seed));
+    compare_system(seed, &system, &[], &measured(seed, &system), 1)
+}
+
 #[test]
 fn explorer_agrees_when_tasks_compete() {
-    all_agree(first(), cases(), 3, |seed| {
-        let system = systems::competing(&mut systems::Dice::new(seed));
-        compare_system(seed, &system, &[], &measured(seed, &system), 1)
-    });
+    all_agree(first(), cases(), 3, compare_competing);
+}
+
+#[test]
+fn a_tick_that_waits_for_the_start_up_of_its_task_keeps_others_waiting() {
+    // A rare case: one of some ten thousand systems.
+    all_agree(77671, 1, 1, compare_competing);
 }
 
 #[test]
