@@ -1,7 +1,8 @@
 //! Ending a verification from outside, and seeing from there how far it is.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::thread::ThreadId;
 use std::time::{Duration, Instant};
 
 /// Looked at often by everything that can take long.
@@ -11,10 +12,10 @@ pub struct Cancel {
     interrupt: Interrupt,
     deadline: OnceLock<Deadline>,
     ask: Option<Box<dyn Fn() -> bool + Send + Sync>>,
-    /// States of explorations that have ended, and of the one at work.
+    /// States of explorations that have ended.
     before: AtomicUsize,
-    now: AtomicUsize,
-    bytes: AtomicUsize,
+    /// Those at work, each with the thread that tells of it.
+    now: Mutex<Vec<(ThreadId, Effort)>>,
 }
 
 /// Ends verifications with what is known so far, those that begin later as well.
@@ -48,7 +49,7 @@ const GRACE: Duration = Duration::from_secs(2);
 pub struct Effort {
     /// States so far, in all explorations.
     pub states: usize,
-    /// Bytes that the states of the present one take.
+    /// Bytes that the states of those at work take.
     pub bytes: usize,
 }
 
@@ -121,23 +122,36 @@ impl Cancel {
 
     /// How far it is, for whoever waits.
     pub fn effort(&self) -> Effort {
-        let states = self.before.load(Ordering::Relaxed) + self.now.load(Ordering::Relaxed);
-        Effort {
-            states,
-            bytes: self.bytes.load(Ordering::Relaxed),
-        }
+        let so_far = Effort {
+            states: self.before.load(Ordering::Relaxed),
+            bytes: 0,
+        };
+        let now = self.now();
+        now.iter().fold(so_far, |sum, (_, it)| Effort {
+            states: sum.states + it.states,
+            bytes: sum.bytes + it.bytes,
+        })
     }
 
-    /// Told by an exploration at work.
+    /// Told by an exploration at work, always by the same thread.
     pub(crate) fn at_work(&self, states: usize, bytes: usize) {
-        self.now.store(states, Ordering::Relaxed);
-        self.bytes.store(bytes, Ordering::Relaxed);
+        let (own, effort) = (std::thread::current().id(), Effort { states, bytes });
+        let mut now = self.now();
+        match now.iter_mut().find(|it| it.0 == own) {
+            Some(it) => it.1 = effort,
+            None => now.push((own, effort)),
+        }
     }
 
     /// Told by an exploration that has ended.
     pub(crate) fn ended(&self, states: usize) {
-        self.at_work(0, 0);
+        let own = std::thread::current().id();
+        self.now().retain(|it| it.0 != own);
         self.before.fetch_add(states, Ordering::Relaxed);
+    }
+
+    fn now(&self) -> MutexGuard<'_, Vec<(ThreadId, Effort)>> {
+        self.now.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -5,21 +5,23 @@
 //! intervals, as a larger upper bound only adds behaviour; smallest periods and fixed durations are
 //! not monotonic, and the result says so.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, OnceLock, PoisonError, RwLock};
+
 use dotgen_analysis::model::Seconds;
 use num_rational::Ratio;
 use serde::Serialize;
 
 use crate::analytic::{meets_deadlines, response_bounds};
-use crate::explore::Stop;
-use crate::explore::{Watch, explore};
+use crate::explore::{Findings, Limits, Stop, Watch, explore};
 use crate::property::resolve;
 use crate::report::{Value, Verdict};
 use crate::scn::ast::{CheckKind, Durations, Path, Scenario, Unit};
 use crate::scn::names::{Names, Target};
 use crate::scn::{Diagnostic, Severity};
-use crate::system::FOREVER;
 use crate::system::build::{build, not_a};
 use crate::system::settings::Settings;
+use crate::system::{FOREVER, TimedSystem};
 use crate::verify::{Cancel, Options, SystemInput, settings, to_f64};
 
 /// The answer to "how many cores?".
@@ -74,57 +76,73 @@ pub struct Progress {
 }
 
 /// Every derived question about a scenario. Takes as long as some dozen verifications for each codel and
-/// task.
+/// task, of which as many are under way at the same time as there are threads.
 pub fn sensitivity(
     input: &SystemInput,
     scenario: &Scenario,
     options: &Options,
     cancel: &Cancel,
-    progress: &dyn Fn(Progress),
+    progress: &(dyn Fn(Progress) + Sync),
 ) -> Result<Sensitivity, Vec<Diagnostic>> {
     let names = Names::new(&input.specs);
     let system = build(&names, &settings(scenario, options), &|_| true).system;
     let codels = system.codels.iter();
-    let codels: Vec<Path> = codels
+    let codels = codels
         .filter(|it| it.site.is_some() && it.upper != FOREVER)
-        .map(|it| Path::of(&it.path))
-        .collect();
+        .map(|it| Question::Wcet(Path::of(&it.path)));
     let tasks = system.tasks.iter();
-    let tasks: Vec<Path> = tasks
-        .filter(|it| it.period.is_some())
-        .map(|it| {
-            let component = &system.components[it.component].name;
-            Path::of(&format!("{component}.{}", it.name))
-        })
+    let tasks = tasks.filter(|it| it.period.is_some()).map(|it| {
+        let component = &system.components[it.component].name;
+        Question::Period(Path::of(&format!("{component}.{}", it.name)))
+    });
+    let questions: Vec<Question> = [Question::Cores]
+        .into_iter()
+        .chain(codels)
+        .chain(tasks)
         .collect();
-    let of = 1 + codels.len() + tasks.len();
-    let asking = |done, asking| progress(Progress { done, of, asking });
-    asking(0, "the number of cores".to_owned());
+    let asked = Asked::of(questions.len(), &names, scenario, options, cancel);
+    let answers = asked.all(&questions, progress);
     let mut out = Sensitivity {
-        minimum_cores: minimum_cores(input, scenario, options, cancel)?,
+        minimum_cores: MinimumCores {
+            cores: None,
+            tried: Vec::new(),
+        },
         wcet: Vec::new(),
         period: Vec::new(),
         incomplete: false,
     };
-    for (i, path) in codels.iter().enumerate() {
-        if cancel.is_over() {
-            break;
+    for (question, answer) in questions.iter().zip(answers) {
+        match (question, answer.transpose()?) {
+            (_, None) => {}
+            (_, Some(Answer::Cores(it))) => out.minimum_cores = it,
+            (Question::Period(_), Some(Answer::Extreme(it))) => out.period.push(it),
+            (_, Some(Answer::Extreme(it))) => out.wcet.push(it),
         }
-        asking(1 + i, format!("the WCET of {}", path.text()));
-        out.wcet
-            .push(largest_wcet(input, scenario, options, path, cancel)?);
-    }
-    for (i, path) in tasks.iter().enumerate() {
-        if cancel.is_over() {
-            break;
-        }
-        let done = 1 + codels.len() + i;
-        asking(done, format!("the period of {}", path.text()));
-        out.period
-            .push(smallest_period(input, scenario, options, path, cancel)?);
     }
     out.incomplete = cancel.is_over();
     Ok(out)
+}
+
+/// What is asked.
+enum Question {
+    Cores,
+    Wcet(Path),
+    Period(Path),
+}
+
+enum Answer {
+    Cores(MinimumCores),
+    Extreme(Extreme),
+}
+
+impl Question {
+    fn in_words(&self) -> String {
+        match self {
+            Question::Cores => "the number of cores".to_owned(),
+            Question::Wcet(path) => format!("the WCET of {}", path.text()),
+            Question::Period(path) => format!("the period of {}", path.text()),
+        }
+    }
 }
 
 /// The smallest number of cores with which the tasks are schedulable.
@@ -134,30 +152,7 @@ pub fn minimum_cores(
     options: &Options,
     cancel: &Cancel,
 ) -> Result<MinimumCores, Vec<Diagnostic>> {
-    let names = Names::new(&input.specs);
-    let mut variation = Variation::new(&names, settings(scenario, options), options, cancel)?;
-    variation.settings.cores = None;
-    let most = build(&names, &variation.settings, &|_| true)
-        .system
-        .tasks
-        .len() as u32;
-    let mut out = MinimumCores {
-        cores: None,
-        tried: Vec::new(),
-    };
-    for cores in 1..=most.max(1) {
-        if cancel.is_over() {
-            break;
-        }
-        variation.settings.cores = Some(cores);
-        let verdict = variation.schedulable();
-        out.tried.push((cores, verdict));
-        if verdict == Verdict::Proved {
-            out.cores = Some(cores);
-            break;
-        }
-    }
-    Ok(out)
+    Asked::of(1, &Names::new(&input.specs), scenario, options, cancel).minimum_cores()
 }
 
 /// The largest WCET of a codel (`component.task.state`, …) with which the tasks are schedulable.
@@ -168,94 +163,7 @@ pub fn largest_wcet(
     codel: &Path,
     cancel: &Cancel,
 ) -> Result<Extreme, Vec<Diagnostic>> {
-    let names = Names::new(&input.specs);
-    let mut variation = Variation::new(&names, settings(scenario, options), options, cancel)?;
-    let target = names.resolve(codel).map_err(|it| vec![it])?;
-    if !matches!(target, Target::State(..) | Target::Codel(..)) {
-        return Err(vec![not_a("codel", codel)]);
-    }
-    let built = build(&names, &variation.settings, &|_| true);
-    let path = codel.text();
-    let unit = built.system.unit;
-    let current = built.system.codels.iter().find(|it| {
-        it.path == path
-            || it
-                .site
-                .is_some_and(|site| same_codel(&target, site, &it.path, &path))
-    });
-    let Some(current) = current else {
-        return Err(vec![not_a("codel that is executed", codel)]);
-    };
-    let upper = current.upper;
-    let longest = built
-        .system
-        .tasks
-        .iter()
-        .filter_map(|it| it.period)
-        .max()
-        .unwrap_or(1);
-    let of_ticks = |ticks: u32| unit * Ratio::from_integer(i128::from(ticks));
-    let mut holds = |ticks: u32| {
-        variation.settings.upper_bound = Some((codel.clone(), of_ticks(ticks)));
-        variation.schedulable()
-    };
-    let report_unit = report_unit(scenario);
-    let value = |ticks: u32| Value::Time(to_f64(of_ticks(ticks) / report_unit));
-    let mut out = Extreme {
-        of: path,
-        now: if upper == crate::system::FOREVER {
-            Value::Unbounded
-        } else {
-            value(upper)
-        },
-        extreme: None,
-        exact: settings(scenario, options).durations != Durations::Fixed,
-        incomplete: false,
-    };
-    let start = if upper == crate::system::FOREVER {
-        0
-    } else {
-        upper
-    };
-    match holds(start) {
-        Verdict::Proved => {}
-        verdict => {
-            out.incomplete = verdict == Verdict::Unknown;
-            return Ok(out);
-        }
-    }
-    // Double until it fails, then bisect.
-    let (mut good, mut bad) = (start, None);
-    let mut step = (longest / 16).max(1);
-    while good < longest.saturating_mul(2) {
-        match holds(good + step) {
-            Verdict::Proved => good += step,
-            verdict => {
-                out.incomplete |= verdict == Verdict::Unknown;
-                bad = Some(good + step);
-                break;
-            }
-        }
-        step = step.saturating_mul(2);
-    }
-    let Some(mut bad) = bad else {
-        out.extreme = Some(Value::Unbounded);
-        out.exact = false;
-        return Ok(out);
-    };
-    while bad - good > 1 {
-        let middle = good + (bad - good) / 2;
-        match holds(middle) {
-            Verdict::Proved => good = middle,
-            verdict => {
-                out.incomplete |= verdict == Verdict::Unknown;
-                bad = middle;
-            }
-        }
-    }
-    out.extreme = Some(value(good));
-    out.exact &= !out.incomplete;
-    Ok(out)
+    Asked::of(1, &Names::new(&input.specs), scenario, options, cancel).largest_wcet(codel)
 }
 
 /// The smallest period of a task, by bisection, with which the tasks are schedulable.
@@ -266,48 +174,268 @@ pub fn smallest_period(
     task: &Path,
     cancel: &Cancel,
 ) -> Result<Extreme, Vec<Diagnostic>> {
-    let names = Names::new(&input.specs);
-    let mut variation = Variation::new(&names, settings(scenario, options), options, cancel)?;
-    let key = resolve::task(&names, task).map_err(|it| vec![it])?;
-    let built = build(&names, &variation.settings, &|_| true);
-    let unit = built.system.unit;
-    let Some(period) = built.system.tasks[built.tasks[&key]].period else {
-        return Err(vec![not_a("periodic task", task)]);
-    };
-    let of_ticks = |ticks: u32| unit * Ratio::from_integer(i128::from(ticks));
-    let mut holds = |ticks: u32| {
-        variation.settings.period = Some((task.clone(), of_ticks(ticks)));
-        variation.schedulable()
-    };
-    let report_unit = report_unit(scenario);
-    let value = |ticks: u32| Value::Time(to_f64(of_ticks(ticks) / report_unit));
-    let mut out = Extreme {
-        of: task.text(),
-        now: value(period),
-        extreme: None,
-        exact: false,
-        incomplete: false,
-    };
-    match holds(period) {
-        Verdict::Proved => {}
-        verdict => {
-            out.incomplete = verdict == Verdict::Unknown;
-            return Ok(out);
+    Asked::of(1, &Names::new(&input.specs), scenario, options, cancel).smallest_period(task)
+}
+
+/// What is asked about, and with what effort.
+struct Asked<'a> {
+    names: &'a Names<'a>,
+    scenario: &'a Scenario,
+    options: &'a Options,
+    cancel: &'a Cancel,
+    /// Questions under way at the same time.
+    together: usize,
+    /// What each of them may take.
+    share: Limits,
+    /// Held by all explorations; alone by one for which its share of the memory is not enough.
+    memory: RwLock<()>,
+}
+
+impl<'a> Asked<'a> {
+    fn of(
+        questions: usize,
+        names: &'a Names<'a>,
+        scenario: &'a Scenario,
+        options: &'a Options,
+        cancel: &'a Cancel,
+    ) -> Self {
+        let Limits {
+            states,
+            bytes,
+            threads,
+        } = options.limits;
+        let together = threads.clamp(1, questions.max(1));
+        Asked {
+            names,
+            scenario,
+            options,
+            cancel,
+            together,
+            share: Limits {
+                states,
+                bytes: bytes / together,
+                threads,
+            },
+            memory: RwLock::default(),
         }
     }
-    let (mut good, mut bad) = (period, 0);
-    while good - bad > 1 {
-        let middle = bad + (good - bad) / 2;
-        match holds(middle) {
-            Verdict::Proved => good = middle,
-            verdict => {
-                out.incomplete |= verdict == Verdict::Unknown;
-                bad = middle;
+
+    /// Answers in the order of the questions; none for those that were not come to.
+    fn all(
+        &self,
+        questions: &[Question],
+        progress: &(dyn Fn(Progress) + Sync),
+    ) -> Vec<Option<Result<Answer, Vec<Diagnostic>>>> {
+        let answers: Vec<OnceLock<_>> = questions.iter().map(|_| OnceLock::new()).collect();
+        let (next, done) = (AtomicUsize::new(0), Mutex::new(0));
+        let done = || done.lock().unwrap_or_else(PoisonError::into_inner);
+        let work = || {
+            while !self.cancel.is_over() {
+                let at = next.fetch_add(1, Ordering::Relaxed);
+                let Some(question) = questions.get(at) else {
+                    break;
+                };
+                // Told one after the other, so that what is done never seems to become less.
+                let so_far = done();
+                progress(Progress {
+                    done: *so_far,
+                    of: questions.len(),
+                    asking: question.in_words(),
+                });
+                drop(so_far);
+                answers[at].get_or_init(|| self.one(question));
+                *done() += 1;
+            }
+        };
+        std::thread::scope(|scope| {
+            for _ in 1..self.together {
+                scope.spawn(work);
+            }
+            work();
+        });
+        answers.into_iter().map(OnceLock::into_inner).collect()
+    }
+
+    /// Explores with a share of the memory, and if that is not enough with all of it while nobody else does.
+    fn explore(&self, system: &TimedSystem, watch: &Watch) -> Findings {
+        let found = {
+            let _together = self.memory.read().unwrap_or_else(PoisonError::into_inner);
+            explore(system, watch, self.share, self.cancel)
+        };
+        if self.together == 1 || found.stopped != Some(Stop::Memory) {
+            return found;
+        }
+        let _alone = self.memory.write().unwrap_or_else(PoisonError::into_inner);
+        explore(system, watch, self.options.limits, self.cancel)
+    }
+
+    fn one(&self, question: &Question) -> Result<Answer, Vec<Diagnostic>> {
+        Ok(match question {
+            Question::Cores => Answer::Cores(self.minimum_cores()?),
+            Question::Wcet(codel) => Answer::Extreme(self.largest_wcet(codel)?),
+            Question::Period(task) => Answer::Extreme(self.smallest_period(task)?),
+        })
+    }
+
+    fn minimum_cores(&self) -> Result<MinimumCores, Vec<Diagnostic>> {
+        let mut variation = Variation::new(self)?;
+        variation.settings.cores = None;
+        let most = build(self.names, &variation.settings, &|_| true)
+            .system
+            .tasks
+            .len() as u32;
+        let mut out = MinimumCores {
+            cores: None,
+            tried: Vec::new(),
+        };
+        for cores in 1..=most.max(1) {
+            if self.cancel.is_over() {
+                break;
+            }
+            variation.settings.cores = Some(cores);
+            let verdict = variation.schedulable();
+            out.tried.push((cores, verdict));
+            if verdict == Verdict::Proved {
+                out.cores = Some(cores);
+                break;
             }
         }
+        Ok(out)
     }
-    out.extreme = Some(value(good));
-    Ok(out)
+
+    fn largest_wcet(&self, codel: &Path) -> Result<Extreme, Vec<Diagnostic>> {
+        let mut variation = Variation::new(self)?;
+        let target = self.names.resolve(codel).map_err(|it| vec![it])?;
+        if !matches!(target, Target::State(..) | Target::Codel(..)) {
+            return Err(vec![not_a("codel", codel)]);
+        }
+        let built = build(self.names, &variation.settings, &|_| true);
+        let path = codel.text();
+        let unit = built.system.unit;
+        let current = built.system.codels.iter().find(|it| {
+            it.path == path
+                || it
+                    .site
+                    .is_some_and(|site| same_codel(&target, site, &it.path, &path))
+        });
+        let Some(current) = current else {
+            return Err(vec![not_a("codel that is executed", codel)]);
+        };
+        let upper = current.upper;
+        let longest = built
+            .system
+            .tasks
+            .iter()
+            .filter_map(|it| it.period)
+            .max()
+            .unwrap_or(1);
+        let of_ticks = |ticks: u32| unit * Ratio::from_integer(i128::from(ticks));
+        let mut holds = |ticks: u32| {
+            variation.settings.upper_bound = Some((codel.clone(), of_ticks(ticks)));
+            variation.schedulable()
+        };
+        let report_unit = report_unit(self.scenario);
+        let value = |ticks: u32| Value::Time(to_f64(of_ticks(ticks) / report_unit));
+        let mut out = Extreme {
+            of: path,
+            now: if upper == crate::system::FOREVER {
+                Value::Unbounded
+            } else {
+                value(upper)
+            },
+            extreme: None,
+            exact: settings(self.scenario, self.options).durations != Durations::Fixed,
+            incomplete: false,
+        };
+        let start = if upper == crate::system::FOREVER {
+            0
+        } else {
+            upper
+        };
+        match holds(start) {
+            Verdict::Proved => {}
+            verdict => {
+                out.incomplete = verdict == Verdict::Unknown;
+                return Ok(out);
+            }
+        }
+        // Double until it fails, then bisect.
+        let (mut good, mut bad) = (start, None);
+        let mut step = (longest / 16).max(1);
+        while good < longest.saturating_mul(2) {
+            match holds(good + step) {
+                Verdict::Proved => good += step,
+                verdict => {
+                    out.incomplete |= verdict == Verdict::Unknown;
+                    bad = Some(good + step);
+                    break;
+                }
+            }
+            step = step.saturating_mul(2);
+        }
+        let Some(mut bad) = bad else {
+            out.extreme = Some(Value::Unbounded);
+            out.exact = false;
+            return Ok(out);
+        };
+        while bad - good > 1 {
+            let middle = good + (bad - good) / 2;
+            match holds(middle) {
+                Verdict::Proved => good = middle,
+                verdict => {
+                    out.incomplete |= verdict == Verdict::Unknown;
+                    bad = middle;
+                }
+            }
+        }
+        out.extreme = Some(value(good));
+        out.exact &= !out.incomplete;
+        Ok(out)
+    }
+
+    fn smallest_period(&self, task: &Path) -> Result<Extreme, Vec<Diagnostic>> {
+        let mut variation = Variation::new(self)?;
+        let key = resolve::task(self.names, task).map_err(|it| vec![it])?;
+        let built = build(self.names, &variation.settings, &|_| true);
+        let unit = built.system.unit;
+        let Some(period) = built.system.tasks[built.tasks[&key]].period else {
+            return Err(vec![not_a("periodic task", task)]);
+        };
+        let of_ticks = |ticks: u32| unit * Ratio::from_integer(i128::from(ticks));
+        let mut holds = |ticks: u32| {
+            variation.settings.period = Some((task.clone(), of_ticks(ticks)));
+            variation.schedulable()
+        };
+        let report_unit = report_unit(self.scenario);
+        let value = |ticks: u32| Value::Time(to_f64(of_ticks(ticks) / report_unit));
+        let mut out = Extreme {
+            of: task.text(),
+            now: value(period),
+            extreme: None,
+            exact: false,
+            incomplete: false,
+        };
+        match holds(period) {
+            Verdict::Proved => {}
+            verdict => {
+                out.incomplete = verdict == Verdict::Unknown;
+                return Ok(out);
+            }
+        }
+        let (mut good, mut bad) = (period, 0);
+        while good - bad > 1 {
+            let middle = bad + (good - bad) / 2;
+            match holds(middle) {
+                Verdict::Proved => good = middle,
+                verdict => {
+                    out.incomplete |= verdict == Verdict::Unknown;
+                    bad = middle;
+                }
+            }
+        }
+        out.extreme = Some(value(good));
+        Ok(out)
+    }
 }
 
 fn same_codel(
@@ -333,20 +461,15 @@ fn report_unit(scenario: &Scenario) -> Seconds {
 
 /// Settings to be varied, and the tasks that must stay schedulable.
 struct Variation<'v> {
-    names: &'v Names<'v>,
+    asked: &'v Asked<'v>,
     settings: Settings,
     tasks: Vec<(usize, u32)>,
-    options: &'v Options,
-    cancel: &'v Cancel,
 }
 
 impl<'v> Variation<'v> {
-    fn new(
-        names: &'v Names<'v>,
-        settings: Settings,
-        options: &'v Options,
-        cancel: &'v Cancel,
-    ) -> Result<Self, Vec<Diagnostic>> {
+    fn new(asked: &'v Asked<'v>) -> Result<Self, Vec<Diagnostic>> {
+        let names = asked.names;
+        let settings = settings(asked.scenario, asked.options);
         let mut errors: Vec<Diagnostic> = build(names, &settings, &|_| true).diagnostics;
         errors.retain(|it| it.severity == Severity::Error);
         let mut tasks = Vec::new();
@@ -378,19 +501,18 @@ impl<'v> Variation<'v> {
             return Err(errors);
         }
         Ok(Variation {
-            names,
+            asked,
             settings,
             tasks,
-            options,
-            cancel,
         })
     }
 
     fn schedulable(&self) -> Verdict {
-        if self.cancel.is_over() {
+        let asked = self.asked;
+        if asked.cancel.is_over() {
             return Verdict::Unknown;
         }
-        let built = build(self.names, &self.settings, &|_| true);
+        let built = build(asked.names, &self.settings, &|_| true);
         if built.has_errors() {
             return Verdict::Unknown;
         }
@@ -407,7 +529,7 @@ impl<'v> Variation<'v> {
         if watch.schedulable.is_empty() {
             return Verdict::Proved;
         }
-        let found = explore(&built.system, &watch, self.options.limits, self.cancel);
+        let found = asked.explore(&built.system, &watch);
         if found.missed.iter().any(Option::is_some) {
             Verdict::Refuted
         } else if found.stopped.is_some_and(|it| it != Stop::Answered) {

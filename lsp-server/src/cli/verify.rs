@@ -66,6 +66,10 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "MB", default_value_t = Limits::default().bytes >> 20)]
     max_memory: usize,
 
+    /// Number of questions of --sensitivity to answer at the same time [default: one per processor core]
+    #[arg(long, value_name = "N", value_parser = threads)]
+    threads: Option<usize>,
+
     /// Give up what is not answered after so many seconds, for each scenario
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     timeout: Option<Duration>,
@@ -135,6 +139,11 @@ fn cores(text: &str) -> Result<Cores, String> {
         Ok(n) => Ok(Cores(Some(n))),
         Err(_) => Err("give a number of cores, or `free`".to_owned()),
     }
+}
+
+fn threads(text: &str) -> Result<usize, String> {
+    let threads = text.parse().ok().filter(|&it| it > 0);
+    threads.ok_or_else(|| "give a number of threads from 1 on".to_owned())
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {
@@ -262,6 +271,7 @@ impl Arguments {
         let limits = Limits {
             states: self.max_states.unwrap_or(most),
             bytes: self.max_memory.saturating_mul(1 << 20),
+            threads: self.threads.unwrap_or(Limits::default().threads),
         };
         let mut at = problem.text.len();
         let mut parsed = Vec::new();

@@ -266,7 +266,7 @@ impl Problem {
         &self,
         options: &Options,
         cancel: &Cancel,
-        progress: &dyn Fn(Progress),
+        progress: &(dyn Fn(Progress) + Sync),
     ) -> Result<Sensitivity, Vec<scn::Diagnostic>> {
         let input = SystemInput {
             specs: self.specs(),

@@ -54,6 +54,8 @@ pub struct Limits {
     pub states: usize,
     /// Greatest number of bytes for them.
     pub bytes: usize,
+    /// Greatest number of explorations at the same time, where there are several. What is found does not depend on it.
+    pub threads: usize,
 }
 
 impl Default for Limits {
@@ -61,6 +63,7 @@ impl Default for Limits {
         Limits {
             states: 20_000_000,
             bytes: 4 << 30,
+            threads: std::thread::available_parallelism().map_or(1, usize::from),
         }
     }
 }

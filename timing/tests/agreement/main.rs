@@ -15,6 +15,7 @@ use dotgen_timing::verify::Cancel;
 const LIMITS: Limits = Limits {
     states: 400_000,
     bytes: 1 << 28,
+    threads: 1,
 };
 
 /// Compares everything on the system of one seed; `None` if it was too large for brute force.

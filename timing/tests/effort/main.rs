@@ -2,15 +2,16 @@
 
 mod counting;
 
-use std::sync::Arc;
+use std::collections::HashSet;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
 
 use camino::Utf8Path;
 use counting::Counting;
 use dotgen_analysis::host::{
     AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags, UnitResult,
 };
-use dotgen_timing::derive::{largest_wcet, minimum_cores, sensitivity, smallest_period};
+use dotgen_timing::derive::{Progress, largest_wcet, minimum_cores, sensitivity, smallest_period};
 use dotgen_timing::explore::Limits;
 use dotgen_timing::report::{Value, Verdict};
 use dotgen_timing::scn::ast::{Path, Scenario};
@@ -318,5 +319,49 @@ fn a_search_without_memory_gives_up_honestly() {
             assert!(says_so || has_run, "{text}");
             assert!(says_so || it.value.is_none(), "{text}");
         }
+    }
+}
+
+/// What is answered with so many threads, and how many of them looked whether to go on.
+fn by_threads<T>(threads: usize, ask: impl Fn(&Options, &Cancel) -> T) -> (T, usize) {
+    let seen = Arc::new(Mutex::new(HashSet::new()));
+    let own = seen.clone();
+    let cancel = Cancel::asking(move || {
+        own.lock().unwrap().insert(std::thread::current().id());
+        false
+    });
+    let options = Options {
+        limits: Limits {
+            threads,
+            ..Limits::default()
+        },
+        ..Options::default()
+    };
+    let answer = ask(&options, &cancel);
+    let looked = seen.lock().unwrap().len();
+    (answer, looked)
+}
+
+#[test]
+fn the_number_of_threads_changes_no_derived_answer() {
+    let ask = |threads, bytes| {
+        let told = Mutex::new(Vec::new());
+        let (found, looked) = by_threads(threads, |options, cancel| {
+            let mut options = options.clone();
+            options.limits.bytes = bytes;
+            let tell = |it: Progress| told.lock().unwrap().push(it);
+            with("", |input, scenario| {
+                sensitivity(input, scenario, &options, cancel, &tell).unwrap()
+            })
+        });
+        assert_eq!(looked > 1, threads > 1, "{looked} threads of {threads}");
+        let told = told.into_inner().unwrap();
+        assert_eq!(told.len(), 1 + found.wcet.len() + found.period.len());
+        assert!(told.is_sorted_by_key(|it| it.done));
+        serde_json::to_value(found).unwrap()
+    };
+    // The second with less memory for each search than some of them need.
+    for bytes in [Limits::default().bytes, 400_000] {
+        assert_eq!(ask(1, bytes), ask(4, bytes));
     }
 }
