@@ -373,22 +373,13 @@ impl<'a> Asked<'a> {
             }
             step = step.saturating_mul(2);
         }
-        let Some(mut bad) = bad else {
+        let Some(bad) = bad else {
             out.extreme = Some(Value::Unbounded);
             out.exact = false;
             return Ok(out);
         };
-        while bad - good > 1 {
-            let middle = good + (bad - good) / 2;
-            match holds(middle) {
-                Verdict::Proved => good = middle,
-                verdict => {
-                    out.incomplete |= verdict == Verdict::Unknown;
-                    bad = middle;
-                }
-            }
-        }
-        out.extreme = Some(value(good));
+        let last = bisect(good, bad, holds, &mut out.incomplete);
+        out.extreme = Some(value(last));
         out.exact &= !out.incomplete;
         Ok(out)
     }
@@ -422,20 +413,30 @@ impl<'a> Asked<'a> {
                 return Ok(out);
             }
         }
-        let (mut good, mut bad) = (period, 0);
-        while good - bad > 1 {
-            let middle = bad + (good - bad) / 2;
-            match holds(middle) {
-                Verdict::Proved => good = middle,
-                verdict => {
-                    out.incomplete |= verdict == Verdict::Unknown;
-                    bad = middle;
-                }
-            }
-        }
-        out.extreme = Some(value(good));
+        let last = bisect(period, 0, holds, &mut out.incomplete);
+        out.extreme = Some(value(last));
         Ok(out)
     }
+}
+
+/// The last value that holds on the way from one that does to one that does not.
+fn bisect(
+    mut good: u32,
+    mut bad: u32,
+    mut holds: impl FnMut(u32) -> Verdict,
+    incomplete: &mut bool,
+) -> u32 {
+    while good.abs_diff(bad) > 1 {
+        let middle = good.midpoint(bad);
+        match holds(middle) {
+            Verdict::Proved => good = middle,
+            verdict => {
+                *incomplete |= verdict == Verdict::Unknown;
+                bad = middle;
+            }
+        }
+    }
+    good
 }
 
 fn same_codel(

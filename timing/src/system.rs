@@ -132,6 +132,14 @@ pub struct Machine {
     pub rounds: bool,
 }
 
+impl Machine {
+    /// Whether it goes on for ever, from state to state, without a pause.
+    pub fn is_endless(&self) -> bool {
+        let mut yields = self.states.iter().flat_map(|it| &it.yields);
+        yields.all(|it| matches!(it, Yield::Next(_)))
+    }
+}
+
 /// A state of a machine.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct State {

@@ -2,8 +2,8 @@
 
 use super::Analysis;
 use super::demand::Demand;
+use crate::system::Policy;
 use crate::system::loops::can_pause;
-use crate::system::{Policy, Yield};
 
 impl Analysis<'_> {
     /// The longest that a job can wait for a core, given how long jobs of all tasks have theirs.
@@ -81,11 +81,7 @@ impl Analysis<'_> {
 
     /// Whether its first cycle goes on for ever in any case.
     fn always_endless(&self, task: usize) -> bool {
-        let endless = |a: usize| {
-            let states = self.system.machine_of(a).states.iter();
-            let mut yields = states.flat_map(|it| &it.yields);
-            yields.all(|it| matches!(it, Yield::Next(_)))
-        };
+        let endless = |a: usize| self.system.machine_of(a).is_endless();
         let permanent = self.system.tasks[task].permanent;
         permanent.is_some_and(endless) && !self.system.runs_apart(task)
     }

@@ -160,11 +160,10 @@ impl Ample {
             let it = &system.tasks[task];
             !system.has_activities(task, &requested)
                 && it.permanent.is_some_and(|a| {
-                    let states = &system.machine_of(a).states;
-                    let mut yields = states.iter().flat_map(|it| &it.yields);
-                    let separate =
-                        system.platform.async_free && states.iter().any(|it| it.is_async);
-                    !separate && yields.all(|it| matches!(it, Yield::Next(_)))
+                    let machine = system.machine_of(a);
+                    let mut states = machine.states.iter();
+                    let separate = system.platform.async_free && states.any(|it| it.is_async);
+                    !separate && machine.is_endless()
                 })
         };
         let mut owner = vec![Owner::Nobody; system.codels.len()];

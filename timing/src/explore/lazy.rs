@@ -29,7 +29,7 @@ use super::ample::Visible;
 use super::state::{State, mode, phase};
 use super::step::{Action, Enabled, Stepper};
 use super::store::{Encoded, encode};
-use crate::system::{ClientAction, TimedSystem, Yield};
+use crate::system::{ClientAction, TimedSystem};
 
 /// Which tasks, control tasks and clients belong to lazy groups. They are numbered as *members*, in this order.
 #[derive(Debug)]
@@ -284,11 +284,9 @@ fn endless(system: &TimedSystem, task: usize, requested: &[bool]) -> bool {
     let it = &system.tasks[task];
     it.period.is_none()
         && !system.has_activities(task, requested)
-        && it.permanent.is_some_and(|a| {
-            let states = &system.machine_of(a).states;
-            let mut yields = states.iter().flat_map(|it| &it.yields);
-            yields.all(|it| matches!(it, Yield::Next(_)))
-        })
+        && it
+            .permanent
+            .is_some_and(|a| system.machine_of(a).is_endless())
 }
 
 /// The next moment at which something has to be looked at. `None`: never.

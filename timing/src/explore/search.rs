@@ -39,7 +39,7 @@ pub fn explore_telling(
     watch: &Watch,
     limits: Limits,
     cancel: &Cancel,
-    news: &mut (dyn FnMut(&Findings) + Send),
+    news: &mut dyn FnMut(&Findings),
 ) -> Findings {
     let mut gauges = Gauge::of(watch, &How::Shared);
     let mut findings = until_measured(system, watch, &mut gauges, limits, cancel, news);

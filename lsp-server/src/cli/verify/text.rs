@@ -119,7 +119,10 @@ fn sensitivity(out: &mut impl Write, it: &Sensitivity, scale: Scale) -> anyhow::
         }
     }
     if it.incomplete {
-        writeln!(out, "  {FAINT}given up here: time is up, or it was interrupted{FAINT:#}")?;
+        writeln!(
+            out,
+            "  {FAINT}given up here: time is up, or it was interrupted{FAINT:#}"
+        )?;
     }
     Ok(())
 }

@@ -1,17 +1,15 @@
 //! What has been seen for good while the exploration goes on: told at once.
 
-use std::sync::Mutex;
-
 use super::trace::Goal;
 use super::{Search, Sight};
 use crate::explore::findings::{Findings, Found};
 
-/// Whom to tell; several threads may look at the search meanwhile.
-pub(super) type Teller<'a> = &'a mut (dyn FnMut(&Findings) + Send);
+/// Whom to tell.
+pub(super) type Teller<'a> = &'a mut dyn FnMut(&Findings);
 
 /// Whom to tell, and what was told already, by the lists of the watch.
 pub(super) struct News<'a> {
-    teller: Mutex<Teller<'a>>,
+    teller: Teller<'a>,
     missed: Vec<bool>,
     overdue: Vec<bool>,
     reached: Vec<bool>,
@@ -20,7 +18,7 @@ pub(super) struct News<'a> {
 impl<'a> News<'a> {
     pub(super) fn new(teller: Teller<'a>) -> Self {
         News {
-            teller: Mutex::new(teller),
+            teller,
             missed: Vec::new(),
             overdue: Vec::new(),
             reached: Vec::new(),
@@ -53,9 +51,7 @@ impl Search<'_> {
                 within: vec![None; watch.within.len()],
                 ..Findings::default()
             };
-            if let Ok(tell) = news.teller.get_mut() {
-                tell(&found);
-            }
+            (news.teller)(&found);
         }
         self.news = Some(news);
     }

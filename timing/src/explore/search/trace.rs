@@ -1,6 +1,6 @@
 //! Runs to what was seen: found again, backwards from node to node.
 
-use std::sync::{Mutex, PoisonError};
+use std::cell::RefCell;
 
 use rustc_hash::FxHashMap;
 
@@ -27,7 +27,7 @@ pub(super) enum Goal<'g> {
 }
 
 /// Runs by what was seen and where: what was told once is not looked for again, and does not change.
-pub(super) type Traced = Mutex<FxHashMap<(Kind, u32, u64), Run>>;
+pub(super) type Traced = RefCell<FxHashMap<(Kind, u32, u64), Run>>;
 
 /// What can be told before the end.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
@@ -58,11 +58,10 @@ impl Search<'_> {
             return self.traced_back(at, goal);
         };
         let key = (kind, at.parent, at.time);
-        let known = || self.traced.lock().unwrap_or_else(PoisonError::into_inner);
-        let before = known().get(&key).cloned();
+        let before = self.traced.borrow().get(&key).cloned();
         before.unwrap_or_else(|| {
             let run = self.traced_back(at, goal);
-            known().insert(key, run.clone());
+            self.traced.borrow_mut().insert(key, run.clone());
             run
         })
     }
