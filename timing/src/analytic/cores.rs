@@ -49,8 +49,8 @@ impl Analysis<'_> {
         }
     }
 
-    /// Whether no job of another periodic task can be under way while a job of this one has its core: all other cores are
-    /// taken for ever before the first tick of any.
+    /// Whether no job of a periodic task can be under way while a job of this one has its core: all other cores are
+    /// taken for ever before the first tick of any, and no codel goes on without a core.
     pub(super) fn alone(&self, task: usize) -> bool {
         let system = self.system;
         let Some(cores) = system.platform.cores else {
@@ -65,6 +65,7 @@ impl Analysis<'_> {
             self.always_endless(it) && asks.is_some_and(|it| Some(it) < first_tick)
         };
         periodic.contains(&task)
+            && !periodic.iter().any(|&it| system.runs_apart(it))
             && endless.len() + 1 == cores as usize
             && endless.iter().all(at_once)
     }

@@ -363,6 +363,12 @@ fn compare_competing(seed: u64) -> Option<Result<(), String>> {
 }
 
 #[test]
+fn codels_that_need_no_core_keep_jobs_on_the_only_one_waiting() {
+    // A rare case as well.
+    all_agree(333_659, 1, 1, compare);
+}
+
+#[test]
 fn explorer_agrees_when_tasks_compete() {
     all_agree(first(), cases(), 3, compare_competing);
 }
