@@ -5,6 +5,7 @@
 //! visited in order of absolute time, one *layer* per moment. Within a layer all orders of
 //! simultaneous actions are followed; states in which nothing urgent remains become *nodes*, are
 //! merged and compared with all earlier nodes (see `explore::store`), and jump to their next moment.
+//! Where nothing is periodic and something lasts long, zones are tried beside (see `search::zones`).
 
 mod ample;
 mod findings;
@@ -24,6 +25,6 @@ mod watch;
 pub use findings::{Bound, Findings, Found, Measured};
 pub use liveness::{Liveness, LivenessQuery, liveness};
 pub use run::{Moment, MomentKind, Run};
-pub use search::{chase, explore, explore_telling};
+pub use search::{InZones, chase, explore, explore_telling, in_zones};
 pub use step::Action;
 pub use watch::{Limits, ResponseTime, Stop, Watch, Within};

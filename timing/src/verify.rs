@@ -307,12 +307,15 @@ impl Group<'_> {
     ) {
         for &(i, place) in places {
             let seen = match checks[i].what {
-                What::Schedulable(_) => &found.missed[place],
-                What::NoOverdue(_) => &found.overdue[place],
-                What::Always(_) | What::Reachable(_) => &found.reached[place],
+                What::Schedulable(_) => found.missed[place].is_some(),
+                What::NoOverdue(_) => found.overdue[place].is_some(),
+                What::Always(_) | What::Reachable(_) => {
+                    found.reached[place].is_some() || found.never[place]
+                }
+                What::Deadlock => found.no_deadlock,
                 _ => continue,
             };
-            if seen.is_some() && report.is_open(i) {
+            if seen && report.is_open(i) {
                 report.answer(i, self.one(&checks[i], place, found));
             }
         }

@@ -45,8 +45,12 @@ pub struct Findings {
     pub reached: Vec<Option<Found>>,
     /// Least bounds; `None` if the first predicate never became true.
     pub within: Vec<Option<Measured>>,
+    /// Whether each predicate is known to be never reached, even if the exploration was stopped.
+    pub never: Vec<bool>,
     /// A run to a deadlock.
     pub deadlock: Option<Found>,
+    /// It is known that there is no deadlock, even if the exploration was stopped.
+    pub no_deadlock: bool,
     /// Services of which a request was refused because no slot was free.
     pub refused: Vec<usize>,
     /// States kept.

@@ -5,6 +5,7 @@ mod layer;
 mod news;
 mod trace;
 mod watching;
+mod zones;
 
 use std::collections::BTreeMap;
 
@@ -12,6 +13,8 @@ use self::hunt::Hunt;
 pub use self::hunt::chase;
 use self::news::{News, Teller};
 use self::trace::Traced;
+pub use self::zones::{InZones, in_zones};
+use self::zones::{Proof, Zones};
 use super::ample::{Ample, Visible};
 use super::findings::Findings;
 use super::lazy::Lazy;
@@ -78,12 +81,17 @@ fn until_measured(
     cancel: &Cancel,
     news: Teller,
 ) -> Findings {
+    let zones_suit = !watch.in_order && zones::suit(system);
+    let mut proof = None;
     loop {
         let mut search = Search::new(system, watch, gauges, limits, cancel);
         search.hunt = (!watch.in_order).then(|| Hunt::new(watch));
+        search.zones_suit = zones_suit;
+        search.proof = proof;
         search.news = Some(News::new(&mut *news));
         let diverging = search.run();
         cancel.ended(search.states());
+        proof = search.proof.take_if(|_| diverging.is_some());
         match diverging {
             Some(diverging) => {
                 for (gauge, it) in search.of_all_alike(diverging) {
@@ -174,6 +182,12 @@ struct Search<'a> {
     now: u64,
     /// What is done beside, unless this is part of it.
     hunt: Option<Hunt>,
+    /// Zones suit the system, and what is asked.
+    zones_suit: bool,
+    /// What is looked for in them, once there is more than a little.
+    zones: Option<Zones<'a>>,
+    /// What they have shown, once everything was looked at.
+    proof: Option<Proof>,
     /// Found while a layer was closed.
     diverging: Option<Diverging>,
     /// Bytes of the states that a layer begins with.
@@ -288,6 +302,9 @@ impl<'a> Search<'a> {
             until: None,
             now: 0,
             hunt: None,
+            zones_suit: false,
+            zones: None,
+            proof: None,
             diverging: None,
             under_way: 0,
             spare: Vec::new(),
@@ -354,13 +371,14 @@ impl Search<'_> {
     }
 
     fn out_of_bounds(&mut self) -> bool {
-        let states = self.nodes.len() + self.layer.len() + self.hunted();
+        let states = self.nodes.len() + self.layer.len() + self.states_beside();
         let reason = Stop::reason(states, self.memory(), self.limits, self.cancel);
         if reason.is_some() {
             self.stopped = reason;
             return true;
         }
         self.hunt_if_due();
+        self.prove_if_due();
         if self.answered() && !self.goes_on() {
             self.stopped = Some(Stop::Answered);
         } else {
@@ -376,7 +394,12 @@ impl Search<'_> {
             None | Some(Stop::Answered) => 0,
             Some(_) => self.layer.len(),
         };
-        self.nodes.len() + moment + self.hunted()
+        self.nodes.len() + moment + self.states_beside()
+    }
+
+    /// States looked at beside.
+    fn states_beside(&self) -> usize {
+        self.hunted() + self.in_zones().0
     }
 
     fn memory(&self) -> usize {
@@ -388,6 +411,7 @@ impl Search<'_> {
             + self.edges.capacity() * size_of::<(u32, u32)>()
             + self.nodes.len() * QUEUED
             + self.under_way
+            + self.in_zones().2
             + self.spare.len() * self.stepper.layout.state_bytes()
     }
 }

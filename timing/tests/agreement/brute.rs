@@ -12,6 +12,7 @@ mod time;
 use std::collections::HashSet;
 
 use dotgen_timing::explore::{Action, Within};
+use dotgen_timing::property::Predicate;
 use dotgen_timing::system::TimedSystem;
 
 use state::{State, Status};
@@ -22,6 +23,7 @@ pub(crate) const CAP: u32 = 150;
 pub(crate) struct Brute<'s> {
     pub(crate) system: &'s TimedSystem,
     pub(crate) within: &'s [Within],
+    pub(crate) reach: &'s [Predicate],
 }
 
 #[derive(Debug, Default, PartialEq, Eq)]
@@ -31,6 +33,7 @@ pub(crate) struct Results {
     /// `Some(CAP)`: unbounded.
     pub(crate) response: Vec<Option<u32>>,
     pub(crate) within: Vec<Option<u32>>,
+    pub(crate) reached: Vec<bool>,
     /// The earliest moment at which each response time, and each obligation, has reached each age.
     pub(crate) response_at: Vec<Vec<u64>>,
     pub(crate) within_at: Vec<Vec<u64>>,
@@ -63,6 +66,12 @@ impl Brute<'_> {
         }
     }
 
+    fn reach(&self, before: Option<&State>, now: &State, out: &mut Results) {
+        for (it, reached) in self.reach.iter().zip(&mut out.reached) {
+            *reached |= self.predicate(before, now, it);
+        }
+    }
+
     fn blank(&self) -> Results {
         let n = self.system.tasks.len();
         Results {
@@ -70,6 +79,7 @@ impl Brute<'_> {
             overdue: vec![false; n],
             response: vec![None; n],
             within: vec![None; self.within.len()],
+            reached: vec![false; self.reach.len()],
             response_at: vec![Vec::new(); n],
             within_at: vec![Vec::new(); self.within.len()],
             deadlock: false,
@@ -82,6 +92,7 @@ impl Brute<'_> {
     pub(crate) fn explore(&self, limit: usize) -> Option<Results> {
         let mut out = self.blank();
         let initial = self.initial();
+        self.reach(None, &initial, &mut out);
         // Moment by moment, so that a state is seen at the earliest moment at which it can be reached.
         let mut seen: HashSet<State> = HashSet::new();
         let mut later = vec![initial];
@@ -97,6 +108,7 @@ impl Brute<'_> {
                 let (actions, urgent) = self.actions(&s);
                 for action in actions {
                     let next = self.perform(&s, action, &mut out);
+                    self.reach(Some(&s), &next, &mut out);
                     if seen.insert(next.clone()) {
                         todo.push(next);
                     }
@@ -117,6 +129,7 @@ impl Brute<'_> {
         let mut out = self.blank();
         let mut s = self.initial();
         let mut now = 0;
+        let mut before = None;
         let advance = |s: &mut State, now: &mut u64, to: u64| {
             while *now < to {
                 if self.actions(s).1 {
@@ -132,11 +145,13 @@ impl Brute<'_> {
             if !self.actions(&s).0.contains(&action) {
                 return Err(format!("{action:?} is not possible at {now}"));
             }
-            s = self.perform(&s, action, &mut out);
+            let next = self.perform(&s, action, &mut out);
+            before = Some(std::mem::replace(&mut s, next));
         }
         advance(&mut s, &mut now, end)?;
         let mut last = self.blank();
         self.inspect(&s, end, &mut last);
+        self.reach(before.as_ref(), &s, &mut last);
         last.deadlock = self.dead(&s);
         Ok(last)
     }

@@ -6,7 +6,8 @@ mod systems;
 use brute::{Brute, CAP, Results};
 use dotgen_timing::analytic::{meets_deadlines, response_bounds};
 use dotgen_timing::explore::{
-    Bound, Found, Limits, Measured, ResponseTime, Watch, Within, chase, explore,
+    Bound, Found, InZones, Limits, Measured, ResponseTime, Stop, Watch, Within, chase, explore,
+    in_zones,
 };
 use dotgen_timing::property::Predicate;
 use dotgen_timing::system::TimedSystem;
@@ -43,7 +44,11 @@ fn compare_system(
     measured: &[usize],
     vary: usize,
 ) -> Option<Result<(), String>> {
-    let brute = Brute { system, within };
+    let brute = Brute {
+        system,
+        within,
+        reach: &[],
+    };
     let expected = brute.explore(30_000)?;
     let all: Vec<usize> = (0..system.tasks.len()).collect();
     // Limits that are never exceeded, sometimes, and soon.
@@ -407,4 +412,64 @@ fn explorer_agrees_on_any_requests() {
         let system = systems::requests::requests(&mut systems::Dice::new(seed));
         compare_system(seed, &system, &[], &measured(seed, &system), 1)
     });
+}
+
+/// Predicates, deadlocks and refused requests: in zones, and by everything there is together.
+fn compare_reachable(seed: u64) -> Option<Result<(), String>> {
+    let dice = &mut systems::Dice::new(seed);
+    let (system, goals) = systems::aperiodic(dice);
+    let brute = Brute {
+        system: &system,
+        within: &[],
+        reach: &goals,
+    };
+    let expected = brute.explore(30_000)?;
+    let refused = (0..system.services.len()).filter(|&it| expected.refused[it]);
+    let expected = InZones {
+        deadlock: expected.deadlock,
+        refused: refused.collect(),
+        reached: expected.reached,
+    };
+    let watch = Watch {
+        reach: goals.clone(),
+        deadlock: true,
+        ..Watch::default()
+    };
+    let check = || -> Result<(), String> {
+        let zones = in_zones(&system, &goals, 1_000_000).ok_or("zones gave up")?;
+        if zones != expected {
+            return Err(format!("brute {expected:?}, zones {zones:?}"));
+        }
+        let found = explore(&system, &watch, LIMITS, &Cancel::default());
+        let answered = found.stopped == Some(Stop::Answered);
+        if found.stopped.is_some() && !answered {
+            return Err("gave up".to_owned());
+        }
+        let all = InZones {
+            reached: found.reached.iter().map(Option::is_some).collect(),
+            deadlock: found.deadlock.is_some(),
+            // Once everything asked was seen nobody looks any further.
+            refused: match answered {
+                true => expected.refused.clone(),
+                false => found.refused,
+            },
+        };
+        if all != expected {
+            return Err(format!("brute {expected:?}, found {all:?}"));
+        }
+        for (i, it) in found.reached.iter().enumerate() {
+            if let Some(it) = it
+                && !brute.replay(&it.run.steps, it.run.end)?.reached[i]
+            {
+                return Err(format!("run to {i} shows nothing: {:?}", it.run));
+            }
+        }
+        Ok(())
+    };
+    Some(check().map_err(|why| format!("seed {seed}: {why}\n{system:#?}\n{goals:#?}")))
+}
+
+#[test]
+fn zones_and_whole_numbers_of_time_agree() {
+    all_agree(first(), cases() / 4, 3, compare_reachable);
 }

@@ -127,6 +127,42 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
     (system, within)
 }
 
+/// A system of any of the other kinds without periodic tasks, where things sometimes last longer, and predicates that may be
+/// reached in it.
+pub(crate) fn aperiodic(dice: &mut Dice) -> (TimedSystem, Vec<Predicate>) {
+    let mut system = match dice.below(4) {
+        0 => random(dice).0,
+        1 => competing(dice),
+        2 => alike::alike(dice).0,
+        _ => requests::requests(dice),
+    };
+    for task in &mut system.tasks {
+        task.period = None;
+        task.delay = 0;
+    }
+    for codel in &mut system.codels {
+        if dice.in_ten(3) {
+            codel.upper = codel.upper.saturating_add(dice.below(9));
+        }
+    }
+    // An exact time, often, as that is what keeps others apart.
+    for codel in &mut system.codels {
+        if dice.in_ten(3) && codel.upper != FOREVER {
+            codel.lower = codel.upper;
+        }
+    }
+    let goals = (0..4)
+        .map(|_| {
+            let it = predicate(&system, dice);
+            match dice.in_ten(6) {
+                true => Predicate::And(Box::new(it), Box::new(predicate(&system, dice))),
+                false => it,
+            }
+        })
+        .collect();
+    (system, goals)
+}
+
 /// A system of two to four tasks that compete for locks and cores, without services and mostly without anything that
 /// would hinder reductions. There is one tick after the other, as periods are few.
 pub(crate) fn competing(dice: &mut Dice) -> TimedSystem {

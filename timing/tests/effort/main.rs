@@ -1,6 +1,7 @@
 //! How much is done: what a search costs in memory, and how soon it ends when it has to.
 
 mod counting;
+mod long;
 
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicU64, Ordering};

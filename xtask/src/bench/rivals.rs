@@ -224,7 +224,7 @@ pub(crate) fn rivals(dotgen: &Path, runs: usize, sets: u64) -> Result<bool> {
         step("Drew docs/charts/rivals.svg");
     }
     agreed &= fischer_agreement(&rivals)?;
-    for (scale, more) in [(1, 1), (1, 0), (10, 1), (10, 0)] {
+    for (scale, more) in [(1, 1), (1, 0), (10, 1), (10, 0), (100, 1)] {
         let times = Times {
             within: scale,
             wait: scale + more,
@@ -270,20 +270,20 @@ fn fischer_question(n: usize, times: Times) -> Result<Question> {
     Question::write(&format!("fischer{n}-{within}-{wait}"), &files, "both")
 }
 
-/// Two and three processes with small times: same verdicts.
+/// Two and three processes with small times, and with long ones of about the same proportions: same verdicts.
 fn fischer_agreement(rivals: &Rivals) -> Result<bool> {
-    step("Mutual exclusion by time alone, all times from 1 to 3 ms");
+    step("Mutual exclusion by time alone, all times from 1 to 3 ms, and ten times as long");
     let mut agreed = true;
     let mut hold = 0;
-    for (n, within) in [2, 3]
-        .into_iter()
-        .flat_map(|n| (1..=3).map(move |it| (n, it)))
-    {
-        for (wait, section) in (1..=3).flat_map(|wait| (1..=3).map(move |it| (wait, it))) {
+    let few = || 1..=3;
+    let kinds = [(2, 1), (3, 1), (2, 10), (3, 10)];
+    for ((n, scale), within) in kinds.into_iter().flat_map(|it| few().map(move |w| (it, w))) {
+        for (wait, section) in few().flat_map(|wait| few().map(move |it| (wait, it))) {
             let times = Times {
-                within,
-                wait,
-                section,
+                within: scale * within,
+                // Not all multiples of the scale, which would be the unit otherwise.
+                wait: scale * wait + u32::from(scale > 1 && wait >= within),
+                section: scale * section,
             };
             let [dotgen, tchecker, _] = fischer_question(n, times)?.ask(rivals, 1)?;
             let dotgen = dotgen.context("dotgen gave up")?.holds;
@@ -297,7 +297,7 @@ fn fischer_agreement(rivals: &Rivals) -> Result<bool> {
             }
         }
     }
-    println!("54 systems, {hold} of them exclusive; all agree: {agreed}");
+    println!("108 systems, {hold} of them exclusive; all agree: {agreed}");
     Ok(agreed)
 }
 

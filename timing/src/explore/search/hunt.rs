@@ -51,8 +51,20 @@ pub(super) struct Hunt {
     late: bool,
 }
 
-/// What was seen where, and what was caught if there is a hunt.
-type List<'s> = (&'s [Option<Sight>], Option<&'s Vec<Option<Run>>>);
+/// What was seen where, what was caught if there is a hunt, and what never happens.
+struct List<'s> {
+    seen: &'s [Option<Sight>],
+    caught: Option<&'s Vec<Option<Run>>>,
+    never: Vec<bool>,
+}
+
+impl List<'_> {
+    /// Whether something may still be seen, and is `wanted` with what was caught of it.
+    fn is_open(&self, it: usize, wanted: &dyn Fn(Option<&Run>) -> bool) -> bool {
+        let caught = self.caught.and_then(|caught| caught[it].as_ref());
+        self.seen[it].is_none() && !self.never[it] && wanted(caught)
+    }
+}
 
 /// One for each of what is watched and shown by a single state.
 #[derive(Debug, Default)]
@@ -147,12 +159,9 @@ impl Search<'_> {
     /// What is watched, shown by a single state, and not seen yet: by number, as far as it is `wanted`, given what was
     /// caught of it.
     fn unseen(&self, wanted: &dyn Fn(Option<&Run>) -> bool) -> Lists<usize> {
-        let none = Vec::new();
-        let [missed, overdue, reached] = self.lists().map(|(seen, caught)| {
-            let caught = caught.unwrap_or(&none);
-            let all = 0..seen.len();
-            all.filter(|&it| seen[it].is_none() && wanted(caught.get(it).and_then(Option::as_ref)))
-                .collect()
+        let [missed, overdue, reached] = self.lists().map(|list| {
+            let all = 0..list.seen.len();
+            all.filter(|&it| list.is_open(it, wanted)).collect()
         });
         Lists {
             missed,
@@ -163,20 +172,38 @@ impl Search<'_> {
 
     /// Whether there is any of it.
     fn any_unseen(&self, wanted: &dyn Fn(Option<&Run>) -> bool) -> bool {
-        self.lists().into_iter().any(|(seen, caught)| {
-            let caught = |it: usize| caught.and_then(|caught| caught[it].as_ref());
-            (0..seen.len()).any(|it| seen[it].is_none() && wanted(caught(it)))
-        })
+        let mut lists = self.lists().into_iter();
+        lists.any(|list| (0..list.seen.len()).any(|it| list.is_open(it, wanted)))
     }
 
     /// What was seen, and what was caught if there is a hunt.
     fn lists(&self) -> [List<'_>; 3] {
         let caught = self.hunt.as_ref().map(|it| &it.caught);
+        // What is proved in zones has no periodic tasks, so that nothing is late.
+        let never = |list: &[Option<Sight>]| vec![self.is_proved(); list.len()];
+        let never_reached = (0..self.reached.len()).map(|it| self.never_reached(it));
         [
-            (&self.missed, caught.map(|it| &it.missed)),
-            (&self.overdue, caught.map(|it| &it.overdue)),
-            (&self.reached, caught.map(|it| &it.reached)),
+            (
+                &self.missed,
+                caught.map(|it| &it.missed),
+                never(&self.missed),
+            ),
+            (
+                &self.overdue,
+                caught.map(|it| &it.overdue),
+                never(&self.overdue),
+            ),
+            (
+                &self.reached,
+                caught.map(|it| &it.reached),
+                never_reached.collect(),
+            ),
         ]
+        .map(|(seen, caught, never)| List {
+            seen,
+            caught,
+            never,
+        })
     }
 
     /// Whether everything that a single state shows was seen or caught.
@@ -189,9 +216,9 @@ impl Search<'_> {
         self.any_unseen(&|caught| caught.is_some_and(|it| it.end > self.now))
     }
 
-    /// Steps so far, with those of the hunt.
+    /// Steps so far, with those of the hunt and those in zones.
     pub(super) fn effort(&self) -> u64 {
-        self.steps + self.hunt.as_ref().map_or(0, |it| it.steps)
+        self.steps + self.in_zones().1 + self.hunt.as_ref().map_or(0, |it| it.steps)
     }
 
     /// States looked at in the hunt.
@@ -266,7 +293,7 @@ impl Search<'_> {
         // After the end of a search for want of room only few more are looked at.
         let states = match self.stopped {
             Some(_) => 0,
-            None => self.nodes.len() + self.layer.len() + self.hunted(),
+            None => self.nodes.len() + self.layer.len() + self.states_beside(),
         };
         let bytes = self.memory();
         let Some(hunt) = &mut self.hunt else {

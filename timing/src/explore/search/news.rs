@@ -1,4 +1,4 @@
-//! What has been seen for good while the exploration goes on: told at once.
+//! What has been seen, or is proved, for good while the exploration goes on: told at once.
 
 use super::trace::Goal;
 use super::{Search, Sight};
@@ -13,6 +13,8 @@ pub(super) struct News<'a> {
     missed: Vec<bool>,
     overdue: Vec<bool>,
     reached: Vec<bool>,
+    /// What zones have proved was told.
+    proved: bool,
 }
 
 impl<'a> News<'a> {
@@ -22,19 +24,22 @@ impl<'a> News<'a> {
             missed: Vec::new(),
             overdue: Vec::new(),
             reached: Vec::new(),
+            proved: false,
         }
     }
 }
 
 impl Search<'_> {
-    /// Tells what is new: what fails, or is reached. What comes later does not change that, nor the run that shows it.
+    /// Tells what is new: what fails, is reached, or never is. What comes later does not change that, nor the run that shows it.
     pub(super) fn tell_news(&mut self) {
         let Some(mut news) = self.news.take() else {
             return;
         };
         let any = is_new(&news.missed, &self.missed)
             || is_new(&news.overdue, &self.overdue)
-            || is_new(&news.reached, &self.reached);
+            || is_new(&news.reached, &self.reached)
+            || news.proved != self.is_proved();
+        news.proved = self.is_proved();
         if any {
             let watch = self.watch;
             let found = Findings {
@@ -47,6 +52,10 @@ impl Search<'_> {
                 reached: self.found(&mut news.reached, &self.reached, |i| {
                     Goal::Reach(&watch.reach[i])
                 }),
+                never: (0..watch.reach.len())
+                    .map(|it| self.never_reached(it))
+                    .collect(),
+                no_deadlock: self.never_deadlocked(),
                 response: vec![None; watch.response.len()],
                 within: vec![None; watch.within.len()],
                 ..Findings::default()

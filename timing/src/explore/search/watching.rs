@@ -18,14 +18,14 @@ impl Search<'_> {
     /// Whether everything that is asked has been seen, or caught.
     pub(super) fn answered(&self) -> bool {
         (0..self.gauges.len()).all(|it| self.is_longest(it))
-            && (!self.watch.deadlock || self.deadlock.is_some())
+            && (!self.watch.deadlock || self.deadlock.is_some() || self.never_deadlocked())
             && self.all_caught()
     }
 
     /// Whether to go on for a while when everything is answered: what was only caught may be seen earlier, and requests may
     /// turn out to be refused.
     pub(super) fn goes_on(&mut self) -> bool {
-        let refusals = self.stepper.system.may_refuse();
+        let refusals = self.stepper.system.may_refuse() && !self.is_proved();
         let until = match self.until {
             Some(it) => it,
             None => {
@@ -290,6 +290,7 @@ impl Search<'_> {
             .filter(|&service| {
                 let mut orbit = self.symmetry.service_orbit(service).iter();
                 orbit.any(|&it| self.stepper.refused[it].get() || beside(it))
+                    || self.refused_in_zones(service)
             })
             .collect()
     }
@@ -323,6 +324,10 @@ impl Search<'_> {
                 })
                 .collect(),
             within,
+            never: (0..self.watch.reach.len())
+                .map(|it| self.never_reached(it))
+                .collect(),
+            no_deadlock: self.never_deadlocked(),
             deadlock: self
                 .deadlock
                 .filter(|_| self.watch.deadlock)
@@ -330,8 +335,13 @@ impl Search<'_> {
             refused: self.refused(),
             states: self.states(),
             steps: self.effort(),
-            bytes: hunt.map_or(0, |it| it.bytes).max(self.memory()),
-            stopped: self.stopped,
+            bytes: (hunt.map_or(0, |it| it.bytes))
+                .max(self.proof.as_ref().map_or(0, |it| it.bytes))
+                .max(self.memory()),
+            // Nothing is left to be looked at, even if it was looked at in zones.
+            stopped: self
+                .stopped
+                .filter(|&it| it != Stop::Answered || !self.is_proved()),
         }
     }
 }

@@ -1,0 +1,315 @@
+//! Zones: what can never be reached is also looked for in dense time.
+//!
+//! Where nothing is periodic, what matters is in which order codels and delays end. In whole numbers of time there are the more
+//! states the longer they last; *zones*, sets of remaining times (see [`Zone`]), depend on their order alone. So
+//! beside a search moment by moment, with as much effort, another one takes states to zones instead of windows. Rules,
+//! ample sets and symmetry are the same; a window is then the shortest and longest time in the zone. What no state with a zone
+//! shows is proved. What one does show is left to the other search, which comes to it with a run.
+
+mod zone;
+
+use std::collections::VecDeque;
+
+use rustc_hash::FxHashMap;
+use smallvec::SmallVec;
+
+use self::zone::{GREATEST, Zone};
+use super::Search;
+use crate::explore::ample::{Ample, Visible};
+use crate::explore::observe;
+use crate::explore::state::{Layout, State};
+use crate::explore::step::{Action, Enabled, Stepper};
+use crate::explore::symmetry::{Asked, Label, Symmetry};
+use crate::property::Predicate;
+use crate::system::{ClientAction, FOREVER, Ticks, TimedSystem};
+
+/// Steps after which a search is not small any more.
+const SMALL: u64 = 1000;
+
+/// Time from which on something lasts long.
+const LONG: Ticks = 8;
+
+/// Steps in zones for each step of the search they are beside.
+const SHARE: u64 = 4;
+
+/// Steps in zones between two looks at what may end the search.
+const LOOKS: u64 = 128;
+
+/// Bytes for a key besides what it says, with room to grow.
+const KEY: usize = 2 * size_of::<(Box<[u16]>, Vec<(u32, Zone)>)>();
+
+/// Committed steps that are taken at once. There is a bound because a client may go round in circles without taking time.
+const AT_ONCE: usize = 16;
+
+/// A search in zones for predicates, and for states in which nothing will ever happen again.
+pub(super) struct Zones<'a> {
+    stepper: Stepper<'a>,
+    ample: Ample,
+    symmetry: Symmetry,
+    goals: &'a [Predicate],
+    /// Which of the goals were reached.
+    reached: Vec<bool>,
+    deadlock: bool,
+    /// By what goes on, zones that were come to, with their numbers.
+    passed: FxHashMap<Box<[u16]>, Vec<(u32, Zone)>>,
+    /// By number: it was covered by another one before it was looked at.
+    covered: Vec<bool>,
+    todo: VecDeque<(u32, State, Zone)>,
+    steps: u64,
+    bytes: usize,
+}
+
+impl<'a> Zones<'a> {
+    fn new(system: &'a TimedSystem, goals: &'a [Predicate]) -> Self {
+        let unmeasured = vec![false; system.tasks.len()];
+        let layout = Layout::new(system, &unmeasured, &[]);
+        let asked = Asked {
+            labels: vec![Label::default(); system.tasks.len()],
+            predicates: goals.iter().collect(),
+        };
+        let mut out = Zones {
+            symmetry: Symmetry::new(system, &layout, &asked),
+            ample: Ample::new(system, Visible::new(system, goals.iter()), &unmeasured),
+            stepper: Stepper::new(system, layout),
+            goals,
+            reached: vec![false; goals.len()],
+            deadlock: false,
+            passed: FxHashMap::default(),
+            covered: Vec::new(),
+            todo: VecDeque::new(),
+            steps: 0,
+            bytes: 0,
+        };
+        let mut s = out.stepper.initial();
+        let mut zone = Zone::new();
+        out.look(None, &s);
+        out.set_zone(&mut s, &mut zone);
+        out.keep(s, zone);
+        out
+    }
+
+    /// Goes on until it has taken so many steps.
+    fn run(&mut self, steps: u64) {
+        let mut enabled = Enabled::default();
+        let mut followed = Vec::new();
+        while self.steps < steps
+            && let Some((number, s, zone)) = self.todo.pop_front()
+        {
+            self.bytes -= self.bytes_to_do(&zone);
+            if self.covered[number as usize] {
+                continue;
+            }
+            self.stepper.enabled(&s, &mut enabled);
+            self.ample
+                .select(&self.stepper, &s, &enabled, &mut followed);
+            for &action in &followed {
+                let (mut s, mut zone) = (s.clone(), zone.clone());
+                self.step(&mut s, &mut zone, action);
+                self.keep(s, zone);
+            }
+        }
+    }
+
+    /// Whether a request of a service was refused, or of one that is not told apart from it.
+    fn refused(&self, service: usize) -> bool {
+        let mut orbit = self.symmetry.service_orbit(service).iter();
+        orbit.any(|&it| self.stepper.refused[it].get())
+    }
+
+    /// Performs an action.
+    fn step(&mut self, s: &mut State, zone: &mut Zone, action: Action) {
+        self.steps += 1;
+        let before = s.clone();
+        if let Action::Finish { executor, .. } = action {
+            zone.end(executor);
+        }
+        self.stepper.apply(s, action);
+        self.look(Some(&before), s);
+        self.set_zone(s, zone);
+    }
+
+    /// Looks at a state that was just entered.
+    fn look(&mut self, before: Option<&State>, s: &State) {
+        for (goal, reached) in self.goals.iter().zip(&mut self.reached) {
+            *reached = *reached || observe::predicate(&self.stepper, before, s, goal);
+        }
+    }
+
+    /// Brings the zone of a state, and its windows, up to what is being executed.
+    fn set_zone(&self, s: &mut State, zone: &mut Zone) {
+        let l = &self.stepper.layout;
+        let executors: SmallVec<[usize; 12]> = l.executing(s).collect();
+        zone.set_executors(&executors, |executor| l.window(s, executor));
+        self.set_windows(s, zone);
+    }
+
+    fn set_windows(&self, s: &mut State, zone: &Zone) {
+        for (executor, window) in zone.windows() {
+            self.stepper.layout.set_window(s, executor, window);
+        }
+    }
+
+    /// Keeps a state to look at later, after the committed steps that follow without a choice, and any time if it can pass.
+    fn keep(&mut self, mut s: State, mut zone: Zone) {
+        let mut enabled = Enabled::default();
+        self.stepper.enabled(&s, &mut enabled);
+        for _ in 0..AT_ONCE {
+            if !enabled.committed || enabled.actions.len() != 1 {
+                break;
+            }
+            self.step(&mut s, &mut zone, enabled.actions[0]);
+            self.stepper.enabled(&s, &mut enabled);
+        }
+        if !enabled.urgent {
+            self.deadlock |= self.stepper.layout.executing(&s).next().is_none();
+            zone.pass();
+            self.set_windows(&mut s, &zone);
+        }
+        if let Some(names) = self.symmetry.order(&self.stepper.layout, &mut s) {
+            zone = zone.renamed(|it| names.executor(it));
+        }
+        let number = self.covered.len() as u32;
+        if let Some(known) = self.passed.get_mut(&s.d[..]) {
+            if known.iter().any(|(_, it)| it.covers(&zone)) {
+                return;
+            }
+            known.retain(|(number, it)| {
+                let covered = zone.covers(it);
+                if covered {
+                    self.covered[*number as usize] = true;
+                    self.bytes -= it.memory();
+                }
+                !covered
+            });
+            known.push((number, zone.clone()));
+        } else {
+            let first = vec![(number, zone.clone())];
+            self.passed.insert(s.d.clone().into(), first);
+            self.bytes += size_of_val(&s.d[..]) + KEY;
+        }
+        self.bytes += zone.memory() + self.bytes_to_do(&zone);
+        self.covered.push(false);
+        self.todo.push_back((number, s, zone));
+    }
+
+    fn bytes_to_do(&self, zone: &Zone) -> usize {
+        zone.memory() + self.stepper.layout.state_bytes()
+    }
+}
+
+/// Whether there are zones of a system, and fewer of them than states with whole numbers of time: nothing is periodic, something
+/// lasts long, and not everything takes as long each time.
+pub(super) fn suit(system: &TimedSystem) -> bool {
+    let codels = system.codels.iter().map(|it| (it.lower, it.upper));
+    let steps = system.clients.iter().flat_map(|it| &it.steps);
+    let delays = steps.filter_map(|it| match it.action {
+        ClientAction::Delay(lower, upper) => Some((lower, upper)),
+        _ => None,
+    });
+    let mut long = false;
+    let mut varies = false;
+    for (lower, upper) in codels.chain(delays) {
+        let longest = if upper == FOREVER { lower } else { upper };
+        if longest > GREATEST {
+            return false;
+        }
+        long |= longest >= LONG;
+        varies |= lower < upper;
+    }
+    long && varies && system.tasks.iter().all(|it| it.period.is_none())
+}
+
+/// What a search in zones that has looked at everything has seen.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct InZones {
+    /// Which predicates can be reached.
+    pub reached: Vec<bool>,
+    /// There is a state in which nothing will ever happen again.
+    pub deadlock: bool,
+    /// Services of which a request was refused.
+    pub refused: Vec<usize>,
+}
+
+/// What is known from zones, and what it took.
+#[derive(Debug, Clone)]
+pub(super) struct Proof {
+    seen: InZones,
+    states: usize,
+    steps: u64,
+    /// Bytes used in the end, with those of the search it was beside.
+    pub(super) bytes: usize,
+}
+
+impl Zones<'_> {
+    /// What was seen, if that is everything.
+    fn proof(&self) -> Option<Proof> {
+        let services = 0..self.stepper.system.services.len();
+        self.todo.is_empty().then(|| Proof {
+            seen: InZones {
+                reached: self.reached.clone(),
+                deadlock: self.deadlock,
+                refused: services.filter(|&it| self.refused(it)).collect(),
+            },
+            states: self.covered.len(),
+            steps: self.steps,
+            bytes: self.bytes,
+        })
+    }
+}
+
+/// Looks in zones for predicates, in a system without periodic tasks. `None` if it takes more than so many steps.
+pub fn in_zones(system: &TimedSystem, goals: &[Predicate], steps: u64) -> Option<InZones> {
+    let mut zones = Zones::new(system, goals);
+    zones.run(steps);
+    zones.proof().map(|it| it.seen)
+}
+
+impl Search<'_> {
+    /// Looks for what can never be reached, if it is time to.
+    pub(super) fn prove_if_due(&mut self) {
+        let open = self.reached.iter().any(Option::is_none)
+            || (self.watch.deadlock && self.deadlock.is_none());
+        if self.zones_suit && open && self.proof.is_none() && self.steps >= SMALL {
+            let new = || Zones::new(self.stepper.system, &self.watch.reach);
+            let zones = self.zones.get_or_insert_with(new);
+            zones.run((SHARE * self.steps).min(zones.steps + LOOKS));
+            if let Some(mut proof) = zones.proof() {
+                proof.bytes = self.memory();
+                self.proof = Some(proof);
+                self.zones = None;
+            }
+        }
+    }
+
+    /// Whether everything was looked at in zones.
+    pub(super) fn is_proved(&self) -> bool {
+        self.proof.is_some()
+    }
+
+    /// Whether a predicate can never be reached.
+    pub(super) fn never_reached(&self, goal: usize) -> bool {
+        let proof = self.proof.as_ref();
+        proof.is_some_and(|it| !it.seen.reached[goal])
+    }
+
+    /// Whether something can always happen.
+    pub(super) fn never_deadlocked(&self) -> bool {
+        let proof = self.proof.as_ref();
+        proof.is_some_and(|it| !it.seen.deadlock)
+    }
+
+    /// Whether a request of a service was refused in a state with a zone.
+    pub(super) fn refused_in_zones(&self, service: usize) -> bool {
+        let proof = self.proof.as_ref();
+        proof.is_some_and(|it| it.seen.refused.contains(&service))
+    }
+
+    /// States, steps and bytes of the search in zones.
+    pub(super) fn in_zones(&self) -> (usize, u64, usize) {
+        match (&self.zones, &self.proof) {
+            (Some(it), _) => (it.covered.len(), it.steps, it.bytes),
+            (None, Some(it)) => (it.states, it.steps, 0),
+            (None, None) => (0, 0, 0),
+        }
+    }
+}

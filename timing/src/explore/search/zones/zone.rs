@@ -1,0 +1,226 @@
+//! Sets of remaining times.
+//!
+//! A *zone* is the set of all values, not negative, for the remaining times of some executors that satisfy upper bounds on
+//! each and on their differences: a difference bound matrix (D. Dill, *Timing assumptions and verification of
+//! finite-state concurrent systems*, 1989). What usual zones say about the time since something began, these say about the time
+//! until it ends. Time passing only takes away from it, down to 0, so that nothing has to be extrapolated: there are finitely many.
+
+use smallvec::SmallVec;
+
+use crate::system::{FOREVER, Ticks};
+
+/// Greatest bound that zones can have.
+pub(super) const GREATEST: Ticks = 1 << 29;
+
+/// No bound.
+const NONE: i32 = i32::MAX;
+
+/// Some remaining times, never none.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Zone {
+    /// Whose times they are, ascending.
+    executors: SmallVec<[u16; 12]>,
+    /// Row by row, upper bounds of differences: of 0 and the executors, less 0 and the executors. As tight as they can be.
+    bounds: Vec<i32>,
+}
+
+impl Zone {
+    /// Of nobody.
+    pub(super) fn new() -> Self {
+        Zone {
+            executors: SmallVec::new(),
+            bounds: vec![0],
+        }
+    }
+
+    /// Rows of the matrix.
+    fn rows(&self) -> usize {
+        self.executors.len() + 1
+    }
+
+    fn row(&self, executor: usize) -> Option<usize> {
+        let at = self.executors.iter();
+        let mut at = at.map(|&it| it as usize);
+        at.position(|it| it == executor).map(|it| it + 1)
+    }
+
+    fn at(&self, row: usize, column: usize) -> i32 {
+        self.bounds[row * self.rows() + column]
+    }
+
+    /// Shortest and longest time of each executor.
+    pub(super) fn windows(&self) -> impl Iterator<Item = (usize, (Ticks, Ticks))> {
+        self.executors.iter().enumerate().map(|(i, &executor)| {
+            let longest = match self.at(i + 1, 0) {
+                NONE => FOREVER,
+                it => it as Ticks,
+            };
+            (executor as usize, (-self.at(0, i + 1) as Ticks, longest))
+        })
+    }
+
+    /// Lets any time pass that can.
+    pub(super) fn pass(&mut self) {
+        for i in 1..self.rows() {
+            // None of the others can become less than 0.
+            let least = (1..self.rows()).map(|j| self.at(j, i)).fold(0, i32::min);
+            self.bounds[i] = least;
+        }
+    }
+
+    /// Keeps the times with which an executor ends now, of which there have to be some, and forgets about it.
+    pub(super) fn end(&mut self, executor: usize) {
+        let Some(row) = self.row(executor) else {
+            return;
+        };
+        let n = self.rows();
+        debug_assert_eq!(self.at(0, row), 0, "it can end now");
+        for i in 0..n {
+            for j in 0..n {
+                let by_way = sum(self.at(i, row), self.at(0, j));
+                let it = &mut self.bounds[i * n + j];
+                *it = (*it).min(by_way);
+            }
+        }
+        let rest = self.executors.iter().map(|&it| it as usize);
+        let rest: SmallVec<[usize; 12]> = rest.filter(|&it| it != executor).collect();
+        self.set_executors(&rest, |_| unreachable!("all of them were there"));
+    }
+
+    /// Makes it about these executors, ascending. Of those it knows nothing of, any time in the `window` is left.
+    pub(super) fn set_executors(
+        &mut self,
+        executors: &[usize],
+        window: impl Fn(usize) -> (Ticks, Ticks),
+    ) {
+        if self
+            .executors
+            .iter()
+            .map(|&it| it as usize)
+            .eq(executors.iter().copied())
+        {
+            return;
+        }
+        // The row of each in the old matrix, or its window.
+        let known = |&it: &usize| self.row(it).ok_or_else(|| window(it));
+        let rows: SmallVec<[Result<usize, (Ticks, Ticks)>; 12]> = std::iter::once(Ok(0))
+            .chain(executors.iter().map(known))
+            .collect();
+        let longest = |row: &Result<usize, (Ticks, Ticks)>| match *row {
+            Ok(row) => self.at(row, 0),
+            Err((_, FOREVER)) => NONE,
+            Err((_, longest)) => longest as i32,
+        };
+        let shortest = |row: &Result<usize, (Ticks, Ticks)>| match *row {
+            Ok(row) => -self.at(0, row),
+            Err((shortest, _)) => shortest as i32,
+        };
+        let mut bounds = Vec::with_capacity(rows.len() * rows.len());
+        for (i, one) in rows.iter().enumerate() {
+            for (j, other) in rows.iter().enumerate() {
+                bounds.push(match (one, other) {
+                    _ if i == j => 0,
+                    (&Ok(one), &Ok(other)) => self.at(one, other),
+                    _ => sum(longest(one), -shortest(other)),
+                });
+            }
+        }
+        self.bounds = bounds;
+        self.executors = executors.iter().map(|&it| it as u16).collect();
+    }
+
+    /// The same with executors called otherwise.
+    pub(super) fn renamed(&self, name: impl Fn(usize) -> usize) -> Zone {
+        let named = self.executors.iter().enumerate();
+        let mut named: SmallVec<[(u16, usize); 12]> = named
+            .map(|(i, &it)| (name(it as usize) as u16, i + 1))
+            .collect();
+        named.sort_unstable();
+        let rows = || std::iter::once(0).chain(named.iter().map(|it| it.1));
+        Zone {
+            executors: named.iter().map(|it| it.0).collect(),
+            bounds: rows()
+                .flat_map(|i| rows().map(move |j| (i, j)))
+                .map(|(i, j)| self.at(i, j))
+                .collect(),
+        }
+    }
+
+    /// Whether all values of another zone of the same executors are in this one.
+    pub(super) fn covers(&self, other: &Zone) -> bool {
+        debug_assert_eq!(self.executors, other.executors);
+        let mut bounds = self.bounds.iter().zip(&other.bounds);
+        bounds.all(|(wide, narrow)| wide >= narrow)
+    }
+
+    /// Bytes in use.
+    pub(super) fn memory(&self) -> usize {
+        size_of::<Zone>() + self.bounds.capacity() * size_of::<i32>()
+    }
+}
+
+/// The sum of two bounds.
+fn sum(one: i32, other: i32) -> i32 {
+    if one == NONE || other == NONE {
+        NONE
+    } else {
+        one + other
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn zone(windows: &[(Ticks, Ticks)]) -> Zone {
+        let mut out = Zone::new();
+        let executors: Vec<usize> = (0..windows.len()).collect();
+        out.set_executors(&executors, |it| windows[it]);
+        out
+    }
+
+    fn windows(zone: &Zone) -> Vec<(usize, (Ticks, Ticks))> {
+        zone.windows().collect()
+    }
+
+    #[test]
+    fn what_ends_after_another_keeps_its_distance() {
+        let mut it = zone(&[(3, 5), (10, 10), (0, FOREVER)]);
+        it.pass();
+        assert_eq!(windows(&it), [(0, (0, 5)), (1, (5, 10)), (2, (0, FOREVER))]);
+        it.end(0);
+        assert_eq!(windows(&it), [(1, (5, 7)), (2, (0, FOREVER))]);
+    }
+
+    #[test]
+    fn the_first_to_end_bounds_the_others() {
+        let mut it = zone(&[(0, 4), (6, 9)]);
+        it.pass();
+        assert_eq!(windows(&it), [(0, (0, 4)), (1, (2, 9))]);
+        let before = it.clone();
+        it.end(0);
+        it.set_executors(&[1, 2], |_| (1, 2));
+        assert_eq!(windows(&it), [(1, (2, 9)), (2, (1, 2))]);
+        it.pass();
+        assert_eq!(windows(&it), [(1, (0, 9)), (2, (0, 2))]);
+        assert!(before.covers(&before));
+    }
+
+    #[test]
+    fn wider_zones_cover_narrower_ones() {
+        let (wide, narrow) = (zone(&[(0, 9), (0, 9)]), zone(&[(2, 5), (0, 9)]));
+        assert!(wide.covers(&narrow));
+        assert!(!narrow.covers(&wide));
+        // The same windows, but one of both with a distance between the two.
+        let mut apart = zone(&[(0, 0), (9, 9)]);
+        apart.pass();
+        let free = zone(&[(0, 0), (9, 9)]);
+        assert!(apart.covers(&free));
+    }
+
+    #[test]
+    fn names_move_with_their_times() {
+        let it = zone(&[(1, 2), (3, 4)]).renamed(|it| 1 - it);
+        assert_eq!(windows(&it), [(0, (3, 4)), (1, (1, 2))]);
+    }
+}
