@@ -182,3 +182,38 @@ fn what_is_seen_in_an_exploration_is_told_while_it_goes_on() {
     assert!(!last.checks[1].witness.is_empty());
     assert_eq!(whole(&told[1].checks[1]), whole(&last.checks[1]));
 }
+
+#[test]
+fn what_was_caught_beside_an_exploration_is_told_while_it_goes_on() {
+    let (unit, text) = too_short_a_wait(7);
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let holds = "check always not (f.claim1.cs and f.claim1.void); check always";
+    let text = text.replace("check always", holds);
+    let parsed = parse(&text);
+    assert_eq!(parsed.errors, []);
+    let mut some = Options::default();
+    some.limits.states = 40_000;
+    let told = Mutex::new(Vec::new());
+    let tell = |it: &Report| told.lock().unwrap().push(it.clone());
+    let cancel = Cancel::default();
+    let last = verify_telling(&input, &parsed.scenario, &some, &cancel, &tell);
+    let verdicts = |it: &Report| it.checks.iter().map(|it| it.verdict).collect::<Vec<_>>();
+    let told = told.into_inner().unwrap();
+    let all: Vec<_> = told.iter().map(verdicts).collect();
+    let expected = [
+        [Verdict::Open, Verdict::Open],
+        [Verdict::Open, Verdict::Refuted],
+        [Verdict::Unknown, Verdict::Refuted],
+    ];
+    assert_eq!(all, expected);
+    // Long before the end, and no longer than it has to be all the same.
+    assert!(
+        2 * told[1].states < last.states,
+        "{} of {}",
+        told[1].states,
+        last.states
+    );
+    assert_eq!(last.checks[1].counterexample.last().unwrap().time, 2.0);
+}

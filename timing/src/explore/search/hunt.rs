@@ -5,8 +5,8 @@
 //! effort, others go straight on (see [`chase`]): many short ones, in different orders, as one that has begun wrongly hardly
 //! ever recovers. They prove nothing; what they catch is a run like any other.
 //!
-//! Such runs are longer than they have to be. So before they are told, ones that end earlier are chased, and then
-//! the search in order of time goes on: both for as long as everything has taken so far, if that is not very long.
+//! Such runs are longer than they have to be. So before they are told, the search in order of time goes on, and ones that end
+//! earlier are chased: both for as long as everything has taken so far, if that is not very long. What was told is final.
 
 mod chase;
 
@@ -30,7 +30,7 @@ const FURTHER: u64 = 200_000;
 /// What was caught so far, and what it has cost.
 #[derive(Debug, Default)]
 pub(super) struct Hunt {
-    caught: Lists<Option<Run>>,
+    caught: Lists<Option<Catch>>,
     /// Chases so far.
     chases: u64,
     /// Steps of all chases.
@@ -49,12 +49,22 @@ pub(super) struct Hunt {
     not_late: bool,
     /// Something was caught late.
     late: bool,
+    /// Steps of the search at which to tell what was caught.
+    tell_at: Option<u64>,
+}
+
+/// What was caught.
+#[derive(Debug)]
+struct Catch {
+    run: Run,
+    /// It is told, and stays: none that ends earlier is looked for any more.
+    is_final: bool,
 }
 
 /// What was seen where, what was caught if there is a hunt, and what never happens.
 struct List<'s> {
     seen: &'s [Option<Sight>],
-    caught: Option<&'s Vec<Option<Run>>>,
+    caught: Option<&'s Vec<Option<Catch>>>,
     never: Vec<bool>,
 }
 
@@ -62,7 +72,8 @@ impl List<'_> {
     /// Whether something may still be seen, and is `wanted` with what was caught of it.
     fn is_open(&self, it: usize, wanted: &dyn Fn(Option<&Run>) -> bool) -> bool {
         let caught = self.caught.and_then(|caught| caught[it].as_ref());
-        self.seen[it].is_none() && !self.never[it] && wanted(caught)
+        let settled = self.never[it] || caught.is_some_and(|it| it.is_final);
+        self.seen[it].is_none() && !settled && wanted(caught.map(|it| &it.run))
     }
 }
 
@@ -86,11 +97,12 @@ impl<T> Lists<T> {
 
 impl Hunt {
     pub(super) fn new(watch: &Watch) -> Self {
+        let none = |n: usize| (0..n).map(|_| None).collect();
         Hunt {
             caught: Lists {
-                missed: vec![None; watch.schedulable.len()],
-                overdue: vec![None; watch.overdue.len()],
-                reached: vec![None; watch.reach.len()],
+                missed: none(watch.schedulable.len()),
+                overdue: none(watch.overdue.len()),
+                reached: none(watch.reach.len()),
             },
             ..Hunt::default()
         }
@@ -120,9 +132,12 @@ impl Hunt {
             for (&goal, run) in goals.iter().zip(caught) {
                 let place = &mut known[goal];
                 if let Some(run) = run
-                    && place.as_ref().is_none_or(|it| run.end < it.end)
+                    && place.as_ref().is_none_or(|it| run.end < it.run.end)
                 {
-                    *place = Some(run);
+                    *place = Some(Catch {
+                        run,
+                        is_final: false,
+                    });
                     any = true;
                 }
             }
@@ -139,20 +154,40 @@ impl Hunt {
         ];
         let runs = lists.into_iter();
         let runs = runs.flat_map(|(caught, goals)| goals.iter().map(|&it| caught[it].as_ref()));
-        runs.flatten().map(|it| it.end).max()
+        runs.flatten().map(|it| it.run.end).max()
     }
 
     pub(super) fn missed(&self, i: usize) -> Option<&Run> {
-        self.caught.missed[i].as_ref()
+        Some(&self.caught.missed[i].as_ref()?.run)
     }
 
     pub(super) fn overdue(&self, i: usize) -> Option<&Run> {
-        self.caught.overdue[i].as_ref()
+        Some(&self.caught.overdue[i].as_ref()?.run)
     }
 
     pub(super) fn reached(&self, i: usize) -> Option<&Run> {
-        self.caught.reached[i].as_ref()
+        Some(&self.caught.reached[i].as_ref()?.run)
     }
+
+    /// Runs that are final, of ticks that come too early.
+    pub(super) fn told_missed(&self, i: usize) -> Option<&Run> {
+        told(&self.caught.missed[i])
+    }
+
+    /// The same of tasks that wait too long.
+    pub(super) fn told_overdue(&self, i: usize) -> Option<&Run> {
+        told(&self.caught.overdue[i])
+    }
+
+    /// The same of predicates.
+    pub(super) fn told_reached(&self, i: usize) -> Option<&Run> {
+        told(&self.caught.reached[i])
+    }
+}
+
+fn told(it: &Option<Catch>) -> Option<&Run> {
+    let it = it.as_ref().filter(|it| it.is_final);
+    it.map(|it| &it.run)
 }
 
 impl Search<'_> {
@@ -236,8 +271,36 @@ impl Search<'_> {
         self.effort().min(FURTHER)
     }
 
+    /// Leaves telling to the end, which is near.
+    pub(super) fn tell_later(&mut self) {
+        if let Some(hunt) = &mut self.hunt {
+            hunt.tell_at = None;
+        }
+    }
+
+    /// Settles what was caught, if the search has gone on for long enough without seeing it.
+    fn settle_if_due(&mut self) {
+        let due = self.hunt.as_ref().and_then(|it| it.tell_at);
+        if due.is_none_or(|it| self.steps < it) {
+            return;
+        }
+        self.chase_earlier(self.further());
+        if let Some(hunt) = &mut self.hunt {
+            hunt.tell_at = None;
+            let Lists {
+                missed,
+                overdue,
+                reached,
+            } = &mut hunt.caught;
+            for list in [missed, overdue, reached] {
+                list.iter_mut().flatten().for_each(|it| it.is_final = true);
+            }
+        }
+    }
+
     /// Hunts for what has not been seen, if it is time to.
     pub(super) fn hunt_if_due(&mut self) {
+        self.settle_if_due();
         while self.is_hunt_due() {
             let goals = self.unseen(&|caught| caught.is_none());
             if goals.is_empty() {
@@ -246,6 +309,11 @@ impl Search<'_> {
             let watch = self.watch_for(&goals);
             let mut chase = Chase::new(self.beside(&watch));
             while self.is_hunt_due() && !self.chase(&mut chase, &goals, None) {}
+            let any = self.any_unseen(&|caught| caught.is_some());
+            let tell_at = self.steps + self.further();
+            if let Some(hunt) = self.hunt.as_mut().filter(|_| any) {
+                hunt.tell_at.get_or_insert(tell_at);
+            }
             let caught = self.hunt.as_ref().map(|it| &it.caught.missed);
             if self.watch.stop_at_first && caught.is_some_and(|it| it.iter().any(Option::is_some)) {
                 self.stopped = Some(Stop::Answered);

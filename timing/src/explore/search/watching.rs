@@ -33,6 +33,7 @@ impl Search<'_> {
                 if self.may_end_earlier() {
                     further = self.further();
                     self.chase_earlier(further);
+                    self.tell_later();
                 }
                 *self.until.insert(self.steps + further)
             }
