@@ -71,9 +71,9 @@ impl Findings {
         self.steps += other.steps;
         self.bytes = self.bytes.max(other.bytes);
         // What one exploration has answered says nothing about the next.
-        self.stopped = match self.stopped {
-            None | Some(Stop::Answered) => other.stopped.or(self.stopped),
-            given_up => given_up,
-        };
+        let given_up = |it: Option<Stop>| it.filter(|&it| it != Stop::Answered);
+        self.stopped = given_up(self.stopped)
+            .or(given_up(other.stopped))
+            .or(self.stopped);
     }
 }

@@ -169,12 +169,16 @@ fn settled(stepper: &Stepper, s: &State, task: usize) -> bool {
             .is_none_or(|a| matches!(stepper.layout.mode(s, a), mode::NORMAL | mode::ENDED))
 }
 
-fn bits(held: Held) -> impl Iterator<Item = usize> {
-    (0..128).filter(move |bit| held >> bit & 1 == 1)
+fn bits(mut held: Held) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let bit = (held != 0).then(|| held.trailing_zeros() as usize)?;
+        held &= held - 1;
+        Some(bit)
+    })
 }
 
 fn members(tasks: Tasks) -> impl Iterator<Item = usize> {
-    (0..64).filter(move |task| tasks >> task & 1 == 1)
+    bits(Held::from(tasks))
 }
 
 /// One state in which something is due.

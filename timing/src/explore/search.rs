@@ -83,9 +83,10 @@ fn until_measured(
 ) -> Findings {
     let zones_suit = !watch.in_order && zones::suit(system);
     let mut proof = None;
+    let mut hunt = (!watch.in_order).then(|| Hunt::new(watch));
     loop {
         let mut search = Search::new(system, watch, gauges, limits, cancel);
-        search.hunt = (!watch.in_order).then(|| Hunt::new(watch));
+        search.hunt = hunt;
         search.zones_suit = zones_suit;
         search.proof = proof;
         search.news = Some(News::new(&mut *news));
@@ -94,6 +95,7 @@ fn until_measured(
         proof = search.proof.take_if(|_| diverging.is_some());
         match diverging {
             Some(diverging) => {
+                hunt = search.hand_on_hunt();
                 for (gauge, it) in search.of_all_alike(diverging) {
                     gauges[gauge].note(it);
                 }
@@ -384,7 +386,7 @@ impl Search<'_> {
         } else {
             self.tell_news();
         }
-        self.stopped.is_some()
+        self.stopped.is_some() || self.diverging.is_some()
     }
 
     /// States kept, or looked at beside; where the exploration was broken off also those of the moment at which that

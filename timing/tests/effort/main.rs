@@ -318,7 +318,8 @@ fn a_search_without_memory_gives_up_honestly() {
                 .is_some_and(|it| it.starts_with("gave up at"));
             let has_run = !it.counterexample.is_empty();
             assert!(says_so || has_run, "{text}");
-            assert!(says_so || it.value.is_none(), "{text}");
+            let shown = it.verdict == Verdict::Refuted && it.value == Some(Value::Unbounded);
+            assert!(says_so || it.value.is_none() || shown, "{text}");
         }
     }
 }

@@ -167,7 +167,7 @@ fn a_run_that_there_is_no_time_for_is_left_out() {
 #[test]
 fn what_is_seen_in_an_exploration_is_told_while_it_goes_on() {
     let items = "client k { repeat * { delay [0, *] ms; choice { send sensor.record; } or { send sensor.reset; } } }
-      check within sensor.record.run => sensor.record.void; check reachable sensor.record.stop;";
+      check within control.move => control.move.idle; check reachable sensor.record.stop;";
     let mut some = Options::default();
     some.limits.states = 20_000;
     let (told, last) = told(items, &some, &Cancel::default());
@@ -185,7 +185,7 @@ fn what_is_seen_in_an_exploration_is_told_while_it_goes_on() {
 
 #[test]
 fn what_was_caught_beside_an_exploration_is_told_while_it_goes_on() {
-    let (unit, text) = too_short_a_wait(7);
+    let (unit, text) = beside::too_short_a_wait(7);
     let input = SystemInput {
         specs: vec![&unit.spec],
     };

@@ -9,8 +9,12 @@
 //! earlier are chased: both for as long as everything has taken so far, if that is not very long. What was told is final.
 
 mod chase;
+mod endless;
+
+use rustc_hash::FxHashSet;
 
 use self::chase::{Chase, Order};
+use super::trace::Goal;
 use super::{Search, Sight};
 use crate::cancel::Cancel;
 use crate::explore::findings::{Findings, Found};
@@ -49,6 +53,8 @@ pub(super) struct Hunt {
     not_late: bool,
     /// Something was caught late.
     late: bool,
+    /// Gauges of which everything was looked at.
+    bounded: FxHashSet<usize>,
     /// Steps of the search at which to tell what was caught.
     tell_at: Option<u64>,
 }
@@ -271,6 +277,41 @@ impl Search<'_> {
         self.effort().min(FURTHER)
     }
 
+    /// The hunt, for another search of the same system: what was seen by this one is known already.
+    pub(super) fn hand_on_hunt(&mut self) -> Option<Hunt> {
+        let run = |at: &Option<Sight>, goal: Goal| at.map(|at| self.trace(at, &goal));
+        let watch = self.watch;
+        let tasks = watch.schedulable.iter().zip(&self.missed);
+        let missed = tasks.map(|(&task, at)| run(at, Goal::Missed(task)));
+        let tasks = watch.overdue.iter().zip(&self.overdue);
+        let overdue = tasks.map(|(&task, at)| run(at, Goal::Overdue(task)));
+        let goals = watch.reach.iter().zip(&self.reached);
+        let reached = goals.map(|(it, at)| run(at, Goal::Reach(it)));
+        let seen = Lists {
+            missed: missed.collect(),
+            overdue: overdue.collect(),
+            reached: reached.collect(),
+        };
+        let mut hunt = self.hunt.take()?;
+        hunt.steps = 0;
+        hunt.tell_at = None;
+        let lists = [
+            (&mut hunt.caught.missed, seen.missed),
+            (&mut hunt.caught.overdue, seen.overdue),
+            (&mut hunt.caught.reached, seen.reached),
+        ];
+        for (caught, seen) in lists {
+            for (caught, run) in caught.iter_mut().zip(seen) {
+                let first = |run| Catch {
+                    run,
+                    is_final: true,
+                };
+                *caught = run.map(first).or(caught.take());
+            }
+        }
+        Some(hunt)
+    }
+
     /// Leaves telling to the end, which is near.
     pub(super) fn tell_later(&mut self) {
         if let Some(hunt) = &mut self.hunt {
@@ -301,14 +342,25 @@ impl Search<'_> {
     /// Hunts for what has not been seen, if it is time to.
     pub(super) fn hunt_if_due(&mut self) {
         self.settle_if_due();
-        while self.is_hunt_due() {
+        while self.diverging.is_none() && self.is_hunt_due() {
             let goals = self.unseen(&|caught| caught.is_none());
-            if goals.is_empty() {
+            let endless = self.next_endless();
+            if goals.is_empty() && endless.is_none() {
                 return;
+            }
+            if let Some(gauge) = endless {
+                self.hunt_endless(gauge);
+            }
+            if goals.is_empty() {
+                continue;
             }
             let watch = self.watch_for(&goals);
             let mut chase = Chase::new(self.beside(&watch));
-            while self.is_hunt_due() && !self.chase(&mut chase, &goals, None) {}
+            for _ in 0..Order::KINDS {
+                if !self.is_hunt_due() || self.chase(&mut chase, &goals, None) {
+                    break;
+                }
+            }
             let any = self.any_unseen(&|caught| caught.is_some());
             let tell_at = self.steps + self.further();
             if let Some(hunt) = self.hunt.as_mut().filter(|_| any) {
@@ -358,24 +410,43 @@ impl Search<'_> {
         goals: &Lists<usize>,
         bounds: Option<(u64, u64)>,
     ) -> bool {
+        let mut order = self.next_order();
+        // Late ones are no use for what others have caught.
+        order.late &= bounds.is_none() || self.hunt.as_ref().is_some_and(|it| it.late);
+        self.run_chase(chase, order, bounds);
+        let caught = chase.caught();
+        let Some(hunt) = &mut self.hunt else {
+            return false;
+        };
+        let any = hunt.note(goals, caught);
+        hunt.late |= any && order.late;
+        let everything = bounds.is_none() && chase.is_exhausted();
+        hunt.over |= everything && !order.late;
+        hunt.not_late |= everything && order.late;
+        any
+    }
+
+    /// In which order the next chase looks at things.
+    fn next_order(&mut self) -> Order {
+        let hunt = self.hunt.get_or_insert_default();
+        hunt.chases += 1;
+        let mut order = Order::numbered(hunt.chases - 1);
+        order.late &= !hunt.not_late;
+        order
+    }
+
+    /// One chase.
+    fn run_chase(&mut self, chase: &mut Chase, order: Order, bounds: Option<(u64, u64)>) {
         // After the end of a search for want of room only few more are looked at.
         let states = match self.stopped {
             Some(_) => 0,
             None => self.nodes.len() + self.layer.len() + self.states_beside(),
         };
         let bytes = self.memory();
-        let Some(hunt) = &mut self.hunt else {
-            return false;
-        };
+        let hunt = self.hunt.get_or_insert_default();
         let (length, end) = bounds.unwrap_or((hunt.length(), u64::MAX));
-        let mut order = Order::numbered(hunt.chases);
-        // Late ones are no use for what others have caught.
-        order.late &= !hunt.not_late && (end == u64::MAX || hunt.late);
         let room = chase.run(order, length, end, (states, bytes));
         hunt.full |= !room;
-        hunt.over |= end == u64::MAX && !order.late && chase.is_exhausted();
-        hunt.not_late |= end == u64::MAX && order.late && chase.is_exhausted();
-        hunt.chases += 1;
         hunt.steps += chase.steps;
         hunt.states += chase.states();
         hunt.bytes = hunt.bytes.max(bytes + chase.memory());
@@ -384,10 +455,6 @@ impl Search<'_> {
                 hunt.refused.push(service);
             }
         }
-        let caught = chase.caught();
-        let any = hunt.note(goals, caught);
-        hunt.late |= any && order.late;
-        any
     }
 
     /// A search for something else in the same system, within the same limits.

@@ -17,7 +17,8 @@ const LINGER: u64 = 20_000;
 impl Search<'_> {
     /// Whether everything that is asked has been seen, or caught.
     pub(super) fn answered(&self) -> bool {
-        (0..self.gauges.len()).all(|it| self.is_longest(it))
+        let unbounded = |it: usize| matches!(self.gauges[it].how, How::Unbounded(_));
+        (0..self.gauges.len()).all(|it| unbounded(it) || self.is_longest(it))
             && (!self.watch.deadlock || self.deadlock.is_some() || self.never_deadlocked())
             && self.all_caught()
     }

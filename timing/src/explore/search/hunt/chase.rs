@@ -3,12 +3,16 @@
 //!
 //! Every state is followed as it was come to, and never joined with others: so the steps that led to it are a run.
 
+use std::hash::BuildHasher;
+
+use rustc_hash::FxBuildHasher;
+
 use super::Lists;
 use crate::explore::lazy;
 use crate::explore::overtake::Held;
 use crate::explore::run::Run;
 use crate::explore::search::watching::{missed, overdue};
-use crate::explore::search::{ROOT, Search, Sight};
+use crate::explore::search::{Longest, ROOT, Search, Sight};
 use crate::explore::state::State;
 use crate::explore::step::{Action, Enabled, Stepper};
 use crate::explore::store::{Encoded, Store, encode};
@@ -17,6 +21,9 @@ use crate::system::{FOREVER, Ticks};
 
 /// Steps between two looks at what may end the search.
 const LOOKS: u64 = 16;
+
+/// Plausible times after which a run that goes on in the same way is given up.
+const FAR: u64 = 4;
 
 /// What is done first of what can be done in a state.
 #[derive(Debug, Clone, Copy)]
@@ -28,6 +35,8 @@ pub(super) struct Order {
     pub(super) late: bool,
     /// Chooses among actions; `None`: the last of them first.
     dice: Option<u64>,
+    /// Chooses the same whenever there is the same choice, so that what can go on for ever does.
+    steady: bool,
 }
 
 impl Order {
@@ -40,10 +49,26 @@ impl Order {
             patient: number % Self::KINDS == 1,
             late: number % Self::KINDS == 2,
             dice: (number > 0).then(|| number.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1),
+            steady: false,
         }
     }
 
-    fn shuffle<T>(&mut self, list: &mut [T]) {
+    /// The same, steadily, and mostly with codels that take as long as they can.
+    pub(super) fn steady(self) -> Self {
+        Order {
+            late: self.late || self.patient,
+            steady: true,
+            ..self
+        }
+    }
+
+    /// Puts actions in this order, the one to follow first last. What a task does that is to be `kept` from ending comes last.
+    fn arrange(&mut self, list: &mut [(Action, Held)], kept: impl Fn(Action) -> bool) {
+        if self.steady {
+            let dice = self.dice;
+            list.sort_by_cached_key(|it| (!kept(it.0), FxBuildHasher.hash_one((dice, it.0))));
+            return;
+        }
         let Some(dice) = &mut self.dice else { return };
         for i in (1..list.len()).rev() {
             // Xorshift.
@@ -81,6 +106,8 @@ pub(super) struct Chase<'a> {
     trail: Vec<(u32, Step)>,
     open: Vec<Open>,
     pub(super) steps: u64,
+    /// Looks for a measured time, the only one, that is longer than this.
+    pub(super) lasts: Option<Ticks>,
 }
 
 impl<'a> Chase<'a> {
@@ -91,6 +118,7 @@ impl<'a> Chase<'a> {
             trail: Vec::new(),
             open: Vec::new(),
             steps: 0,
+            lasts: None,
         }
     }
 
@@ -137,6 +165,10 @@ impl<'a> Chase<'a> {
             if self.seen.insert(&it, 0, |_, _| 0).is_none() {
                 continue;
             }
+            if self.has_gone_far(at) {
+                break;
+            }
+            let search = &mut self.search;
             search.followed((&s, held), &enabled, &mut first, &mut followed);
             if order.late {
                 let l = &search.stepper.layout;
@@ -145,7 +177,7 @@ impl<'a> Chase<'a> {
                         if !matches!(l.window(&s, executor).1, 0 | FOREVER))
                 });
             }
-            order.shuffle(&mut followed);
+            order.arrange(&mut followed, |it| search.is_measured(it));
             let calm = !enabled.urgent && !enabled.forced;
             let jump = calm.then(|| self.jump(&s, order)).flatten();
             let jump = jump.filter(|&it| at.time + u64::from(it) <= end);
@@ -167,6 +199,9 @@ impl<'a> Chase<'a> {
         search.missed.fill(None);
         search.overdue.fill(None);
         search.reached.fill(None);
+        search.longest.fill(None);
+        // Nothing is found again by what is kept in other searches.
+        search.patience = Ticks::MAX;
         search.stopped = None;
         self.seen.clear();
         self.trail.clear();
@@ -183,7 +218,37 @@ impl<'a> Chase<'a> {
 
     /// Whether everything was seen, or enough.
     fn is_over(&self) -> bool {
-        self.search.stopped.is_some() || self.search.answered()
+        self.search.stopped.is_some() || self.search.answered() || self.longest().is_some()
+    }
+
+    /// Whether a run has gone on for so long that nothing new is to be expected.
+    fn has_gone_far(&self, at: Sight) -> bool {
+        self.lasts.is_some_and(|it| at.time > FAR * u64::from(it))
+    }
+
+    /// The longest time seen, if that is longer than what is looked for.
+    fn longest(&self) -> Option<Longest> {
+        let longest = self.search.longest.first().copied().flatten()?;
+        self.lasts
+            .is_some_and(|it| longest.value > it)
+            .then_some(longest)
+    }
+
+    /// A run at whose end something lasts as long as was looked for, and how long.
+    pub(super) fn lasted(&mut self) -> Option<(Run, Ticks)> {
+        let Longest { value, at } = self.longest()?;
+        Some((self.run_to(at, None), value))
+    }
+
+    /// Where a run at whose end something has lasted so long repeats itself meanwhile.
+    pub(super) fn repetition(&self, run: &Run, value: Ticks) -> Option<(u64, u64)> {
+        let Search {
+            stepper,
+            observers,
+            cancel,
+            ..
+        } = &self.search;
+        run.repetition(stepper, (observers, value), cancel)
     }
 
     /// Whether nothing is left to be looked at, of everything there is.
