@@ -452,10 +452,11 @@ fn path_start(text: &str) -> Option<usize> {
     None
 }
 
-/// End of the last occurrence of a keyword before an offset.
-fn keyword_before(text: &str, before: usize, word: &str) -> Option<usize> {
+/// End of the last occurrence of a keyword before an offset. What a macro declares has its keyword in
+/// the definition of the macro, which does not count.
+fn keyword_before(text: &str, start: usize, word: &str) -> Option<usize> {
     let bytes = text.as_bytes();
-    let mut until = before;
+    let mut until = start;
     loop {
         let at = text.get(..until)?.rfind(word)?;
         let end = at + word.len();
@@ -463,8 +464,25 @@ fn keyword_before(text: &str, before: usize, word: &str) -> Option<usize> {
         let after = bytes.get(end).is_some_and(|it| is_word(*it));
         let alone = !before && !after;
         if alone {
-            return Some(end);
+            // Only ports have a type, with whatever is in it, before their name.
+            let another = |it| word != "port" && text[end..start].contains(it);
+            let elsewhere = another([';', '{', '}']) || is_in_directive(text, at);
+            return (!elsewhere).then_some(end);
         }
         until = at;
     }
+}
+
+/// Whether the line of an offset is a directive, or joined to one.
+fn is_in_directive(text: &str, at: usize) -> bool {
+    let mut start = at;
+    loop {
+        start = text[..start].rfind('\n').map_or(0, |it| it + 1);
+        let before = text[..start].trim_end_matches(['\n', '\r']);
+        if start == 0 || !before.ends_with('\\') {
+            break;
+        }
+        start = before.len();
+    }
+    text[start..at].trim_start().starts_with('#')
 }

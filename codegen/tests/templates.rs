@@ -103,6 +103,100 @@ fn templates_ask_about_the_model() {
     );
 }
 
+/// What the template `types` prints.
+fn types(specification: &str) -> Option<String> {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("it.gen");
+    std::fs::write(&path, specification).unwrap();
+    let path = path.to_str().unwrap();
+    let (outcome, console) = run("types", &[path], OutputSink::preview(), Limits::default())?;
+    assert_eq!((outcome.status, console.err.as_str()), (0, ""));
+    Some(text(&console.out))
+}
+
+#[test]
+fn states_of_an_interface_come_with_its_codels() {
+    let Some(found) = types(
+        "interface i {
+  typedef long d;
+  task t {
+    codel<go> f()
+      yield
+        on;
+    codel<on> g() yield pause::go, ether;
+  };
+  port in d p;
+};
+component c {
+  provides i;
+  task t { codel<start> s() yield go; };
+};
+",
+    ) else {
+        return;
+    };
+    let own = found
+        .lines()
+        .filter(|it| it.contains("::c::"))
+        .collect::<Vec<_>>();
+    assert_eq!(
+        own,
+        [
+            "event ::c::ether 11",
+            "event ::c::start 11",
+            "event ::c::stop 11",
+            "event ::c::on 4",
+            "event ::c::go 4",
+            "pause event ::c::pause::go 7",
+            "port ::c::p 9",
+        ]
+    );
+}
+
+#[test]
+fn what_a_macro_declares_is_where_it_is_called() {
+    let Some(found) = types(
+        "#define PAIR(name) \\\n  struct name { long a, b; }
+const long before = 1;
+
+PAIR(one);
+struct two { one x; };
+",
+    ) else {
+        return;
+    };
+    let structs = found
+        .lines()
+        .filter(|it| it.starts_with("struct ::"))
+        .collect::<Vec<_>>();
+    assert_eq!(structs, ["struct ::one 5", "struct ::two 6"]);
+}
+
+#[test]
+fn ids_are_declared_again_by_every_import() {
+    let Some(found) = types(
+        "interface i { ids { long x; }; };
+component c { provides i; };
+const long between = 1;
+component c { extends i; };
+",
+    ) else {
+        return;
+    };
+    let order = found
+        .lines()
+        .filter(|it| it.ends_with("ids 1") || it.starts_with("const"))
+        .collect::<Vec<_>>();
+    assert_eq!(
+        order,
+        [
+            "struct ::i::ids 1",
+            "const ::between 3",
+            "struct ::c::ids 1"
+        ]
+    );
+}
+
 #[test]
 fn a_preview_writes_nothing() {
     let dir = tempfile::tempdir().unwrap();
