@@ -1,5 +1,6 @@
 //! The front end over analysis: what is parsed piece by piece is compiled as one growing unit.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
@@ -9,7 +10,7 @@ use dotgen_analysis::host::{
     AnalysisHost, BatchInput, Change, Config, FileContent, Input, Loader, UnitResult,
 };
 use dotgen_analysis::model::{Component, Spec, Src, TypeKind, Value};
-use dotgen_analysis::source_map::Locations;
+use dotgen_analysis::source_map::{Locations, MacroCall};
 use rustc_hash::{FxHashMap, FxHashSet};
 use smol_str::SmolStr;
 
@@ -249,8 +250,10 @@ impl Places for UnitPlaces {
         let line_start = before.iter().rposition(|byte| *byte == b'\n');
         let line_start = line_start.map_or(0, |at| at + 1);
         // The preprocessor's mark before a file's first line moves its columns by one.
-        let column = end - line_start + usize::from(line_start == 0)
-            - commented(text.get(line_start..end).unwrap_or_default());
+        let column =
+            end - line_start + usize::from(line_start == 0) - commented(text, line_start..end);
+        let calls = self.unit.locations.macro_calls(src);
+        let column = expanded(text, calls, line_start..end, column);
         let inline = location.path.file_name() == Some(INLINE);
         Some(Place {
             file: if inline {
@@ -361,8 +364,17 @@ fn is_word(byte: u8) -> bool {
 }
 
 /// How much shorter the preprocessor makes a line: it puts one blank for each comment.
-fn commented(mut line: &str) -> usize {
+fn commented(text: &str, line: Range<usize>) -> usize {
     let mut less = 0;
+    let before = text.get(..line.start).unwrap_or_default();
+    let mut line = text.get(line).unwrap_or_default();
+    // A comment of lines before may end in it.
+    if before.rfind("/*") > before.rfind("*/")
+        && let Some(end) = line.find("*/")
+    {
+        less += end + 1;
+        line = &line[end + 2..];
+    }
     while let Some((_, comment)) = line.split_once("/*") {
         let Some((inside, rest)) = comment.split_once("*/") else {
             break;
@@ -371,6 +383,23 @@ fn commented(mut line: &str) -> usize {
         line = rest;
     }
     less
+}
+
+/// The column of the end of a part of a line, with what the macros called in it stand for.
+fn expanded(text: &str, calls: &[MacroCall], part: Range<usize>, column: usize) -> usize {
+    let from = calls.partition_point(|it| it.range.start < part.start);
+    let mut column = column;
+    for call in &calls[from..] {
+        if call.range.end >= part.end {
+            break;
+        }
+        // The preprocessor keeps punctuation apart from what is before.
+        let before = text[..call.range.start].bytes().next_back();
+        let apart = call.punctuation && before.is_some_and(|it| !it.is_ascii_whitespace());
+        column += call.expanded + usize::from(apart);
+        column = column.saturating_sub(call.range.len());
+    }
+    column
 }
 
 /// Length of the token at the start of a text.

@@ -105,11 +105,16 @@ fn templates_ask_about_the_model() {
 
 /// What the template `types` prints.
 fn types(specification: &str) -> Option<String> {
+    printed("types", specification)
+}
+
+/// What a template of ours prints.
+fn printed(template: &str, specification: &str) -> Option<String> {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("it.gen");
     std::fs::write(&path, specification).unwrap();
     let path = path.to_str().unwrap();
-    let (outcome, console) = run("types", &[path], OutputSink::preview(), Limits::default())?;
+    let (outcome, console) = run(template, &[path], OutputSink::preview(), Limits::default())?;
     assert_eq!((outcome.status, console.err.as_str()), (0, ""));
     Some(text(&console.out))
 }
@@ -170,6 +175,26 @@ struct two { one x; };
         .filter(|it| it.starts_with("struct ::"))
         .collect::<Vec<_>>();
     assert_eq!(structs, ["struct ::one 5", "struct ::two 6"]);
+}
+
+#[test]
+fn columns_are_those_after_preprocessing() {
+    let Some(found) = printed(
+        "columns",
+        "#define SIZE 4
+#define EMPTY
+#define LIST(x) sequence<x, 12>
+#define SUM (1 + 2)
+struct s { long a[SIZE], b; EMPTY double c; LIST(long) d; /* comment */ long e[SUM], f; /* two
+  lines */ long g; };
+",
+    ) else {
+        return;
+    };
+    assert_eq!(
+        found,
+        "a 5 17\nb 5 23\nc 5 34\nd 5 56\ne 5 66\nf 5 79\ng 6 8\n"
+    );
 }
 
 #[test]
