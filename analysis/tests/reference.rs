@@ -157,6 +157,45 @@ fn the_ids_of_a_component_take_their_name_when_it_begins() {
 }
 
 #[test]
+fn the_ids_are_a_type_once_there_are_some() {
+    taken(&[
+        "component c { ids { struct t { long x; } a; ids::t b; }; typedef sequence<ids> t; };",
+    ]);
+    refused(&[
+        ("component c { ids { ids again; }; };", "unknown-type"),
+        (
+            "component c { typedef ids t; ids { long x; }; };",
+            "unknown-type",
+        ),
+    ]);
+}
+
+#[test]
+fn misplaced_codels_are_read() {
+    for (text, code) in [
+        (
+            "component c { task t; activity a() { task t; codel<start> f() yields ether; codel g(in nope); }; };",
+            "service-simple-codel",
+        ),
+        (
+            "component c { function f() { codel<start> g(in nope) yields ether; }; };",
+            "service-fsm-codel",
+        ),
+        (
+            "component c { task t { codel g(in nope); }; };",
+            "codel-in-task",
+        ),
+    ] {
+        let errors = found(text, Severity::Error);
+        let mut codes: Vec<&str> = errors.iter().map(|it| it.0).collect();
+        codes.sort_unstable();
+        let mut wanted = [code, "param-unknown"];
+        wanted.sort_unstable();
+        assert_eq!(codes, wanted, "{text}\n{errors:#?}");
+    }
+}
+
+#[test]
 fn local_variables_are_declared_once_in_a_declaration() {
     taken(&[
         "component c { function f() { local long x; }; function f() { local long y; local long x; }; };",

@@ -90,12 +90,18 @@ impl Compiler {
             Some((path.clone(), text))
         });
         let texts: FxHashMap<Utf8PathBuf, Arc<str>> = texts.collect();
+        // Included files too are named after following links.
+        let files = unit.files.iter().map(|path| {
+            let name = path.canonicalize_utf8().unwrap_or_else(|_| path.clone());
+            (path.clone(), name.into_string())
+        });
+        let names: FxHashMap<Utf8PathBuf, String> = files.collect();
         let mut spec = narrow_literals(&unit, &texts, report);
         share_requires(&mut spec);
         self.compiled = Compiled {
             spec,
-            deps: deps(&unit),
-            places: Arc::new(UnitPlaces { unit, texts }),
+            deps: deps(&unit, &names),
+            places: Arc::new(UnitPlaces { unit, texts, names }),
         };
         match errors {
             0 => Ok(()),
@@ -162,9 +168,14 @@ fn stops(code: &str) -> bool {
     code.starts_with("pp-") || code.starts_with("syntax")
 }
 
-fn deps(unit: &UnitResult) -> Vec<String> {
-    let files = unit.files.iter().map(ToString::to_string);
-    files.filter(|it| !it.contains(INLINE)).collect()
+fn deps(unit: &UnitResult, names: &FxHashMap<Utf8PathBuf, String>) -> Vec<String> {
+    let mut deps: Vec<String> = Vec::with_capacity(unit.files.len());
+    for name in unit.files.iter().filter_map(|it| names.get(it)) {
+        if !name.contains(INLINE) && !deps.contains(name) {
+            deps.push(name.clone());
+        }
+    }
+    deps
 }
 
 impl Frontend for Compiler {
@@ -224,6 +235,8 @@ fn absolute(path: &str) -> Result<Utf8PathBuf, ParseFailure> {
 struct UnitPlaces {
     unit: UnitResult,
     texts: FxHashMap<Utf8PathBuf, Arc<str>>,
+    /// The files by the names that templates see.
+    names: FxHashMap<Utf8PathBuf, String>,
 }
 
 impl Places for UnitPlaces {
@@ -259,7 +272,8 @@ impl Places for UnitPlaces {
             file: if inline {
                 INLINE.to_owned()
             } else {
-                location.path.to_string()
+                let name = self.names.get(&location.path);
+                name.map_or_else(|| location.path.to_string(), String::clone)
             },
             line: u32::try_from(lines + 1).unwrap_or(u32::MAX),
             column: u32::try_from(column).unwrap_or(u32::MAX),
@@ -416,15 +430,14 @@ fn first_token(text: &str) -> usize {
         }
         return text.len();
     }
+    let digit = |at: usize| text.as_bytes().get(at).is_some_and(u8::is_ascii_digit);
+    if digit(0) || (text.starts_with('.') && digit(1)) {
+        return number(text);
+    }
     let word = text.bytes().take_while(|byte| is_word(*byte)).count();
     match word {
         0 if text.starts_with("::") => 2,
         0 => text.chars().next().map_or(0, char::len_utf8),
-        // A unit may be glued to a number.
-        _ if text.starts_with(|c: char| c.is_ascii_digit()) => {
-            let number = |byte: &u8| byte.is_ascii_digit() || *byte == b'.';
-            text.bytes().take_while(number).count()
-        }
         word => {
             // The only words with a dash (language reference, lexical elements).
             let dashed = [
@@ -436,6 +449,45 @@ fn first_token(text: &str) -> usize {
             let dashed = dashed.iter().find(|it| text.starts_with(**it));
             dashed.map_or(word, |it| it.len())
         }
+    }
+}
+
+/// Length of the number at the start of a text. A unit may be glued to it.
+fn number(text: &str) -> usize {
+    let bytes = text.as_bytes();
+    let is = |at: usize, set: &[u8]| bytes.get(at).is_some_and(|it| set.contains(it));
+    let digits = |from: usize, radix: u32| {
+        let rest = bytes.iter().skip(from);
+        rest.take_while(|it| char::from(**it).is_digit(radix))
+            .count()
+    };
+    let hex = match bytes {
+        [b'0', b'x' | b'X', ..] => digits(2, 16),
+        _ => 0,
+    };
+    let whole = digits(0, 10);
+    let mut end = if hex > 0 { 2 + hex } else { whole };
+    let mut real = false;
+    if hex == 0 && is(end, b".") {
+        end += 1 + digits(end + 1, 10);
+        real = true;
+    }
+    if hex == 0 && is(end, b"eE") {
+        let sign = usize::from(is(end + 1, b"+-"));
+        let exponent = digits(end + 1 + sign, 10);
+        if exponent > 0 {
+            end += 1 + sign + exponent;
+            real = true;
+        }
+    }
+    if real {
+        end + usize::from(is(end, b"fFlLdD"))
+    } else if is(end, b"uU") {
+        end + 1 + usize::from(is(end + 1, b"lL"))
+    } else if is(end, b"lL") {
+        end + 1 + usize::from(is(end + 1, b"uU"))
+    } else {
+        end
     }
 }
 

@@ -197,6 +197,42 @@ struct s { long a[SIZE], b; EMPTY double c; LIST(long) d; /* comment */ long e[S
     );
 }
 
+#[cfg(unix)]
+#[test]
+fn included_files_are_named_after_following_links() {
+    let dir = tempfile::tempdir().unwrap();
+    let root = dir.path().canonicalize().unwrap();
+    std::fs::create_dir(root.join("real")).unwrap();
+    std::fs::write(root.join("real/t.idl"), "struct s { long x; };\n").unwrap();
+    std::os::unix::fs::symlink(root.join("real"), root.join("link")).unwrap();
+    let path = root.join("it.gen");
+    std::fs::write(&path, "#include \"link/t.idl\"\n").unwrap();
+    let path = path.to_str().unwrap();
+    let Some((outcome, console)) = run(
+        "files-read",
+        &[path],
+        OutputSink::preview(),
+        Limits::default(),
+    ) else {
+        return;
+    };
+    assert_eq!((outcome.status, console.err.as_str()), (0, ""));
+    let idl = root.join("real/t.idl");
+    let idl = idl.to_str().unwrap();
+    assert_eq!(text(&console.out), format!("{path} {idl}\n{idl}\n"));
+}
+
+#[test]
+fn numbers_are_one_token() {
+    let Some(found) = printed(
+        "initializers",
+        "component c { function f(in octet a = 0x1Ful, in float b = 1.5e-7f, in float c = .5, in long d = 12); };\n",
+    ) else {
+        return;
+    };
+    assert_eq!(found, "a 1 45\nb 1 67\nc 1 84\nd 1 100\n");
+}
+
 #[test]
 fn ids_are_declared_again_by_every_import() {
     let Some(found) = types(

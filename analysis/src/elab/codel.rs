@@ -140,6 +140,17 @@ impl<'a> Elaborator<'a> {
         }
     }
 
+    /// Checks the parameters of a codel that cannot be where it is, and notes what they refer to.
+    pub(super) fn misplaced_params(
+        &mut self,
+        index: u32,
+        owner: Owner,
+        decl: &'a CodelDecl,
+        kind: CodelKind,
+    ) {
+        self.codel_params(index, owner, decl, kind);
+    }
+
     /// The parameters, and whether all could be resolved.
     fn codel_params(
         &mut self,

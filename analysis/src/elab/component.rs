@@ -250,6 +250,7 @@ impl<'a> Elaborator<'a> {
 
     fn ids(&mut self, index: u32, items: &'a [Item], keyword: Ptr) {
         let at = self.src(keyword);
+        let first = self.components[index as usize].ids.is_none();
         let Some(scope) = self.open_ids(index, at) else {
             // The name `ids` is taken; read the members all the same, for their references.
             let scope = self.scopes.open(
@@ -265,7 +266,19 @@ impl<'a> Elaborator<'a> {
             return;
         };
         let def = self.scopes.get(scope).def;
+        // The ids can be used as a type once there are some.
+        let (outer, name) = (
+            self.components[index as usize].scope,
+            Text::new_static("ids"),
+        );
+        let hidden = match first {
+            true => self.scopes.get_mut(outer).names.remove(&name),
+            false => None,
+        };
         let members = self.within(scope, def, |this| this.members(items, DefKind::IdsMember));
+        if let Some(ids) = hidden {
+            self.scopes.get_mut(outer).names.insert(name, ids);
+        }
         self.add_to_ids(index, members);
         if let Some(ids) = self.spec.components[index as usize].ids {
             self.adopt(scope, ids);

@@ -314,6 +314,8 @@ impl<'a> Elaborator<'a> {
                             "an activity is a state machine, its codels have states: write \
                              `codel<start> …`",
                         );
+                        let owner = Owner::Service(service);
+                        self.misplaced_params(index, owner, codel, CodelKind::Fsm);
                         return;
                     }
                     (ServiceKind::Attribute | ServiceKind::Function, true) => {
@@ -323,6 +325,8 @@ impl<'a> Elaborator<'a> {
                             kind_text(kind)
                         );
                         self.misplaced_codel("service-fsm-codel", name, at, &message);
+                        let owner = Owner::Service(service);
+                        self.misplaced_params(index, owner, codel, CodelKind::Fsm);
                         return;
                     }
                     (ServiceKind::Attribute, false) => {
