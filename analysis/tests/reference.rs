@@ -256,6 +256,10 @@ fn what_an_interface_imports_by_the_same_property_comes_twice() {
             "interface i { function f(); }; interface j { uses i; }; component c { uses j; };",
             "name-clash",
         ),
+        (
+            "interface i { codels-requires \"r\"; lang \"c\"; }; component c { provides i; extends i; };",
+            "prop-duplicate",
+        ),
     ]);
 }
 

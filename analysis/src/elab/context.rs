@@ -215,7 +215,8 @@ impl<'a> Elaborator<'a> {
             again: Some(why),
         }) = self.importing
         {
-            if !self.repeated_imports.insert(at) {
+            let is_error = diagnostic.severity == super::Severity::Error;
+            if is_error && !self.repeated_imports.insert(at) {
                 return;
             }
             diagnostic.message.push_str("; ");
