@@ -110,11 +110,20 @@ fn empty_braces_give_no_value() {
         "struct s { long a; string b; }; component c { function f(in s x = { {}, 1, {}, \"b\" }); };",
         "struct s { long a; string b; }; component c { function f(in s x = { .b = {}, .a = {} }); };",
         "component c { function f(in long x[2] = { 1, {}, 2, {} }); };",
+        "component c { function f(in long x[2] = { , 1, 2 }); };",
     ]);
     refused(&[
         (
             "component c { function f(in long x = { 1 }); };",
             "init-compound-scalar",
+        ),
+        (
+            "component c { function f(in long x[2] = { , }); };",
+            "syntax",
+        ),
+        (
+            "component c { function f(in long x[2] = { 1, , 2 }); };",
+            "syntax",
         ),
         (
             "component c { function f(in long x[2] = { 1, {}, 2, 3 }); };",
