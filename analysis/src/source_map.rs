@@ -6,13 +6,14 @@ use camino::Utf8PathBuf;
 use dotgen_syntax::{
     TextRange, TextSize,
     line_index::{LineIndex, PositionEncoding},
+    preproc::Element,
 };
 
 use crate::{
-    base::{Db, line_index},
+    base::{Db, lexed, line_index},
     item_tree::{Ptr, lower::PtrRanges},
     model::Src,
-    unit::{UnitKey, lowered, visits},
+    unit::{FileKey, UnitKey, lowered, parsed, preprocessed, visits},
 };
 
 /// A place in a file. Lines and columns count from 0; columns are in bytes.
@@ -55,6 +56,18 @@ struct VisitPlaces {
     path: Utf8PathBuf,
     ranges: Arc<PtrRanges>,
     lines: Arc<LineIndex>,
+    calls: Arc<[MacroCall]>,
+}
+
+/// A call of a macro, and the size of what it stands for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MacroCall {
+    /// Byte offsets of the call.
+    pub range: std::ops::Range<usize>,
+    /// Length of its expansion, tokens and the blanks between them.
+    pub expanded: usize,
+    /// Whether the expansion begins with punctuation.
+    pub punctuation: bool,
 }
 
 impl UnitLocations {
@@ -65,12 +78,44 @@ impl UnitLocations {
                 path: file.path(db).clone(),
                 ranges: lowered(db, visit.key).ranges.clone(),
                 lines: line_index(db, file).clone(),
+                calls: macro_calls(db, visit.key),
             })
         });
         UnitLocations {
             visits: std::iter::once(None).chain(places).collect(),
         }
     }
+
+    /// The macro calls in the file of an id, in text order.
+    pub fn macro_calls(&self, src: Src) -> &[MacroCall] {
+        let visit = self.visits.get(src.visit as usize);
+        visit.and_then(Option::as_ref).map_or(&[], |it| &it.calls)
+    }
+}
+
+fn macro_calls<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<[MacroCall]> {
+    let raw = &lexed(db, key.file(db)).raw;
+    let expansions = &parsed(db, key).expansion;
+    let calls = preprocessed(db, key).elements.iter().filter_map(|it| {
+        let Element::Call { first, end } = *it else {
+            return None;
+        };
+        let range = raw.start(first as usize)..raw.start(end as usize);
+        let mut tokens = expansions.expansion(text_range(&range)).peekable();
+        let punctuation = tokens.peek().is_some_and(|it| {
+            it.text.len() == 1 && it.text.bytes().all(|it| it.is_ascii_punctuation())
+        });
+        let expanded = tokens
+            .enumerate()
+            .map(|(number, it)| it.text.len() + usize::from(number > 0 && !it.glued))
+            .sum();
+        Some(MacroCall {
+            range,
+            expanded,
+            punctuation,
+        })
+    });
+    calls.collect()
 }
 
 impl Locations for UnitLocations {

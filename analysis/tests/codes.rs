@@ -73,7 +73,12 @@ fn every_code_has_a_fixture_that_triggers_it() {
         };
         let marked = |(index, line): (usize, &str)| line.contains("//!").then_some(index + 1);
         let wanted: Vec<usize> = bad.lines().enumerate().filter_map(marked).collect();
-        let found = diagnostics(bad);
+        // In a pragma, comments are words.
+        let unmarked = |line: &str| match line.starts_with("#pragma") {
+            true => line.replace(" //!", "") + "\n",
+            false => format!("{line}\n"),
+        };
+        let found = diagnostics(&bad.lines().map(unmarked).collect::<String>());
         let lines: Vec<usize> = found.iter().map(|it| it.0).collect();
         if wanted.is_empty() || lines != wanted || found.iter().any(|it| it.1 != code.id) {
             failures.push(format!("{}: should be at {wanted:?}: {found:#?}", code.id));

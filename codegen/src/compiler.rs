@@ -1,5 +1,6 @@
 //! The front end over analysis: what is parsed piece by piece is compiled as one growing unit.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
@@ -9,7 +10,7 @@ use dotgen_analysis::host::{
     AnalysisHost, BatchInput, Change, Config, FileContent, Input, Loader, UnitResult,
 };
 use dotgen_analysis::model::{Component, Spec, Src, TypeKind, Value};
-use dotgen_analysis::source_map::Locations;
+use dotgen_analysis::source_map::{Locations, MacroCall};
 use rustc_hash::{FxHashMap, FxHashSet};
 use smol_str::SmolStr;
 
@@ -89,12 +90,18 @@ impl Compiler {
             Some((path.clone(), text))
         });
         let texts: FxHashMap<Utf8PathBuf, Arc<str>> = texts.collect();
+        // Included files too are named after following links.
+        let files = unit.files.iter().map(|path| {
+            let name = path.canonicalize_utf8().unwrap_or_else(|_| path.clone());
+            (path.clone(), name.into_string())
+        });
+        let names: FxHashMap<Utf8PathBuf, String> = files.collect();
         let mut spec = narrow_literals(&unit, &texts, report);
         share_requires(&mut spec);
         self.compiled = Compiled {
             spec,
-            deps: deps(&unit),
-            places: Arc::new(UnitPlaces { unit, texts }),
+            deps: deps(&unit, &names),
+            places: Arc::new(UnitPlaces { unit, texts, names }),
         };
         match errors {
             0 => Ok(()),
@@ -161,9 +168,14 @@ fn stops(code: &str) -> bool {
     code.starts_with("pp-") || code.starts_with("syntax")
 }
 
-fn deps(unit: &UnitResult) -> Vec<String> {
-    let files = unit.files.iter().map(ToString::to_string);
-    files.filter(|it| !it.contains(INLINE)).collect()
+fn deps(unit: &UnitResult, names: &FxHashMap<Utf8PathBuf, String>) -> Vec<String> {
+    let mut deps: Vec<String> = Vec::with_capacity(unit.files.len());
+    for name in unit.files.iter().filter_map(|it| names.get(it)) {
+        if !name.contains(INLINE) && !deps.contains(name) {
+            deps.push(name.clone());
+        }
+    }
+    deps
 }
 
 impl Frontend for Compiler {
@@ -223,6 +235,8 @@ fn absolute(path: &str) -> Result<Utf8PathBuf, ParseFailure> {
 struct UnitPlaces {
     unit: UnitResult,
     texts: FxHashMap<Utf8PathBuf, Arc<str>>,
+    /// The files by the names that templates see.
+    names: FxHashMap<Utf8PathBuf, String>,
 }
 
 impl Places for UnitPlaces {
@@ -249,14 +263,17 @@ impl Places for UnitPlaces {
         let line_start = before.iter().rposition(|byte| *byte == b'\n');
         let line_start = line_start.map_or(0, |at| at + 1);
         // The preprocessor's mark before a file's first line moves its columns by one.
-        let column = end - line_start + usize::from(line_start == 0)
-            - commented(text.get(line_start..end).unwrap_or_default());
+        let column =
+            end - line_start + usize::from(line_start == 0) - commented(text, line_start..end);
+        let calls = self.unit.locations.macro_calls(src);
+        let column = expanded(text, calls, line_start..end, column);
         let inline = location.path.file_name() == Some(INLINE);
         Some(Place {
             file: if inline {
                 INLINE.to_owned()
             } else {
-                location.path.to_string()
+                let name = self.names.get(&location.path);
+                name.map_or_else(|| location.path.to_string(), String::clone)
             },
             line: u32::try_from(lines + 1).unwrap_or(u32::MAX),
             column: u32::try_from(column).unwrap_or(u32::MAX),
@@ -361,8 +378,17 @@ fn is_word(byte: u8) -> bool {
 }
 
 /// How much shorter the preprocessor makes a line: it puts one blank for each comment.
-fn commented(mut line: &str) -> usize {
+fn commented(text: &str, line: Range<usize>) -> usize {
     let mut less = 0;
+    let before = text.get(..line.start).unwrap_or_default();
+    let mut line = text.get(line).unwrap_or_default();
+    // A comment of lines before may end in it.
+    if before.rfind("/*") > before.rfind("*/")
+        && let Some(end) = line.find("*/")
+    {
+        less += end + 1;
+        line = &line[end + 2..];
+    }
     while let Some((_, comment)) = line.split_once("/*") {
         let Some((inside, rest)) = comment.split_once("*/") else {
             break;
@@ -371,6 +397,23 @@ fn commented(mut line: &str) -> usize {
         line = rest;
     }
     less
+}
+
+/// The column of the end of a part of a line, with what the macros called in it stand for.
+fn expanded(text: &str, calls: &[MacroCall], part: Range<usize>, column: usize) -> usize {
+    let from = calls.partition_point(|it| it.range.start < part.start);
+    let mut column = column;
+    for call in &calls[from..] {
+        if call.range.end >= part.end {
+            break;
+        }
+        // The preprocessor keeps punctuation apart from what is before.
+        let before = text[..call.range.start].bytes().next_back();
+        let apart = call.punctuation && before.is_some_and(|it| !it.is_ascii_whitespace());
+        column += call.expanded + usize::from(apart);
+        column = column.saturating_sub(call.range.len());
+    }
+    column
 }
 
 /// Length of the token at the start of a text.
@@ -387,15 +430,14 @@ fn first_token(text: &str) -> usize {
         }
         return text.len();
     }
+    let digit = |at: usize| text.as_bytes().get(at).is_some_and(u8::is_ascii_digit);
+    if digit(0) || (text.starts_with('.') && digit(1)) {
+        return number(text);
+    }
     let word = text.bytes().take_while(|byte| is_word(*byte)).count();
     match word {
         0 if text.starts_with("::") => 2,
         0 => text.chars().next().map_or(0, char::len_utf8),
-        // A unit may be glued to a number.
-        _ if text.starts_with(|c: char| c.is_ascii_digit()) => {
-            let number = |byte: &u8| byte.is_ascii_digit() || *byte == b'.';
-            text.bytes().take_while(number).count()
-        }
         word => {
             // The only words with a dash (language reference, lexical elements).
             let dashed = [
@@ -407,6 +449,45 @@ fn first_token(text: &str) -> usize {
             let dashed = dashed.iter().find(|it| text.starts_with(**it));
             dashed.map_or(word, |it| it.len())
         }
+    }
+}
+
+/// Length of the number at the start of a text. A unit may be glued to it.
+fn number(text: &str) -> usize {
+    let bytes = text.as_bytes();
+    let is = |at: usize, set: &[u8]| bytes.get(at).is_some_and(|it| set.contains(it));
+    let digits = |from: usize, radix: u32| {
+        let rest = bytes.iter().skip(from);
+        rest.take_while(|it| char::from(**it).is_digit(radix))
+            .count()
+    };
+    let hex = match bytes {
+        [b'0', b'x' | b'X', ..] => digits(2, 16),
+        _ => 0,
+    };
+    let whole = digits(0, 10);
+    let mut end = if hex > 0 { 2 + hex } else { whole };
+    let mut real = false;
+    if hex == 0 && is(end, b".") {
+        end += 1 + digits(end + 1, 10);
+        real = true;
+    }
+    if hex == 0 && is(end, b"eE") {
+        let sign = usize::from(is(end + 1, b"+-"));
+        let exponent = digits(end + 1 + sign, 10);
+        if exponent > 0 {
+            end += 1 + sign + exponent;
+            real = true;
+        }
+    }
+    if real {
+        end + usize::from(is(end, b"fFlLdD"))
+    } else if is(end, b"uU") {
+        end + 1 + usize::from(is(end + 1, b"lL"))
+    } else if is(end, b"lL") {
+        end + 1 + usize::from(is(end + 1, b"uU"))
+    } else {
+        end
     }
 }
 
@@ -452,10 +533,11 @@ fn path_start(text: &str) -> Option<usize> {
     None
 }
 
-/// End of the last occurrence of a keyword before an offset.
-fn keyword_before(text: &str, before: usize, word: &str) -> Option<usize> {
+/// End of the last occurrence of a keyword before an offset. What a macro declares has its keyword in
+/// the definition of the macro, which does not count.
+fn keyword_before(text: &str, start: usize, word: &str) -> Option<usize> {
     let bytes = text.as_bytes();
-    let mut until = before;
+    let mut until = start;
     loop {
         let at = text.get(..until)?.rfind(word)?;
         let end = at + word.len();
@@ -463,8 +545,25 @@ fn keyword_before(text: &str, before: usize, word: &str) -> Option<usize> {
         let after = bytes.get(end).is_some_and(|it| is_word(*it));
         let alone = !before && !after;
         if alone {
-            return Some(end);
+            // Only ports have a type, with whatever is in it, before their name.
+            let another = |it| word != "port" && text[end..start].contains(it);
+            let elsewhere = another([';', '{', '}']) || is_in_directive(text, at);
+            return (!elsewhere).then_some(end);
         }
         until = at;
     }
+}
+
+/// Whether the line of an offset is a directive, or joined to one.
+fn is_in_directive(text: &str, at: usize) -> bool {
+    let mut start = at;
+    loop {
+        start = text[..start].rfind('\n').map_or(0, |it| it + 1);
+        let before = text[..start].trim_end_matches(['\n', '\r']);
+        if start == 0 || !before.ends_with('\\') {
+            break;
+        }
+        start = before.len();
+    }
+    text[start..at].trim_start().starts_with('#')
 }

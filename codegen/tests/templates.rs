@@ -103,6 +103,161 @@ fn templates_ask_about_the_model() {
     );
 }
 
+/// What the template `types` prints.
+fn types(specification: &str) -> Option<String> {
+    printed("types", specification)
+}
+
+/// What a template of ours prints.
+fn printed(template: &str, specification: &str) -> Option<String> {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("it.gen");
+    std::fs::write(&path, specification).unwrap();
+    let path = path.to_str().unwrap();
+    let (outcome, console) = run(template, &[path], OutputSink::preview(), Limits::default())?;
+    assert_eq!((outcome.status, console.err.as_str()), (0, ""));
+    Some(text(&console.out))
+}
+
+#[test]
+fn states_of_an_interface_come_with_its_codels() {
+    let Some(found) = types(
+        "interface i {
+  typedef long d;
+  task t {
+    codel<go> f()
+      yield
+        on;
+    codel<on> g() yield pause::go, ether;
+  };
+  port in d p;
+};
+component c {
+  provides i;
+  task t { codel<start> s() yield go; };
+};
+",
+    ) else {
+        return;
+    };
+    let own = found
+        .lines()
+        .filter(|it| it.contains("::c::"))
+        .collect::<Vec<_>>();
+    assert_eq!(
+        own,
+        [
+            "event ::c::ether 11",
+            "event ::c::start 11",
+            "event ::c::stop 11",
+            "event ::c::on 4",
+            "event ::c::go 4",
+            "pause event ::c::pause::go 7",
+            "port ::c::p 9",
+        ]
+    );
+}
+
+#[test]
+fn what_a_macro_declares_is_where_it_is_called() {
+    let Some(found) = types(
+        "#define PAIR(name) \\\n  struct name { long a, b; }
+const long before = 1;
+
+PAIR(one);
+struct two { one x; };
+",
+    ) else {
+        return;
+    };
+    let structs = found
+        .lines()
+        .filter(|it| it.starts_with("struct ::"))
+        .collect::<Vec<_>>();
+    assert_eq!(structs, ["struct ::one 5", "struct ::two 6"]);
+}
+
+#[test]
+fn columns_are_those_after_preprocessing() {
+    let Some(found) = printed(
+        "columns",
+        "#define SIZE 4
+#define EMPTY
+#define LIST(x) sequence<x, 12>
+#define SUM (1 + 2)
+struct s { long a[SIZE], b; EMPTY double c; LIST(long) d; /* comment */ long e[SUM], f; /* two
+  lines */ long g; };
+",
+    ) else {
+        return;
+    };
+    assert_eq!(
+        found,
+        "a 5 17\nb 5 23\nc 5 34\nd 5 56\ne 5 66\nf 5 79\ng 6 8\n"
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn included_files_are_named_after_following_links() {
+    let dir = tempfile::tempdir().unwrap();
+    let root = dir.path().canonicalize().unwrap();
+    std::fs::create_dir(root.join("real")).unwrap();
+    std::fs::write(root.join("real/t.idl"), "struct s { long x; };\n").unwrap();
+    std::os::unix::fs::symlink(root.join("real"), root.join("link")).unwrap();
+    let path = root.join("it.gen");
+    std::fs::write(&path, "#include \"link/t.idl\"\n").unwrap();
+    let path = path.to_str().unwrap();
+    let Some((outcome, console)) = run(
+        "files-read",
+        &[path],
+        OutputSink::preview(),
+        Limits::default(),
+    ) else {
+        return;
+    };
+    assert_eq!((outcome.status, console.err.as_str()), (0, ""));
+    let idl = root.join("real/t.idl");
+    let idl = idl.to_str().unwrap();
+    assert_eq!(text(&console.out), format!("{path} {idl}\n{idl}\n"));
+}
+
+#[test]
+fn numbers_are_one_token() {
+    let Some(found) = printed(
+        "initializers",
+        "component c { function f(in octet a = 0x1Ful, in float b = 1.5e-7f, in float c = .5, in long d = 12); };\n",
+    ) else {
+        return;
+    };
+    assert_eq!(found, "a 1 45\nb 1 67\nc 1 84\nd 1 100\n");
+}
+
+#[test]
+fn ids_are_declared_again_by_every_import() {
+    let Some(found) = types(
+        "interface i { ids { long x; }; };
+component c { provides i; };
+const long between = 1;
+component c { extends i; };
+",
+    ) else {
+        return;
+    };
+    let order = found
+        .lines()
+        .filter(|it| it.ends_with("ids 1") || it.starts_with("const"))
+        .collect::<Vec<_>>();
+    assert_eq!(
+        order,
+        [
+            "struct ::i::ids 1",
+            "const ::between 3",
+            "struct ::c::ids 1"
+        ]
+    );
+}
+
 #[test]
 fn a_preview_writes_nothing() {
     let dir = tempfile::tempdir().unwrap();

@@ -451,7 +451,20 @@ impl Line<'_> {
         params
     }
 
+    /// The words of a pragma. To those that mean something to the reference compiler, comments are
+    /// words as any other.
     fn pragma_words(&mut self) -> Vec<PragmaArg> {
+        let words = self.split_words(false);
+        let name = words.first().map_or("", |it| it.text.as_str());
+        match name {
+            "requires" | "require" | "provides" | "provide" | "masquerade" => {
+                self.split_words(true)
+            }
+            _ => words,
+        }
+    }
+
+    fn split_words(&self, comments: bool) -> Vec<PragmaArg> {
         let mut words = Vec::new();
         let mut word = String::new();
         let mut range: Option<TextRange> = None;
@@ -467,7 +480,8 @@ impl Line<'_> {
         };
         for i in self.at..self.end {
             let kind = self.raw.kind(i);
-            if is_trivia(kind) {
+            let is_comment = kind.is_comment() && comments;
+            if is_trivia(kind) && !is_comment {
                 if kind != SPLICE {
                     end_word(&mut word, &mut range, false);
                 }
@@ -476,9 +490,22 @@ impl Line<'_> {
             let text = self.raw.clean_text(self.text, i);
             let bytes = self.raw.range(i);
             let token = text_range(bytes.start, bytes.end);
-            if matches!(kind, STRING | OPEN_STRING) && text.starts_with('"') {
+            if is_comment {
+                for (number, part) in text.split_ascii_whitespace().enumerate() {
+                    if number > 0 {
+                        end_word(&mut word, &mut range, false);
+                    }
+                    word.push_str(part);
+                    range = Some(range.map_or(token, |it| it.cover(token)));
+                }
+            } else if matches!(kind, STRING | OPEN_STRING) && text.starts_with('"') {
+                // `L"…"` is the same.
+                if word == "L" {
+                    word.clear();
+                    range = None;
+                }
                 end_word(&mut word, &mut range, false);
-                word.push_str(&unquote(&text).replace("\\\"", "\""));
+                word.push_str(unquote(&text));
                 range = Some(token);
                 end_word(&mut word, &mut range, true);
             } else {

@@ -348,6 +348,10 @@ pub const CODES: &[Code] = &[
     )),
     // Not in the reference at all.
     ours(warning("zero-size", "an array size or bound of zero")),
+    ours(warning(
+        "not-a-type",
+        "a constant, enumerator, state, port or remote service is used as a type",
+    )),
     ours(warning("priority-range", "a priority above 255")),
     ours(warning("period-zero", "a period of zero")),
     ours(warning(

@@ -140,6 +140,17 @@ impl<'a> Elaborator<'a> {
         }
     }
 
+    /// Checks the parameters of a codel that cannot be where it is, and notes what they refer to.
+    pub(super) fn misplaced_params(
+        &mut self,
+        index: u32,
+        owner: Owner,
+        decl: &'a CodelDecl,
+        kind: CodelKind,
+    ) {
+        self.codel_params(index, owner, decl, kind);
+    }
+
     /// The parameters, and whether all could be resolved.
     fn codel_params(
         &mut self,
@@ -196,7 +207,8 @@ impl<'a> Elaborator<'a> {
             return;
         };
         let (def, first) = (known.def, known.src);
-        if known.signature.is_none() {
+        // A codel that is imported means what it means there from then on, and is not compared.
+        if known.signature.is_none() || (self.importing.is_some() && complete) {
             known.signature = signature.clone();
         }
         self.refer_as(at, def, Access::None, true);
@@ -238,6 +250,26 @@ impl<'a> Elaborator<'a> {
 
     // States
 
+    /// Creates the states that imported codels mention, in the order in which the reference compiler
+    /// does. Their types, and so generated code, have that order, and the place of their codel.
+    pub(super) fn import_states(&mut self, index: u32, codels: Vec<CodelSource<'a>>) {
+        for codel in codels {
+            let Some(name) = &codel.decl.name else {
+                continue;
+            };
+            self.in_visit(codel.visit, |this| {
+                let at = this.src(name.ptr);
+                for state in codel.decl.yields.iter().flatten() {
+                    let paused = state.paused && state.name.text != "ether";
+                    this.event(index, &state.name, paused, at);
+                }
+                for state in codel.decl.triggers.iter().flatten() {
+                    this.event(index, &state.name, false, at);
+                }
+            });
+        }
+    }
+
     /// The states of a `< >` list (with the codel's name) or of a `yields` list.
     fn states(&mut self, index: u32, list: &[StateRef], codel: Option<&Name>) -> Vec<State> {
         let mut states: Vec<State> = Vec::with_capacity(list.len());
@@ -273,7 +305,7 @@ impl<'a> Elaborator<'a> {
                 self.report(diagnostic);
                 continue;
             }
-            let event = self.event(index, &state.name, paused);
+            let event = self.event(index, &state.name, paused, self.src(state.name.ptr));
             states.push(State {
                 name: name.clone(),
                 paused,
@@ -284,8 +316,9 @@ impl<'a> Elaborator<'a> {
         states
     }
 
-    /// The type object of a state, created when it is mentioned for the first time.
-    fn event(&mut self, index: u32, name: &Name, paused: bool) -> TypeId {
+    /// The type object of a state, created when it is mentioned for the first time, with the place
+    /// `created`.
+    fn event(&mut self, index: u32, name: &Name, paused: bool, created: Src) -> TypeId {
         let at = self.src(name.ptr);
         let state = &self.components[index as usize];
         let (scope, kind, other) = if paused {
@@ -296,7 +329,7 @@ impl<'a> Elaborator<'a> {
         let event = match self.scopes.get(scope).names.get(&name.text) {
             Some(&event) if self.spec.ty(event).kind == kind => event,
             _ => {
-                let event = self.named(kind, scope, name.text.clone(), at);
+                let event = self.named(kind, scope, name.text.clone(), created);
                 self.declare_at(scope, &name.text, at, event);
                 event
             }

@@ -3,8 +3,12 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{
-    Closing, DefId, DefKind, ElabDiagnostic, Entity, codel::CodelSource, context::Elaborator,
-    scope::ScopeId, service::ServiceState, types,
+    Closing, DefId, DefKind, ElabDiagnostic, Entity,
+    codel::CodelSource,
+    context::Elaborator,
+    scope::{Clash, ScopeId},
+    service::ServiceState,
+    types,
 };
 use crate::{
     item_tree::{Item, Name, PortDecl, PropertyKind, Ptr},
@@ -42,6 +46,9 @@ pub(super) struct ComponentState<'a> {
     pub(super) incomplete: bool,
     /// Interfaces whose contents it has, however they came.
     pub(super) imported: Vec<u32>,
+    /// Interfaces in its `uses`, `extends` and `provides`, and in those of the interfaces it
+    /// imports.
+    pub(super) lists: [Vec<u32>; 3],
     /// Index of its last closing.
     pub(super) closing: Option<usize>,
 }
@@ -135,6 +142,13 @@ impl<'a> Elaborator<'a> {
         let index = self.spec.components.len() as u32;
         self.set_entity(def, Entity::Component(index));
         self.component_by_name.insert(name.text.clone(), index);
+        // Ids have a scope before they have members.
+        let ids = Text::new_static("ids");
+        if let Some(clash @ (Clash::Name(_) | Clash::Enclosing)) =
+            self.scopes.clash(scope, &ids, true)
+        {
+            self.report_clash(scope, &ids, at, clash);
+        }
         let pause_name = Text::new_static("pause");
         let pause = match self.scopes.get(scope).children.get(&pause_name) {
             Some(&pause) => pause,
@@ -185,6 +199,7 @@ impl<'a> Elaborator<'a> {
             lost: FxHashSet::default(),
             incomplete: false,
             imported: Vec::new(),
+            lists: Default::default(),
             closing: None,
         });
         if kind == ComponentKind::Component {
@@ -235,6 +250,7 @@ impl<'a> Elaborator<'a> {
 
     fn ids(&mut self, index: u32, items: &'a [Item], keyword: Ptr) {
         let at = self.src(keyword);
+        let first = self.components[index as usize].ids.is_none();
         let Some(scope) = self.open_ids(index, at) else {
             // The name `ids` is taken; read the members all the same, for their references.
             let scope = self.scopes.open(
@@ -250,7 +266,19 @@ impl<'a> Elaborator<'a> {
             return;
         };
         let def = self.scopes.get(scope).def;
+        // The ids can be used as a type once there are some.
+        let (outer, name) = (
+            self.components[index as usize].scope,
+            Text::new_static("ids"),
+        );
+        let hidden = match first {
+            true => self.scopes.get_mut(outer).names.remove(&name),
+            false => None,
+        };
         let members = self.within(scope, def, |this| this.members(items, DefKind::IdsMember));
+        if let Some(ids) = hidden {
+            self.scopes.get_mut(outer).names.insert(name, ids);
+        }
         self.add_to_ids(index, members);
         if let Some(ids) = self.spec.components[index as usize].ids {
             self.adopt(scope, ids);

@@ -84,9 +84,9 @@ pub(super) struct Elaborator<'a> {
 pub(super) struct Importing {
     /// The interface's name in the importing property.
     pub(super) at: Src,
-    /// The component has this interface already, so that much of it clashes: only the first clash is
-    /// reported.
-    pub(super) again: bool,
+    /// Why the component has this interface already, so that much of it clashes: only the first
+    /// clash is reported.
+    pub(super) again: Option<&'static str>,
 }
 
 /// A forward declaration.
@@ -210,15 +210,17 @@ impl<'a> Elaborator<'a> {
             diagnostic.related.insert(0, place);
             diagnostic.at = importing.at;
         }
-        if let Some(importing) = self.importing
-            && importing.again
+        if let Some(Importing {
+            at,
+            again: Some(why),
+        }) = self.importing
         {
-            if !self.repeated_imports.insert(importing.at) {
+            let is_error = diagnostic.severity == super::Severity::Error;
+            if is_error && !self.repeated_imports.insert(at) {
                 return;
             }
-            diagnostic
-                .message
-                .push_str("; the component has this interface already, so it is imported twice");
+            diagnostic.message.push_str("; ");
+            diagnostic.message.push_str(why);
         }
         let key = (diagnostic.code, diagnostic.at, hash(&diagnostic.message));
         if self.reported.insert(key) {

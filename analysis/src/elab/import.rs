@@ -19,10 +19,20 @@ use crate::{
     },
 };
 
+/// Index into [`super::component::ComponentState::lists`] of the lists of a property.
+fn list_of(word: &str) -> usize {
+    match word {
+        "uses" => 0,
+        "extends" => 1,
+        _ => 2,
+    }
+}
+
 impl<'a> Elaborator<'a> {
     /// A `provides`, `uses` or `extends` property.
     pub(super) fn imports(&mut self, index: u32, names: &'a [Name], word: &'static str) {
         let mut seen: Vec<(&Text, Src)> = Vec::with_capacity(names.len());
+        let mut list: Vec<(u32, Src)> = Vec::with_capacity(names.len());
         for name in names {
             let at = self.src(name.ptr);
             if let Some((_, first)) = seen.iter().find(|(it, _)| *it == &name.text) {
@@ -39,7 +49,26 @@ impl<'a> Elaborator<'a> {
                 self.components[index as usize].incomplete = true;
                 continue;
             };
-            self.import(index, interface, word, at);
+            list.push((interface, at));
+        }
+        // The lists of an interface join those of its importer. When it is the importer's first list
+        // of this kind that is being read, what joins it is imported as well, and so twice.
+        let which = list_of(word);
+        let lists = &mut self.components[index as usize].lists;
+        let first = lists[which].is_empty();
+        union(&mut lists[which], list.iter().map(|(it, _)| *it));
+        let named = list.len();
+        let mut next = 0;
+        while let Some(&(interface, at)) = list.get(next) {
+            if first {
+                for &theirs in &self.components[interface as usize].lists[which] {
+                    if !list.iter().any(|(it, _)| *it == theirs) {
+                        list.push((theirs, at));
+                    }
+                }
+            }
+            self.import(index, interface, word, at, next < named);
+            next += 1;
         }
     }
 
@@ -83,11 +112,12 @@ impl<'a> Elaborator<'a> {
     /// The interfaces that `#pragma provides` adds to every new component.
     pub(super) fn import_by_pragma(&mut self, index: u32, at: Src) {
         for interface in self.pragma_provides.clone() {
-            self.import(index, interface, "provides", at);
+            self.import(index, interface, "provides", at, true);
         }
     }
 
-    fn import(&mut self, index: u32, interface: u32, word: &'static str, at: Src) {
+    /// `named`: the property names it, rather than an interface that the property names.
+    fn import(&mut self, index: u32, interface: u32, word: &'static str, at: Src, named: bool) {
         let component = &mut self.spec.components[index as usize];
         let list = match word {
             "uses" => &mut component.uses,
@@ -95,12 +125,24 @@ impl<'a> Elaborator<'a> {
             _ => &mut component.provides,
         };
         union(list, [interface]);
-        if interface == index {
-            return;
+        for which in 0..self.components[index as usize].lists.len() {
+            let theirs = self.components[interface as usize].lists[which].clone();
+            union(&mut self.components[index as usize].lists[which], theirs);
         }
-        let again = self.components[index as usize]
-            .imported
-            .contains(&interface);
+        // An interface that names itself imports all it has a second time.
+        let imported = &self.components[index as usize].imported;
+        let again = if interface == index {
+            Some("an interface that names itself imports all it has once more")
+        } else if imported.contains(&interface) && !named {
+            Some(
+                "what this interface imports by the same property is imported a second time; let \
+                 one use `provides` and the other `extends`",
+            )
+        } else if imported.contains(&interface) {
+            Some("the component has this interface already, so it is imported twice")
+        } else {
+            None
+        };
         let theirs = self.components[interface as usize].imported.clone();
         let imported = &mut self.components[index as usize].imported;
         union(imported, theirs);
@@ -251,9 +293,7 @@ impl<'a> Elaborator<'a> {
                 }
             }
         }
-        if !added.is_empty() {
-            self.add_to_ids(index, added);
-        }
+        self.add_to_ids(index, added);
     }
 
     /// The member of an interface's ids that a member was copied from; itself if it was not.
@@ -319,6 +359,8 @@ impl<'a> Elaborator<'a> {
                 self.report(diagnostic.related(place, "the other task"));
             }
             self.check_delay(index, own);
+            let codels = &self.components[interface as usize].tasks[number].codels;
+            self.import_states(index, codels.clone());
         }
     }
 
@@ -366,6 +408,8 @@ impl<'a> Elaborator<'a> {
                         .collect();
                     self.compare_params(index, own, &plain, at, Some(at));
                     self.merge_locals(index, own, &params, at);
+                    let known = &mut self.spec.components[index as usize].services[own as usize];
+                    known.src = service.src;
                     own
                 }
                 None => {
@@ -389,6 +433,8 @@ impl<'a> Elaborator<'a> {
                 }
             };
             self.import_service_properties(index, interface, number, own, &service, at);
+            let codels = &self.components[interface as usize].services[number].codels;
+            self.import_states(index, codels.clone());
             pairs.push((number as u32, own));
         }
         pairs

@@ -24,10 +24,17 @@ impl<'a> Elaborator<'a> {
             TypeKind::StructMember { ty } | TypeKind::UnionMember { ty, .. } => ty,
             _ => ty,
         };
-        let fitted = self.fit(init, ty, None)?;
-        // `{ }` says nothing about the value.
-        let says_nothing = fitted.value == InitValue::Compound(Vec::new()) && fitted.doc.is_none();
-        (!says_nothing).then_some(fitted)
+        if says_nothing(init) {
+            return None;
+        }
+        let member = match &init.designator {
+            Some(Designator::Member(name)) => Some(PathElement::Member(name.text.clone())),
+            Some(Designator::Index(index)) => {
+                Some(PathElement::Index(self.positive(index, "index")?))
+            }
+            None => None,
+        };
+        self.fit(init, ty, member)
     }
 
     fn fit(
@@ -71,6 +78,9 @@ impl<'a> Elaborator<'a> {
                     }
                 }
             }
+            Some(item_tree::InitValue::Compound(parts)) if parts.iter().all(says_nothing) => {
+                InitValue::Void
+            }
             Some(item_tree::InitValue::Compound(parts)) => {
                 InitValue::Compound(self.compound(parts, ty, at)?)
             }
@@ -91,7 +101,8 @@ impl<'a> Elaborator<'a> {
         at: Src,
     ) -> Option<Vec<Initializer>> {
         let last = types::look_through(&self.spec, ty);
-        let first = parts.first().map_or(at, |it| self.src(it.ptr));
+        let mut said = parts.iter().filter(|it| !says_nothing(it));
+        let first = said.next().map_or(at, |it| self.src(it.ptr));
         match &self.spec.ty(last).kind {
             TypeKind::Array { element, length } => {
                 let (element, length) = (*element, Some(*length));
@@ -129,7 +140,7 @@ impl<'a> Elaborator<'a> {
         let mut fitted = Vec::with_capacity(parts.len());
         let mut complete = true;
         let mut position = 0u64;
-        for part in parts {
+        for part in parts.iter().filter(|it| !says_nothing(it)) {
             let here = self.src(part.ptr);
             match &part.designator {
                 Some(Designator::Index(expr)) => match self.positive(expr, "index") {
@@ -171,7 +182,7 @@ impl<'a> Elaborator<'a> {
         let mut fitted = Vec::with_capacity(parts.len());
         let mut complete = true;
         let mut position = 0;
-        for part in parts {
+        for part in parts.iter().filter(|it| !says_nothing(it)) {
             let here = self.src(part.ptr);
             match &part.designator {
                 Some(Designator::Member(name)) => {
@@ -234,4 +245,12 @@ impl<'a> Elaborator<'a> {
         }
         self.report(diagnostic);
     }
+}
+
+/// Whether these are braces with nothing in them. They fit every type, and in a list they are not
+/// counted.
+fn says_nothing(init: &item_tree::Initializer) -> bool {
+    init.designator.is_none()
+        && matches!(&init.value, Some(item_tree::InitValue::Compound(parts))
+            if parts.iter().all(says_nothing))
 }

@@ -30,6 +30,15 @@ impl<'a> Elaborator<'a> {
             Pragma::Provides { arguments, .. } => {
                 for (name, ptr) in arguments {
                     let at = self.src(*ptr);
+                    if name.starts_with("//") || name.starts_with("/*") {
+                        self.error(
+                            "pragma-provides-unknown",
+                            at,
+                            "in a pragma, comments are read as names of interfaces; write it on a \
+                             line of its own",
+                        );
+                        break;
+                    }
                     let found = self.interface(
                         name,
                         at,

@@ -114,19 +114,19 @@ impl Scopes {
     }
 
     /// What the complete path names, seen from `from`: the first enclosing scope in which all of it
-    /// exists wins.
+    /// exists wins, unless what it names there is not `wanted`.
     pub(super) fn lookup(
         &self,
         from: ScopeId,
         absolute: bool,
         path: &[&Name],
+        wanted: impl Fn(TypeId) -> bool,
     ) -> Option<(TypeId, Vec<ScopeId>)> {
-        if absolute {
-            return self.lookup_in(GLOBAL, path);
-        }
-        let mut scope = Some(from);
+        let mut scope = Some(if absolute { GLOBAL } else { from });
         while let Some(id) = scope {
-            if let Some(found) = self.lookup_in(id, path) {
+            if let Some(found) = self.lookup_in(id, path)
+                && wanted(found.0)
+            {
                 return Some(found);
             }
             scope = self.get(id).parent;

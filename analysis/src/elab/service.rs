@@ -31,6 +31,8 @@ pub(super) struct ServiceState<'a> {
     pub(super) given: FxHashMap<&'static str, Src>,
     /// `interrupts`, `before`, `after`, as far as named.
     pub(super) lists: [NameList; 3],
+    /// The local variables in the declaration that is being read.
+    pub(super) locals_here: Vec<Text>,
 }
 
 /// A parameter of an attribute, as written.
@@ -113,7 +115,9 @@ impl<'a> Elaborator<'a> {
                 .map(|decl| PathSource { decl, visit, scope })
                 .collect();
         }
-        let container = self.components[index as usize].services[service as usize].def;
+        let state = &mut self.components[index as usize].services[service as usize];
+        state.locals_here.clear();
+        let container = state.def;
         let outer = self.container.replace(container);
         self.for_each(&decl.properties, |this, item| match item {
             Item::Property(property) => {
@@ -219,6 +223,7 @@ impl<'a> Elaborator<'a> {
             codels: Vec::new(),
             given: FxHashMap::default(),
             lists: Default::default(),
+            locals_here: Vec::new(),
         });
         state.service_by_name.insert(name.clone(), service);
         service
@@ -309,6 +314,8 @@ impl<'a> Elaborator<'a> {
                             "an activity is a state machine, its codels have states: write \
                              `codel<start> …`",
                         );
+                        let owner = Owner::Service(service);
+                        self.misplaced_params(index, owner, codel, CodelKind::Fsm);
                         return;
                     }
                     (ServiceKind::Attribute | ServiceKind::Function, true) => {
@@ -318,6 +325,8 @@ impl<'a> Elaborator<'a> {
                             kind_text(kind)
                         );
                         self.misplaced_codel("service-fsm-codel", name, at, &message);
+                        let owner = Owner::Service(service);
+                        self.misplaced_params(index, owner, codel, CodelKind::Fsm);
                         return;
                     }
                     (ServiceKind::Attribute, false) => {

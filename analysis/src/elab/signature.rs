@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     item_tree::{Declarator, ParamDecl, ParamSpec, PathStep, ServiceDecl, TypeRef},
-    model::{Name as Text, Param, ParamDir, ParamSource, Src},
+    model::{Param, ParamDir, ParamSource, Src},
 };
 
 /// A parameter just read, with its definition's place.
@@ -218,7 +218,6 @@ impl<'a> Elaborator<'a> {
         declarators: &'a [Declarator],
     ) {
         let base = self.type_ref(ty);
-        let mut here: Vec<&Text> = Vec::new();
         for declarator in declarators {
             let ty = self.declared_type(base, declarator);
             let src = self.src(declarator.name.ptr);
@@ -233,13 +232,15 @@ impl<'a> Elaborator<'a> {
                 path: Vec::new(),
                 init: None,
             };
-            let again = here.contains(&name);
-            here.push(name);
+            let here = &mut self.components[index as usize].services[service as usize].locals_here;
+            let again = here.contains(name);
+            here.push(name.clone());
             self.add_local(index, service, local, src, again);
         }
     }
 
-    /// Adds a local variable of the service. `again`: one of the same list has its name.
+    /// Adds a local variable of the service. `again`: one of the same declaration of
+    /// the service has its name.
     fn add_local(&mut self, index: u32, service: u32, local: Param, src: Src, again: bool) {
         let state = &self.components[index as usize].services[service as usize];
         let known = &self.spec.components[index as usize].services[service as usize];

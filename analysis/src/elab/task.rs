@@ -149,6 +149,7 @@ impl<'a> Elaborator<'a> {
                 self.report(
                     ElabDiagnostic::new("codel-in-task", at, message).related(place, "this codel"),
                 );
+                self.misplaced_params(index, Owner::Task(task), decl, CodelKind::Fsm);
             }
             PropertyKind::Local { ty, .. } => {
                 let at = self.src(ty.ptr);

@@ -60,32 +60,34 @@ impl<'a> Elaborator<'a> {
             self.report_unresolved(path, true);
             return self.unknown(at);
         };
-        match &self.spec.ty(ty).kind {
+        // The reference compiler takes whatever has the name.
+        if matches!(
+            self.spec.ty(ty).kind,
             TypeKind::Const { .. }
-            | TypeKind::Enumerator { .. }
-            | TypeKind::Event
-            | TypeKind::PauseEvent
-            | TypeKind::Port { .. }
-            | TypeKind::Remote { .. }
-            | TypeKind::StructMember { .. }
-            | TypeKind::UnionMember { .. } => {
-                let what = describe(&self.spec, ty);
-                let mut diagnostic = ElabDiagnostic::new(
-                    "unknown-type",
-                    at,
-                    format!("`{}` is {what}, not a type", path_text(path)),
-                );
-                if let Some(place) = self.type_place(ty) {
-                    diagnostic = diagnostic.related(place, "declared here");
-                }
-                self.report(diagnostic);
-                return self.unknown(at);
+                | TypeKind::Enumerator { .. }
+                | TypeKind::Event
+                | TypeKind::PauseEvent
+                | TypeKind::Port { .. }
+                | TypeKind::Remote { .. }
+        ) {
+            let what = describe(&self.spec, ty);
+            let mut diagnostic = ElabDiagnostic::new(
+                "not-a-type",
+                at,
+                format!(
+                    "`{}` is {what}, not a type: this is accepted, but the code generated from it \
+                     does not compile",
+                    path_text(path)
+                ),
+            );
+            if let Some(place) = self.type_place(ty) {
+                diagnostic = diagnostic.related(place, "declared here");
             }
-            _ => {}
+            self.report(diagnostic);
         }
         let last = self.spec.resolve_alias(ty);
         match &self.spec.ty(last).kind {
-            TypeKind::Exception { members } if members.is_empty() => {
+            TypeKind::Exception { members } if members.is_empty() && usage == Use::Value => {
                 self.error(
                     "void-exception-type",
                     at,
@@ -122,14 +124,16 @@ impl<'a> Elaborator<'a> {
     /// What a path names, with its references recorded.
     pub(super) fn resolve_path(&mut self, path: &'a Path) -> Option<TypeId> {
         let names: Vec<_> = path.segments.iter().map(|it| &it.text).collect();
-        let (ty, through) = self.scopes.lookup(self.scope, path.absolute, &names)?;
-        // Members are found by paths into values only.
-        if matches!(
-            self.spec.ty(ty).kind,
-            TypeKind::StructMember { .. } | TypeKind::UnionMember { .. }
-        ) {
-            return None;
-        }
+        // Members are found by paths into values only, and hide nothing.
+        let wanted = |ty: TypeId| {
+            !matches!(
+                self.spec.ty(ty).kind,
+                TypeKind::StructMember { .. } | TypeKind::UnionMember { .. }
+            )
+        };
+        let (ty, through) = self
+            .scopes
+            .lookup(self.scope, path.absolute, &names, wanted)?;
         for (segment, scope) in path.segments.iter().zip(through) {
             if let Some(def) = self.scopes.get(scope).def {
                 self.refer(self.src(segment.ptr), def);
@@ -377,6 +381,11 @@ fn equal_parts(spec: &Spec, a: TypeId, b: TypeId, seen: &mut Seen) -> bool {
         ) => all(&[*s], &[*t]) && all(a, b),
         (K::Native, K::Native)
         | (K::Enum { .. }, K::Enum { .. })
+        | (K::Enumerator { .. }, K::Enumerator { .. })
+        | (K::Event, K::Event)
+        | (K::PauseEvent, K::PauseEvent)
+        | (K::Port { .. }, K::Port { .. })
+        | (K::Remote { .. }, K::Remote { .. })
         | (K::ForwardStruct { .. }, K::ForwardStruct { .. })
         | (K::ForwardUnion { .. }, K::ForwardUnion { .. }) => {
             spec.full_name(a) == spec.full_name(b)

@@ -163,7 +163,7 @@ fn pragmas() {
     check(
         "#pragma requires \"a >= 1\" b-c/**/d \"\\\"q\\\"\"\n",
         expect![[
-            r##""#pragma requires \"a >= 1\" b-c/**/d \"\\\"q\\\"\"": pragma "requires" at "requires", "a >= 1" at "\"a >= 1\"", "b-c" at "b-c", "d" at "d", "\"q\"" at "\"\\\"q\\\"\"""##
+            r##""#pragma requires \"a >= 1\" b-c/**/d \"\\\"q\\\"\"": pragma "requires" at "requires", "a >= 1" at "\"a >= 1\"", "b-c/**/d" at "b-c/**/d", "\\\"q\\\"" at "\"\\\"q\\\"\"""##
         ]],
     );
     check(

@@ -73,7 +73,7 @@ pub(crate) fn lower_define(
     file: Option<&SmolStr>,
 ) -> (Option<Macro>, Vec<DefineProblem>) {
     let mut problems = Vec::new();
-    let Some(name) = define.name.as_ref().filter(|it| it.text != "defined") else {
+    let Some(name) = &define.name else {
         problem(
             &mut problems,
             BAD,

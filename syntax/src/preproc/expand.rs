@@ -16,6 +16,7 @@ use super::{
     token::{Token, paste, stringize},
 };
 use crate::{
+    SyntaxKind,
     directive::text_range,
     kind::SyntaxKind::*,
     lexer::{RawTokens, is_trivia, is_word},
@@ -330,9 +331,10 @@ impl<'a> Expander<'a> {
         next.is_some_and(|next| self.raw.kind(next as usize) == L_PAREN)
     }
 
-    /// The next raw token that is no blank.
+    /// The next raw token that is no blank. A comment counts: behind one, parentheses open no call.
     fn skip_blanks(&self, source: Source) -> Option<u32> {
-        (source.next..source.end).find(|&i| !is_trivia(self.raw.kind(i as usize)))
+        let is_blank = |kind: SyntaxKind| is_trivia(kind) && !kind.is_comment();
+        (source.next..source.end).find(|&i| !is_blank(self.raw.kind(i as usize)))
     }
 
     /// Reads the next token for the arguments of a call, from the lists or the text.

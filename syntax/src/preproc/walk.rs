@@ -80,8 +80,8 @@ struct Walker<'a> {
 struct Conditional {
     /// Index of the directive that opens it.
     opening: usize,
-    /// One of its groups has been live.
-    taken: bool,
+    /// A group that was live has ended at an `#elif`: no other can be live.
+    closed: bool,
     seen_else: bool,
 }
 

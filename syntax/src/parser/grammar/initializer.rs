@@ -64,6 +64,10 @@ fn list(p: &mut Parser<'_>) {
     let m = p.start();
     p.bump(L_CURLY);
     const END: TokenSet = TokenSet::new(&[R_CURLY, R_PAREN, SEMICOLON, EOF]);
+    // Nothing may stand before the first comma.
+    if p.eat(COMMA) && p.at(R_CURLY) {
+        p.expected_because("a value", "remove the comma");
+    }
     while !p.at_ts(END) {
         initializer(p);
         if p.eat(COMMA) {

@@ -10,7 +10,12 @@ use super::*;
 pub(super) fn task(p: &mut Parser<'_>) {
     let m = p.start();
     p.bump(TASK_KW);
-    property::unless_item(p, name);
+    // `task ids { period 1; };` is a task called `ids`.
+    if p.at(IDS_KW) && p.nth_at(1, L_CURLY) && property::at_body(p, 2) {
+        name(p);
+    } else {
+        property::unless_item(p, name);
+    }
     property::properties(p, "this task");
     semicolon(p, "this task");
     m.complete(p, TASK);

@@ -276,7 +276,7 @@ impl Walker<'_> {
     fn open(&mut self, opening: usize, value: bool) -> bool {
         self.conditionals.push(Conditional {
             opening,
-            taken: value,
+            closed: false,
             seen_else: false,
         });
         self.live = value;
@@ -284,7 +284,7 @@ impl Walker<'_> {
     }
 
     fn elif(&mut self, condition: Range<u32>, range: TextRange) -> Option<bool> {
-        let Some(conditional) = self.conditionals.last() else {
+        let Some(conditional) = self.conditionals.last_mut() else {
             self.error(
                 "pp-elif-without-if",
                 range,
@@ -292,13 +292,10 @@ impl Walker<'_> {
             );
             return None;
         };
-        let taken = conditional.taken || conditional.seen_else;
-        let value = !taken && self.condition(condition, range);
-        if let Some(conditional) = self.conditionals.last_mut() {
-            conditional.taken |= value;
-        }
-        self.live = value;
-        Some(value)
+        // After an `#else` as well, as the reference compiler does.
+        conditional.closed |= self.live;
+        self.live = !conditional.closed && self.condition(condition, range);
+        Some(self.live)
     }
 
     fn else_(&mut self, rest: &Range<u32>, directive: &Directive) -> Option<bool> {
@@ -315,6 +312,7 @@ impl Walker<'_> {
         if conditional.seen_else {
             let opening = self.out.directives.get(conditional.opening);
             let related = opening.map(|it| (it.range, "the conditional begins here"));
+            conditional.closed = true;
             self.live = false;
             self.report(PpError {
                 code: "pp-else-twice",
@@ -326,8 +324,7 @@ impl Walker<'_> {
             return Some(false);
         }
         conditional.seen_else = true;
-        self.live = !conditional.taken;
-        conditional.taken = true;
+        self.live = !self.live && !conditional.closed;
         Some(self.live)
     }
 
@@ -362,8 +359,8 @@ impl Walker<'_> {
         let number = |it: &Token| it.kind == INT && it.text.bytes().all(|it| it.is_ascii_digit());
         let valid = match &tokens[..] {
             [line] => number(line),
-            [line, file, ..] => number(line) && file.kind == STRING,
-            [] => false,
+            [line, file] => number(line) && file.kind == STRING,
+            _ => false,
         };
         if !valid {
             let message = "`#line` must be followed by a line number and, optionally, a file name \

@@ -468,7 +468,6 @@ fn definition_mistakes() {
             main.gen:7: error pp-define-bad: `##` is first or last in the body of the macro `Q`
             main.gen:8: error pp-define-bad: a blank is missing between the macro `N` and its body
             main.gen:9: error pp-define-bad: the parameter list of the macro `B` is broken: expected names separated by commas, then `)`
-            main.gen:10: error pp-define-bad: `#define` must be followed by the name of a macro
             main.gen:11: error pp-define-bad: the name of a macro cannot have a hyphen: `clock-rate`
             main.gen:12: error pp-undef-bad: `#undef` must be followed by the name of a macro
             main.gen:13: error pp-extra-tokens: `#undef` takes exactly one name: remove what follows it
