@@ -75,6 +75,27 @@ async fn completion_with_and_without_snippets() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn a_blank_opens_no_list_where_a_line_may_end() {
+    let (mut client, _folder, uri) = start(json!({})).await;
+    for (behind, typed, opens) in [
+        ("  ", " ", false),
+        ("ids { ", " ", false),
+        ("yield ", " ", true),
+        ("yield pause::", ":", true),
+    ] {
+        let mut params = at(&uri, behind, 0);
+        let character = params["position"]["character"].as_u64().expect("a number");
+        params["position"]["character"] = json!(character + behind.len() as u64);
+        let by_hand = client.ok("textDocument/completion", params.clone()).await;
+        assert_ne!(by_hand["items"], json!([]), "{behind:?} by hand");
+        params["context"] = json!({ "triggerKind": 2, "triggerCharacter": typed });
+        let list = client.ok("textDocument/completion", params).await;
+        assert_eq!(!list.is_null(), opens, "{behind:?}: {list}");
+    }
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn rename_across_files_and_its_refusals() {
     let (mut client, folder, uri) = start(json!({})).await;
     let prepared = client
