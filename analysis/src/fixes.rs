@@ -253,10 +253,15 @@ impl Place<'_> {
     }
 
     /// One fix for each transition of a cycle.
+    /// `Pause before …`, the state that closes the round first: the message advises that.
     fn pause_somewhere(&self) -> Vec<TextFix> {
-        let related = self.finding.related.iter();
-        related
-            .map(|&range| TextFix {
+        let mut around = self.finding.related.to_vec();
+        if !around.is_empty() {
+            around.rotate_right(1);
+        }
+        around
+            .into_iter()
+            .map(|range| TextFix {
                 title: format!("Pause before `{}`", self.text(range)),
                 edits: vec![(TextRange::empty(range.start()), "pause::".to_owned())],
             })

@@ -299,10 +299,29 @@ fn fixed(source: &str, code: &str) -> String {
 }
 
 #[test]
+fn the_first_fix_is_what_the_message_advises() {
+    let source = "component c {\n  task t {\n    period 5 ms;\n    codel<start> f() yield step;\n    codel<step> g() yield settle;\n    codel<settle> h() yield step, ether;\n  };\n};\n";
+    let found = check(text(source), strict());
+    let round = found.iter().find(|it| it.code == "fsm/busy-loop");
+    let round = round.expect("it is reported");
+    assert!(
+        round
+            .message
+            .ends_with("yield `pause::step` if each round may wait"),
+        "{}",
+        round.message
+    );
+    assert_eq!(round.fixes[0].title, "Pause before `step`");
+}
+
+#[test]
 fn fixes_remove_what_they_mend() {
     let mut all = String::new();
     let state = "component c {\n  task t {\n    period 5 ms;\n    codel<start> f() yield mian;\n    codel<main> g() yield ether;\n  };\n};\n";
     all += &fixed(state, "fsm/undefined-state");
+    let end =
+        "component c {\n  task t {\n    period 5 ms;\n    codel<start> f() yield ethr;\n  };\n};\n";
+    all += &fixed(end, "fsm/undefined-state");
     all += &fixed(
         "component c {\n  task t {\n    period 5 ms;\n    codel<start> f() yield ether;\n    codel<main> g() yield ether;\n  };\n};\n",
         "fsm/unreachable-state",
@@ -368,6 +387,21 @@ fn fixes_remove_what_they_mend() {
             codel<start> f() yield mian;
             codel<mian> t_mian() yield ether;
             codel<main> g() yield ether;
+          };
+        };
+        --- Change to `ether`
+        component c {
+          task t {
+            period 5 ms;
+            codel<start> f() yield ether;
+          };
+        };
+        --- Declare a codel for the state `ethr`
+        component c {
+          task t {
+            period 5 ms;
+            codel<start> f() yield ethr;
+            codel<ethr> t_ethr() yield ether;
           };
         };
         --- Let `f` yield `main`
