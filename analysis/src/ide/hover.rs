@@ -14,7 +14,7 @@ use super::{
 use crate::{
     base::{SourceFile, lexed},
     elab::{DefId, DefKind, Definition, Elaborated, Entity},
-    model::{Component, TypeKind},
+    model::{Component, TypeKind, Value},
     source_map::bytes,
     unit::define,
 };
@@ -101,6 +101,11 @@ fn declaration_text(view: &FileView<'_>, it: &Definition) -> Option<String> {
                 .find(|it| it.kind() == SyntaxKind::PATH_PARAM);
             one_line(there, &param.unwrap_or(node))
         }
+        (SymbolKind::Local, Some(node)) => {
+            let local = node.ancestors();
+            let mut local = local.filter(|it| it.kind() == SyntaxKind::LOCAL_PROPERTY);
+            normalized(there, &local.next().unwrap_or(node))
+        }
         (SymbolKind::Codel, Some(node)) => {
             // With the word before it.
             let property = node.parent().filter(|it| {
@@ -185,7 +190,15 @@ fn type_facts(elaborated: &Elaborated, it: &Definition) -> Vec<String> {
     }
     match spec.types.get(ty.0 as usize).map(|it| &it.kind) {
         Some(TypeKind::Const { value, .. }) => {
-            out.push(format!("value `{}`", render::value(spec, value)));
+            let hexadecimal = match value {
+                Value::Uint(it) if *it > 9 => format!(" (`{it:#x}`)"),
+                Value::Int(it) if *it > 9 => format!(" (`{it:#x}`)"),
+                _ => String::new(),
+            };
+            out.push(format!(
+                "value `{}`{hexadecimal}",
+                render::value(spec, value)
+            ));
         }
         Some(TypeKind::Enumerator { enumeration, value }) => {
             let of = render::type_text(spec, *enumeration);

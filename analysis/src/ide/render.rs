@@ -67,6 +67,8 @@ struct Layout {
     /// Depth of parentheses and brackets, and of the braces of values within.
     nesting: usize,
     flat: bool,
+    /// After `case` or `default`, up to its colon: `case 1:`, but `in long n = 1 : "doc"`.
+    label: bool,
 }
 
 impl Layout {
@@ -93,6 +95,8 @@ impl Layout {
         }
         self.out.push_str(text);
         match kind {
+            CASE_KW | DEFAULT_KW => self.label = true,
+            COLON => self.label = false,
             L_CURLY if is_value => self.nesting += 1,
             R_CURLY if is_value => self.nesting = self.nesting.saturating_sub(1),
             L_CURLY => self.indent += 1,
@@ -123,9 +127,9 @@ impl Layout {
         let glued_before = matches!(
             kind,
             SEMICOLON | COMMA | R_PAREN | R_BRACK | COLON2 | R_ANGLE
-        ) || (matches!(kind, DOT | L_BRACK) && !matches!(previous, L_CURLY | COMMA))
-            // `case 1:`, but `in long n = 1 : "doc"`.
-            || (kind == COLON && self.nesting == 0);
+        ) || (matches!(kind, DOT | L_BRACK)
+            && !matches!(previous, L_CURLY | COMMA))
+            || (kind == COLON && self.label);
         let glued_after = matches!(previous, L_PAREN | L_BRACK | COLON2 | DOT | L_ANGLE);
         if kind == COLON2 {
             // `in ::whole` and `throw ::e`, but `a::b`.

@@ -205,7 +205,7 @@ pub(super) fn quantity(
         _ => {
             names.constants(rest, None, out);
             out.items.retain(|it| it.kind != CompletionKind::Keyword);
-            super::directive::macros(names.view, names.at(), 4, out);
+            super::directive::values(names.view, names.at(), 4, out);
         }
     }
 }

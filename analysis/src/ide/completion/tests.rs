@@ -273,6 +273,10 @@ fn directives_and_macros() {
     takes("#inc$0", "include", "#include \"\"");
     has("#define LIMIT 3\n#ifdef $0", "LIMIT | !__FILE__");
     has("#define LIMIT 3\ntypedef long t;\n$0", "LIMIT");
+    check(
+        "#define GUARD\n#define RATE 5\ncomponent c { task t { period $0",
+        "RATE",
+    );
     check("#pragma $0", "requires | provides | masquerade | wcet");
     check("interface i;\n#pragma provides $0", "i");
     check(

@@ -81,6 +81,17 @@ fn constants_have_values() {
         "#]],
     );
     check(
+        "const unsigned long n$0 = 4096;\n",
+        expect![[r#"
+            [n]
+            ```genom
+            const unsigned long n = 4096;
+            ```
+
+            type `unsigned long` · value `4096` (`0x1000`)
+        "#]],
+    );
+    check(
         "const double half = 1 / 2.0;\nconst double x = half$0;\n",
         expect![[r#"
             [half]
@@ -117,6 +128,7 @@ component c {
   activity go(in long speed = 2 : "in m/s") {
     doc "Goes.";
     task t;
+    local st before, after;
     codel<start> begin(local in speed, ids out v.b, port out p) yield pause::start, ether;
   };
 };
@@ -185,6 +197,7 @@ component c {
                 activity go(in long speed = 2 : "in m/s") {
                   doc "Goes.";
                   task t;
+                  local st before, after;
                   codel<start> begin(local in speed, ids out v.b, port out p) yield pause::start, ether;
                 };
                 ```
@@ -199,12 +212,23 @@ component c {
         expect![[r#"
             [speed]
             ```genom
-            in long speed = 2: "in m/s"
+            in long speed = 2 : "in m/s"
             ```
 
             in `go` · type `long` · 4 bytes packed
 
             in m/s
+        "#]],
+    );
+    check(
+        &at(", after$0"),
+        expect![[r#"
+            [after]
+            ```genom
+            local st before, after;
+            ```
+
+            in `go` · type `struct st (2 members)` · 8 bytes packed
         "#]],
     );
     check(

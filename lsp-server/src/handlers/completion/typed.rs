@@ -12,9 +12,8 @@ pub(super) fn wanted(
     lines: &Lines,
     position: Position,
 ) -> bool {
-    let by_character = |it: &&CompletionContext| {
-        it.trigger_kind == CompletionTriggerKind::TRIGGER_CHARACTER
-    };
+    let by_character =
+        |it: &&CompletionContext| it.trigger_kind == CompletionTriggerKind::TRIGGER_CHARACTER;
     if context.filter(by_character).is_none() {
         return true;
     }
