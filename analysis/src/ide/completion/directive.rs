@@ -229,7 +229,9 @@ fn include(view: &FileView<'_>, operand: &str, at: usize, out: &mut Completions)
     if delimiter == '"' {
         dirs.extend(view.file.path(view.db).parent().map(ToOwned::to_owned));
     }
-    dirs.extend(view.db.workspace().include_dirs(view.db).iter().cloned());
+    let root = view.unit.inputs(view.db).first().unwrap_or(&view.file);
+    let (searched, _) = view.db.workspace().reading(view.db, root.path(view.db));
+    dirs.extend(searched.iter().cloned());
     for visit in &walk_unit(view.db, view.unit).visits {
         // Directories that other includes were found in: those of packages, too.
         dirs.extend(
