@@ -225,7 +225,9 @@ async fn wrong_settings_of_the_editor_are_shown_once() {
     let mut client = Client::start(params).await;
     let shown = client.notification("window/showMessage").await;
     let message = shown["message"].as_str().expect("a text");
-    assert!(message.ends_with("bad value for `include-paths`: expected a list of directories"));
+    assert!(
+        message.ends_with("bad value for `dotgen.includePaths`: expected a list of directories")
+    );
     for settings in [json!({ "inclde-paths": [] }), json!({ "inclde-paths": [] })] {
         let params = json!({ "settings": { "dotgen": settings } });
         client
@@ -235,7 +237,7 @@ async fn wrong_settings_of_the_editor_are_shown_once() {
     let shown = client.notification("window/showMessage").await;
     let message = shown["message"].as_str().expect("a text");
     assert!(
-        message.ends_with("did you mean `include-paths`?"),
+        message.ends_with("did you mean `dotgen.includePaths`?"),
         "{message}"
     );
     client.finish().await;
