@@ -89,6 +89,11 @@ pub(super) fn in_requires(context: &Context) -> bool {
         .is_some_and(|it| it.is_any(&["requires", "require", "codels-requires", "codels-require"]))
 }
 
+/// Whether the cursor is in the string of a `lang` property.
+pub(super) fn in_lang(context: &Context) -> bool {
+    context.current().first().is_some_and(|it| it.is("lang"))
+}
+
 fn in_service(body: BodyKind) -> bool {
     matches!(
         body,

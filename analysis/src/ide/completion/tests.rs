@@ -303,6 +303,12 @@ fn directives_and_macros() {
 }
 
 #[test]
+fn languages_of_codels_are_listed() {
+    check("component c { lang \"$0\"; };", "c | c++");
+    check("component c { doc \"$0\"; };", "");
+}
+
+#[test]
 fn packages_are_listed() {
     let fixture = Fixture::new("component c { require \"eigen3\", \"op$0\"; };");
     fixture

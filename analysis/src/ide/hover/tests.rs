@@ -464,3 +464,20 @@ fn headers_name_the_unit_that_shows_them() {
             "#]],
     );
 }
+
+#[test]
+fn a_state_tells_the_machine_it_is_seen_in_first() {
+    let text = "component c {\n  task t { codel<start> f() yield main; codel<main> g() yield ether; };\n  \
+                activity a() { task t; codel<start> h() yield main; codel<main> k() yield ether; };\n};\n";
+    let machines = |mark: &str| {
+        let fixture = Fixture::new(&text.replacen(mark, &format!("{mark}$0"), 1));
+        let hover = fixture.analysis().hover(&fixture.at()).unwrap();
+        let text = hover.expect("it is a name").info.markdown;
+        let lines = text.lines().filter(|it| it.starts_with("* "));
+        lines.map(str::to_owned).collect::<Vec<_>>()
+    };
+    let of_task = "* task `t`: from `f` → `g` → `ether`";
+    let of_activity = "* activity `a`: from `h` → `k` → `ether`";
+    assert_eq!(machines("f() yield ma"), [of_task, of_activity]);
+    assert_eq!(machines("h() yield ma"), [of_activity, of_task]);
+}
