@@ -481,3 +481,21 @@ fn a_state_tells_the_machine_it_is_seen_in_first() {
     assert_eq!(machines("f() yield ma"), [of_task, of_activity]);
     assert_eq!(machines("h() yield ma"), [of_activity, of_task]);
 }
+
+#[test]
+fn long_lists_of_parameters_are_wrapped() {
+    check(
+        "component c { task t; activity go$0(in double first = 1. : \"the first of many\", in double second = { 2. } : \"another\", in double third) { task t; }; };\n",
+        expect![[r#"
+            [go]
+            ```genom
+            activity go(in double first = 1. : "the first of many", in double second = { 2. } : "another",
+                in double third) {
+              task t;
+            };
+            ```
+
+            in `c`
+        "#]],
+    );
+}
