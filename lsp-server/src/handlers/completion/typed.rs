@@ -31,9 +31,14 @@ fn asks(before: &str) -> bool {
     let directive = before.trim_start().starts_with('#');
     match typed {
         // Behind a word or between the items of a list, not in an indentation or behind what is complete.
-        ' ' => before.ends_with(|it: char| {
-            it.is_alphanumeric() || matches!(it, '_' | ',' | '=' | ')' | '>')
-        }),
+        ' ' => {
+            let before = before.strip_suffix("<=").unwrap_or(before);
+            before.ends_with(|it: char| {
+                it.is_alphanumeric() || matches!(it, '_' | ',' | '=' | ')' | '>')
+            })
+        }
+        // A list of states or elements, not a comparison.
+        '<' => directive || !before.ends_with(' '),
         // Of a path.
         ':' => before.ends_with(':'),
         // Of a member, not of a number.
@@ -92,6 +97,8 @@ mod tests {
             "  in double x = 1.",
             "  in double x = 0. :",
             "  yield pause:",
+            "  check within a => b <",
+            "  check within a => b <= ",
         ] {
             assert!(!asks(before), "{before:?}");
         }
