@@ -285,6 +285,7 @@ pub fn server_capabilities(client: &ClientCaps) -> ServerCapabilities {
                     CodeActionKind::SOURCE_ORGANIZE_IMPORTS,
                     crate::handlers::code_action::GENERATE,
                     CodeActionKind::SOURCE_FIX_ALL,
+                    crate::handlers::code_action::FIX_FINDINGS,
                     actions::SYNC,
                 ]),
                 resolve_provider: Some(client.resolves_edits),

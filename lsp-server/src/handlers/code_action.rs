@@ -13,6 +13,19 @@ use crate::snapshot::{Snapshot, Subject};
 /// Files are generated from a component.
 pub(crate) const GENERATE: CodeActionKind = CodeActionKind::new("source.generate");
 
+/// Everything that has a fix gets it, guesses and placeholders included. Not below `source.fixAll`, which editors run
+/// unasked when a file is saved.
+pub(crate) const FIX_FINDINGS: CodeActionKind = CodeActionKind::new("source.fixFindings");
+
+/// Findings that have one repair, which nobody would make in another way: what `source.fixAll` is for.
+const PLAIN: [&str; 5] = [
+    "fsm/duplicate-yield",
+    "fsm/paused-ether",
+    "list-duplicate-string",
+    "missing-semicolon",
+    "throw-duplicate",
+];
+
 pub(crate) fn handle(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -37,14 +50,24 @@ pub(crate) fn handle(
     let mut all = snapshot.analysis.diagnostics(&subject.path)?;
     all.extend(crate::codels::unused_in(snapshot, &subject.path)?);
     // Only on request: it changes the whole file.
-    if params.context.only.is_some()
-        && wanted(&CodeActionKind::SOURCE_FIX_ALL)
-        && let Some(it) = fix_all(snapshot, "Fix all that has a fix", &all, |_| true)?
-    {
-        actions.push(CodeActionOrCommand::CodeAction(CodeAction {
-            kind: Some(CodeActionKind::SOURCE_FIX_ALL),
-            ..it
-        }));
+    let whole: [(_, _, fn(&Diagnostic) -> bool); 2] = [
+        (
+            CodeActionKind::SOURCE_FIX_ALL,
+            "Fix all that has one plain repair",
+            |it| PLAIN.contains(&it.code),
+        ),
+        (FIX_FINDINGS, "Fix all that has a fix", |_| true),
+    ];
+    for (kind, title, which) in whole {
+        if params.context.only.is_some()
+            && wanted(&kind)
+            && let Some(it) = fix_all(snapshot, title, &all, which)?
+        {
+            actions.push(CodeActionOrCommand::CodeAction(CodeAction {
+                kind: Some(kind),
+                ..it
+            }));
+        }
     }
     for it in super::verification::actions(snapshot, subject, &range)? {
         if it.kind.as_ref().is_none_or(wanted) {

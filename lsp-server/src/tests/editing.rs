@@ -414,3 +414,34 @@ component c {
     }
     client.finish().await;
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn what_editors_fix_unasked_is_plain() {
+    let text = "component c {\n  task t {\n    period 5 ms;\n    codel<start> f() yield main, ethr\n    codel<main> g() yield main;\n  };\n};\n";
+    let folder = Folder::new(&[("c.gen", text)]);
+    let mut capabilities = pulling();
+    capabilities["textDocument"]["codeAction"] = json!({
+        "codeActionLiteralSupport": { "codeActionKind": { "valueSet": ["source"] } },
+    });
+    let mut client = Client::start(folder.params(capabilities)).await;
+    let uri = folder.uri("c.gen");
+    client.open(&uri, text).await;
+    // Fixes that touch each other are made one after the other.
+    let guesses = &["ether", "pause::"][..];
+    for (kind, edits) in [
+        ("source.fixAll", &[";"][..]),
+        ("source.fixFindings", guesses),
+    ] {
+        let mut params = document(&uri);
+        params["range"] =
+            json!({ "start": { "line": 0, "character": 0 }, "end": { "line": 6, "character": 0 } });
+        params["context"] = json!({ "diagnostics": [], "only": [kind] });
+        let actions = client.ok("textDocument/codeAction", params).await;
+        let action = &actions[0];
+        assert_eq!(action["kind"], kind, "{actions}");
+        let all = action["edit"]["changes"][&uri].as_array().expect("edits");
+        let all: Vec<&str> = all.iter().filter_map(|it| it["newText"].as_str()).collect();
+        assert_eq!(all, edits, "{action}");
+    }
+    client.finish().await;
+}
