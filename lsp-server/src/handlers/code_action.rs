@@ -50,15 +50,12 @@ pub(crate) fn handle(
     let mut all = snapshot.analysis.diagnostics(&subject.path)?;
     all.extend(crate::codels::unused_in(snapshot, &subject.path)?);
     // Only on request: it changes the whole file.
-    let whole: [(_, _, fn(&Diagnostic) -> bool); 2] = [
-        (
-            CodeActionKind::SOURCE_FIX_ALL,
-            "Fix all that has one plain repair",
-            |it| PLAIN.contains(&it.code),
-        ),
-        (FIX_FINDINGS, "Fix all that has a fix", |_| true),
-    ];
-    for (kind, title, which) in whole {
+    let plain = "Fix all that has one plain repair";
+    for (kind, title, guesses) in [
+        (CodeActionKind::SOURCE_FIX_ALL, plain, false),
+        (FIX_FINDINGS, "Fix all that has a fix", true),
+    ] {
+        let which = |it: &Diagnostic| guesses || PLAIN.contains(&it.code);
         if params.context.only.is_some()
             && wanted(&kind)
             && let Some(it) = fix_all(snapshot, title, &all, which)?
