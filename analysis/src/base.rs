@@ -18,7 +18,7 @@ use smol_str::SmolStr;
 
 use crate::{
     diagnostic::Severity,
-    host::{FileContent, Loader, PackageFlags},
+    host::{FileContent, Loader, PackageFlags, Project},
     lint::LintConfig,
 };
 
@@ -83,12 +83,30 @@ pub struct Workspace {
     pub include_dirs: Vec<Utf8PathBuf>,
     /// `-D`
     pub defines: Vec<(SmolStr, SmolStr)>,
+    /// Directories with an include path and macros of their own.
+    pub projects: Vec<Project>,
     /// Severity per code.
     pub severities: Vec<(String, Option<Severity>)>,
     /// What the lints need to know.
     pub lints: LintConfig,
     /// Files and the roots they are to be shown as included by.
     pub chosen: Vec<(Utf8PathBuf, Utf8PathBuf)>,
+}
+
+impl Workspace {
+    /// Directories searched for included files, and macros, of a unit that begins with a file.
+    pub(crate) fn reading<'db>(
+        self,
+        db: &'db dyn Db,
+        root: &Utf8Path,
+    ) -> (&'db [Utf8PathBuf], &'db [(SmolStr, SmolStr)]) {
+        let around = self.projects(db).iter();
+        let around = around.filter(|it| root.starts_with(&it.directory));
+        match around.max_by_key(|it| it.directory.as_str().len()) {
+            Some(it) => (&it.include_dirs, &it.defines),
+            None => (self.include_dirs(db), self.defines(db)),
+        }
+    }
 }
 
 /// The database.
@@ -128,6 +146,7 @@ impl RootDatabase {
             Vec::new(),
             Vec::new(),
             Vec::new(),
+            Vec::new(),
             LintConfig::default(),
             Vec::new(),
         )
@@ -145,6 +164,7 @@ impl RootDatabase {
         to.set_include_dirs(&mut db)
             .to(from.include_dirs(other).clone());
         to.set_defines(&mut db).to(from.defines(other).clone());
+        to.set_projects(&mut db).to(from.projects(other).clone());
         to.set_severities(&mut db)
             .to(from.severities(other).clone());
         db
@@ -172,6 +192,14 @@ impl RootDatabase {
         if *file.text(self) != text {
             file.set_text(self).to(text);
         }
+    }
+
+    /// The paths at or below another one that were ever asked for.
+    pub(crate) fn known_at(&self, path: &Utf8Path) -> Vec<Utf8PathBuf> {
+        let path = normalize(path);
+        let files = lock(&self.tables.files);
+        let below = files.keys().filter(|it| it.starts_with(&path));
+        below.cloned().collect()
     }
 
     /// Asks the package tool again about everything it was ever asked.

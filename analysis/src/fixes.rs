@@ -4,6 +4,7 @@
 //! edits that remove its cause, made from the tree around it.
 
 mod braces;
+mod slips;
 
 pub(crate) use braces::missing_brace;
 
@@ -69,7 +70,7 @@ pub(crate) fn fixes(root: &SyntaxNode, finding: &Finding<'_>) -> Vec<TextFix> {
         "service/concurrent-instances" => here.interrupt_itself(),
         "unused/exception" | "unused/type" | "unused/local" => here.remove_declaration(),
         "lint/unused-suppression" => here.remove_comment(),
-        _ => Vec::new(),
+        _ => here.slip().into_iter().collect(),
     });
     fixes
 }
@@ -80,6 +81,7 @@ const SUGGESTION: &str = "did you mean `";
 /// Whether [`fixes`] has anything for a code and message.
 pub(crate) fn has_fixes(code: &str, message: &str) -> bool {
     message.contains(SUGGESTION)
+        || slips::CODES.contains(&code)
         || matches!(
             code,
             "fsm/undefined-state"
@@ -253,10 +255,16 @@ impl Place<'_> {
     }
 
     /// One fix for each transition of a cycle.
+    /// `Pause before …`, the state that closes the round first: the message advises that.
     fn pause_somewhere(&self) -> Vec<TextFix> {
-        let related = self.finding.related.iter();
-        related
-            .map(|&range| TextFix {
+        let mut around = self.finding.related.to_vec();
+        if !around.is_empty() {
+            around.rotate_right(1);
+        }
+        around
+            .into_iter()
+            .filter(|&it| self.text(it) != "ether")
+            .map(|range| TextFix {
                 title: format!("Pause before `{}`", self.text(range)),
                 edits: vec![(TextRange::empty(range.start()), "pause::".to_owned())],
             })

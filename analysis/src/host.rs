@@ -84,11 +84,24 @@ pub struct Config {
     pub include_dirs: Vec<Utf8PathBuf>,
     /// `-D`, in order: name and value (`1` when none was given).
     pub defines: Vec<(SmolStr, SmolStr)>,
+    /// Directories whose specifications are read in another way.
+    pub projects: Vec<Project>,
     /// Severity per code; `None` switches a code off. Errors stay errors: the configuration changes
     /// warnings, information and hints only.
     pub severities: Vec<(String, Option<Severity>)>,
     /// What the lints need to know.
     pub lints: LintConfig,
+}
+
+/// How the specifications below a directory are read, instead of what [`Config`] says for all. The innermost counts.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Project {
+    /// Absolute.
+    pub directory: Utf8PathBuf,
+    /// `-I`, in order.
+    pub include_dirs: Vec<Utf8PathBuf>,
+    /// `-D`, in order.
+    pub defines: Vec<(SmolStr, SmolStr)>,
 }
 
 /// One batch of changes.
@@ -232,6 +245,9 @@ impl AnalysisHost {
             if *workspace.defines(db) != config.defines {
                 workspace.set_defines(db).to(config.defines);
             }
+            if *workspace.projects(db) != config.projects {
+                workspace.set_projects(db).to(config.projects);
+            }
             if *workspace.severities(db) != config.severities {
                 workspace.set_severities(db).to(config.severities);
             }
@@ -261,6 +277,11 @@ impl AnalysisHost {
                 workspace.set_active(db).to(active);
             }
         }
+    }
+
+    /// The files at or below a path that were ever asked for, there or not.
+    pub fn known_at(&self, path: &Utf8Path) -> Vec<Utf8PathBuf> {
+        self.db.known_at(path)
     }
 
     /// A snapshot of the present state.

@@ -19,6 +19,7 @@ pub(crate) mod highlights;
 pub(crate) mod hover;
 pub(crate) mod implementation;
 pub(crate) mod inlay_hints;
+pub(crate) mod keyword_hover;
 pub(crate) mod references;
 pub(crate) mod rename;
 mod render;

@@ -299,10 +299,135 @@ fn fixed(source: &str, code: &str) -> String {
 }
 
 #[test]
+fn slips_have_a_fix() {
+    let mut all = String::new();
+    for (code, source) in [
+        (
+            "missing-semicolon",
+            "const long a = 1 // one\nconst long b = 2;\n",
+        ),
+        (
+            "glued-unit",
+            "component c {\n  task t { period 500us; codel<start> f() yield ether; };\n};\n",
+        ),
+        (
+            "fsm/paused-ether",
+            "component c {\n  task t { codel<start> f() yield pause::ether; };\n};\n",
+        ),
+        ("lex-stray", "const long a@ = 1;\n"),
+        ("lex-stray", "\u{feff}const long a = 1;\n"),
+        (
+            "fsm/duplicate-yield",
+            "component c {\n  task t { codel<start> f() yield ether, ether; };\n};\n",
+        ),
+        (
+            "throw-duplicate",
+            "component c {\n  exception e;\n  throws e, ::c::e;\n};\n",
+        ),
+        (
+            "list-duplicate-string",
+            "component c {\n  requires \"a\",\n    \"a\";\n};\n",
+        ),
+        (
+            "missing-yield",
+            "component c {\n  task t { codel<start> f(); };\n};\n",
+        ),
+        (
+            "activity-task",
+            "component c {\n  task t;\n  activity a() { codel<start> f() yield ether; };\n};\n",
+        ),
+        (
+            "activity-start",
+            "component c {\n  task t;\n  activity a() {\n    task t;\n  };\n};\n",
+        ),
+    ] {
+        all += &format!("=== {code}\n{}", fixed(source, code));
+    }
+    expect![[r#"
+        === missing-semicolon
+        --- Insert `;`
+        const long a = 1; // one
+        const long b = 2;
+        === glued-unit
+        --- Write `500 us`
+        component c {
+          task t { period 500 us; codel<start> f() yield ether; };
+        };
+        === fsm/paused-ether
+        --- Change to `ether`
+        component c {
+          task t { codel<start> f() yield ether; };
+        };
+        === lex-stray
+        --- Remove `@`
+        const long a = 1;
+        === lex-stray
+        --- Remove the byte order mark
+        const long a = 1;
+        === fsm/duplicate-yield
+        --- Remove `ether`
+        component c {
+          task t { codel<start> f() yield ether; };
+        };
+        === throw-duplicate
+        --- Remove `::c::e`
+        component c {
+          exception e;
+          throws e;
+        };
+        === list-duplicate-string
+        --- Remove `"a"`
+        component c {
+          requires "a";
+        };
+        === missing-yield
+        --- Insert `yield ether`
+        component c {
+          task t { codel<start> f() yield ether; };
+        };
+        === activity-task
+        --- Add `task t;`
+        component c {
+          task t;
+          activity a() { codel<start> f() yield ether; task t; };
+        };
+        === activity-start
+        --- Add the codel `a_start`
+        component c {
+          task t;
+          activity a() {
+            task t;
+            codel<start> a_start() yield ether;
+          };
+        };
+    "#]]
+    .assert_eq(&all);
+}
+
+#[test]
+fn the_first_fix_is_what_the_message_advises() {
+    let source = "component c {\n  task t {\n    period 5 ms;\n    codel<start> f() yield step;\n    codel<step> g() yield settle;\n    codel<settle> h() yield step, ether;\n  };\n};\n";
+    let found = check(text(source), strict());
+    let round = found.iter().find(|it| it.code == "fsm/busy-loop");
+    let round = round.expect("it is reported");
+    assert!(
+        round
+            .message
+            .ends_with("yield `pause::step` if each round may wait"),
+        "{}",
+        round.message
+    );
+    assert_eq!(round.fixes[0].title, "Pause before `step`");
+}
+
+#[test]
 fn fixes_remove_what_they_mend() {
     let mut all = String::new();
     let state = "component c {\n  task t {\n    period 5 ms;\n    codel<start> f() yield mian;\n    codel<main> g() yield ether;\n  };\n};\n";
     all += &fixed(state, "fsm/undefined-state");
+    let end =
+        "component c {\n  task t {\n    period 5 ms;\n    codel<start> f() yield ethr;\n  };\n};\n";
+    all += &fixed(end, "fsm/undefined-state");
     all += &fixed(
         "component c {\n  task t {\n    period 5 ms;\n    codel<start> f() yield ether;\n    codel<main> g() yield ether;\n  };\n};\n",
         "fsm/unreachable-state",
@@ -368,6 +493,21 @@ fn fixes_remove_what_they_mend() {
             codel<start> f() yield mian;
             codel<mian> t_mian() yield ether;
             codel<main> g() yield ether;
+          };
+        };
+        --- Change to `ether`
+        component c {
+          task t {
+            period 5 ms;
+            codel<start> f() yield ether;
+          };
+        };
+        --- Declare a codel for the state `ethr`
+        component c {
+          task t {
+            period 5 ms;
+            codel<start> f() yield ethr;
+            codel<ethr> t_ethr() yield ether;
           };
         };
         --- Let `f` yield `main`

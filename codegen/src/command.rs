@@ -2,6 +2,7 @@
 
 mod options;
 mod preprocess;
+mod project;
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -17,6 +18,7 @@ use crate::template::discover::{FindError, SearchPath};
 use crate::template::{Limits, OutputSink, Run, TemplatePlace, VERSION};
 pub(crate) use options::Options;
 use options::{Mode, OptionError};
+pub use project::Project;
 
 /// What the command line needs of its surroundings.
 pub struct Environment<'a> {

@@ -80,6 +80,13 @@ const EDITOR: Palette = Palette {
     heat: "var(--vscode-charts-orange)",
 };
 
+impl Theme {
+    /// Whether pictures have no ground.
+    pub(crate) fn is_clear(self) -> bool {
+        matches!(self, Theme::LightClear | Theme::DarkClear | Theme::Neutral)
+    }
+}
+
 /// What ends the style sheet of a picture that becomes an image: its fonts have one weight each.
 #[cfg(feature = "png")]
 pub(crate) const RASTER_STYLE: &str = ".title{font-weight:400}\n</style>";

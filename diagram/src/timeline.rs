@@ -134,7 +134,9 @@ pub fn svg(timeline: &Timeline, theme: Theme) -> String {
         out,
         "<text class=\"title\" x=\"{MARGIN}\" y=\"20\">{title}</text>"
     );
-    for at in axis(start, end) {
+    let instants = axis(start, end);
+    let (unit, per) = shown_in(&timeline.unit, &instants);
+    for at in instants {
         let at_x = number(x(at));
         let _ = writeln!(
             out,
@@ -142,8 +144,9 @@ pub fn svg(timeline: &Timeline, theme: Theme) -> String {
         );
         let _ = writeln!(
             out,
-            "<text class=\"detail\" x=\"{at_x}\" y=\"{}\" text-anchor=\"middle\">{at}</text>",
-            bottom + 14.0
+            "<text class=\"detail\" x=\"{at_x}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
+            bottom + 14.0,
+            at / per
         );
     }
     let unit_y = bottom + 14.0;
@@ -151,7 +154,7 @@ pub fn svg(timeline: &Timeline, theme: Theme) -> String {
         out,
         "<text class=\"detail\" x=\"{}\" y=\"{unit_y}\" text-anchor=\"end\">{}</text>",
         left - 10.0,
-        escape(&timeline.unit)
+        escape(unit)
     );
     for (row, lane) in timeline.lanes.iter().enumerate() {
         let top = TOP + LANE * row as f64;
@@ -285,9 +288,41 @@ fn axis(start: u64, end: u64) -> Vec<u64> {
         .collect()
 }
 
+/// The unit for the numbers of an axis, and how many of the timeline's units it has: a greater one where all instants
+/// are whole in it.
+fn shown_in<'u>(unit: &'u str, instants: &[u64]) -> (&'u str, u64) {
+    let (mut unit, mut per) = (unit, 1);
+    for (small, large) in [("us", "ms"), ("ms", "s")] {
+        let step = per * 1000;
+        if unit == small && instants.len() > 1 && instants.iter().all(|it| it % step == 0) {
+            (unit, per) = (large, step);
+        }
+    }
+    (unit, per)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn axes_have_short_numbers() {
+        assert_eq!(shown_in("us", &axis(0, 30_000)), ("ms", 1000));
+        assert_eq!(shown_in("us", &axis(0, 9_000)), ("ms", 1000));
+        assert_eq!(shown_in("us", &axis(0, 900)), ("us", 1));
+        assert_eq!(shown_in("us", &axis(0, 30_000_000)), ("s", 1_000_000));
+        assert_eq!(shown_in("x", &axis(0, 30_000)), ("x", 1));
+        let timeline = Timeline {
+            unit: "us".into(),
+            end: 30_000,
+            ..Timeline::default()
+        };
+        let picture = svg(&timeline, Theme::Light);
+        assert!(
+            picture.contains(">15</text>") && picture.contains(">ms</text>"),
+            "{picture}"
+        );
+    }
 
     #[test]
     fn axes_are_round_and_short() {

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 
-use camino::Utf8PathBuf;
+use camino::{Utf8Path, Utf8PathBuf};
 use serde_json::{Value, json};
 
 use crate::convert::Encoding;
@@ -285,6 +285,7 @@ pub fn server_capabilities(client: &ClientCaps) -> ServerCapabilities {
                     CodeActionKind::SOURCE_ORGANIZE_IMPORTS,
                     crate::handlers::code_action::GENERATE,
                     CodeActionKind::SOURCE_FIX_ALL,
+                    crate::handlers::code_action::FIX_FINDINGS,
                     actions::SYNC,
                 ]),
                 resolve_provider: Some(client.resolves_edits),
@@ -327,23 +328,36 @@ pub fn server_capabilities(client: &ClientCaps) -> ServerCapabilities {
     }
 }
 
+/// Extensions of the files that matter on disk.
+const WATCHED_EXTENSIONS: [&str; 12] = [
+    "gen", "idl", "scn", "pc", "c", "cc", "cpp", "cxx", "h", "hh", "hpp", "hxx",
+];
+
+/// Names of others.
+const WATCHED_NAMES: [&str; 3] = ["dotgen.toml", "Makefile.am", "template.tcl"];
+
+/// Whether a change of a file on disk matters because of its name.
+pub(crate) fn is_watched(path: &Utf8Path) -> bool {
+    let extension = path.extension();
+    extension.is_some_and(|it| WATCHED_EXTENSIONS.contains(&it))
+        || path
+            .file_name()
+            .is_some_and(|it| WATCHED_NAMES.contains(&it))
+}
+
 /// What is registered once the client is initialized.
 pub(crate) fn registrations(client: &ClientCaps) -> Vec<Registration> {
     let mut registrations = Vec::new();
     if client.watched_files {
-        let watchers = [
-            "**/*.{gen,idl,scn}",
-            "**/dotgen.toml",
-            "**/*.pc",
-            "**/*.{c,cc,cpp,cxx,h,hh,hpp,hxx}",
-            "**/Makefile.am",
-            "**/template.tcl",
-        ]
-        .map(|glob| FileSystemWatcher {
+        let watcher = |glob: &str, kind| FileSystemWatcher {
             glob_pattern: GlobPattern::String(glob.to_owned()),
-            kind: None,
-        })
-        .to_vec();
+            kind,
+        };
+        let extensions = WATCHED_EXTENSIONS.join(",");
+        let mut watchers = vec![watcher(&format!("**/*.{{{extensions}}}"), None)];
+        watchers.extend(WATCHED_NAMES.map(|name| watcher(&format!("**/{name}"), None)));
+        // Of a folder that goes, only its own end is told.
+        watchers.push(watcher("**/*", Some(WatchKind::Delete)));
         registrations.push(Registration {
             id: "dotgen-watched-files".to_owned(),
             method: "workspace/didChangeWatchedFiles".to_owned(),

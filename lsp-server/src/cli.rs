@@ -15,6 +15,7 @@ mod verify;
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
+use dotgen_syntax::preproc::MacroEnv;
 
 /// Language server and tools for GenoM3 specifications.
 #[derive(Debug, Parser)]
@@ -45,8 +46,14 @@ struct Reading {
     include_paths: Vec<String>,
 
     /// Define a macro; its body is 1 when no VALUE is given
-    #[arg(short = 'D', value_name = "NAME[=VALUE]", action = clap::ArgAction::Append)]
+    #[arg(short = 'D', value_name = "NAME[=VALUE]", action = clap::ArgAction::Append, value_parser = definition)]
     defines: Vec<String>,
+}
+
+/// A definition of a macro that can be one.
+fn definition(text: &str) -> Result<String, String> {
+    MacroEnv::default().define_option(text)?;
+    Ok(text.to_owned())
 }
 
 /// What a command comes to.

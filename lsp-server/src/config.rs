@@ -29,6 +29,8 @@ pub struct Config {
     pub include_paths: Vec<Utf8PathBuf>,
     /// Macros defined before the first file: name and body.
     pub defines: Vec<(String, String)>,
+    /// Directories with a configuration file of their own: include paths and macros are what it says.
+    pub projects: Vec<Project>,
     /// How packages of `#pragma requires` are found.
     pub packages: PackageConfig,
     /// Directories searched for templates.
@@ -49,6 +51,17 @@ pub struct Config {
     pub verification: Verification,
     /// Which files hold codels; `None` if specifications are not compared with them.
     pub codels: Option<FilesConfig>,
+}
+
+/// How the specifications below a directory are read.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Project {
+    /// Where its configuration file is.
+    pub directory: Utf8PathBuf,
+    /// Directories searched for `#include`, in order.
+    pub include_paths: Vec<Utf8PathBuf>,
+    /// Macros: name and body.
+    pub defines: Vec<(String, String)>,
 }
 
 /// How packages of `#pragma requires` are found.
@@ -73,6 +86,7 @@ impl Config {
                 .iter()
                 .filter_map(|(name, value)| Some((name.clone(), value.body()?)))
                 .collect(),
+            projects: Vec::new(),
             packages: PackageConfig {
                 paths: absolute(&settings.package_paths),
                 may_run: trusted,
@@ -100,14 +114,40 @@ impl Config {
         }
     }
 
+    /// The project a file belongs to, if it has one of its own.
+    pub fn project(&self, file: &Utf8Path) -> Option<&Project> {
+        let around = self.projects.iter();
+        let around = around.filter(|it| file.starts_with(&it.directory));
+        around.max_by_key(|it| it.directory.as_str().len())
+    }
+
+    /// Takes the configuration of a directory in. Files below it are read as it says; the rest holds for all, as far
+    /// as nobody said it before.
+    pub fn with_project(mut self, directory: &Utf8Path, mut own: Config) -> Config {
+        self.projects.push(Project {
+            directory: directory.to_owned(),
+            include_paths: std::mem::take(&mut own.include_paths),
+            defines: std::mem::take(&mut own.defines),
+        });
+        self.join(own)
+    }
+
     /// What analysis has to know of it.
     pub fn for_analysis(&self) -> dotgen_analysis::host::Config {
+        let defines = |all: &[(String, String)]| {
+            let all = all.iter();
+            all.map(|(name, body)| (name.into(), body.into())).collect()
+        };
+        let projects = self.projects.iter();
         dotgen_analysis::host::Config {
             include_dirs: self.include_paths.clone(),
-            defines: self
-                .defines
-                .iter()
-                .map(|(name, body)| (name.into(), body.into()))
+            defines: defines(&self.defines),
+            projects: projects
+                .map(|it| dotgen_analysis::host::Project {
+                    directory: it.directory.clone(),
+                    include_dirs: it.include_paths.clone(),
+                    defines: defines(&it.defines),
+                })
                 .collect(),
             severities: self
                 .severity

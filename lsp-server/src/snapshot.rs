@@ -193,13 +193,16 @@ impl Snapshot {
         open.is_some_and(|it| it.kind.is_template())
     }
 
-    /// The units of the system that a file belongs to: what lies in the same workspace folder.
+    /// The units of the system that a file belongs to: what lies in the same workspace folder and, in there, below the
+    /// same `dotgen.toml`.
     pub fn system_units(&self, path: &Utf8Path) -> Cancellable<Vec<UnitResult>> {
         let folder = self.folders.iter().find(|it| path.starts_with(it));
+        let project = self.config.project(path);
         let mut paths: Vec<&Utf8Path> = self
             .roots
             .iter()
             .filter(|it| folder.is_some_and(|folder| it.starts_with(folder)))
+            .filter(|it| self.config.project(it) == project)
             .map(|it| it.as_path())
             .collect();
         if paths.is_empty() {

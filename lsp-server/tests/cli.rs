@@ -317,3 +317,136 @@ fn formatting_what_cannot_be_formatted() {
     assert!(stderr(&output).contains("not UTF-8"), "{}", stderr(&output));
     assert_eq!(status(&it.run(&["fmt", "missing.gen"])), 2);
 }
+
+#[test]
+fn generating_heeds_the_configuration() {
+    let spec = "#include \"pose.idl\"\n#ifdef REAL\ncomponent arm { version \"1.0\"; };\n#endif\n";
+    let files = [
+        ("p/arm.gen", spec),
+        ("p/idl/pose.idl", POSE),
+        (
+            "p/dotgen.toml",
+            "include-paths = [\"idl\"]\ntemplate-paths = [\"t\"]\n[defines]\nREAL = true\n",
+        ),
+        ("p/t/mine/template.tcl", "puts mine\n"),
+    ];
+    let it = Directory::new(&files);
+    let output = it.run(&["generate", "json-schema", "p/arm.gen"]);
+    assert_eq!(stdout(&output), "creating p/arm.schema.json\n");
+    assert_eq!(status(&output), 0, "{}", stderr(&output));
+    let list = |name: &str| {
+        let mut command = it.command(&[name, "-l"]);
+        command.current_dir(it.path().join("p"));
+        let output = command.output().expect("the program runs");
+        stdout(&output).lines().any(|it| it == "mine")
+    };
+    assert!(list("generate"));
+    // Stands in for another program, which knows no dotgen.toml.
+    assert!(!list("genom3"));
+    let output = it.run(&["genom3", "-n", "p/arm.gen"]);
+    assert!(stderr(&output).contains("pose.idl"), "{}", stderr(&output));
+}
+
+#[test]
+fn scenarios_are_checked_and_formatted() {
+    let spec = "component c { task t { period 10 ms; codel<start> f() yield pause::start wcet 1 ms; }; };\n";
+    let it = Directory::new(&[
+        ("c.gen", spec),
+        (
+            "good.scn",
+            "scenario s {\n  use \"c.gen\";\n  check schedulable c.t;\n}\n",
+        ),
+        (
+            "bad.scn",
+            "scenario s {\n  use \"c.gen\";\n  check schedulable c.u;\n}\n",
+        ),
+        ("ugly.scn", "scenario  s {\nuse \"c.gen\" ;\n}\n"),
+        ("broken.scn", "scenario  s {\nuse\n}\n"),
+    ]);
+    let output = it.run(&["check", "good.scn"]);
+    assert_eq!(stdout(&output), "checked 1 file: no problems\n");
+    let output = it.run(&["check", "bad.scn"]);
+    assert!(
+        stdout(&output).contains("error[scn-unknown-name]"),
+        "{}",
+        stdout(&output)
+    );
+    assert_eq!(status(&output), 1);
+
+    assert_eq!(status(&it.run(&["fmt", "--check", "ugly.scn"])), 1);
+    assert_eq!(status(&it.run(&["fmt", "ugly.scn"])), 0);
+    let text = std::fs::read_to_string(it.path().join("ugly.scn")).expect("a file");
+    assert_eq!(text, "scenario s {\n  use \"c.gen\";\n}\n");
+    let output = it.run(&["fmt", "broken.scn"]);
+    assert!(
+        stderr(&output).contains("left as it is"),
+        "{}",
+        stderr(&output)
+    );
+
+    for command in [
+        &["model"][..],
+        &["tree"],
+        &["diagram", "fsm"],
+        &["codels", "check"],
+    ] {
+        let output = it.run(&[command, &["good.scn"]].concat());
+        assert_eq!(status(&output), 2);
+        let said = stderr(&output);
+        assert!(
+            said.contains("`dotgen verify good.scn` verifies it"),
+            "{said}"
+        );
+    }
+}
+
+#[test]
+fn a_system_is_verified_with_the_configuration_of_each_part() {
+    let part = |name: &str| {
+        format!(
+            "#include \"pose.idl\"\ncomponent {name} {{ task t {{ period 10 ms; codel<start> f() yield pause::start wcet 1 ms; }}; }};\n"
+        )
+    };
+    let toml = "include-paths = [\"idl\"]\n";
+    let it = Directory::new(&[
+        ("a/a.gen", &part("a")),
+        ("a/idl/pose.idl", POSE),
+        ("a/dotgen.toml", toml),
+        ("b/b.gen", &part("b")),
+        ("b/idl/pose.idl", POSE),
+        ("b/dotgen.toml", toml),
+    ]);
+    let output = it.run(&["verify", "a/a.gen", "b/b.gen"]);
+    assert_eq!(status(&output), 0, "{}", stderr(&output));
+    assert!(stdout(&output).contains("b.t"), "{}", stdout(&output));
+}
+
+#[test]
+fn commands_say_that_there_was_nothing_to_do() {
+    let spec = "component c { ids { long x; }; task t { codel<start> f(in x) yield ether; }; };\n";
+    let it = Directory::new(&[("c.gen", spec), ("open.gen", "component  c {\n")]);
+    let output = it.run(&["codels", "check", "c.gen"]);
+    let said = stderr(&output);
+    assert!(
+        said.contains("nothing was compared; `dotgen codels stub c.gen`"),
+        "{said}"
+    );
+    assert_eq!(status(&output), 0);
+    assert_eq!(stderr(&it.run(&["codels", "stub", "c.gen"])), "");
+    let again = stderr(&it.run(&["codels", "stub", "c.gen"]));
+    assert!(again.contains("every codel has a function"), "{again}");
+    let sync = stderr(&it.run(&["codels", "sync", "c.gen"]));
+    assert!(sync.contains("nothing to mend"), "{sync}");
+    assert_eq!(stderr(&it.run(&["codels", "check", "c.gen"])), "");
+    let format = stderr(&it.run(&["fmt", "open.gen"]));
+    assert!(format.contains("`open.gen` is left as it is"), "{format}");
+}
+
+#[test]
+fn a_macro_must_have_a_name() {
+    let it = Directory::new(&[("c.gen", "")]);
+    let output = it.run(&["check", "-D", "1X=2", "c.gen"]);
+    assert_eq!(status(&output), 2);
+    assert!(stderr(&output).contains("1X"), "{}", stderr(&output));
+    assert_eq!(status(&it.run(&["check", "-DF(x)=x", "-DA", "c.gen"])), 0);
+}

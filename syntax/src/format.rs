@@ -36,6 +36,11 @@ pub struct TextEdit {
     pub new_text: String,
 }
 
+/// Whether every brace of a text has its other half.
+pub fn is_paired(root: &SyntaxNode) -> bool {
+    chunks::is_paired(root)
+}
+
 /// The edits that bring a tree in shape, in text order, disjoint.
 ///
 /// `broken` are the ranges of syntax errors: the declarations that hold them are left as they are.

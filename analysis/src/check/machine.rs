@@ -124,8 +124,8 @@ fn check_machine(
                 );
                 continue;
             }
-            let hint =
-                crate::elab::suggest::hint(&state.name, machine.states().map(|it| it.as_str()));
+            let states = machine.states().map(|it| it.as_str());
+            let hint = crate::elab::suggest::hint(&state.name, states.chain(["ether"]));
             let message = format!(
                 "codel `{}` leads to state `{}`, which no codel of {what} `{name}` implements{hint}",
                 codel.name, state.name

@@ -27,7 +27,7 @@ pub(crate) fn missing_brace(root: &SyntaxNode, error: &SyntaxError) -> Option<Te
 }
 
 /// The last token before a place that is neither blank nor comment.
-fn token_before(root: &SyntaxNode, at: TextSize) -> Option<SyntaxToken> {
+pub(super) fn token_before(root: &SyntaxNode, at: TextSize) -> Option<SyntaxToken> {
     let mut token = root.token_at_offset(at).left_biased();
     while let Some(it) = token {
         let range = it.text_range();

@@ -119,10 +119,16 @@ impl Analysis {
 
     /// What is under the cursor.
     pub fn hover(&self, at: &FilePosition) -> Cancellable<Option<RangeInfo<Hover>>> {
-        Ok(match self.at(at, ide::hover::hover)? {
-            Some(found) => Some(found),
-            None => self.at(at, ide::context_hover::hover)?,
-        })
+        for hover in [
+            ide::hover::hover,
+            ide::context_hover::hover,
+            ide::keyword_hover::hover,
+        ] {
+            if let Some(found) = self.at(at, hover)? {
+                return Ok(Some(found));
+            }
+        }
+        Ok(None)
     }
 
     /// What may be written at a cursor, best first.

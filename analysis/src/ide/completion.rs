@@ -108,9 +108,13 @@ pub(crate) fn completions(view: &FileView<'_>, at: usize) -> Vec<CompletionItem>
         Place::Dead => {}
         Place::Directive(index) => directive::complete(view, index, at, &mut out),
         Place::String(range) => {
+            out.replace = range.start + 1..at.max(range.start + 1);
             if statement::in_requires(&context) {
-                out.replace = range.start + 1..at.max(range.start + 1);
                 directive::packages(view, &mut out);
+            } else if statement::in_lang(&context) {
+                for language in ["c", "c++"] {
+                    out.add(language, CompletionKind::Keyword, 0);
+                }
             }
         }
         Place::Code => {

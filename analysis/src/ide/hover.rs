@@ -14,7 +14,7 @@ use super::{
 use crate::{
     base::{SourceFile, lexed},
     elab::{DefId, DefKind, Definition, Elaborated, Entity},
-    model::{Component, TypeKind},
+    model::{Component, TypeKind, Value},
     source_map::bytes,
     unit::define,
 };
@@ -29,7 +29,7 @@ pub(crate) fn hover(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> 
         }
         let part = match target {
             Target::Definition(id) => {
-                own::completion(view, range, *id).or_else(|| definition(view, *id))
+                own::completion(view, range, *id).or_else(|| mentioned(view, *id, Some(range)))
             }
             Target::Macro(name, site) => macro_hover(view, range, name, site.as_ref()),
             Target::File(file) => Some(format!("`{}`", file.path(view.db))),
@@ -60,6 +60,11 @@ fn codel(elaborated: &Elaborated, id: DefId) -> Option<(String, String)> {
 }
 
 pub(crate) fn definition(view: &FileView<'_>, id: DefId) -> Option<String> {
+    mentioned(view, id, None)
+}
+
+/// The text of a definition, for somebody who sees a mention of it.
+fn mentioned(view: &FileView<'_>, id: DefId, mention: Option<TextRange>) -> Option<String> {
     let elaborated = view.elaborated();
     let it = elaborated.definitions.get(id.0 as usize)?;
     let mut out = code(&declaration_text(view, it)?);
@@ -77,10 +82,28 @@ pub(crate) fn definition(view: &FileView<'_>, id: DefId) -> Option<String> {
     if let Some(doc) = doc(elaborated, it) {
         out += &format!("\n\n{doc}");
     }
-    if let Some(facts) = facts::facts(elaborated, it) {
+    let owner = mention.and_then(|it| owner_around(view, it));
+    if let Some(facts) = facts::facts(elaborated, it, owner.as_deref()) {
         out += &format!("\n\n{facts}");
     }
     Some(out)
+}
+
+/// The task or service around a place, as facts name it.
+fn owner_around(view: &FileView<'_>, place: TextRange) -> Option<String> {
+    let root = view.root();
+    let inner = root
+        .text_range()
+        .contains_range(place)
+        .then(|| root.covering_element(place))?;
+    let mut around = inner.ancestors();
+    let owner = around.find(|it| matches!(it.kind(), SyntaxKind::TASK | SyntaxKind::SERVICE))?;
+    let name = owner.children().find(|it| it.kind() == SyntaxKind::NAME)?;
+    let name = name.text().to_string();
+    Some(match owner.kind() {
+        SyntaxKind::TASK => format!("task `{name}`"),
+        _ => format!("activity `{name}`"),
+    })
 }
 
 /// The declaration as written, in a standard layout.
@@ -100,6 +123,11 @@ fn declaration_text(view: &FileView<'_>, it: &Definition) -> Option<String> {
                 .ancestors()
                 .find(|it| it.kind() == SyntaxKind::PATH_PARAM);
             one_line(there, &param.unwrap_or(node))
+        }
+        (SymbolKind::Local, Some(node)) => {
+            let local = node.ancestors();
+            let mut local = local.filter(|it| it.kind() == SyntaxKind::LOCAL_PROPERTY);
+            normalized(there, &local.next().unwrap_or(node))
         }
         (SymbolKind::Codel, Some(node)) => {
             // With the word before it.
@@ -185,7 +213,15 @@ fn type_facts(elaborated: &Elaborated, it: &Definition) -> Vec<String> {
     }
     match spec.types.get(ty.0 as usize).map(|it| &it.kind) {
         Some(TypeKind::Const { value, .. }) => {
-            out.push(format!("value `{}`", render::value(spec, value)));
+            let hexadecimal = match value {
+                Value::Uint(it) if *it > 9 => format!(" (`{it:#x}`)"),
+                Value::Int(it) if *it > 9 => format!(" (`{it:#x}`)"),
+                _ => String::new(),
+            };
+            out.push(format!(
+                "value `{}`{hexadecimal}",
+                render::value(spec, value)
+            ));
         }
         Some(TypeKind::Enumerator { enumeration, value }) => {
             let of = render::type_text(spec, *enumeration);

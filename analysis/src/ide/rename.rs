@@ -432,7 +432,7 @@ fn respell(
     let tail = normalize(spelled);
     let base = target.as_str().strip_suffix(tail.as_str());
     let base = Utf8Path::new(base?.trim_end_matches('/')).to_owned();
-    let dirs = std::iter::once(&base).chain(db.workspace().include_dirs(db));
+    let dirs = std::iter::once(&base).chain(db.workspace().reading(db, from).0);
     let mut below = dirs.filter_map(|dir| new_target.strip_prefix(dir).ok());
     match below.next() {
         Some(path) => Some(path.to_owned()),

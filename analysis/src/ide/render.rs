@@ -8,6 +8,9 @@ use crate::model::{Spec, Type, TypeId, TypeKind, Value};
 /// Lines of a declaration that are shown before it is cut.
 const MAX_LINES: usize = 24;
 
+/// Columns after which a list of parameters goes on in the next line.
+const WIDTH: usize = 72;
+
 /// The text of a node in a standard layout: comments and directives left out, macros expanded.
 pub(crate) fn normalized(view: &FileView<'_>, node: &SyntaxNode) -> String {
     let mut layout = Layout::default();
@@ -67,6 +70,10 @@ struct Layout {
     /// Depth of parentheses and brackets, and of the braces of values within.
     nesting: usize,
     flat: bool,
+    /// The list of parameters goes on in the next line.
+    wraps: bool,
+    /// After `case` or `default`, up to its colon: `case 1:`, but `in long n = 1 : "doc"`.
+    label: bool,
 }
 
 impl Layout {
@@ -86,6 +93,12 @@ impl Layout {
             Some(SEMICOLON) if self.nesting == 0 => self.newline(),
             Some(_) if kind == R_CURLY && !is_value => self.newline(),
             None => true,
+            Some(_) if std::mem::take(&mut self.wraps) => {
+                self.newline() && {
+                    self.out.push_str("    ");
+                    true
+                }
+            }
             _ => false,
         };
         if !fresh && self.needs_blank(kind) {
@@ -93,6 +106,12 @@ impl Layout {
         }
         self.out.push_str(text);
         match kind {
+            CASE_KW | DEFAULT_KW => self.label = true,
+            COLON => self.label = false,
+            COMMA => {
+                let line = self.out.rsplit('\n').next().unwrap_or_default();
+                self.wraps = self.nesting == 1 && line.chars().count() > WIDTH;
+            }
             L_CURLY if is_value => self.nesting += 1,
             R_CURLY if is_value => self.nesting = self.nesting.saturating_sub(1),
             L_CURLY => self.indent += 1,
@@ -123,9 +142,9 @@ impl Layout {
         let glued_before = matches!(
             kind,
             SEMICOLON | COMMA | R_PAREN | R_BRACK | COLON2 | R_ANGLE
-        ) || (matches!(kind, DOT | L_BRACK) && !matches!(previous, L_CURLY | COMMA))
-            // `case 1:`, but `in long n = 1 : "doc"`.
-            || (kind == COLON && self.nesting == 0);
+        ) || (matches!(kind, DOT | L_BRACK)
+            && !matches!(previous, L_CURLY | COMMA))
+            || (kind == COLON && self.label);
         let glued_after = matches!(previous, L_PAREN | L_BRACK | COLON2 | DOT | L_ANGLE);
         if kind == COLON2 {
             // `in ::whole` and `throw ::e`, but `a::b`.

@@ -126,6 +126,7 @@ fn is_about_machines(code: &str) -> bool {
     matches!(
         code,
         "activity-start"
+            | "activity-task"
             | "fsm/missing-stop"
             | "fsm/no-termination"
             | "fsm/stop-without-ether"
@@ -134,24 +135,39 @@ fn is_about_machines(code: &str) -> bool {
     )
 }
 
-/// Tasks and services with something in them that was not understood: it may be a codel.
+/// Tasks and services with something in them that was not understood, or that break off: it may be a codel.
 #[salsa::tracked]
 fn broken_machines<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<TextRange> {
     let parse = parsed(db, key);
-    let errors = parse.errors.iter();
-    // What lacks its `;` is understood.
-    let lost: Vec<TextRange> = errors
-        .filter(|it| it.code != "missing-semicolon")
-        .map(|it| it.range)
-        .collect();
-    if lost.is_empty() {
+    if parse.errors.is_empty() {
         return Vec::new();
     }
+    let text = key.file(db).text(db);
+    // What lacks its `;` is understood, if it has braces.
+    let is_lost = |node: &SyntaxNode| {
+        let range = node.text_range();
+        let ended = node.last_token();
+        let ended = ended.is_some_and(|it| it.kind() == SyntaxKind::SEMICOLON);
+        let whole = node.children().any(|it| it.kind() == SyntaxKind::BODY);
+        parse.errors.iter().any(|it| {
+            let inside = range.contains(it.range.start());
+            let between = TextRange::new(range.end(), it.range.start().max(range.end()));
+            let behind = !ended
+                && it.range.start() >= range.end()
+                && text
+                    .get(bytes(between))
+                    .is_some_and(|it| it.trim().is_empty());
+            match it.code {
+                "missing-semicolon" => behind && !whole,
+                _ => inside || behind,
+            }
+        })
+    };
     let nodes = parse.syntax().descendants();
     nodes
         .filter(|it| matches!(it.kind(), SyntaxKind::TASK | SyntaxKind::SERVICE))
+        .filter(is_lost)
         .map(|it| it.text_range())
-        .filter(|node| lost.iter().any(|it| node.contains(it.start())))
         .collect()
 }
 

@@ -4,13 +4,18 @@ use crate::test_support::Fixture;
 
 #[track_caller]
 fn check(text: &str, expected: &[&str]) {
+    let all = Fixture::new(text).all_diagnostics();
+    assert_eq!(codes(text), expected, "{all}");
+}
+
+fn codes(text: &str) -> Vec<&'static str> {
     let fixture = Fixture::new(text);
     let mut codes = Vec::new();
     for path in fixture.paths() {
         let found = fixture.analysis().diagnostics(&path).unwrap();
         codes.extend(found.iter().map(|it| it.code));
     }
-    assert_eq!(codes, expected, "{}", fixture.all_diagnostics());
+    codes
 }
 
 #[test]
@@ -291,4 +296,26 @@ fn severities_are_configured_except_those_of_errors() {
         [Severity::Hint, Severity::Error]
     );
     assert_eq!(severities(config(None)), [Severity::Error]);
+}
+
+#[test]
+fn an_activity_that_breaks_off_is_not_asked_for_what_would_follow() {
+    for unfinished in [
+        "activity home",
+        "activity home(",
+        "activity home(in double",
+        "activity home(in double speed = ",
+        "activity home(in double speed)",
+        "activity home(in double speed) { doc ",
+        "activity home(in double speed) { codel<",
+    ] {
+        let text = format!("component c {{\n  task t;\n  {unfinished}\n}};\n");
+        let found = codes(&text);
+        let asked = found.iter().filter(|it| it.starts_with("activity-"));
+        assert_eq!(asked.count(), 0, "{unfinished}: {found:?}");
+        assert!(!found.is_empty(), "{unfinished}");
+    }
+    // The one before is complete, and its own fault.
+    let text = "component c {\n  task t;\n  activity home() { };\n  activity\n};\n";
+    assert!(codes(text).contains(&"activity-task"), "{:?}", codes(text));
 }

@@ -64,17 +64,18 @@ pub(crate) fn walk_unit<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Walk {
 /// One attempt. Unless the walk reads whole texts, it gives up at a macro with a pragma in it.
 fn walk<'db>(db: &'db dyn Db, unit: UnitKey<'db>, whole_texts: bool) -> Result<Vec<WalkVisit>, ()> {
     let workspace = db.workspace();
+    let root = unit.inputs(db).first().map(|it| it.path(db));
+    let (include_dirs, defines) = match root {
+        Some(root) => workspace.reading(db, root),
+        None => (&[][..], &[][..]),
+    };
     let mut search: Vec<Utf8PathBuf> = Vec::new();
-    for dir in unit
-        .include_dirs(db)
-        .iter()
-        .chain(workspace.include_dirs(db))
-    {
+    for dir in unit.include_dirs(db).iter().chain(include_dirs) {
         push_unique(&mut search, dir);
     }
     let mut env = MacroEnv::predefined();
     let mut pragmas_in_macros = false;
-    for (name, value) in workspace.defines(db).iter().chain(unit.defines(db)) {
+    for (name, value) in defines.iter().chain(unit.defines(db)) {
         define_in(&mut env, name, value);
         pragmas_in_macros |= value.contains(PRAGMA);
     }

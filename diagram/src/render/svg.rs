@@ -14,10 +14,12 @@ use crate::theme::{self, Theme};
 
 /// Draws a placed graph.
 pub fn svg(graph: &Graph, layout: &Layout, theme: Theme) -> String {
+    let (w, h) = (layout.width, layout.height);
     let mut out = Svg {
         text: String::new(),
+        cut: theme.is_clear().then_some((w, h)),
+        cuts: 0,
     };
-    let (w, h) = (layout.width, layout.height);
     out.line(&format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" \
          role=\"graphics-document\" aria-label=\"{}\">",
@@ -54,6 +56,10 @@ pub fn svg(graph: &Graph, layout: &Layout, theme: Theme) -> String {
 
 struct Svg {
     text: String,
+    /// Size of a picture on no ground: a label cannot cover its line there, so the line is cut.
+    cut: Option<(f64, f64)>,
+    /// How many lines were.
+    cuts: usize,
 }
 
 impl Svg {
@@ -230,7 +236,8 @@ impl Svg {
         let (first, last) = (path.points[0], path.points[path.points.len() - 1]);
         let (after, before) = (path.points[1], path.points[path.points.len() - 2]);
         let curve = curve(&path.points, edge.both_ways);
-        self.line(&format!("<path class=\"line\" d=\"{curve}\"/>"));
+        let mask = self.cut_out(path);
+        self.line(&format!("<path class=\"line\"{mask} d=\"{curve}\"/>"));
         let mut heads = head(last, before);
         if edge.both_ways {
             heads.push_str(&head(first, after));
@@ -244,6 +251,25 @@ impl Svg {
             self.text("label", at, "middle", &edge.label);
         }
         self.line("</g>");
+    }
+}
+
+impl Svg {
+    /// Defines what of an edge is seen beside its label; the attribute that refers to it.
+    fn cut_out(&mut self, path: &EdgePath) -> String {
+        let (Some((w, h)), Some(label)) = (self.cut, path.label) else {
+            return String::new();
+        };
+        self.cuts += 1;
+        let id = format!("cut{}", self.cuts);
+        let (x, y) = (number(label.x), number(label.y));
+        let (width, height) = (number(label.width), number(label.height));
+        self.line(&format!(
+            "<mask id=\"{id}\" maskUnits=\"userSpaceOnUse\" x=\"0\" y=\"0\" width=\"{w}\" height=\"{h}\">\
+             <rect width=\"{w}\" height=\"{h}\" fill=\"#fff\"/>\
+             <rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"/></mask>"
+        ));
+        format!(" mask=\"url(#{id})\"")
     }
 }
 

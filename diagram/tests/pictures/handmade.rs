@@ -124,3 +124,19 @@ fn text_is_escaped() {
         "{text}"
     );
 }
+
+#[test]
+fn on_no_ground_a_line_is_cut_where_its_label_stands() {
+    let graph = machine("a -> b\na -> c stopped");
+    let placed = layout(&graph);
+    for theme in [Theme::Neutral, Theme::LightClear, Theme::DarkClear] {
+        let text = svg(&graph, &placed, theme);
+        assert_eq!(text.matches("<mask id=").count(), 1, "{text}");
+        assert!(
+            text.contains("<path class=\"line\" mask=\"url(#cut1)\""),
+            "{text}"
+        );
+    }
+    // Elsewhere the label covers it.
+    assert!(!svg(&graph, &placed, Theme::Auto).contains("mask"));
+}

@@ -5,18 +5,21 @@ use std::collections::BTreeSet;
 use camino::Utf8PathBuf;
 use clap::Args;
 use dotgen_analysis::diagnostic::{Diagnostic, Severity};
+use dotgen_timing::scn::names::Names;
 
 use super::report::{self, Format, Report};
-use super::session::{self, ConfigProblems, Session, Texts};
+use super::session::{self, ConfigProblems, Session, SourceFile, Texts};
 use super::{Outcome, Reading};
 use crate::convert::{Encoding, Lines};
+use crate::verification::Problem;
+use crate::vfs;
 
 /// Report what is wrong with specifications
 ///
 /// Exit status: 0 without errors (warnings do not count), 1 with errors, 2 if a file cannot be read.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// Specifications, and directories to search for .gen files
+    /// Specifications, scenarios (.scn), and directories to search for .gen files
     #[arg(value_name = "PATH", required = true)]
     paths: Vec<Utf8PathBuf>,
 
@@ -48,6 +51,13 @@ fn check(session: &Session, report: &mut Report) -> anyhow::Result<()> {
     }
     let ours: BTreeSet<_> = session.files.iter().map(|it| &it.path).collect();
     for file in &session.files {
+        if file.is_scenario() {
+            let found = scenario(session, file)?;
+            session.add_texts(&found, &mut report.texts)?;
+            report.diagnostics.extend(found);
+            report.checked += 1;
+            continue;
+        }
         if !file.named {
             // Found in a directory and included by another file of it: it is checked in there, and
             // need not make sense alone.
@@ -62,6 +72,21 @@ fn check(session: &Session, report: &mut Report) -> anyhow::Result<()> {
         report.checked += 1;
     }
     Ok(())
+}
+
+/// What is wrong with a scenario: syntax, the specifications it uses, names.
+fn scenario(session: &Session, file: &SourceFile) -> anyhow::Result<Vec<Diagnostic>> {
+    let problem = session.ask(&file.path, |it| {
+        let text = it.text(&file.path)?.unwrap_or_default().to_string();
+        Problem::from_scenario(&file.path, text, it, vfs::read)
+    })?;
+    let mut found = problem.errors.clone();
+    if found.is_empty() {
+        let specs = problem.specs();
+        let unknown = Names::new(&specs).unknown_names(&problem.scenario);
+        found.extend(unknown.iter().map(|it| problem.diagnostic(it)));
+    }
+    Ok(found)
 }
 
 fn add_config_problems(

@@ -6,6 +6,7 @@ use clap::{Args, Subcommand};
 use dotgen_analysis::diagnostic::Severity;
 use dotgen_codegen::codels::{
     command::{self, FileChange, Project, Side, StubTarget, SyncOptions},
+    folder::Folder,
     stub::StubOptions,
 };
 use std::io::Write as _;
@@ -133,7 +134,7 @@ fn roots(session: &Session) -> Vec<Utf8PathBuf> {
 }
 
 fn check(arguments: &Check) -> anyhow::Result<Outcome> {
-    let files = session::files(&arguments.paths)?;
+    let files = session::specifications(&arguments.paths)?;
     let mut report = Report::default();
     let mut errors = Vec::new();
     for mut session in session::open(files, &arguments.reading)? {
@@ -148,6 +149,9 @@ fn check(arguments: &Check) -> anyhow::Result<Outcome> {
         let mut found = project.unused_allowances(&compared);
         report.checked += compared.len();
         for (folder, differs) in compared {
+            if folder.sources.sources.is_empty() {
+                nothing_there(&folder);
+            }
             let differs = project.adjusted(&folder, differs);
             let locations = &*folder.unit.locations;
             found.extend(command::diagnostics(&differs, locations, Side::First));
@@ -180,6 +184,15 @@ fn check(arguments: &Check) -> anyhow::Result<Outcome> {
     )
 }
 
+/// Says that a specification was compared with nothing: that is not the same as in step.
+fn nothing_there(folder: &Folder) {
+    let path = session::display(&folder.specification);
+    let sources = session::display(&folder.sources.folder);
+    report::note(&format!(
+        "`{path}` has no sources in `{sources}`, so nothing was compared; `dotgen codels stub {path}` writes them"
+    ));
+}
+
 fn stub(arguments: &Stub) -> anyhow::Result<Outcome> {
     let mut session = session::single(&arguments.file, &arguments.reading)?;
     let root = roots(&session).pop().context("there is nothing to read")?;
@@ -190,12 +203,15 @@ fn stub(arguments: &Stub) -> anyhow::Result<Outcome> {
     };
     let changes =
         command::stub(&mut project(&mut session), &root, &target).map_err(anyhow::Error::msg)?;
+    if changes.is_empty() {
+        report::note("every codel has a function; there is nothing to write");
+    }
     write(&changes, arguments.dry_run)?;
     Ok(Outcome::Fine)
 }
 
 fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
-    let files = session::files(&arguments.paths)?;
+    let files = session::specifications(&arguments.paths)?;
     let options = SyncOptions {
         hints: arguments.hints,
         ..SyncOptions::default()
@@ -208,6 +224,9 @@ fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
         let mut out = anstream::stdout();
         for title in &done.applied {
             writeln!(out, "{title}")?;
+        }
+        if done.applied.is_empty() && done.left.errors.is_empty() {
+            report::note("there is nothing to mend");
         }
         let left = done
             .left

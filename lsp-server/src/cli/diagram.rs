@@ -97,7 +97,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let mut units = Vec::new();
     let mut connections = Vec::new();
     let mut outcome = Outcome::Fine;
-    for session in session::open(session::files(&arguments.files)?, &arguments.reading)? {
+    for session in session::open(
+        session::specifications(&arguments.files)?,
+        &arguments.reading,
+    )? {
         for file in &session.files {
             let unit = session.ask(&file.path, |it| it.root_unit(&file.path))?;
             if !unit.accepted() {

@@ -7,9 +7,11 @@ use camino::{Utf8Path, Utf8PathBuf};
 use clap::Args;
 use dotgen_analysis::diagnostic::FileEdit;
 use dotgen_syntax::{format, parse_text};
+use dotgen_timing::scn;
 use similar::TextDiff;
 
-use super::session::{self, Session};
+use super::report;
+use super::session::{self, Session, SourceFile};
 use super::{Outcome, Reading};
 use crate::vfs;
 
@@ -25,7 +27,7 @@ const CONTEXT: usize = 3;
 /// file cannot be read or written.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// Files, directories to search for .gen and .idl files, or - for standard input [default: .]
+    /// Files, directories to search for .gen, .idl and .scn files, or - for standard input [default: .]
     #[arg(value_name = "PATH")]
     paths: Vec<Utf8PathBuf>,
 
@@ -53,7 +55,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let mut changed = 0;
     for session in session::open(files, &arguments.reading)? {
         for file in &session.files {
-            changed += usize::from(format_file(&session, &file.path, arguments.check)?);
+            changed += usize::from(format_file(&session, file, arguments.check)?);
         }
     }
     Ok(match arguments.check && changed > 0 {
@@ -68,9 +70,9 @@ fn files(arguments: &[Utf8PathBuf]) -> anyhow::Result<Vec<session::SourceFile>> 
     for argument in arguments {
         match argument.is_dir() {
             true => {
-                let found = vfs::files_below(argument, &["gen", "idl"]);
+                let found = vfs::files_below(argument, &["gen", "idl", "scn"]);
                 if found.is_empty() {
-                    bail!("no .gen or .idl file below `{argument}`");
+                    bail!("no .gen, .idl or .scn file below `{argument}`");
                 }
                 paths.extend(found);
             }
@@ -81,11 +83,19 @@ fn files(arguments: &[Utf8PathBuf]) -> anyhow::Result<Vec<session::SourceFile>> 
 }
 
 /// Whether the file was not in shape.
-fn format_file(session: &Session, path: &Utf8Path, check: bool) -> anyhow::Result<bool> {
+fn format_file(session: &Session, file: &SourceFile, check: bool) -> anyhow::Result<bool> {
+    let path: &Utf8Path = &file.path;
     let old = session.ask(path, |it| it.text(path))?;
     let old = old.with_context(|| format!("cannot read `{path}`"))?;
-    let edits = session.ask(path, |it| it.format(path, None))?;
-    let new = apply(&old, &edits);
+    let new = if file.is_scenario() {
+        scn::format(&old).unwrap_or_else(|| left(path, &old))
+    } else {
+        let edits = session.ask(path, |it| it.format(path, None))?;
+        if edits.is_empty() && lacks_brace(&old) {
+            left(path, &old);
+        }
+        apply(&old, &edits)
+    };
     if *old == *new {
         return Ok(false);
     }
@@ -99,6 +109,21 @@ fn format_file(session: &Session, path: &Utf8Path, check: bool) -> anyhow::Resul
         std::fs::write(path, new).with_context(|| format!("cannot write `{path}`"))?;
     }
     Ok(true)
+}
+
+/// Says that a file stays as it is, and gives its text.
+fn left(path: &Utf8Path, text: &str) -> String {
+    let path = session::display(path);
+    report::note(&format!(
+        "`{path}` is left as it is because of its syntax errors; `dotgen check {path}` tells them"
+    ));
+    text.to_owned()
+}
+
+/// Whether nothing of a text is formatted because its braces are not paired.
+fn lacks_brace(text: &str) -> bool {
+    let parse = parse_text(text);
+    !parse.errors.is_empty() && !format::is_paired(&parse.syntax())
 }
 
 fn apply(text: &str, edits: &[FileEdit]) -> String {

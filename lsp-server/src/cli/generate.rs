@@ -7,12 +7,13 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
+use camino::Utf8PathBuf;
 use clap::Args;
-use dotgen_codegen::command::{Environment, generate};
+use dotgen_codegen::command::{Environment, Project, generate};
 use dotgen_codegen::template::console::StdConsole;
 use dotgen_codegen::template::{Limits, OutputSink};
 
-use crate::config::PackageConfig;
+use crate::config::{self, Config, PackageConfig};
 use crate::vfs::Vfs;
 
 /// Run a template over specifications; takes the arguments of `genom3`
@@ -34,31 +35,72 @@ pub(super) fn intercept() -> Option<ExitCode> {
         .into_owned();
     let arguments: Vec<String> = arguments.collect();
     if program == "genom3" {
-        return Some(run("genom3", &arguments));
+        return Some(stand_in(&arguments));
     }
     match arguments.split_first() {
-        Some((command, arguments)) if command == "generate" => {
-            Some(run("dotgen generate", arguments))
-        }
-        Some((command, arguments)) if command == "genom3" => Some(run("genom3", arguments)),
+        Some((command, arguments)) if command == "generate" => Some(in_project(arguments)),
+        Some((command, arguments)) if command == "genom3" => Some(stand_in(arguments)),
         _ => None,
     }
 }
 
 /// Only reached by way of an abbreviation that [`intercept`] does not know.
 pub(super) fn run_parsed(arguments: &Arguments) -> ExitCode {
-    run("dotgen generate", &arguments.arguments)
+    in_project(&arguments.arguments)
 }
 
-fn run(name: &str, arguments: &[String]) -> ExitCode {
+/// As `genom3`, which knows what it is told and nothing else.
+fn stand_in(arguments: &[String]) -> ExitCode {
+    let packages = PackageConfig {
+        may_run: true,
+        ..PackageConfig::default()
+    };
+    run("genom3", arguments, packages)
+}
+
+/// Under the `dotgen.toml` that counts for the files.
+fn in_project(arguments: &[String]) -> ExitCode {
+    let mut config = Config::default();
+    let arguments = Project::complete(arguments, |rest| {
+        config = configuration(rest);
+        let text = |it: &Utf8PathBuf| it.to_string();
+        let templates: Vec<String> = config.template_paths.iter().map(text).collect();
+        Project {
+            include_paths: config.include_paths.iter().map(text).collect(),
+            defines: config.defines.clone(),
+            template_paths: (!templates.is_empty()).then(|| templates.join(":")),
+        }
+    });
+    let packages = PackageConfig {
+        may_run: true,
+        ..config.packages
+    };
+    run("dotgen generate", &arguments, packages)
+}
+
+/// The nearest configuration around the last of the words that is a file, or around the current directory. What is
+/// wrong with it, `dotgen check` tells.
+fn configuration(words: &[String]) -> Config {
+    let Ok(here) = camino::absolute_utf8(".") else {
+        return Config::default();
+    };
+    let mut files = words.iter().rev().map(|it| here.join(it));
+    let file = files.find(|it| it.is_file());
+    let file = crate::vfs::normalize(&file.unwrap_or_else(|| here.join("-")));
+    let Some(directory) = config::nearest_directory(&file) else {
+        return Config::default();
+    };
+    let text = std::fs::read_to_string(directory.join(config::FILE_NAME)).unwrap_or_default();
+    let settings = config::from_toml(&text).settings.anchored(&directory);
+    Config::new(&settings, &directory, true)
+}
+
+fn run(name: &str, arguments: &[String], packages: PackageConfig) -> ExitCode {
     let mut environment = Environment {
         name,
         program: std::env::current_exe().unwrap_or_else(|_| name.into()),
         variables: &|name| std::env::var(name).ok(),
-        loader: Arc::new(Vfs::new(PackageConfig {
-            may_run: true,
-            ..PackageConfig::default()
-        })),
+        loader: Arc::new(Vfs::new(packages)),
         pictures: Arc::new(crate::pictures::machine),
         console: &mut StdConsole,
         limits: Limits::default(),

@@ -58,6 +58,13 @@ pub(super) fn print(report: &Report, format: Format) -> anyhow::Result<()> {
     }
 }
 
+/// Says on standard error what one may like to know.
+pub(super) fn note(text: &str) {
+    use std::io::Write;
+    let style = clap::builder::styling::AnsiColor::Cyan.on_default().bold();
+    let _ = writeln!(anstream::stderr(), "{style}note{style:#}: {text}");
+}
+
 /// Says on standard error why a command could not do its work.
 pub(super) fn failure(error: &anyhow::Error) {
     use std::io::Write;

@@ -13,6 +13,7 @@ use super::Reading;
 use crate::config::{self, Config, Level, Problem, Settings};
 use crate::convert::{Encoding, Lines};
 use crate::panic;
+use crate::verification::problem::EXTENSION;
 use crate::vfs::{self, Vfs};
 
 /// Files that share a configuration.
@@ -33,6 +34,13 @@ pub(super) struct SourceFile {
     pub(super) path: Utf8PathBuf,
     /// Named by the user, not found in a directory.
     pub(super) named: bool,
+}
+
+impl SourceFile {
+    /// Whether it says what is to be verified.
+    pub(super) fn is_scenario(&self) -> bool {
+        self.path.extension() == Some(EXTENSION)
+    }
 }
 
 /// Problems of a `dotgen.toml`.
@@ -68,12 +76,22 @@ pub(super) fn files(arguments: &[Utf8PathBuf]) -> anyhow::Result<Vec<SourceFile>
     Ok(files)
 }
 
+/// As [`files`], for commands that have nothing to do with scenarios.
+pub(super) fn specifications(arguments: &[Utf8PathBuf]) -> anyhow::Result<Vec<SourceFile>> {
+    let files = files(arguments)?;
+    if let Some(it) = files.iter().find(|it| it.is_scenario()) {
+        let path = display(&it.path);
+        bail!("`{path}` is a scenario, not a specification: `dotgen verify {path}` verifies it");
+    }
+    Ok(files)
+}
+
 /// The one file that a command is about.
 pub(super) fn single(argument: &Utf8Path, reading: &Reading) -> anyhow::Result<Session> {
     if argument.is_dir() {
         bail!("`{argument}` is a directory; name a file");
     }
-    let mut sessions = open(files(&[argument.to_owned()])?, reading)?;
+    let mut sessions = open(specifications(&[argument.to_owned()])?, reading)?;
     sessions.pop().context("there is nothing to read")
 }
 

@@ -244,18 +244,18 @@ fn problems(arguments: &Arguments) -> anyhow::Result<Vec<(Session, Problem)>> {
         }
     }
     if let Some(first) = specifications.first().map(|it| it.path.clone()) {
-        let session = session::around(&first, specifications, &arguments.reading);
         let mut units = Vec::new();
-        for file in &session.files {
-            units.push(session.ask(&file.path, |it| it.root_unit(&file.path))?);
+        let mut names = Vec::new();
+        // One system, though each of its parts may have a configuration of its own.
+        let sessions = session::open(specifications, &arguments.reading)?;
+        for session in &sessions {
+            for file in &session.files {
+                units.push(session.ask(&file.path, |it| it.root_unit(&file.path))?);
+                names.push(session::display(&file.path));
+            }
         }
-        let names: Vec<String> = session
-            .files
-            .iter()
-            .map(|it| session::display(&it.path))
-            .collect();
         let problem = Problem::by_default(&first, &names, units);
-        out.push((session, problem));
+        out.extend(sessions.into_iter().next().map(|it| (it, problem)));
     }
     Ok(out)
 }

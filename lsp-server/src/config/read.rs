@@ -89,7 +89,7 @@ pub fn from_toml(text: &str) -> Read {
     };
     let mut spans = Spans::default();
     let object = spans.table(table.get_ref(), "");
-    let (settings, problems) = read_object(&object, &[]);
+    let (settings, problems) = read_object(&object, &[], &str::to_owned);
     let problems = problems.into_iter().map(|(pointer, mut problem)| {
         let spans = match problem.kind {
             ProblemKind::UnknownKey => &spans.keys,
@@ -107,7 +107,8 @@ pub fn from_toml(text: &str) -> Read {
 /// keys (`"dotgen.includePaths"`). Names may be in camel case, as editors prefer.
 pub fn from_editor(value: &Value) -> Read {
     let object = editor_section(value);
-    let (settings, problems) = read_object(&object, &CLIENT_ONLY);
+    let name = |key: &str| format!("dotgen.{}", camel(key));
+    let (settings, problems) = read_object(&object, &CLIENT_ONLY, &name);
     Read {
         settings,
         problems: problems.into_iter().map(|(_, problem)| problem).collect(),
@@ -164,10 +165,24 @@ fn kebab(name: &str) -> String {
     out
 }
 
-/// The settings of an object, and the problems with the JSON pointers they are at.
+/// `include-paths` to `includePaths`; what is behind a point stays.
+fn camel(key: &str) -> String {
+    let (name, rest) = key.split_at(key.find('.').unwrap_or(key.len()));
+    let mut words = name.split('-');
+    let mut out = words.next().unwrap_or_default().to_owned();
+    for word in words {
+        let mut letters = word.chars();
+        out.extend(letters.next().map(|it| it.to_ascii_uppercase()));
+        out.push_str(letters.as_str());
+    }
+    out + rest
+}
+
+/// The settings of an object, and the problems with the JSON pointers they are at. `name` is how a key is told.
 fn read_object(
     object: &Map<String, Value>,
     ignored: &[&str],
+    name: &dyn Fn(&str) -> String,
 ) -> (Settings, Vec<(String, Problem)>) {
     let properties = schema::properties();
     let mut settings = Settings::default();
@@ -177,9 +192,13 @@ fn read_object(
             continue;
         }
         if !properties.contains_key(key) {
+            let written = name(key);
             let message = match nearest(key, properties.keys().map(String::as_str)) {
-                Some(near) => format!("unknown setting `{key}`; did you mean `{near}`?"),
-                None => format!("unknown setting `{key}`"),
+                Some(near) => {
+                    let near = name(near);
+                    format!("unknown setting `{written}`; did you mean `{near}`?")
+                }
+                None => format!("unknown setting `{written}`"),
             };
             problems.push((
                 format!("/{key}"),
@@ -192,16 +211,38 @@ fn read_object(
             continue;
         }
         // Entry by entry, so that one bad entry of a table does not lose the others.
-        let parts: Vec<(String, Value)> = match value {
-            Value::Object(table) => table
-                .iter()
-                .map(|(entry, value)| {
-                    let single = Map::from_iter([(entry.clone(), value.clone())]);
-                    (format!("/{key}/{entry}"), Value::Object(single))
-                })
-                .collect(),
-            _ => vec![(format!("/{key}"), value.clone())],
-        };
+        let entries = schema::entries(&properties[key]);
+        let mut parts: Vec<(String, Value)> = Vec::new();
+        for (entry, value) in value.as_object().into_iter().flatten() {
+            let pointer = format!("/{key}/{entry}");
+            // Editors prefer camel case in here as well.
+            let known = match &entries {
+                Some(all) => [entry.clone(), kebab(entry)]
+                    .into_iter()
+                    .find(|it| all.contains(it)),
+                None => Some(entry.clone()),
+            };
+            if let Some(entry) = known {
+                let single = Map::from_iter([(entry, value.clone())]);
+                parts.push((pointer, Value::Object(single)));
+                continue;
+            }
+            let known = entries.iter().flatten().map(String::as_str);
+            let hint = match nearest(entry, known) {
+                Some(near) => format!("; did you mean `{near}`?"),
+                None => String::new(),
+            };
+            let message = format!("unknown setting `{}`{hint}", name(&dotted(&pointer)));
+            let problem = Problem {
+                kind: ProblemKind::UnknownKey,
+                message,
+                range: None,
+            };
+            problems.push((pointer, problem));
+        }
+        if !value.is_object() {
+            parts.push((format!("/{key}"), value.clone()));
+        }
         for (pointer, part) in parts {
             let one = Value::Object(Map::from_iter([(key.clone(), part)]));
             if let Some(problem) = unknown_code(key, &pointer) {
@@ -215,7 +256,7 @@ fn read_object(
                         kind: ProblemKind::BadValue,
                         message: format!(
                             "bad value for `{}`: {}",
-                            pointer[1..].replace('/', "."),
+                            name(&dotted(&pointer)),
                             explain(key, &error)
                         ),
                         range: None,
@@ -225,6 +266,15 @@ fn read_object(
         }
     }
     (settings, problems)
+}
+
+/// A JSON pointer as the settings are written, `/severity/fsm/busy-loop` with the quotes that the code needs.
+fn dotted(pointer: &str) -> String {
+    match pointer[1..].split_once('/') {
+        Some((table, entry)) if entry.contains('/') => format!("{table}.\"{entry}\""),
+        Some((table, entry)) => format!("{table}.{entry}"),
+        None => pointer[1..].to_owned(),
+    }
 }
 
 /// A severity for a code that does not exist has no effect; that is worth saying.
@@ -261,7 +311,18 @@ fn explain(key: &str, error: &serde_json::Error) -> String {
         "severity" => {
             "expected \"error\", \"warning\", \"information\", \"hint\" or \"off\"".to_owned()
         }
-        _ => error.to_string(),
+        _ => {
+            let error = error.to_string();
+            let (_, expected) = error.split_once("expected ").unwrap_or(("", &error));
+            let expected = match expected.split_whitespace().next() {
+                Some("struct") => "a table",
+                Some("f32" | "f64") => "a number",
+                Some("u8" | "u16" | "u32" | "u64" | "usize") => "a whole number",
+                Some("a" | "boolean") if expected.contains("boolean") => "`true` or `false`",
+                _ => expected,
+            };
+            format!("expected {expected}")
+        }
     }
 }
 

@@ -31,6 +31,14 @@ pub(crate) fn properties() -> Map<String, Value> {
     }
 }
 
+/// The entries of a setting that is a table with fixed ones.
+pub(crate) fn entries(setting: &Value) -> Option<Vec<String>> {
+    let name = setting["$ref"].as_str()?.rsplit('/').next()?;
+    let definition = settings_schema();
+    let entries = definition["$defs"][name]["properties"].as_object()?;
+    Some(entries.keys().cloned().collect())
+}
+
 #[cfg(test)]
 mod tests {
     use std::path::Path;

@@ -57,6 +57,12 @@ unknown-type = "hint"
 "fsm/busy-lop" = "error"
 "codel/orphan" = "off"
 "timing/deadline-miss" = "error"
+"fsm/busy-loop" = 1
+
+[verification]
+time-limit = "long"
+enable = 1
+tme-limit = 1
 "#;
     let read = from_toml(text);
     expect_test::expect![[r#"
@@ -65,7 +71,11 @@ unknown-type = "hint"
         config-unknown-key `colour`: unknown setting `colour`
         config-bad-value `[1]`: bad value for `defines.BAD`: expected a string, a number, `true` or `false`
         config-bad-value `"fatal"`: bad value for `severity.syntax`: expected "error", "warning", "information", "hint" or "off"
-        config-unknown-key `"fsm/busy-lop"`: there is no diagnostic `fsm/busy-lop`; did you mean `fsm/busy-loop`?"#]].assert_eq(&problems(&read, text).join("\n"));
+        config-unknown-key `"fsm/busy-lop"`: there is no diagnostic `fsm/busy-lop`; did you mean `fsm/busy-loop`?
+        config-bad-value `1`: bad value for `severity."fsm/busy-loop"`: expected "error", "warning", "information", "hint" or "off"
+        config-bad-value `"long"`: bad value for `verification.time-limit`: expected a number
+        config-bad-value `1`: bad value for `verification.enable`: expected `true` or `false`
+        config-unknown-key `tme-limit`: unknown setting `verification.tme-limit`; did you mean `time-limit`?"#]].assert_eq(&problems(&read, text).join("\n"));
     assert_eq!(read.settings.defines["GOOD"], DefineValue::Number(1));
     assert_eq!(read.settings.severity["unknown-type"], Level::Hint);
 }
@@ -157,4 +167,18 @@ fn placeholders_in_paths_are_replaced() {
     assert_eq!(resolve("${workspaceFolder}/idl", base), "/work/arm/idl");
     assert_eq!(resolve("/x${env:DOTGEN_NO_SUCH_VARIABLE}/y", base), "/x/y");
     assert_eq!(resolve("/${env:unclosed", base), "/${env:unclosed");
+}
+
+#[test]
+fn entries_of_tables_may_be_in_camel_case() {
+    let read = from_editor(&json!({ "verification": { "timeLimit": 3, "max-states": 5 } }));
+    assert_eq!(read.problems, []);
+    assert_eq!(read.settings.verification.time_limit, Some(3.0));
+    assert_eq!(read.settings.verification.max_states, Some(5));
+    let read = from_editor(&json!({ "verification": { "tmeLimit": 3 } }));
+    let message = &read.problems[0].message;
+    assert_eq!(
+        message,
+        "unknown setting `dotgen.verification.tmeLimit`; did you mean `time-limit`?"
+    );
 }

@@ -106,6 +106,13 @@ impl Lines {
         Some(offset.into())
     }
 
+    /// Offsets of a range that a request is about: what is beyond the end counts as the end.
+    pub fn clamped(&self, range: Range) -> Option<ByteRange<usize>> {
+        let end = self.offset(range.end).unwrap_or(self.text.len());
+        let range = self.offset(range.start)?..end;
+        (range.start <= range.end).then_some(range)
+    }
+
     /// Offsets of a range; `None` also if it is turned around.
     pub fn bytes(&self, range: Range) -> Option<ByteRange<usize>> {
         let range = self.offset(range.start)?..self.offset(range.end)?;
@@ -160,6 +167,10 @@ mod tests {
         );
         let backwards = Range::new(Position::new(2, 0), Position::new(1, 0));
         assert_eq!(lines.bytes(backwards), None);
+        let long = Range::new(Position::new(1, 0), Position::new(99, 0));
+        assert_eq!(lines.bytes(long), None, "an edit must fit");
+        assert_eq!(lines.clamped(long), Some(9..TEXT.len()));
+        assert_eq!(lines.clamped(backwards), None);
     }
 
     #[test]

@@ -63,6 +63,8 @@ pub(crate) fn job(snapshot: &Snapshot, subject: &Subject, _: &()) -> Cancellable
     let own = file.parent().map(Utf8Path::to_owned).unwrap_or_default();
     let folders = snapshot.folders.iter().filter(|it| file.starts_with(it));
     let folder = folders.max_by_key(|it| it.as_str().len()).cloned();
+    let project = snapshot.config.project(&file);
+    let folder = project.map(|it| it.directory.clone()).or(folder);
     let folder = folder.or_else(|| crate::config::nearest_directory(&file));
     Ok(Some(Box::new(Job {
         folder: folder.unwrap_or(own),
@@ -157,10 +159,14 @@ impl Job {
 
     fn run_words(&self, words: &[String], cancel: Arc<AtomicBool>) -> Generated {
         let mut arguments = Vec::new();
-        for dir in &self.config.include_paths {
+        let (include_paths, defines) = match self.config.project(&self.file) {
+            Some(it) => (&it.include_paths, &it.defines),
+            None => (&self.config.include_paths, &self.config.defines),
+        };
+        for dir in include_paths {
             arguments.extend(["-I".to_owned(), dir.to_string()]);
         }
-        for (name, body) in &self.config.defines {
+        for (name, body) in defines {
             arguments.extend(["-D".to_owned(), format!("{name}={body}")]);
         }
         if let Some(paths) = self.template_paths() {

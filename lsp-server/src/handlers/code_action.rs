@@ -13,6 +13,19 @@ use crate::snapshot::{Snapshot, Subject};
 /// Files are generated from a component.
 pub(crate) const GENERATE: CodeActionKind = CodeActionKind::new("source.generate");
 
+/// Everything that has a fix gets it, guesses and placeholders included. Not below `source.fixAll`, which editors run
+/// unasked when a file is saved.
+pub(crate) const FIX_FINDINGS: CodeActionKind = CodeActionKind::new("source.fixFindings");
+
+/// Findings that have one repair, which nobody would make in another way: what `source.fixAll` is for.
+const PLAIN: [&str; 5] = [
+    "fsm/duplicate-yield",
+    "fsm/paused-ether",
+    "list-duplicate-string",
+    "missing-semicolon",
+    "throw-duplicate",
+];
+
 pub(crate) fn handle(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -22,7 +35,7 @@ pub(crate) fn handle(
     let Some(lines) = snapshot.lines(&subject.path)? else {
         return Ok(None);
     };
-    let Some(range) = lines.bytes(params.range) else {
+    let Some(range) = lines.clamped(params.range) else {
         return Ok(None);
     };
     let mut actions = Vec::new();
@@ -37,14 +50,21 @@ pub(crate) fn handle(
     let mut all = snapshot.analysis.diagnostics(&subject.path)?;
     all.extend(crate::codels::unused_in(snapshot, &subject.path)?);
     // Only on request: it changes the whole file.
-    if params.context.only.is_some()
-        && wanted(&CodeActionKind::SOURCE_FIX_ALL)
-        && let Some(it) = fix_all(snapshot, "Fix all that has a fix", &all, |_| true)?
-    {
-        actions.push(CodeActionOrCommand::CodeAction(CodeAction {
-            kind: Some(CodeActionKind::SOURCE_FIX_ALL),
-            ..it
-        }));
+    let plain = "Fix all that has one plain repair";
+    for (kind, title, guesses) in [
+        (CodeActionKind::SOURCE_FIX_ALL, plain, false),
+        (FIX_FINDINGS, "Fix all that has a fix", true),
+    ] {
+        let which = |it: &Diagnostic| guesses || PLAIN.contains(&it.code);
+        if params.context.only.is_some()
+            && wanted(&kind)
+            && let Some(it) = fix_all(snapshot, title, &all, which)?
+        {
+            actions.push(CodeActionOrCommand::CodeAction(CodeAction {
+                kind: Some(kind),
+                ..it
+            }));
+        }
     }
     for it in super::verification::actions(snapshot, subject, &range)? {
         if it.kind.as_ref().is_none_or(wanted) {

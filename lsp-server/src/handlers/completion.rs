@@ -1,5 +1,7 @@
 //! `textDocument/completion` and `completionItem/resolve`
 
+mod typed;
+
 use camino::Utf8PathBuf;
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::ide::{self, CompletionKind, plain_snippet};
@@ -23,6 +25,10 @@ pub(crate) fn handle(
     params: &CompletionParams,
 ) -> Cancellable<Option<CompletionResponse>> {
     let position = params.text_document_position.position;
+    let lines = snapshot.lines(&subject.path)?;
+    if lines.is_some_and(|it| !typed::wanted(params.context.as_ref(), &it, position)) {
+        return Ok(None);
+    }
     if super::scenario::is(&subject.path) {
         return super::scenario::completion(snapshot, subject, position);
     }

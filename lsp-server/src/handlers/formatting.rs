@@ -27,7 +27,7 @@ pub(crate) fn range(
     let Some(lines) = snapshot.lines(&subject.path)? else {
         return Ok(None);
     };
-    let Some(range) = lines.bytes(params.range) else {
+    let Some(range) = lines.clamped(params.range) else {
         return Ok(None);
     };
     let edits = snapshot.analysis.format(&subject.path, Some(range))?;

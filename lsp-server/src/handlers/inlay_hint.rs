@@ -14,7 +14,7 @@ pub(crate) fn handle(
     let Some(lines) = snapshot.lines(&subject.path)? else {
         return Ok(None);
     };
-    let Some(range) = lines.bytes(params.range) else {
+    let Some(range) = lines.clamped(params.range) else {
         return Ok(None);
     };
     let config = snapshot.config.inlay_hints;

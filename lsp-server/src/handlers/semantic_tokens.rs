@@ -30,7 +30,7 @@ pub(crate) fn range(
     let Some(lines) = snapshot.lines(&subject.path)? else {
         return Ok(None);
     };
-    let Some(range) = lines.bytes(params.range) else {
+    let Some(range) = lines.clamped(params.range) else {
         return Ok(None);
     };
     let data = encode(&tokens(snapshot, &subject.path, Some(range))?, &lines);

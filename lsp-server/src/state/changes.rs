@@ -8,6 +8,7 @@ use serde_json::Value;
 
 use super::documents::Edited;
 use super::{Event, State};
+use crate::caps::is_watched;
 use crate::codels;
 use crate::convert::uri;
 use crate::proto::*;
@@ -105,9 +106,12 @@ impl State {
                 self.pending.files.insert(file);
             }
             Mutation::Scanned(files) => {
-                self.workspace.set_files(files);
+                let configured = self.workspace.set_files(files);
                 self.pending.roots = true;
-                self.register_documents();
+                match configured {
+                    true => self.reconfigure(),
+                    false => self.register_documents(),
+                }
             }
         }
     }
@@ -148,10 +152,18 @@ impl State {
     }
 
     fn watched(&mut self, changes: Vec<FileEvent>) {
+        let mut matters = false;
         for change in changes {
             let path = uri::to_path(&change.uri);
+            if change.typ == FileChangeType::DELETED {
+                matters |= self.gone(&path);
+            }
+            if !is_watched(&path) {
+                continue;
+            }
+            matters = true;
             if path.file_name() == Some(crate::config::FILE_NAME) {
-                self.workspace.reload_files();
+                self.workspace.reload_files(&path);
                 self.reconfigure();
                 continue;
             }
@@ -181,7 +193,17 @@ impl State {
                 self.pending.files.insert(path);
             }
         }
-        self.publisher.refresh_wanted = true;
+        self.publisher.refresh_wanted |= matters;
+    }
+
+    /// A file or a folder was deleted. Whether anything was known of it.
+    fn gone(&mut self, path: &Utf8Path) -> bool {
+        let mut known = self.host.known_at(path);
+        known.retain(|it| self.documents.text(it).is_none());
+        let found = self.workspace.remove(path) || !known.is_empty();
+        self.pending.roots |= found;
+        self.pending.files.extend(known);
+        found
     }
 
     /// Lists the files of the workspace folders, with progress.
@@ -194,7 +216,7 @@ impl State {
         self.outbox.converse(move |client| async move {
             let progress = crate::progress::begin(&client, wants_progress, "Indexing").await;
             let listing = tokio::task::spawn_blocking(move || {
-                let below = |it: &Utf8PathBuf| vfs::files_below(it, &["gen", "scn", "tcl"]);
+                let below = |it: &Utf8PathBuf| vfs::files_below(it, &["gen", "scn", "tcl", "toml"]);
                 folders.iter().flat_map(below).collect::<Vec<_>>()
             });
             let files = listing.await.unwrap_or_default();

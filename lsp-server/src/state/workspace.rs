@@ -22,6 +22,8 @@ use crate::vfs;
 #[derive(Default)]
 pub(super) struct Workspace {
     folders: Vec<Folder>,
+    /// Other directories with a `dotgen.toml`, mostly below the folders.
+    projects: Vec<Folder>,
     /// `.gen` files below the folders.
     pub(super) files: BTreeSet<Utf8PathBuf>,
     /// `.scn` files below the folders.
@@ -122,39 +124,73 @@ impl Workspace {
         self.files
             .retain(|file| !removed.iter().any(|folder| file.starts_with(folder)));
         let kept = |it: &Utf8Path| !removed.iter().any(|folder| it.starts_with(folder));
+        self.projects.retain(|it| kept(&it.path));
         Arc::make_mut(&mut self.templates).retain(kept);
         for folder in &event.added {
             self.add(folder.uri.clone());
         }
     }
 
-    /// The files found below the folders.
-    pub(super) fn set_files(&mut self, files: Vec<Utf8PathBuf>) {
+    /// The files found below the folders. Whether the configuration may differ.
+    pub(super) fn set_files(&mut self, files: Vec<Utf8PathBuf>) -> bool {
         let (mut scripts, mut scenarios) = (Vec::new(), BTreeSet::new());
+        let mut configured = false;
         self.files.clear();
         for file in files {
             match file.extension() {
                 Some(EXTENSION) => _ = scenarios.insert(file),
                 Some("tcl") => scripts.push(file),
+                Some("toml") if file.file_name() == Some(config::FILE_NAME) => {
+                    configured |= self.add_project(file.parent());
+                }
+                Some("toml") => {}
                 _ => _ = self.files.insert(file),
             }
         }
         scripts.retain(|it| it.file_name() == Some(SCRIPT));
         self.scenarios = Arc::new(scenarios);
         self.templates = Arc::new(Templates::new(scripts));
+        configured
     }
 
-    /// Without workspace folders, the nearest directory around the first file opened that has a
-    /// `dotgen.toml` configures; its files are not listed. Whether the configuration may differ.
-    pub(super) fn adopt(&mut self, file: &Utf8Path) -> bool {
-        if !self.folders.is_empty() || uri::is_virtual(file) {
-            return false;
-        }
-        let Some(directory) = config::nearest_directory(file) else {
+    /// Forgets what was listed at or below a path. Whether there was anything.
+    pub(super) fn remove(&mut self, path: &Utf8Path) -> bool {
+        let kept = |it: &Utf8Path| !it.starts_with(path);
+        let before = self.files.len() + self.scenarios.len();
+        self.files.retain(|it| kept(it));
+        Arc::make_mut(&mut self.scenarios).retain(|it| kept(it));
+        Arc::make_mut(&mut self.templates).retain(kept);
+        before != self.files.len() + self.scenarios.len()
+    }
+
+    /// A directory with a `dotgen.toml`. Whether it is a new one.
+    fn add_project(&mut self, directory: Option<&Utf8Path>) -> bool {
+        let known = |it: &Utf8Path| {
+            let mut all = self.folders.iter().chain(&self.projects);
+            all.any(|known| known.path == it)
+        };
+        let Some(directory) = directory.filter(|it| !known(it)) else {
             return false;
         };
-        self.folders.push(Folder::new(None, directory));
+        self.projects.push(Folder::new(None, directory.to_owned()));
+        self.projects.sort_by(|a, b| a.path.cmp(&b.path));
         true
+    }
+
+    /// The nearest directory around an open file that has a `dotgen.toml` configures how it is read. Without workspace
+    /// folders, that of the first one is taken for all; its files are not listed. Whether the configuration may differ.
+    pub(super) fn adopt(&mut self, file: &Utf8Path) -> bool {
+        if uri::is_virtual(file) {
+            return false;
+        }
+        let directory = config::nearest_directory(file);
+        match directory {
+            Some(directory) if self.folders.is_empty() => {
+                self.folders.push(Folder::new(None, directory));
+                true
+            }
+            directory => self.add_project(directory.as_deref()),
+        }
     }
 
     /// Settings for every folder, then those of each folder in turn. What is wrong with them.
@@ -173,11 +209,16 @@ impl Workspace {
         problems
     }
 
-    /// Reads the configuration files again.
-    pub(super) fn reload_files(&mut self) {
-        for folder in &mut self.folders {
+    /// Reads the configuration files again; `changed` is one of them, perhaps a new one.
+    pub(super) fn reload_files(&mut self, changed: &Utf8Path) {
+        if self.contains(changed) {
+            self.add_project(changed.parent());
+        }
+        for folder in self.folders.iter_mut().chain(&mut self.projects) {
             folder.file = ConfigFile::read(&folder.path);
         }
+        self.projects
+            .retain(|it| it.path.join(config::FILE_NAME).is_file());
     }
 
     /// The configuration in force.
@@ -188,11 +229,23 @@ impl Workspace {
             let settings = editor.over(folder.file.settings.clone());
             Config::new(&settings, &folder.path, self.trusted)
         };
-        self.folders
-            .iter()
-            .map(of)
-            .reduce(Config::join)
-            .unwrap_or_else(|| Config::new(&self.editor, Utf8Path::new("/"), self.trusted))
+        let folders = self.folders.iter().map(of).reduce(Config::join);
+        let all =
+            folders.unwrap_or_else(|| Config::new(&self.editor, Utf8Path::new("/"), self.trusted));
+        self.projects.iter().fold(all, |all, project| {
+            let around = self.folders.iter();
+            let around = around.filter(|it| project.path.starts_with(&it.path));
+            let around = around.max_by_key(|it| it.path.as_str().len());
+            let editor = around
+                .and_then(|it| it.editor.as_ref())
+                .unwrap_or(&self.editor);
+            // The editor's paths start at the workspace folder.
+            let base = around.map_or(&project.path, |it| &it.path);
+            let own = project.file.settings.clone().anchored(&project.path);
+            let settings = editor.clone().anchored(base).over(own);
+            let own = Config::new(&settings, &project.path, self.trusted);
+            all.with_project(&project.path, own)
+        })
     }
 
     /// What is wrong with the configuration files, by file; those in order are left out.
@@ -215,6 +268,7 @@ impl Workspace {
         let with_problems = self
             .folders
             .iter()
+            .chain(&self.projects)
             .filter(|it| !it.file.problems.is_empty());
         with_problems.map(of).collect()
     }

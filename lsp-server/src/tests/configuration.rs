@@ -225,7 +225,9 @@ async fn wrong_settings_of_the_editor_are_shown_once() {
     let mut client = Client::start(params).await;
     let shown = client.notification("window/showMessage").await;
     let message = shown["message"].as_str().expect("a text");
-    assert!(message.ends_with("bad value for `include-paths`: expected a list of directories"));
+    assert!(
+        message.ends_with("bad value for `dotgen.includePaths`: expected a list of directories")
+    );
     for settings in [json!({ "inclde-paths": [] }), json!({ "inclde-paths": [] })] {
         let params = json!({ "settings": { "dotgen": settings } });
         client
@@ -235,8 +237,68 @@ async fn wrong_settings_of_the_editor_are_shown_once() {
     let shown = client.notification("window/showMessage").await;
     let message = shown["message"].as_str().expect("a text");
     assert!(
-        message.ends_with("did you mean `include-paths`?"),
+        message.ends_with("did you mean `dotgen.includePaths`?"),
         "{message}"
     );
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn projects_below_a_folder_are_read_as_they_say() {
+    let part = "#include \"types.idl\"\nstruct s { own x[SIZE]; };\n";
+    let toml = "include-paths = ['idl']\ndefines = { SIZE = 3 }\n";
+    let folder = Folder::new(&[
+        ("a/a.gen", part),
+        ("a/idl/types.idl", "typedef long own;\n"),
+        ("a/dotgen.toml", toml),
+        ("b/b.gen", &part.replace("own x", "other x")),
+        ("b/idl/types.idl", "typedef double other;\n"),
+        ("b/dotgen.toml", toml),
+        ("c/c.gen", part),
+    ]);
+    let mut client = Client::start(folder.params(pulling())).await;
+    for name in ["a/a.gen", "b/b.gen"] {
+        let uri = folder.uri(name);
+        client.open(&uri, &folder.read(name)).await;
+        assert_eq!(client.pulled(&uri).await, [""; 0], "{name}");
+    }
+    let without = client.pulled(&folder.uri("c/c.gen")).await;
+    assert!(
+        without.contains(&"pp-include-not-found".to_owned()),
+        "{without:?}"
+    );
+
+    // One that is written later, and one that goes.
+    folder.write("c/idl/types.idl", "typedef long own;\n");
+    folder.write("c/dotgen.toml", toml);
+    folder.remove("b/dotgen.toml");
+    for (name, kind) in [("c/dotgen.toml", 1), ("b/dotgen.toml", 3)] {
+        let event = folder.event(name, kind);
+        client
+            .notify("workspace/didChangeWatchedFiles", event)
+            .await;
+    }
+    assert_eq!(client.pulled(&folder.uri("c/c.gen")).await, [""; 0]);
+    let without = client.pulled(&folder.uri("b/b.gen")).await;
+    assert!(
+        without.contains(&"pp-include-not-found".to_owned()),
+        "{without:?}"
+    );
+    client.ignore("textDocument/publishDiagnostics");
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_folder_that_is_deleted_takes_its_files_with_it() {
+    let folder = folder("include-paths = ['idl']\n");
+    let mut client = Client::start(folder.params(pulling())).await;
+    assert_eq!(found(&mut client, &folder).await, [""; 0]);
+    folder.remove("idl/pose.idl");
+    // Clients tell of the folder alone.
+    let event = folder.event("idl", 3);
+    client
+        .notify("workspace/didChangeWatchedFiles", event)
+        .await;
+    assert_eq!(found(&mut client, &folder).await, ["pp-include-not-found"]);
     client.finish().await;
 }

@@ -75,6 +75,27 @@ async fn completion_with_and_without_snippets() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn a_blank_opens_no_list_where_a_line_may_end() {
+    let (mut client, _folder, uri) = start(json!({})).await;
+    for (behind, typed, opens) in [
+        ("  ", " ", false),
+        ("ids { ", " ", false),
+        ("yield ", " ", true),
+        ("yield pause::", ":", true),
+    ] {
+        let mut params = at(&uri, behind, 0);
+        let character = params["position"]["character"].as_u64().expect("a number");
+        params["position"]["character"] = json!(character + behind.len() as u64);
+        let by_hand = client.ok("textDocument/completion", params.clone()).await;
+        assert_ne!(by_hand["items"], json!([]), "{behind:?} by hand");
+        params["context"] = json!({ "triggerKind": 2, "triggerCharacter": typed });
+        let list = client.ok("textDocument/completion", params).await;
+        assert_eq!(!list.is_null(), opens, "{behind:?}: {list}");
+    }
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn rename_across_files_and_its_refusals() {
     let (mut client, folder, uri) = start(json!({})).await;
     let prepared = client
@@ -390,6 +411,37 @@ component c {
         let edit = &actions[0]["edit"]["changes"][&uri][0];
         assert_eq!(edit["range"]["start"], edit["range"]["end"], "{actions}");
         assert_eq!(with_inserted(&text, edit), RIGHT, "{wrong}: {actions}");
+    }
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn what_editors_fix_unasked_is_plain() {
+    let text = "component c {\n  task t {\n    period 5 ms;\n    codel<start> f() yield main, ethr\n    codel<main> g() yield main;\n  };\n};\n";
+    let folder = Folder::new(&[("c.gen", text)]);
+    let mut capabilities = pulling();
+    capabilities["textDocument"]["codeAction"] = json!({
+        "codeActionLiteralSupport": { "codeActionKind": { "valueSet": ["source"] } },
+    });
+    let mut client = Client::start(folder.params(capabilities)).await;
+    let uri = folder.uri("c.gen");
+    client.open(&uri, text).await;
+    // Fixes that touch each other are made one after the other.
+    let guesses = &["ether", "pause::"][..];
+    for (kind, edits) in [
+        ("source.fixAll", &[";"][..]),
+        ("source.fixFindings", guesses),
+    ] {
+        let mut params = document(&uri);
+        params["range"] =
+            json!({ "start": { "line": 0, "character": 0 }, "end": { "line": 6, "character": 0 } });
+        params["context"] = json!({ "diagnostics": [], "only": [kind] });
+        let actions = client.ok("textDocument/codeAction", params).await;
+        let action = &actions[0];
+        assert_eq!(action["kind"], kind, "{actions}");
+        let all = action["edit"]["changes"][&uri].as_array().expect("edits");
+        let all: Vec<&str> = all.iter().filter_map(|it| it["newText"].as_str()).collect();
+        assert_eq!(all, edits, "{action}");
     }
     client.finish().await;
 }

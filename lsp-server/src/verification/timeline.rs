@@ -68,7 +68,7 @@ pub(crate) fn of_run(title: String, unit: &str, events: &[Event], ending: Ending
         if let Some(kind) = mark {
             tasks.lanes[lane].marks.push(Mark {
                 at: now,
-                description: format!("{now} {unit}: {name}: {}", event.what),
+                description: format!("{}: {name}: {}", instant(now, unit), event.what),
                 kind,
                 link: event.src.is_some().then(|| i.to_string()),
             });
@@ -133,6 +133,14 @@ pub(crate) fn of_end(
 /// Instead of the first events of a run.
 pub(crate) fn left_out(events: usize) -> String {
     format!("{events} steps before are not shown")
+}
+
+/// A moment of a picture as people say it.
+fn instant(now: u64, unit: &str) -> String {
+    match unit {
+        "us" if now >= 1000 => format!("{} ms", now as f64 / 1000.0),
+        _ => format!("{now} {unit}"),
+    }
 }
 
 /// The unit of a picture of times in the unit of a report (`ms`, `10 us`), in which they are whole, and how
@@ -259,6 +267,11 @@ mod tests {
             }
             for it in &lane.marks {
                 text += &format!(" {:?}@{}", it.kind, it.at);
+                let told = format!("{}: ", instant(it.at, "us"));
+                assert!(
+                    it.kind == MarkKind::Miss || it.description.starts_with(&told),
+                    "{it:?}"
+                );
             }
             text += "\n";
         }

@@ -134,11 +134,34 @@ pub(super) fn packages(view: &FileView<'_>, out: &mut Completions) {
 
 /// Macros defined at an offset.
 pub(super) fn macros(view: &FileView<'_>, at: usize, rank: u8, out: &mut Completions) {
+    add(defined(view, at), rank, out);
+}
+
+/// Macros that stand for something: not those that guard a file.
+pub(super) fn values(view: &FileView<'_>, at: usize, rank: u8, out: &mut Completions) {
+    let mut all = defined(view, at);
+    all.retain(|(name, definition)| {
+        let body = definition.strip_prefix("#define").unwrap_or(definition);
+        let body = body.trim();
+        !body.is_empty() && body != name
+    });
+    add(all, rank, out);
+}
+
+fn add(all: Vec<(String, String)>, rank: u8, out: &mut Completions) {
+    for (name, definition) in all {
+        out.add(name, CompletionKind::Symbol(SymbolKind::Macro), rank)
+            .detail = Some(definition);
+    }
+}
+
+/// Names and definitions of the macros there are at an offset.
+fn defined(view: &FileView<'_>, at: usize) -> Vec<(String, String)> {
     let Some((visit, _)) = serving_visit(view.db, view.unit, view.file) else {
-        return;
+        return Vec::new();
     };
     let Some(walked) = walk_unit(view.db, view.unit).visits.get(visit as usize) else {
-        return;
+        return Vec::new();
     };
     let pre = view.pre();
     let includes_before = pre
@@ -153,10 +176,10 @@ pub(super) fn macros(view: &FileView<'_>, at: usize, rank: u8, out: &mut Complet
     let environments: Vec<_> = environments.collect();
     let last = environments.iter().take(passed).rev().find_map(|it| *it);
     let env = last.unwrap_or(&walked.entry);
-    let mut all: Vec<(String, Option<String>)> = env
+    let mut all: Vec<(String, String)> = env
         .iter()
         .filter(|it| !it.name.starts_with("__"))
-        .map(|it| (it.name.to_string(), Some(it.definition_text())))
+        .map(|it| (it.name.to_string(), it.definition_text()))
         .collect();
     all.sort();
     for it in pre
@@ -172,13 +195,10 @@ pub(super) fn macros(view: &FileView<'_>, at: usize, rank: u8, out: &mut Complet
                 .text()
                 .get(std::ops::Range::from(it.range))
                 .unwrap_or_default();
-            all.push((name.text.to_string(), Some(text.trim().to_owned())));
+            all.push((name.text.to_string(), text.trim().to_owned()));
         }
     }
-    for (name, detail) in all {
-        out.add(name, CompletionKind::Symbol(SymbolKind::Macro), rank)
-            .detail = detail;
-    }
+    all
 }
 
 /// Files that an `#include` may name.
@@ -209,7 +229,9 @@ fn include(view: &FileView<'_>, operand: &str, at: usize, out: &mut Completions)
     if delimiter == '"' {
         dirs.extend(view.file.path(view.db).parent().map(ToOwned::to_owned));
     }
-    dirs.extend(view.db.workspace().include_dirs(view.db).iter().cloned());
+    let root = view.unit.inputs(view.db).first().unwrap_or(&view.file);
+    let (searched, _) = view.db.workspace().reading(view.db, root.path(view.db));
+    dirs.extend(searched.iter().cloned());
     for visit in &walk_unit(view.db, view.unit).visits {
         // Directories that other includes were found in: those of packages, too.
         dirs.extend(

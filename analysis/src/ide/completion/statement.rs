@@ -89,6 +89,11 @@ pub(super) fn in_requires(context: &Context) -> bool {
         .is_some_and(|it| it.is_any(&["requires", "require", "codels-requires", "codels-require"]))
 }
 
+/// Whether the cursor is in the string of a `lang` property.
+pub(super) fn in_lang(context: &Context) -> bool {
+    context.current().first().is_some_and(|it| it.is("lang"))
+}
+
 fn in_service(body: BodyKind) -> bool {
     matches!(
         body,
@@ -205,7 +210,7 @@ pub(super) fn quantity(
         _ => {
             names.constants(rest, None, out);
             out.items.retain(|it| it.kind != CompletionKind::Keyword);
-            super::directive::macros(names.view, names.at(), 4, out);
+            super::directive::values(names.view, names.at(), 4, out);
         }
     }
 }

@@ -273,6 +273,10 @@ fn directives_and_macros() {
     takes("#inc$0", "include", "#include \"\"");
     has("#define LIMIT 3\n#ifdef $0", "LIMIT | !__FILE__");
     has("#define LIMIT 3\ntypedef long t;\n$0", "LIMIT");
+    check(
+        "#define GUARD\n#define RATE 5\ncomponent c { task t { period $0",
+        "RATE",
+    );
     check("#pragma $0", "requires | provides | masquerade | wcet");
     check("interface i;\n#pragma provides $0", "i");
     check(
@@ -296,6 +300,12 @@ fn directives_and_macros() {
         "FROM_THERE | defined",
     );
     check("#if 0\ntypedef $0\n#endif\n", "");
+}
+
+#[test]
+fn languages_of_codels_are_listed() {
+    check("component c { lang \"$0\"; };", "c | c++");
+    check("component c { doc \"$0\"; };", "");
 }
 
 #[test]

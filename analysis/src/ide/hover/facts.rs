@@ -16,17 +16,24 @@ use crate::{
 /// More names than are worth reading in a hover.
 const MANY: usize = 6;
 
-/// A Markdown list, if there is anything to say.
-pub(super) fn facts(elaborated: &Elaborated, it: &Definition) -> Option<String> {
+/// A Markdown list, if there is anything to say. What is about `owner`, as texts name it, comes first.
+pub(super) fn facts(
+    elaborated: &Elaborated,
+    it: &Definition,
+    owner: Option<&str>,
+) -> Option<String> {
     let spec = &elaborated.spec;
     let component = component_of(elaborated, it)?;
-    let lines = match it.kind {
+    let mut lines = match it.kind {
         DefKind::Task => task(component, &it.name),
         DefKind::Function | DefKind::Activity | DefKind::Attribute => service(component, &it.name),
         DefKind::Codel => codel(spec, component, &it.name),
         DefKind::State => state(component, &it.name),
         _ => Vec::new(),
     };
+    if let Some(owner) = owner {
+        lines.sort_by_key(|it| !it.starts_with(owner));
+    }
     list(&lines)
 }
 

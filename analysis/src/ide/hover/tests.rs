@@ -81,6 +81,17 @@ fn constants_have_values() {
         "#]],
     );
     check(
+        "const unsigned long n$0 = 4096;\n",
+        expect![[r#"
+            [n]
+            ```genom
+            const unsigned long n = 4096;
+            ```
+
+            type `unsigned long` · value `4096` (`0x1000`)
+        "#]],
+    );
+    check(
         "const double half = 1 / 2.0;\nconst double x = half$0;\n",
         expect![[r#"
             [half]
@@ -117,6 +128,7 @@ component c {
   activity go(in long speed = 2 : "in m/s") {
     doc "Goes.";
     task t;
+    local st before, after;
     codel<start> begin(local in speed, ids out v.b, port out p) yield pause::start, ether;
   };
 };
@@ -185,6 +197,7 @@ component c {
                 activity go(in long speed = 2 : "in m/s") {
                   doc "Goes.";
                   task t;
+                  local st before, after;
                   codel<start> begin(local in speed, ids out v.b, port out p) yield pause::start, ether;
                 };
                 ```
@@ -199,12 +212,23 @@ component c {
         expect![[r#"
             [speed]
             ```genom
-            in long speed = 2: "in m/s"
+            in long speed = 2 : "in m/s"
             ```
 
             in `go` · type `long` · 4 bytes packed
 
             in m/s
+        "#]],
+    );
+    check(
+        &at(", after$0"),
+        expect![[r#"
+            [after]
+            ```genom
+            local st before, after;
+            ```
+
+            in `go` · type `struct st (2 members)` · 8 bytes packed
         "#]],
     );
     check(
@@ -438,5 +462,40 @@ fn headers_name_the_unit_that_shows_them() {
 
                 *as included by `main.gen`*
             "#]],
+    );
+}
+
+#[test]
+fn a_state_tells_the_machine_it_is_seen_in_first() {
+    let text = "component c {\n  task t { codel<start> f() yield main; codel<main> g() yield ether; };\n  \
+                activity a() { task t; codel<start> h() yield main; codel<main> k() yield ether; };\n};\n";
+    let machines = |mark: &str| {
+        let fixture = Fixture::new(&text.replacen(mark, &format!("{mark}$0"), 1));
+        let hover = fixture.analysis().hover(&fixture.at()).unwrap();
+        let text = hover.expect("it is a name").info.markdown;
+        let lines = text.lines().filter(|it| it.starts_with("* "));
+        lines.map(str::to_owned).collect::<Vec<_>>()
+    };
+    let of_task = "* task `t`: from `f` → `g` → `ether`";
+    let of_activity = "* activity `a`: from `h` → `k` → `ether`";
+    assert_eq!(machines("f() yield ma"), [of_task, of_activity]);
+    assert_eq!(machines("h() yield ma"), [of_activity, of_task]);
+}
+
+#[test]
+fn long_lists_of_parameters_are_wrapped() {
+    check(
+        "component c { task t; activity go$0(in double first = 1. : \"the first of many\", in double second = { 2. } : \"another\", in double third) { task t; }; };\n",
+        expect![[r#"
+            [go]
+            ```genom
+            activity go(in double first = 1. : "the first of many", in double second = { 2. } : "another",
+                in double third) {
+              task t;
+            };
+            ```
+
+            in `c`
+        "#]],
     );
 }

@@ -1,0 +1,75 @@
+//! General options that a project gives, for whoever leaves them out.
+
+use super::options;
+
+/// What a project says of how its specifications are read.
+#[derive(Debug, Default)]
+pub struct Project {
+    /// Directories searched for included files, after those of the command line.
+    pub include_paths: Vec<String>,
+    /// Macros and their bodies; those of the command line win.
+    pub defines: Vec<(String, String)>,
+    /// Directories searched for templates, as `-t` takes them, if the command line names none.
+    pub template_paths: Option<String>,
+}
+
+impl Project {
+    /// The arguments with what the project adds. `find` gives the project for what follows the general options.
+    pub fn complete(args: &[String], find: impl FnOnce(&[String]) -> Project) -> Vec<String> {
+        let Ok(given) = options::parse(args) else {
+            // They will be refused, with the reason.
+            return args.to_vec();
+        };
+        let project = find(&given.rest);
+        let mut at = args.len() - given.rest.len();
+        if args[..at].last().is_some_and(|it| it == "--") {
+            at -= 1;
+        }
+        let mut out = args[..at].to_vec();
+        for dir in project.include_paths {
+            out.extend(["-I".to_owned(), dir]);
+        }
+        for (name, body) in project.defines {
+            if given.defines.iter().all(|it| it.0 != name) {
+                out.extend(["-D".to_owned(), format!("{name}={body}")]);
+            }
+        }
+        if given.templates.is_none()
+            && let Some(paths) = project.template_paths
+        {
+            out.extend(["-t".to_owned(), paths]);
+        }
+        out.extend_from_slice(&args[at..]);
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn check(line: &str, expected: &str) {
+        let words: Vec<String> = line.split(' ').map(str::to_owned).collect();
+        let project = |_: &[String]| Project {
+            include_paths: vec!["/p/idl".to_owned()],
+            defines: vec![("A".to_owned(), "1".to_owned())],
+            template_paths: Some("/p/templates".to_owned()),
+        };
+        assert_eq!(Project::complete(&words, project).join(" "), expected);
+    }
+
+    #[test]
+    fn what_is_given_comes_first_and_wins() {
+        check(
+            "skeleton -I own x.gen",
+            "-I /p/idl -D A=1 -t /p/templates skeleton -I own x.gen",
+        );
+        check(
+            "-I inc -DA=2 -t t -- skeleton x.gen",
+            "-I inc -DA=2 -t t -I /p/idl -- skeleton x.gen",
+        );
+        check("-l", "-l -I /p/idl -D A=1 -t /p/templates");
+        check("--nonsense x.gen", "--nonsense x.gen");
+    }
+}
