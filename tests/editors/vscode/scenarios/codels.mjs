@@ -6,8 +6,12 @@ import { until } from '../harness.mjs';
 
 export const workspace = 'drift';
 
-// A folder of an earlier day is replaced, the rest is kept.
-export const settings = { 'clangd.arguments': ['--background-index', '--compile-commands-dir=/elsewhere'] };
+export const settings = {
+  // A folder of an earlier day is replaced, the rest is kept.
+  'clangd.arguments': ['--background-index', '--compile-commands-dir=/elsewhere'],
+  // Whether a refactoring has been applied is seen by what has to be saved.
+  'files.refactoring.autoSave': false,
+};
 
 // In place of clangd's extension: it says with what it would start.
 export const others = {
