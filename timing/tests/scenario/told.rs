@@ -194,7 +194,7 @@ fn what_was_caught_beside_an_exploration_is_told_while_it_goes_on() {
     let parsed = parse(&text);
     assert_eq!(parsed.errors, []);
     let mut some = Options::default();
-    some.limits.states = 40_000;
+    some.limits.states = 150_000;
     let told = Mutex::new(Vec::new());
     let tell = |it: &Report| told.lock().unwrap().push(it.clone());
     let cancel = Cancel::default();

@@ -6,7 +6,8 @@
 //! ever recovers. They prove nothing; what they catch is a run like any other.
 //!
 //! Such runs are longer than they have to be. So before they are told, the search in order of time goes on, and ones that end
-//! earlier are chased: both for as long as everything has taken so far, if that is not very long. What was told is final.
+//! earlier are chased: both for as long as everything has taken so far, if that is not very long. What was told is final. In a
+//! search that takes long it is told on the way.
 
 mod chase;
 mod endless;
@@ -362,7 +363,7 @@ impl Search<'_> {
                 }
             }
             let any = self.any_unseen(&|caught| caught.is_some());
-            let tell_at = self.steps + self.further();
+            let tell_at = self.steps + FURTHER;
             if let Some(hunt) = self.hunt.as_mut().filter(|_| any) {
                 hunt.tell_at.get_or_insert(tell_at);
             }
