@@ -2,7 +2,7 @@
 //!
 //! Where nothing is periodic, what matters is in which order codels and delays end. In whole numbers of time there are the more
 //! states the longer they last; *zones*, sets of remaining times (see [`Zone`]), depend on their order alone. So
-//! beside a search moment by moment, with as much effort, another one takes states to zones instead of windows. Rules,
+//! beside a search moment by moment, and with most of the effort, another one gives states zones instead of windows. Rules,
 //! ample sets and symmetry are the same; a window is then the shortest and longest time in the zone. What no state with a zone
 //! shows is proved. What one does show is left to the other search, which comes to it with a run.
 
