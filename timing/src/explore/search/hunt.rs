@@ -15,7 +15,6 @@ mod endless;
 use rustc_hash::FxHashSet;
 
 use self::chase::{Chase, Order};
-use super::trace::Goal;
 use super::{Search, Sight};
 use crate::cancel::Cancel;
 use crate::explore::findings::{Findings, Found};
@@ -62,10 +61,10 @@ pub(super) struct Hunt {
 
 /// What was caught.
 #[derive(Debug)]
-struct Catch {
-    run: Run,
+pub(super) struct Catch {
+    pub(super) run: Run,
     /// It is told, and stays: none that ends earlier is looked for any more.
-    is_final: bool,
+    pub(super) is_final: bool,
 }
 
 /// What was seen where, what was caught if there is a hunt, and what never happens.
@@ -164,37 +163,24 @@ impl Hunt {
         runs.flatten().map(|it| it.run.end).max()
     }
 
-    pub(super) fn missed(&self, i: usize) -> Option<&Run> {
-        Some(&self.caught.missed[i].as_ref()?.run)
+    fn lists_mut(&mut self) -> [&mut Vec<Option<Catch>>; 3] {
+        let Lists {
+            missed,
+            overdue,
+            reached,
+        } = &mut self.caught;
+        [missed, overdue, reached]
     }
 
-    pub(super) fn overdue(&self, i: usize) -> Option<&Run> {
-        Some(&self.caught.overdue[i].as_ref()?.run)
+    /// What was caught, by list and place, see [`Search::for_each`].
+    pub(super) fn caught(&self, list: usize, i: usize) -> Option<&Catch> {
+        let Lists {
+            missed,
+            overdue,
+            reached,
+        } = &self.caught;
+        [missed, overdue, reached][list][i].as_ref()
     }
-
-    pub(super) fn reached(&self, i: usize) -> Option<&Run> {
-        Some(&self.caught.reached[i].as_ref()?.run)
-    }
-
-    /// Runs that are final, of ticks that come too early.
-    pub(super) fn told_missed(&self, i: usize) -> Option<&Run> {
-        told(&self.caught.missed[i])
-    }
-
-    /// The same of tasks that wait too long.
-    pub(super) fn told_overdue(&self, i: usize) -> Option<&Run> {
-        told(&self.caught.overdue[i])
-    }
-
-    /// The same of predicates.
-    pub(super) fn told_reached(&self, i: usize) -> Option<&Run> {
-        told(&self.caught.reached[i])
-    }
-}
-
-fn told(it: &Option<Catch>) -> Option<&Run> {
-    let it = it.as_ref().filter(|it| it.is_final);
-    it.map(|it| &it.run)
 }
 
 impl Search<'_> {
@@ -280,28 +266,11 @@ impl Search<'_> {
 
     /// The hunt, for another search of the same system: what was seen by this one is known already.
     pub(super) fn hand_on_hunt(&mut self) -> Option<Hunt> {
-        let run = |at: &Option<Sight>, goal: Goal| at.map(|at| self.trace(at, &goal));
-        let watch = self.watch;
-        let tasks = watch.schedulable.iter().zip(&self.missed);
-        let missed = tasks.map(|(&task, at)| run(at, Goal::Missed(task)));
-        let tasks = watch.overdue.iter().zip(&self.overdue);
-        let overdue = tasks.map(|(&task, at)| run(at, Goal::Overdue(task)));
-        let goals = watch.reach.iter().zip(&self.reached);
-        let reached = goals.map(|(it, at)| run(at, Goal::Reach(it)));
-        let seen = Lists {
-            missed: missed.collect(),
-            overdue: overdue.collect(),
-            reached: reached.collect(),
-        };
+        let seen = self.for_each(|list, i| self.seen_run(list, i));
         let mut hunt = self.hunt.take()?;
         hunt.steps = 0;
         hunt.tell_at = None;
-        let lists = [
-            (&mut hunt.caught.missed, seen.missed),
-            (&mut hunt.caught.overdue, seen.overdue),
-            (&mut hunt.caught.reached, seen.reached),
-        ];
-        for (caught, seen) in lists {
+        for (caught, seen) in hunt.lists_mut().into_iter().zip(seen) {
             for (caught, run) in caught.iter_mut().zip(seen) {
                 let first = |run| Catch {
                     run,
@@ -329,12 +298,7 @@ impl Search<'_> {
         self.chase_earlier(self.further());
         if let Some(hunt) = &mut self.hunt {
             hunt.tell_at = None;
-            let Lists {
-                missed,
-                overdue,
-                reached,
-            } = &mut hunt.caught;
-            for list in [missed, overdue, reached] {
+            for list in hunt.lists_mut() {
                 list.iter_mut().flatten().for_each(|it| it.is_final = true);
             }
         }
@@ -411,7 +375,9 @@ impl Search<'_> {
         goals: &Lists<usize>,
         bounds: Option<(u64, u64)>,
     ) -> bool {
-        let mut order = self.next_order();
+        let Some(mut order) = self.next_order() else {
+            return false;
+        };
         // Late ones are no use for what others have caught.
         order.late &= bounds.is_none() || self.hunt.as_ref().is_some_and(|it| it.late);
         self.run_chase(chase, order, bounds);
@@ -428,12 +394,12 @@ impl Search<'_> {
     }
 
     /// In which order the next chase looks at things.
-    fn next_order(&mut self) -> Order {
-        let hunt = self.hunt.get_or_insert_default();
+    fn next_order(&mut self) -> Option<Order> {
+        let hunt = self.hunt.as_mut()?;
         hunt.chases += 1;
         let mut order = Order::numbered(hunt.chases - 1);
         order.late &= !hunt.not_late;
-        order
+        Some(order)
     }
 
     /// One chase.
@@ -444,7 +410,9 @@ impl Search<'_> {
             None => self.nodes.len() + self.layer.len() + self.states_beside(),
         };
         let bytes = self.memory();
-        let hunt = self.hunt.get_or_insert_default();
+        let Some(hunt) = &mut self.hunt else {
+            return;
+        };
         let (length, end) = bounds.unwrap_or((hunt.length(), u64::MAX));
         let room = chase.run(order, length, end, (states, bytes));
         hunt.full |= !room;

@@ -1,7 +1,6 @@
 //! What has been seen, or is proved, for good while the exploration goes on: told at once.
 
-use super::trace::Goal;
-use super::{Search, Sight};
+use super::Search;
 use crate::explore::findings::{Findings, Found};
 use crate::explore::run::Run;
 
@@ -11,9 +10,7 @@ pub(super) type Teller<'a> = &'a mut dyn FnMut(&Findings);
 /// Whom to tell, and what was told already, by the lists of the watch.
 pub(super) struct News<'a> {
     teller: Teller<'a>,
-    missed: Vec<bool>,
-    overdue: Vec<bool>,
-    reached: Vec<bool>,
+    told: [Vec<bool>; 3],
     /// What zones have proved was told.
     proved: bool,
 }
@@ -22,16 +19,11 @@ impl<'a> News<'a> {
     pub(super) fn new(teller: Teller<'a>) -> Self {
         News {
             teller,
-            missed: Vec::new(),
-            overdue: Vec::new(),
-            reached: Vec::new(),
+            told: Default::default(),
             proved: false,
         }
     }
 }
-
-/// A run that was caught and is final.
-type Caught<'s> = &'s dyn Fn(usize) -> Option<&'s Run>;
 
 impl Search<'_> {
     /// Tells what is new: what fails, is reached, or never is. What comes later does not change that, nor the run that shows it.
@@ -39,27 +31,21 @@ impl Search<'_> {
         let Some(mut news) = self.news.take() else {
             return;
         };
-        let hunt = self.hunt.as_ref();
-        let missed: Caught = &|i| hunt?.told_missed(i);
-        let overdue: Caught = &|i| hunt?.told_overdue(i);
-        let reached: Caught = &|i| hunt?.told_reached(i);
-        let any = is_new(&news.missed, &self.missed, missed)
-            || is_new(&news.overdue, &self.overdue, overdue)
-            || is_new(&news.reached, &self.reached, reached)
-            || news.proved != self.is_proved();
-        if any {
+        let told = |list: usize, i: usize| news.told[list].get(i) == Some(&true);
+        let is_new = |list, i| !told(list, i) && self.is_known(list, i);
+        let any = (0..3).any(|list| (0..self.sights()[list].len()).any(|i| is_new(list, i)));
+        if any || news.proved != self.is_proved() {
+            let [missed, overdue, reached] = self.for_each(|list, i| {
+                let run = is_new(list, i).then(|| self.known_run(list, i));
+                run.flatten().map(|run| Found { run })
+            });
+            news.told = self.for_each(|list, i| self.is_known(list, i));
             news.proved = self.is_proved();
             let watch = self.watch;
             let found = Findings {
-                missed: self.found(&mut news.missed, (&self.missed, missed), |i| {
-                    Goal::Missed(watch.schedulable[i])
-                }),
-                overdue: self.found(&mut news.overdue, (&self.overdue, overdue), |i| {
-                    Goal::Overdue(watch.overdue[i])
-                }),
-                reached: self.found(&mut news.reached, (&self.reached, reached), |i| {
-                    Goal::Reach(&watch.reach[i])
-                }),
+                missed,
+                overdue,
+                reached,
                 never: (0..watch.reach.len())
                     .map(|it| self.never_reached(it))
                     .collect(),
@@ -73,32 +59,20 @@ impl Search<'_> {
         self.news = Some(news);
     }
 
-    /// What was seen or caught, and not told, which it is now.
-    fn found<'g>(
-        &self,
-        told: &mut Vec<bool>,
-        (seen, caught): (&[Option<Sight>], Caught),
-        goal: impl Fn(usize) -> Goal<'g>,
-    ) -> Vec<Option<Found>> {
-        told.resize(seen.len(), false);
-        let all = seen.iter().zip(told).enumerate();
-        all.map(|(i, (seen, told))| {
-            if *told {
-                return None;
-            }
-            let run = match (caught(i), seen) {
-                (Some(run), _) => run.clone(),
-                (None, Some(at)) => self.trace(*at, &goal(i)),
-                (None, None) => return None,
-            };
-            *told = true;
-            Some(Found { run })
-        })
-        .collect()
+    /// The run that was caught, if it is final.
+    fn final_catch(&self, list: usize, i: usize) -> Option<&Run> {
+        let caught = self.hunt.as_ref()?.caught(list, i)?;
+        caught.is_final.then_some(&caught.run)
     }
-}
 
-fn is_new(told: &[bool], seen: &[Option<Sight>], caught: Caught) -> bool {
-    let mut all = seen.iter().enumerate();
-    all.any(|(i, seen)| told.get(i) != Some(&true) && (seen.is_some() || caught(i).is_some()))
+    /// Whether something was seen, or caught for good.
+    fn is_known(&self, list: usize, i: usize) -> bool {
+        self.sights()[list][i].is_some() || self.final_catch(list, i).is_some()
+    }
+
+    /// The run that shows it.
+    fn known_run(&self, list: usize, i: usize) -> Option<Run> {
+        let caught = self.final_catch(list, i).cloned();
+        caught.or_else(|| self.seen_run(list, i))
+    }
 }

@@ -297,34 +297,42 @@ impl Search<'_> {
             .collect()
     }
 
-    pub(super) fn findings(self) -> Findings {
-        let found = |at: Sight, goal: Goal| Found {
-            run: self.trace(at, &goal),
+    /// What was seen of what a single state shows: the lists of a watch of ticks that come too early, tasks that wait too
+    /// long, and predicates, numbered in this order.
+    pub(super) fn sights(&self) -> [&[Option<Sight>]; 3] {
+        [&self.missed, &self.overdue, &self.reached]
+    }
+
+    /// Something for each place of these lists.
+    pub(super) fn for_each<T>(&self, it: impl Fn(usize, usize) -> T) -> [Vec<T>; 3] {
+        let sights = self.sights();
+        [0, 1, 2].map(|list| (0..sights[list].len()).map(|i| it(list, i)).collect())
+    }
+
+    /// The run to one of them, if it was seen.
+    pub(super) fn seen_run(&self, list: usize, i: usize) -> Option<Run> {
+        let goal = match list {
+            0 => Goal::Missed(self.watch.schedulable[i]),
+            1 => Goal::Overdue(self.watch.overdue[i]),
+            _ => Goal::Reach(&self.watch.reach[i]),
         };
+        self.sights()[list][i].map(|at| self.trace(at, &goal))
+    }
+
+    pub(super) fn findings(self) -> Findings {
         let hunt = self.hunt.as_ref();
-        let caught = |run: Option<&Run>| run.map(|it| Found { run: it.clone() });
+        let [missed, overdue, reached] = self.for_each(|list, i| {
+            let caught = || Some(hunt?.caught(list, i)?.run.clone());
+            let run = self.seen_run(list, i).or_else(caught)?;
+            Some(Found { run })
+        });
         let mut response = self.measured();
         let within = response.split_off(self.watch.response.len());
         Findings {
-            missed: (self.watch.schedulable.iter().zip(&self.missed).enumerate())
-                .map(|(i, (&task, at))| {
-                    let seen = at.map(|at| found(at, Goal::Missed(task)));
-                    seen.or_else(|| caught(hunt?.missed(i)))
-                })
-                .collect(),
-            overdue: (self.watch.overdue.iter().zip(&self.overdue).enumerate())
-                .map(|(i, (&task, at))| {
-                    let seen = at.map(|at| found(at, Goal::Overdue(task)));
-                    seen.or_else(|| caught(hunt?.overdue(i)))
-                })
-                .collect(),
+            missed,
+            overdue,
             response,
-            reached: (self.watch.reach.iter().zip(&self.reached).enumerate())
-                .map(|(i, (it, at))| {
-                    let seen = at.map(|at| found(at, Goal::Reach(it)));
-                    seen.or_else(|| caught(hunt?.reached(i)))
-                })
-                .collect(),
+            reached,
             within,
             never: (0..self.watch.reach.len())
                 .map(|it| self.never_reached(it))
@@ -333,7 +341,9 @@ impl Search<'_> {
             deadlock: self
                 .deadlock
                 .filter(|_| self.watch.deadlock)
-                .map(|at| found(at, Goal::Deadlock)),
+                .map(|at| Found {
+                    run: self.trace(at, &Goal::Deadlock),
+                }),
             refused: self.refused(),
             states: self.states(),
             steps: self.effort(),

@@ -70,10 +70,11 @@ impl Search<'_> {
         let search = Search::new(system, &watch, &gauges, self.limits, self.cancel);
         let mut chase = Chase::new(search);
         for _ in 0..Order::KINDS {
-            if !self.is_hunt_due() {
+            let due = self.is_hunt_due();
+            let Some(order) = due.then(|| self.next_order()).flatten() else {
                 return;
-            }
-            let order = self.next_order().steady();
+            };
+            let order = order.steady();
             // A run that repeats itself may do so only after it has gone on for some time.
             for doubled in 0..DOUBLED {
                 chase.lasts = Some(self.patience.saturating_mul(1 << doubled));
