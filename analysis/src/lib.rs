@@ -13,6 +13,7 @@ pub mod lint;
 pub mod model;
 pub mod model_json;
 mod queries;
+pub mod release;
 mod report;
 pub mod source_map;
 mod suppress;

@@ -17,6 +17,7 @@ mod kind;
 mod prototypes;
 pub mod text;
 
+use dotgen_analysis::release::Change;
 use dotgen_analysis::model::{CodelRef, Name, Param, ParamSource, Spec, Src, TypeId, TypeKind};
 
 pub use kind::{
@@ -185,6 +186,11 @@ impl<'a> Mapper<'a> {
         }
     }
 
+    /// Whether the specification's release has a change.
+    pub(crate) fn has(&self, change: Change) -> bool {
+        self.spec.release.has(change)
+    }
+
     fn unsupported<T>(&self, procedure: &str) -> Result<T, LangError> {
         Err(LangError::error(format!(
             "invalid command name \"::language::{}::{procedure}\"",
@@ -249,6 +255,9 @@ impl<'a> Mapper<'a> {
             | TypeKind::Exception { .. }
             | TypeKind::Typedef { .. }
             | TypeKind::Native => format!("t{}", self.full_name(ty)?.replace("::", "_")),
+            TypeKind::Port { .. } if self.has(Change::PortManglings) => {
+                format!("t{}", self.full_name(ty)?.replace("::", "_"))
+            }
             TypeKind::Array { element, .. }
             | TypeKind::Sequence { element, .. }
             | TypeKind::Optional { element } => {
@@ -310,11 +319,11 @@ impl<'a> Mapper<'a> {
         }
     }
 
-    /// The declaration of a returned value.
-    pub fn return_value(&self, ty: TypeId, passing: Passing) -> LangResult {
+    /// The declaration of a returned value, of a variable when `var` is not empty.
+    pub fn return_value(&self, ty: TypeId, passing: Passing, var: &str) -> LangResult {
         match self.language {
-            Language::C => c::return_value(self, ty, passing),
-            Language::Cxx => cxx::argument(self, ty, passing, ""),
+            Language::C => c::return_value(self, ty, passing, var),
+            Language::Cxx => cxx::argument(self, ty, passing, var),
             Language::Tcl => self.unsupported("return-value"),
         }
     }

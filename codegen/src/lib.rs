@@ -7,4 +7,5 @@ pub mod command;
 pub mod compiler;
 pub mod frontend;
 pub mod lang;
+pub mod release_diff;
 pub mod template;

@@ -45,6 +45,7 @@ fn run(dir: &Path, args: &[&str]) -> (i32, String, String) {
         base: std::path::PathBuf::new(),
         sink: dotgen_codegen::template::OutputSink::Direct,
         failed_at: None,
+        release: None,
     };
     let dir = dir.display().to_string();
     let args: Vec<String> = args.iter().map(|it| it.replace("DIR", &dir)).collect();
@@ -171,7 +172,7 @@ fn errors_in_the_specification_are_reported() {
     let (status, _, err) = run(dir.path(), &["docs", "DIR/none.gen"]);
     assert_eq!(status, 2);
     assert!(
-        err.contains("cannot read DIR/none.gen: no such file"),
+        err.contains("DIR/none.gen: No such file or directory"),
         "{err}"
     );
     let (status, _, err) = run(dir.path(), &["-n", "DIR/bad.gen"]);

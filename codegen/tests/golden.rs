@@ -79,6 +79,7 @@ fn generator() -> ExitCode {
         base: std::path::PathBuf::new(),
         sink: dotgen_codegen::template::OutputSink::Direct,
         failed_at: None,
+        release: None,
     };
     let status = generate(&arguments, &mut environment);
     ExitCode::from(u8::try_from(status & 0xff).unwrap_or(2))

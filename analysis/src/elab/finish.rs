@@ -5,6 +5,7 @@ use std::sync::Arc;
 use num_rational::Ratio;
 
 use super::{Access, ElabDiagnostic, Elaborated, context::Elaborator, property::to_f64};
+use crate::release::Change;
 use crate::model::{ComponentKind, Quantity, Seconds, Spec, TypeId, TypeKind, visit::TypeIds};
 
 impl Elaborator<'_> {
@@ -18,8 +19,13 @@ impl Elaborator<'_> {
                 component.lang.get_or_insert_with(|| "c".to_owned());
                 component.version.get_or_insert_with(|| "0".to_owned());
                 self.lint(index);
+            } else if self.spec.release.has(Change::InterfaceDefaults) {
+                let interface = &mut self.spec.components[index];
+                interface.lang.get_or_insert_with(|| "c".to_owned());
+                interface.version.get_or_insert_with(|| "0".to_owned());
             }
         }
+        self.report_newer();
     }
 
     /// What is suspicious about a component, as far as its declarations were understood.

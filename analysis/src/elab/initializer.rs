@@ -10,6 +10,7 @@ use super::{
 };
 use crate::{
     item_tree::{self, Designator},
+    release::Change,
     model::{InitValue, Initializer, PathElement, Src, TypeId, TypeKind},
 };
 
@@ -52,6 +53,18 @@ impl<'a> Elaborator<'a> {
                     return None;
                 }
                 let last = types::look_through(&self.spec, ty);
+                let opaque = matches!(
+                    self.spec.ty(last).kind,
+                    TypeKind::Native | TypeKind::Any | TypeKind::Exception { .. }
+                );
+                if opaque && self.spec.release.has(Change::OpaqueInitializers) {
+                    let message = format!(
+                        "`{}` cannot have a default value; leave it out",
+                        types::display(&self.spec, ty)
+                    );
+                    self.error("init-scalar-compound", at, message);
+                    return None;
+                }
                 if matches!(
                     self.spec.ty(last).kind,
                     TypeKind::Array { .. }

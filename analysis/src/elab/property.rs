@@ -10,6 +10,7 @@ use super::{
 };
 use crate::{
     item_tree::{Duration, Expr, ExprKind, Path, Property, PropertyKind, Unit},
+    release::Change,
     model::{Quantity, Seconds, Src, TypeId, TypeKind, Value},
 };
 
@@ -95,7 +96,7 @@ impl<'a> Elaborator<'a> {
             | PropertyKind::Lang(value)
             | PropertyKind::Email(value) => {
                 let Some(value) = text(value) else { return };
-                if self.once_in_component(index, word, at) {
+                if self.first_in_component(index, word, &value, at) {
                     let component = &mut self.spec.components[index as usize];
                     let slot = match word {
                         "version" => &mut component.version,
@@ -108,12 +109,16 @@ impl<'a> Elaborator<'a> {
             PropertyKind::Requires(list) => {
                 let added = self.string_list(list, word);
                 union(&mut self.spec.components[index as usize].requires, added);
+                self.note_requirements(list);
             }
             PropertyKind::CodelsRequires(list) => {
                 let added = self.string_list(list, word);
                 let given = &mut self.components[index as usize].given;
                 if let Some(&first) = given.get(word) {
-                    self.report(
+                    self.newer_or(
+                        Change::MergedProperties,
+                        "a second `codels-requires`",
+                        at,
                         ElabDiagnostic::new(
                             "codels-requires-again",
                             at,
@@ -136,6 +141,13 @@ impl<'a> Elaborator<'a> {
                     self.spec.components[index as usize].clock_rate = value;
                 }
             }
+            PropertyKind::Stack(size) if self.spec.release.has(Change::ComponentStack) => {
+                let value = self.stack(size, at);
+                if self.once_in_component(index, word, at) {
+                    self.spec.components[index as usize].stack = value;
+                    self.newer(Change::ComponentStack, "a `stack` for a whole component", at);
+                }
+            }
             PropertyKind::Provides(names)
             | PropertyKind::Uses(names)
             | PropertyKind::Extends(names) => self.imports(index, names, word),
@@ -148,7 +160,10 @@ impl<'a> Elaborator<'a> {
                 self.local_outside(at, "a component or interface");
             }
             kind => {
-                let message = format!("`{word}` cannot stand here; it belongs {}", home(kind));
+                let mut message = format!("`{word}` cannot stand here; it belongs {}", home(kind));
+                if let PropertyKind::Stack(_) = kind {
+                    message += &self.accepted_since(Change::ComponentStack);
+                }
                 self.error("prop-not-in-component", at, message);
             }
         }
@@ -160,6 +175,27 @@ impl<'a> Elaborator<'a> {
                      that lasts, use the ids)"
         );
         self.error("local-outside-service", at, message);
+    }
+
+    /// As [`Self::once_in_component`], for what may be repeated in newer releases: the first one counts.
+    fn first_in_component(&mut self, index: u32, word: &'static str, value: &str, at: Src) -> bool {
+        if self.repeats_first(index, word, value) {
+            self.newer(Change::MergedProperties, "a property that is repeated", at);
+            return false;
+        }
+        self.once_in_component(index, word, at)
+    }
+
+    /// Whether a property of a component is given already and may be repeated: languages must then be the same.
+    pub(super) fn repeats_first(&self, index: u32, word: &'static str, value: &str) -> bool {
+        let merges = match word {
+            "version" | "email" => true,
+            "lang" => self.spec.components[index as usize].lang.as_deref() == Some(value),
+            _ => false,
+        };
+        merges
+            && self.spec.release.has(Change::MergedProperties)
+            && self.components[index as usize].given.contains_key(word)
     }
 
     fn once_in_component(&mut self, index: u32, word: &'static str, at: Src) -> bool {

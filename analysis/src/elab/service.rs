@@ -11,6 +11,7 @@ use super::{
     signature::NewParam,
 };
 use crate::{
+    release::Change,
     item_tree::{Item, Name, ParamDecl, Property, PropertyKind, ServiceDecl},
     model::{
         CodelKind, ComponentKind, Name as Text, Owner, Service, ServiceKind, ServiceList, Src,
@@ -286,10 +287,17 @@ impl<'a> Elaborator<'a> {
                         ElabDiagnostic::new("service-task", service, message)
                             .related(at, "this property"),
                     );
-                } else if let Some(task) = task
-                    && self.once_in_service(index, service, word, at)
-                {
-                    self.service_task(index, service, task, at);
+                } else if let Some(task) = task {
+                    let again = self.components[c].services[s].given.contains_key(word);
+                    if again && self.spec.release.has(Change::MergedProperties) {
+                        // The first one counts.
+                        self.task_named(index, task, at);
+                        self.newer(Change::MergedProperties, "a second `task` of an activity", at);
+                    } else if self.once_in_service(index, service, word, at)
+                        && let Some(task) = self.task_named(index, task, at)
+                    {
+                        self.spec.components[c].services[s].task = Some(task);
+                    }
                 }
             }
             PropertyKind::Local { ty, declarators } => {
@@ -330,11 +338,16 @@ impl<'a> Elaborator<'a> {
                         return;
                     }
                     (ServiceKind::Attribute, false) => {
-                        self.error(
-                            "attribute-codel",
+                        self.newer_or(
+                            Change::AttributeCodels,
+                            "a codel of an attribute",
                             at,
-                            "generators before version 2.99.41 refuse codels of attributes other \
-                             than `validate`; use a function to be accepted by all",
+                            ElabDiagnostic::new(
+                                "attribute-codel",
+                                at,
+                                "generators before version 2.99.41 refuse codels of attributes \
+                                 other than `validate`; use a function to be accepted by all",
+                            ),
                         );
                     }
                     _ => {}
@@ -370,11 +383,12 @@ impl<'a> Elaborator<'a> {
         first
     }
 
-    fn service_task(&mut self, index: u32, service: u32, task: &Name, at: Src) {
+    /// The task that an activity names; reports it when there is none.
+    fn task_named(&mut self, index: u32, task: &Name, at: Src) -> Option<u32> {
         let state = &self.components[index as usize];
         let Some(&found) = state.task_by_name.get(&task.text) else {
             if self.is_excused(index, &task.text) {
-                return;
+                return None;
             }
             let hint = self.hint(&task.text, state.task_by_name.keys().map(|it| it.as_str()));
             let message = format!(
@@ -383,11 +397,11 @@ impl<'a> Elaborator<'a> {
                 task.text
             );
             self.error("task-unknown", at, message);
-            return;
+            return None;
         };
         let def = state.tasks[found as usize].def;
         self.refer(self.src(task.ptr), def);
-        self.spec.components[index as usize].services[service as usize].task = Some(found);
+        Some(found)
     }
 
     /// The names in a list of services.

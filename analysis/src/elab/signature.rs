@@ -9,7 +9,8 @@ use super::{
 };
 use crate::{
     item_tree::{Declarator, ParamDecl, ParamSpec, PathStep, ServiceDecl, TypeRef},
-    model::{Param, ParamDir, ParamSource, Src},
+    release::Change,
+    model::{Param, ParamDir, ParamSource, Src, TypeId, TypeKind},
 };
 
 /// A parameter just read, with its definition's place.
@@ -59,6 +60,7 @@ impl<'a> Elaborator<'a> {
                 let base = self.type_ref(ty);
                 let declarator = declarator.as_ref()?;
                 let ty = self.declared_type(base, declarator);
+                let ty = self.data_type(ty, &declarator.name.text, src);
                 let param = Param {
                     name: declarator.name.text.clone(),
                     src,
@@ -87,6 +89,29 @@ impl<'a> Elaborator<'a> {
             param.init = self.initializer(init, param.ty);
         }
         Some(NewParam { param, name_src })
+    }
+
+    /// The type of a parameter or local variable, unless it is something that holds no data: a port, remote or event
+    /// itself.
+    fn data_type(&mut self, ty: TypeId, name: &str, at: Src) -> TypeId {
+        let special = matches!(
+            self.spec.ty(ty).kind,
+            TypeKind::Port { .. } | TypeKind::Remote { .. } | TypeKind::Event | TypeKind::PauseEvent
+        );
+        if !special || !self.spec.release.has(Change::SpecialParameterTypes) {
+            return ty;
+        }
+        let what = types::describe(&self.spec, ty);
+        let message = format!(
+            "`{name}` cannot be {what}: `{}` holds no data; use the type of its data",
+            types::display(&self.spec, ty)
+        );
+        let mut diagnostic = ElabDiagnostic::new("param-special", at, message);
+        if let Some(place) = self.type_place(ty) {
+            diagnostic = diagnostic.related(place, "declared here");
+        }
+        self.report(diagnostic);
+        self.unknown(at)
     }
 
     pub(super) fn add_param(
@@ -219,9 +244,10 @@ impl<'a> Elaborator<'a> {
     ) {
         let base = self.type_ref(ty);
         for declarator in declarators {
-            let ty = self.declared_type(base, declarator);
             let src = self.src(declarator.name.ptr);
             let name = &declarator.name.text;
+            let ty = self.declared_type(base, declarator);
+            let ty = self.data_type(ty, name, src);
             let local = Param {
                 name: name.clone(),
                 src,

@@ -10,6 +10,7 @@ use super::{
     property::{self, keyword, union},
 };
 use crate::{
+    release::Change,
     item_tree::{Item, Name, PropertyKind, Ptr},
     model::{CodelKind, Name as Text, Owner, Src, Task},
 };
@@ -22,6 +23,9 @@ impl<'a> Elaborator<'a> {
             Some(task) => {
                 let def = self.components[index as usize].tasks[task as usize].def;
                 self.refer_as(at, def, Access::None, true);
+                if self.spec.release.has(Change::ReopenedTaskPlaces) {
+                    self.spec.components[index as usize].tasks[task as usize].src = at;
+                }
                 task
             }
             None => {

@@ -20,7 +20,7 @@ use crate::compiler::Compiler;
 use crate::frontend::Frontend;
 use crate::template::console::Console;
 use crate::template::output::Environment as Surroundings;
-use crate::template::{Failure, Modes, Output, OutputSink, VERSION, notice, tcl};
+use crate::template::{Failure, Modes, Output, OutputSink, notice, tcl};
 
 /// Steps a text may take.
 const FUEL: u64 = 50_000_000;
@@ -276,7 +276,7 @@ impl Data {
             notice => all_notices,
             language => options.language.as_deref().unwrap_or("c"),
             terse => options.terse,
-            version => VERSION,
+            version => spec.release.to_string(),
             codel_files => Value::from_serialize(&names),
         };
         let components = regular

@@ -6,7 +6,7 @@
 //! comparison went through one normalization.
 
 use dotgen_analysis::model::{
-    CodelKind, CodelRef, Component, Name, Owner, ServiceKind, Spec, State, TypeId, TypeKind,
+    CodelKind, CodelRef, Component, Name, Owner, Port, ServiceKind, Spec, State, TypeId, TypeKind,
 };
 use rustc_hash::{FxHashMap, FxHashSet};
 use smol_str::SmolStr;
@@ -101,6 +101,7 @@ impl<'a> Expected<'a> {
         }
         out.collect_functions();
         out.collect_aliases();
+        out.collect_ports();
         out
     }
 
@@ -222,6 +223,30 @@ impl<'a> Expected<'a> {
         let shapes = read_prototypes(signatures.map(Result::ok), self.language);
         for (function, shape) in self.functions.iter_mut().zip(shapes) {
             function.shape = shape;
+        }
+    }
+
+    /// A port that comes through `provides` has two right spellings of its type, whatever the release: that of the
+    /// interface, and that of the component. Newer releases declare one an alias of the other.
+    fn collect_ports(&mut self) {
+        for port in &self.component().ports {
+            let Some(interface) = port.imported_from else {
+                continue;
+            };
+            let theirs = self.spec.components[interface as usize].ports.iter();
+            let same = |it: &&Port| it.name == port.name && it.dir == port.dir && it.ty != port.ty;
+            for other in theirs.filter(same) {
+                let (name, own) = (self.spelling(other.ty), self.spelling(port.ty));
+                let own = read_prototypes(
+                    std::iter::once(Some(format!("void f({own} x)").as_str())),
+                    self.language,
+                );
+                let parameter = own.into_iter().flatten().next();
+                let parameter = parameter.and_then(|it| it.parameters.into_iter().next());
+                if let Some(parameter) = parameter {
+                    self.aliases.insert(name, parameter.ty);
+                }
+            }
         }
     }
 

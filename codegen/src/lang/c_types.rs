@@ -1,5 +1,6 @@
 //! C: the text of type definitions and codel prototypes.
 
+use dotgen_analysis::release::Change;
 use dotgen_analysis::model::{ParamDir, PortDir, TypeId, TypeKind, Value};
 
 use super::c::declarator;
@@ -152,6 +153,10 @@ impl Writer<'_, '_> {
                 body += &format!("\n  {};", declarator(self.m, element, "*_buffer")?);
                 body += "\n  void (*_release)(void *_buffer);";
             }
+            Some(bound) if self.m.has(Change::MutableBoundedSequences) => {
+                let buffer = declarator(self.m, element, &format!("_buffer[{bound}]"))?;
+                body += &format!("\n  uint32_t _maximum, _length;\n  {buffer};");
+            }
             Some(bound) => {
                 let buffer = declarator(self.m, element, &format!("_buffer[{bound}]"))?;
                 body += &format!(
@@ -252,8 +257,13 @@ impl Writer<'_, '_> {
                 body += &format!("\n {};", declarator(self.m, *member, name)?);
                 needed += &self.anonymous(self.m.inner_or_error(*member)?)?;
             }
+            // Raising an exception copies its detail.
+            let detail = match self.m.has(Change::ConstExceptionDetails) {
+                true => format!("const {n}_detail"),
+                false => format!("{n}_detail"),
+            };
             body += &format!(
-                "\n}};\nstatic inline genom_event\n{n}({n}_detail *d, genom_context self) {{\
+                "\n}};\nstatic inline genom_event\n{n}({detail} *d, genom_context self) {{\
                  \n return self->raise({n}_id, d, sizeof(*d), self);\n}}"
             );
         }
@@ -267,7 +277,7 @@ impl Writer<'_, '_> {
             TypeKind::Sequence { .. } => self.anonymous(port.data)?,
             _ => String::new(),
         };
-        let data = self.m.return_value(port.data, Passing::Reference)?;
+        let data = self.m.return_value(port.data, Passing::Reference, "")?;
         let arguments = if port.multiple {
             "const char *id, genom_context self"
         } else {

@@ -258,7 +258,7 @@ impl Writer<'_, '_> {
 
     fn port(&self, ty: TypeId, component: u32, port: u32) -> LangResult {
         let port = &self.m.spec.components[component as usize].ports[port as usize];
-        let data = self.m.return_value(port.data, Passing::Reference)?;
+        let data = self.m.return_value(port.data, Passing::Reference, "")?;
         let arguments = if port.multiple {
             "const char *id"
         } else {

@@ -134,6 +134,7 @@ impl Job {
                 output: String::new(),
                 messages: why,
                 failed_at: None,
+            release: self.config.release_of(&self.file),
             };
         }
         let mut words = vec![template.to_owned()];
