@@ -295,6 +295,21 @@ mod tests {
     }
 
     #[test]
+    fn the_manual_has_the_same_table() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/releases.md");
+        let manual = std::fs::read_to_string(path).unwrap();
+        let rows: Vec<&str> = manual
+            .lines()
+            .skip_while(|it| !it.starts_with("| since |"))
+            .skip(2)
+            .take_while(|it| it.starts_with('|'))
+            .collect();
+        let row = |it: &Entry| format!("| {} | {} | {} |", it.since, it.area.name(), it.what);
+        let expected: Vec<String> = CHANGES.iter().map(row).collect();
+        assert_eq!(rows, expected);
+    }
+
+    #[test]
     fn the_table_is_in_order() {
         assert!(CHANGES.is_sorted_by_key(|it| it.since));
         assert!(CHANGES.iter().all(|it| it.since > Release::OLDEST));

@@ -345,11 +345,11 @@ impl Settings {
     /// by key (these win).
     ///
     /// Lists are joined since editors send an empty list for a setting nobody touched.
-    pub fn over(mut self, weaker: Settings) -> Settings {
+    pub fn over(mut self, mut weaker: Settings) -> Settings {
         self.code_lens = self.code_lens.or(weaker.code_lens);
         if self.release.is_none() {
             self.release = weaker.release;
-            self.release_origin = weaker.release_origin;
+            self.release_origin = weaker.release_origin.take();
         }
         let hints = weaker.inlay_hints();
         for (own, weaker) in self.inlay_hints_mut().into_iter().zip(hints) {

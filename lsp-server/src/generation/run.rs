@@ -7,6 +7,7 @@ use std::sync::atomic::AtomicBool;
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::{Cancellable, FileContent, Loader, PackageFlags};
+use dotgen_analysis::release::ReleaseChoice;
 use dotgen_codegen::catalog::{self, TemplateInfo, TemplateOption};
 use dotgen_codegen::command::{self, Environment};
 use dotgen_codegen::template::console::Captured;
@@ -134,7 +135,6 @@ impl Job {
                 output: String::new(),
                 messages: why,
                 failed_at: None,
-            release: self.config.release_of(&self.file),
             };
         }
         let mut words = vec![template.to_owned()];
@@ -193,6 +193,7 @@ impl Job {
             base: self.file.parent().map(Into::into).unwrap_or_default(),
             sink: OutputSink::preview(),
             failed_at: None,
+            release: self.config.release_of(&self.file),
         };
         let status = command::generate(&arguments, &mut environment);
         let sink = std::mem::replace(&mut environment.sink, OutputSink::Direct);
@@ -231,5 +232,9 @@ impl Loader for Overlay {
 
     fn packages(&self, arguments: &[String]) -> Result<PackageFlags, String> {
         self.disk.packages(arguments)
+    }
+
+    fn installed_release(&self) -> Option<ReleaseChoice> {
+        self.disk.installed_release()
     }
 }
