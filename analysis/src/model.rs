@@ -419,7 +419,12 @@ impl Spec {
 
     /// The component or interface in whose body a node stands.
     pub fn body_of(&self, src: Src) -> Option<u32> {
-        let inside = |it: &&Body| it.visit == src.visit && it.item.is_none_or(|item| item == src.item);
+        // What is made with a component stands at its name, which is in no body.
+        if self.components.iter().any(|it| it.src == src) {
+            return None;
+        }
+        let inside =
+            |it: &&Body| it.visit == src.visit && it.item.is_none_or(|item| item == src.item);
         self.bodies.iter().find(inside).map(|it| it.component)
     }
 

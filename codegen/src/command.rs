@@ -322,7 +322,7 @@ fn preprocess_only(options: &Options, release: Release, env: &mut Environment<'_
             Ok(text) => env.console.out(text.as_bytes()),
             Err(problem) => {
                 env.warn(&format!("{input}: {problem}"));
-                failed = true;
+                return 2;
             }
         }
     }

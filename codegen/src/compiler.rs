@@ -111,6 +111,7 @@ impl Compiler {
         let names: FxHashMap<Utf8PathBuf, String> = files.collect();
         let mut spec = narrow_literals(&unit, &texts, report);
         share_requires(&mut spec);
+        share_throws(&mut spec);
         self.compiled = Compiled {
             spec,
             deps: deps(&unit, &names),
@@ -121,6 +122,19 @@ impl Compiler {
             _ if fatal => Err(ParseFailure::Fatal),
             errors => Err(ParseFailure::Errors(errors)),
         }
+    }
+
+    /// What GenoM3 says of a name that is declared twice.
+    fn clash(&self, it: &Diagnostic) -> Option<String> {
+        if it.code != "name-clash" {
+            return None;
+        }
+        let text = self.host.analysis().text(&it.path).ok()??;
+        let name = text.get(it.range.clone())?;
+        let unit = self.host.analysis().batch(&self.input).ok()?;
+        let first = unit.spec.types.iter().find(|it| it.name.as_deref() == Some(name))?;
+        let kind = first.kind.word();
+        Some(format!("declaration of '{name}' clashes with existing {kind}"))
     }
 
     /// `BASENAME:LINE: TEXT`, as GenoM3 prints diagnostics.
@@ -140,9 +154,48 @@ impl Compiler {
             Severity::Error => "",
             _ => " warning:",
         };
+        if let Some(message) = self.clash(it) {
+            return format!("{name}:{line}: {message}");
+        }
         // What to do about it is for people at an editor; tools compare these lines.
         let message = it.message.split("; ").next().unwrap_or_default();
         format!("{name}:{line}:{warning} {}", message.replace('`', ""))
+    }
+}
+
+/// In GenoM3 a service or task that comes from an interface shares its list of exceptions with it, so that what one of
+/// its importers adds is thrown by all of them. Templates write these lists into comments and manuals.
+fn share_throws(spec: &mut Arc<Spec>) {
+    let mut additions = Vec::new();
+    for component in &spec.components {
+        for service in &component.services {
+            let theirs = service.imported_from.and_then(|interface| {
+                let services = spec.components[interface as usize].services.iter();
+                let mut services = (0usize..).zip(services);
+                let (index, it) = services.find(|it| it.1.name == service.name)?;
+                (!it.throws.is_empty()).then_some((interface as usize, index, &it.throws))
+            });
+            let Some((interface, index, throws)) = theirs else {
+                continue;
+            };
+            let added = service.throws.iter().filter(|it| !throws.contains(it));
+            additions.extend(added.map(|it| (interface, index, *it)));
+        }
+    }
+    if additions.is_empty() {
+        return;
+    }
+    let spec = Arc::make_mut(spec);
+    for (interface, index, exception) in additions {
+        let name = spec.components[interface].services[index].name.clone();
+        for (at, component) in spec.components.iter_mut().enumerate() {
+            let shares = component.services.iter_mut().filter(|it| {
+                it.name == name && (at == interface || it.imported_from == Some(interface as u32))
+            });
+            for service in shares.filter(|it| !it.throws.contains(&exception)) {
+                service.throws.push(exception);
+            }
+        }
     }
 }
 

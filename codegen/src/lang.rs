@@ -319,6 +319,23 @@ impl<'a> Mapper<'a> {
         }
     }
 
+    /// [`Mapper::return_value`] for a way of passing given by its name.
+    pub fn return_value_by_name(&self, ty: TypeId, passing: &str, var: &str) -> LangResult {
+        let parsed = Passing::from_name(passing);
+        let pointer = matches!(
+            self.final_kind(ty),
+            TypeKind::Array { .. } | TypeKind::String { bound: Some(_) }
+        );
+        // For these GenoM3 joins its message of two parts with a blank between them.
+        let joined = pointer && self.language == Language::C && self.has(Change::ReturnValueVariables);
+        match parsed {
+            Err(_) if joined => Err(LangError::fatal(format!(
+                "unknown argument kind \"{passing}\":  must be value or reference"
+            ))),
+            parsed => self.return_value(ty, parsed?, var),
+        }
+    }
+
     /// The declaration of a returned value, of a variable when `var` is not empty.
     pub fn return_value(&self, ty: TypeId, passing: Passing, var: &str) -> LangResult {
         match self.language {

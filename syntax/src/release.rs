@@ -241,6 +241,8 @@ changes! {
         "places that templates ask for have a fourth element, the component or interface they are in";
     ReturnValueVariables: V2_99_41, Mapping,
         "returned values can be given a variable; strings and arrays are returned as pointers to `const`";
+    RemoteCallsWithoutLocals: V2_99_41, Mapping,
+        "local variables of a used service are listed with its parameters, and left out of its call";
     DigestsOfExceptions: V2_99_41, Digest,
         "digests contain the names of thrown exceptions, and no local variables";
     PerComponentSkeletons: V2_99_41, Templates,

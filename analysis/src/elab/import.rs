@@ -589,6 +589,7 @@ impl<'a> Elaborator<'a> {
     }
 
     fn import_as_remotes(&mut self, index: u32, interface: u32, at: Src) {
+        let with_locals = self.spec.release.has(Change::RemoteCallsWithoutLocals);
         for number in 0..self.components[interface as usize].services.len() {
             let from = &self.spec.components[interface as usize];
             let service = &from.services[number];
@@ -607,7 +608,7 @@ impl<'a> Elaborator<'a> {
                 params: service
                     .params
                     .iter()
-                    .filter(|it| it.dir != ParamDir::Local)
+                    .filter(|it| with_locals || it.dir != ParamDir::Local)
                     .cloned()
                     .collect(),
                 ty: TypeId(0),

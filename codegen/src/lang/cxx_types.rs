@@ -292,7 +292,7 @@ impl Writer<'_, '_> {
             let passing = match param.dir {
                 ParamDir::In => Passing::Value,
                 ParamDir::Out | ParamDir::Inout => Passing::Reference,
-                ParamDir::Local => return Err(LangError::fatal("invalid parameter direction")),
+                ParamDir::Local => continue,
             };
             arguments.push(self.m.argument(param.ty, passing, &param.name)?);
         }

@@ -164,7 +164,9 @@ pub(crate) fn digest(
         Object::Remote(component, remote) => {
             wanted(filter, object)?;
             let it = model.spec.remote(component, remote);
-            let params = (0..it.params.len() as u32).map(|at| ParamRef::Remote(remote, at));
+            let params = (0..it.params.len() as u32)
+                .filter(|at| it.params[*at as usize].dir != ParamDir::Local)
+                .map(|at| ParamRef::Remote(remote, at));
             digest.params(model.spec, component, params, filter)?;
             for ty in remote_throws(model.spec.component(component), it) {
                 digest.exception(model.spec, ty, filter)?;

@@ -141,8 +141,7 @@ pub(super) fn call(
             if arguments.len() > 1 && !spec.release.has(Change::ReturnValueVariables) {
                 return Err(wrong_args("language::return-value type kind"));
             }
-            let passing = Passing::from_name(argument(0))?;
-            pure(mapper.return_value(ty, passing, argument(1))?)
+            pure(mapper.return_value_by_name(ty, argument(0), argument(1))?)
         }
         "pass" => {
             let passing = Passing::from_name(argument(0))?;

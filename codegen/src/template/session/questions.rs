@@ -279,9 +279,7 @@ impl Session<'_> {
                 mapper.mapping(&objects, locations)?
             }
             "member" => mapper.member(ty()?, &list(1)?)?,
-            "return-value" => {
-                mapper.return_value(ty()?, Passing::from_name(argument(1))?, argument(2))?
-            }
+            "return-value" => mapper.return_value_by_name(ty()?, argument(1), argument(2))?,
             _ => {
                 let separator = arguments.get(1).map_or(" ", String::as_str);
                 let location = match arguments.get(2) {
