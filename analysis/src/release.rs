@@ -118,10 +118,13 @@ impl Requirement {
         let mut found = Requirement::default();
         if text.contains("genom3") {
             let strings = (0..raw.len()).filter(|it| raw.kind(*it) == SyntaxKind::STRING);
-            let bounds = strings.filter_map(|it| Release::lower_bound(raw.text(text, it).trim_matches('"')));
+            let bounds =
+                strings.filter_map(|it| Release::lower_bound(raw.text(text, it).trim_matches('"')));
             found.bound = bounds.max();
         }
-        let directives = text.lines().filter_map(|it| it.trim_start().strip_prefix('#'));
+        let directives = text
+            .lines()
+            .filter_map(|it| it.trim_start().strip_prefix('#'));
         for directive in directives {
             let name = directive.trim_start().strip_prefix("include");
             let name = name.and_then(|it| it.trim_start().strip_prefix('"'));
@@ -134,7 +137,10 @@ impl Requirement {
 }
 
 /// The greatest lower bound for the package `genom3` in some files and what they include beside them.
-pub fn required(loader: &dyn Loader, files: impl IntoIterator<Item = Utf8PathBuf>) -> Option<Release> {
+pub fn required(
+    loader: &dyn Loader,
+    files: impl IntoIterator<Item = Utf8PathBuf>,
+) -> Option<Release> {
     let mut seen = FxHashSet::default();
     let mut todo: Vec<Utf8PathBuf> = files.into_iter().collect();
     let mut bound = None;
@@ -173,7 +179,12 @@ fn bound(db: &dyn Db, files: impl IntoIterator<Item = SourceFile>) -> Option<Rel
         let Some(directory) = file.path(db).parent() else {
             continue;
         };
-        todo.extend(found.includes.iter().map(|it| db.file(&normalize(&directory.join(it)))));
+        todo.extend(
+            found
+                .includes
+                .iter()
+                .map(|it| db.file(&normalize(&directory.join(it)))),
+        );
     }
     bound
 }
@@ -182,7 +193,9 @@ fn bound(db: &dyn Db, files: impl IntoIterator<Item = SourceFile>) -> Option<Rel
 #[salsa::tracked]
 fn of_project(db: &dyn Db, workspace: Workspace, directory: Option<Utf8PathBuf>) -> ReleaseChoice {
     let projects = workspace.projects(db);
-    let project = projects.iter().find(|it| Some(&it.directory) == directory.as_ref());
+    let project = projects
+        .iter()
+        .find(|it| Some(&it.directory) == directory.as_ref());
     let given = match project {
         Some(project) => project.release.as_ref(),
         None => workspace.release(db).as_ref(),
@@ -190,7 +203,8 @@ fn of_project(db: &dyn Db, workspace: Workspace, directory: Option<Utf8PathBuf>)
     if let Some(given) = given.or(db.installed().release(db).as_ref()) {
         return given.clone();
     }
-    let of_project = |it: &&Utf8PathBuf| workspace.project(db, it).map(|it| &it.directory) == directory.as_ref();
+    let of_project =
+        |it: &&Utf8PathBuf| workspace.project(db, it).map(|it| &it.directory) == directory.as_ref();
     let roots = workspace.roots(db).iter().filter(of_project);
     ReleaseChoice::required(bound(db, roots.map(|it| db.file(it))))
 }

@@ -13,7 +13,8 @@ use dotgen_analysis::{
     check::codes,
     diagnostic::{Diagnostic, Severity},
     host::{
-        AnalysisHost, BatchInput, Change, Config, FileContent, Input, Loader, PackageFlags, UnitResult,
+        AnalysisHost, BatchInput, Change, Config, FileContent, Input, Loader, PackageFlags,
+        UnitResult,
     },
     model_json,
     release::{Release, ReleaseChoice, ReleaseOrigin},

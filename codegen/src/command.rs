@@ -15,8 +15,8 @@ use dotgen_analysis::release::{Release, ReleaseChoice, ReleaseOrigin, required};
 use crate::compiler::Compiler;
 use crate::frontend::Frontend;
 use crate::template::console::Console;
-use crate::template::discover::{FindError, SearchPath};
 use crate::template::discover::release_of;
+use crate::template::discover::{FindError, SearchPath};
 use crate::template::{Limits, OutputSink, Run, TemplatePlace};
 pub(crate) use options::Options;
 use options::{Mode, OptionError};
@@ -151,7 +151,9 @@ impl Environment<'_> {
             return Ok(ReleaseChoice { release, origin });
         }
         if let Some(text) = self.variable(RELEASE_VARIABLE) {
-            let release = text.parse().map_err(|error| format!("{RELEASE_VARIABLE}: {error}"))?;
+            let release = text
+                .parse()
+                .map_err(|error| format!("{RELEASE_VARIABLE}: {error}"))?;
             let origin = ReleaseOrigin::Environment;
             return Ok(ReleaseChoice { release, origin });
         }

@@ -17,8 +17,8 @@ mod kind;
 mod prototypes;
 pub mod text;
 
-use dotgen_analysis::release::Change;
 use dotgen_analysis::model::{CodelRef, Name, Param, ParamSource, Spec, Src, TypeId, TypeKind};
+use dotgen_analysis::release::Change;
 
 pub use kind::{
     dir_word, label_text, length_of, scope_word, service_word, source_word, value_text,
@@ -327,7 +327,8 @@ impl<'a> Mapper<'a> {
             TypeKind::Array { .. } | TypeKind::String { bound: Some(_) }
         );
         // For these GenoM3 joins its message of two parts with a blank between them.
-        let joined = pointer && self.language == Language::C && self.has(Change::ReturnValueVariables);
+        let joined =
+            pointer && self.language == Language::C && self.has(Change::ReturnValueVariables);
         match parsed {
             Err(_) if joined => Err(LangError::fatal(format!(
                 "unknown argument kind \"{passing}\":  must be value or reference"

@@ -191,8 +191,14 @@ fn stubs(from: &Spec, old: u32, to: &Spec, new: u32, out: &mut Vec<StubChange>) 
 
 fn types(from: &Spec, to: &Spec, language: Language, out: &mut Vec<TextChange>) {
     let (before, after) = (definitions(from, language), definitions(to, language));
-    let later: FxHashMap<&str, &str> = after.iter().map(|it| (it.0.as_str(), it.1.as_str())).collect();
-    let earlier: FxHashMap<&str, &str> = before.iter().map(|it| (it.0.as_str(), it.1.as_str())).collect();
+    let later: FxHashMap<&str, &str> = after
+        .iter()
+        .map(|it| (it.0.as_str(), it.1.as_str()))
+        .collect();
+    let earlier: FxHashMap<&str, &str> = before
+        .iter()
+        .map(|it| (it.0.as_str(), it.1.as_str()))
+        .collect();
     let mut add = |name: &str, from: &str, to: &str| {
         out.push(TextChange {
             name: name.to_owned(),
@@ -219,7 +225,10 @@ fn definitions(spec: &Spec, language: Language) -> Vec<(String, String)> {
     let mapper = Mapper::new(spec, &NoPlaces, language);
     let mut out: Vec<(String, String)> = Vec::new();
     for (index, ty) in (0u32..).zip(&spec.types) {
-        let special = matches!(ty.kind, TypeKind::Event | TypeKind::PauseEvent | TypeKind::Unknown);
+        let special = matches!(
+            ty.kind,
+            TypeKind::Event | TypeKind::PauseEvent | TypeKind::Unknown
+        );
         let id = TypeId(index);
         let Some(name) = spec.full_name(id).filter(|_| !special) else {
             continue;
@@ -227,7 +236,9 @@ fn definitions(spec: &Spec, language: Language) -> Vec<(String, String)> {
         let Ok(text) = mapper.mapping(&[MapObject::Type(id)], false) else {
             continue;
         };
-        let kept = text.lines().filter(|it| !it.is_empty() && !it.starts_with('#'));
+        let kept = text
+            .lines()
+            .filter(|it| !it.is_empty() && !it.starts_with('#'));
         let text: Vec<&str> = kept.collect();
         if !text.is_empty() && out.iter().all(|it| it.0 != name) {
             out.push((name, text.join("\n")));

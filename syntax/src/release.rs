@@ -272,13 +272,25 @@ mod tests {
 
     #[test]
     fn numbers_are_read_ordered_and_written() {
-        let sorted = ["2.9", "2.99.4", "2.99.26", "2.99.39", "2.99.41", "3.0", "3.1", "3.1.2", "3.10"];
+        let sorted = [
+            "2.9", "2.99.4", "2.99.26", "2.99.39", "2.99.41", "3.0", "3.1", "3.1.2", "3.10",
+        ];
         let mut read: Vec<Release> = sorted.iter().rev().map(|it| release(it)).collect();
         read.sort_unstable();
         let shown: Vec<String> = read.iter().map(Release::to_string).collect();
         assert_eq!(shown[1..], sorted[1..]);
         assert_eq!(shown[0], "2.9.0");
-        for text in ["", "2", "2.", "2.99.", "2.99.41.1", "2.99.x", "v2.99", "+2.99", "2.99.99999999"] {
+        for text in [
+            "",
+            "2",
+            "2.",
+            "2.99.",
+            "2.99.41.1",
+            "2.99.x",
+            "v2.99",
+            "+2.99",
+            "2.99.99999999",
+        ] {
             assert!(text.parse::<Release>().is_err(), "{text}");
         }
     }
@@ -291,7 +303,13 @@ mod tests {
         assert_eq!(bound(" genom3>=3.1 "), some("3.1"));
         assert_eq!(bound("genom3 = 2.99.40"), some("2.99.40"));
         assert_eq!(bound("genom3 > 2.99.40"), some("2.99.41"));
-        for text in ["genom3", "genom3 < 3", "genom3-idl >= 2.99.41", "openrobots-idl >= 2.0", "genom3 <= 2.99.4"] {
+        for text in [
+            "genom3",
+            "genom3 < 3",
+            "genom3-idl >= 2.99.41",
+            "openrobots-idl >= 2.0",
+            "genom3 <= 2.99.4",
+        ] {
             assert_eq!(bound(text), None, "{text}");
         }
     }

@@ -1,7 +1,8 @@
 //! What only newer releases of GenoM3 accept: said as long as the specifications claim to work with older ones.
 
-use super::{ElabDiagnostic, Fix, context::Elaborator};
+use super::context::Elaborator;
 use crate::{
+    finding::{Finding, Near, services::Declaring},
     item_tree::Expr,
     model::Src,
     release::{Change, Release},
@@ -20,7 +21,11 @@ impl<'a> Elaborator<'a> {
     /// Notes that something stands here that only releases with a change accept.
     pub(super) fn newer(&mut self, change: Change, what: &'static str, at: Src) {
         // Where an interface is imported, this was said in the interface.
-        let known = self.newer.uses.iter().any(|it| it.0 == change && it.2 == at);
+        let known = self
+            .newer
+            .uses
+            .iter()
+            .any(|it| it.0 == change && it.2 == at);
         if !known {
             self.newer.uses.push((change, what, at));
         }
@@ -32,23 +37,12 @@ impl<'a> Elaborator<'a> {
         change: Change,
         what: &'static str,
         at: Src,
-        otherwise: ElabDiagnostic,
+        otherwise: Finding,
     ) {
         match self.spec.release.has(change) {
             true => self.newer(change, what, at),
             false => self.report(otherwise),
         }
-    }
-
-    /// What to add to the message about something that a newer release accepts; nothing if the one in force does.
-    pub(super) fn accepted_since(&self, change: Change) -> String {
-        if self.spec.release.has(change) {
-            return String::new();
-        }
-        format!(
-            " (GenoM3 accepts it from release {0} on: to use that, require \"genom3 >= {0}\", or set `release`)",
-            change.since()
-        )
     }
 
     /// Notes the releases in a `requires`.
@@ -74,24 +68,20 @@ impl<'a> Elaborator<'a> {
             if bound >= Some(since) {
                 continue;
             }
-            let claim = match bound {
-                Some(bound) => format!("but the specification requires only {bound}"),
-                None => "but the specification does not say that it needs them".to_owned(),
+            let kind = match bound {
+                Some(bound) => Declaring::NewerThanRequired { what, since, bound },
+                None => Declaring::NewerThanAny { what, since },
             };
-            let message = format!(
-                "{what}: releases of GenoM3 before {since} refuse it, {claim}; write `require \"genom3 >= {since}\"`"
-            );
-            let mut diagnostic = ElabDiagnostic::new("newer-release", at, message);
+            let mut finding = Finding::new(kind, at);
             if let Some((_, place)) = greatest {
-                diagnostic = diagnostic
-                    .related(place, "the requirement")
-                    .fix(Fix::Replace {
-                        at: place,
-                        text: format!("\"genom3 >= {since}\"").into(),
-                        title: format!("Require genom3 {since}"),
-                    });
+                let required = format!("genom3 >= {since}");
+                finding = finding.related(place, "the requirement").near(Some(Near {
+                    at: place,
+                    text: format!("\"{required}\"").into(),
+                    name: required.into(),
+                }));
             }
-            self.report(diagnostic);
+            self.report(finding);
         }
     }
 }

@@ -123,8 +123,9 @@ fn codels(spec: &Spec) -> Vec<MapObject> {
                 continue;
             }
             let codels = component.all_codels();
-            let own = codels
-                .filter(|it| !of_interfaces || spec.body_of(component.codel(*it).src) == Some(index));
+            let own = codels.filter(|it| {
+                !of_interfaces || spec.body_of(component.codel(*it).src) == Some(index)
+            });
             all.extend(own.map(|at| MapObject::Codel(index, at)));
         }
     }

@@ -123,7 +123,9 @@ impl<'a> Stubs<'a> {
             out.push('\n');
         }
         let types = types_header(self.expected);
-        if self.options.notice.is_some() || !self.expected.spec.release.has(Change::NoLeadingBlankLine) {
+        if self.options.notice.is_some()
+            || !self.expected.spec.release.has(Change::NoLeadingBlankLine)
+        {
             out.push('\n');
         }
         out += &format!("#include \"ac{name}.h\"\n\n#include \"{types}\"\n");
@@ -137,7 +139,11 @@ impl<'a> Stubs<'a> {
     ) -> Result<String, LangError> {
         let component = self.expected.component();
         let mut out = self.preamble();
-        let services = || (0u32..).zip(&component.services).filter(|it| self.is_own(it.1.src));
+        let services = || {
+            (0u32..)
+                .zip(&component.services)
+                .filter(|it| self.is_own(it.1.src))
+        };
         let refs = |owner: Owner, kinds: &[CodelKind]| -> Vec<CodelRef> {
             let codels = (0u32..).zip(component.codels_of(owner));
             codels

@@ -25,7 +25,11 @@ pub(super) struct Preprocessor {
 }
 
 impl Preprocessor {
-    pub(super) fn new(loader: Arc<dyn Loader>, include_dirs: Vec<Utf8PathBuf>, release: Release) -> Preprocessor {
+    pub(super) fn new(
+        loader: Arc<dyn Loader>,
+        include_dirs: Vec<Utf8PathBuf>,
+        release: Release,
+    ) -> Preprocessor {
         Preprocessor {
             loader,
             include_dirs,
@@ -64,8 +68,10 @@ impl Preprocessor {
                 preproc::Severity::Error => "error",
                 _ => "warning",
             };
-            self.errors
-                .push(format!("{path}:{line}: {warning}: {}", error.message));
+            self.errors.push(format!(
+                "{path}:{line}: {warning}: {}",
+                error.kind.wording()
+            ));
         }
         Ok(show(path, &text, &raw, &result, &texts))
     }

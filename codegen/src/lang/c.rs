@@ -155,12 +155,7 @@ pub(super) fn argument(m: &Mapper<'_>, ty: TypeId, passing: Passing, var: &str) 
     }
 }
 
-pub(super) fn return_value(
-    m: &Mapper<'_>,
-    ty: TypeId,
-    passing: Passing,
-    var: &str,
-) -> LangResult {
+pub(super) fn return_value(m: &Mapper<'_>, ty: TypeId, passing: Passing, var: &str) -> LangResult {
     if m.has(Change::ReturnValueVariables) {
         let constant = match passing {
             Passing::Value => "const ",

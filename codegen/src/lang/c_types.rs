@@ -1,7 +1,7 @@
 //! C: the text of type definitions and codel prototypes.
 
-use dotgen_analysis::release::Change;
 use dotgen_analysis::model::{ParamDir, PortDir, TypeId, TypeKind, Value};
+use dotgen_analysis::release::Change;
 
 use super::c::declarator;
 use super::text::c_name;

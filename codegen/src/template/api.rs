@@ -136,7 +136,12 @@ impl<'a> Model<'a> {
 
     /// `loc ?file|line|column|context?`: where something was written, and in which component or interface. Releases
     /// before contexts leave that element out of the list.
-    fn place(&self, place: Option<Place>, context: Option<u32>, arguments: &[String]) -> Result<Option<Answer>, Failure> {
+    fn place(
+        &self,
+        place: Option<Place>,
+        context: Option<u32>,
+        arguments: &[String],
+    ) -> Result<Option<Answer>, Failure> {
         let Some(place) = place else {
             return Ok(None);
         };
@@ -144,19 +149,27 @@ impl<'a> Model<'a> {
         let [file, line, column] = elements(&place);
         let all = [file, line, column, context.unwrap_or_default()];
         let Some(wanted) = arguments.first() else {
-            let count = if self.spec.release.has(Change::ContextsOfPlaces) { 4 } else { 3 };
+            let count = if self.spec.release.has(Change::ContextsOfPlaces) {
+                4
+            } else {
+                3
+            };
             return Ok(Some(Answer::pure(tcl::list(&all[..count]))));
         };
         let words = ["file", "line", "column", "context"];
         let found = words.iter().position(|it| it == wanted);
         let found = found.or_else(|| {
             let mut starting = (0..4).filter(|it| words[*it].starts_with(wanted.as_str()));
-            starting.next().filter(|_| !wanted.is_empty() && starting.next().is_none())
+            starting
+                .next()
+                .filter(|_| !wanted.is_empty() && starting.next().is_none())
         });
         match found {
             Some(found) => Ok(Some(Answer::pure(all[found].clone()))),
             None => {
-                let problem = match words.iter().any(|it| it.starts_with(wanted.as_str())) && !wanted.is_empty() {
+                let problem = match words.iter().any(|it| it.starts_with(wanted.as_str()))
+                    && !wanted.is_empty()
+                {
                     true => "ambiguous",
                     false => "bad",
                 };
@@ -168,8 +181,17 @@ impl<'a> Model<'a> {
     }
 
     /// [`Model::place`] of a node.
-    fn place_of(&self, src: Src, anchor: Anchor<'_>, arguments: &[String]) -> Result<Option<Answer>, Failure> {
-        self.place(self.places.place(src, anchor), self.spec.body_of(src), arguments)
+    fn place_of(
+        &self,
+        src: Src,
+        anchor: Anchor<'_>,
+        arguments: &[String],
+    ) -> Result<Option<Answer>, Failure> {
+        self.place(
+            self.places.place(src, anchor),
+            self.spec.body_of(src),
+            arguments,
+        )
     }
 
     /// Parameters that pass a filter on their properties.
@@ -352,7 +374,11 @@ fn undefined(method: &str) -> Failure {
 
 /// File, line and column.
 fn elements(place: &Place) -> [String; 3] {
-    [place.file.clone(), place.line.to_string(), place.column.to_string()]
+    [
+        place.file.clone(),
+        place.line.to_string(),
+        place.column.to_string(),
+    ]
 }
 
 fn text(value: &Option<String>) -> Option<Answer> {

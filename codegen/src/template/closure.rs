@@ -255,7 +255,12 @@ impl Chunks {
         Ok(())
     }
 
-    fn exception(&mut self, spec: &Spec, ty: TypeId, filter: &mut Filter<'_>) -> Result<(), Failure> {
+    fn exception(
+        &mut self,
+        spec: &Spec,
+        ty: TypeId,
+        filter: &mut Filter<'_>,
+    ) -> Result<(), Failure> {
         if spec.release.has(Change::DigestsOfExceptions) {
             self.push(&spec.full_name(ty).unwrap_or_default());
         }

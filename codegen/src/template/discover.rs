@@ -111,7 +111,9 @@ pub fn release_of(dirs: &[PathBuf]) -> Option<(Release, PathBuf)> {
     dirs.iter().find_map(|dir| {
         let file = dir.parent()?.join("engines/tcl/version.tcl");
         let text = std::fs::read_to_string(&file).ok()?;
-        let provided = text.lines().find_map(|it| it.trim().strip_prefix("package provide genom-engine"))?;
+        let provided = text
+            .lines()
+            .find_map(|it| it.trim().strip_prefix("package provide genom-engine"))?;
         Some((provided.trim().parse().ok()?, file))
     })
 }

@@ -123,7 +123,9 @@ fn compare(diff: &Diff, path: &Utf8PathBuf) -> anyhow::Result<FileDiff> {
         (to, &new_session, &new, &old),
     ] {
         for it in own.diagnostics.iter() {
-            if it.severity == Severity::Hint || other.diagnostics.iter().any(|that| is_same(it, that)) {
+            if it.severity == Severity::Hint
+                || other.diagnostics.iter().any(|that| is_same(it, that))
+            {
                 continue;
             }
             let text = session.ask(&it.path, |analysis| analysis.text(&it.path))?;
@@ -170,7 +172,10 @@ impl FileDiff {
 fn print(it: &FileDiff, out: &mut dyn Write) -> std::io::Result<()> {
     writeln!(out, "{}: from GenoM3 {} to {}", it.file, it.from, it.to)?;
     for release in [it.from, it.to].iter().filter(|it| !it.is_verified()) {
-        writeln!(out, "  {release} is known from its changes only: not verified")?;
+        writeln!(
+            out,
+            "  {release} is known from its changes only: not verified"
+        )?;
     }
     if it.is_empty() {
         return writeln!(out, "  nothing changes");
@@ -217,7 +222,8 @@ fn print(it: &FileDiff, out: &mut dyn Write) -> std::io::Result<()> {
 
 /// The lines that differ.
 fn print_text(change: &TextChange, out: &mut dyn Write) -> std::io::Result<()> {
-    let (old, new): (Vec<&str>, Vec<&str>) = (change.from.lines().collect(), change.to.lines().collect());
+    let (old, new): (Vec<&str>, Vec<&str>) =
+        (change.from.lines().collect(), change.to.lines().collect());
     for line in old.iter().filter(|it| !new.contains(it)) {
         writeln!(out, "    - {line}")?;
     }

@@ -3,9 +3,7 @@
 use dotgen_analysis::host::Cancellable;
 use serde_json::Value;
 
-use crate::ext::{
-    DocumentParams, IncludingRoots, MacroExpansion, PositionParams, ReleaseInfo,
-};
+use crate::ext::{DocumentParams, IncludingRoots, MacroExpansion, PositionParams, ReleaseInfo};
 use crate::snapshot::{Snapshot, Subject};
 
 /// `dotgen/syntaxTree`: the tree as text.

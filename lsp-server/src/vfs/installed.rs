@@ -13,7 +13,10 @@ const PACKAGE: &str = "genom3";
 
 /// Its release.
 pub(super) fn release(config: &PackageConfig) -> Option<ReleaseChoice> {
-    let configured = config.templates.iter().map(|it| it.clone().into_std_path_buf());
+    let configured = config
+        .templates
+        .iter()
+        .map(|it| it.clone().into_std_path_buf());
     // The settings replace the environment's list of templates, and nothing replaces the built-in folder.
     let search = search_path(None, &|name| std::env::var(name).ok());
     let mut templates: Vec<std::path::PathBuf> = configured.collect();

@@ -37,7 +37,13 @@ pub(super) fn version(config: &PackageConfig, name: &str) -> Option<String> {
     if !config.may_run {
         return None;
     }
-    let output = run(&program(), &config.paths, &["--modversion"], &[name.to_owned()]).ok()?;
+    let output = run(
+        &program(),
+        &config.paths,
+        &["--modversion"],
+        &[name.to_owned()],
+    )
+    .ok()?;
     first_line(&output).map(str::to_owned)
 }
 

@@ -40,8 +40,13 @@ const METHODS: &[&str] = &[
 ];
 
 /// The methods of older releases.
-static BEFORE_STACK: LazyLock<Vec<&'static str>> =
-    LazyLock::new(|| METHODS.iter().copied().filter(|it| *it != "stack").collect());
+static BEFORE_STACK: LazyLock<Vec<&'static str>> = LazyLock::new(|| {
+    METHODS
+        .iter()
+        .copied()
+        .filter(|it| *it != "stack")
+        .collect()
+});
 
 pub(super) const CHEAP: &[&str] = &[
     "name", "doc", "ids", "version", "language", "email", "throws", "tasks", "ports", "services",

@@ -41,7 +41,11 @@ pub(super) fn task(model: &Model<'_>, component: u32, index: u32, words: &[Strin
     let it = model.spec.task(component, index);
     let method = method(TASK_METHODS, words, "name")?;
     let arguments = words.get(1..).unwrap_or_default();
-    let most = if matches!(method, "fsm" | "loc") { 2 } else { 1 };
+    let most = if matches!(method, "fsm" | "loc") {
+        2
+    } else {
+        1
+    };
     if words.len() > most {
         return Err(wrong_args(match method {
             "fsm" => "$task fsm event",

@@ -105,9 +105,10 @@ impl Session<'_> {
         match (word(0), word(1)) {
             ("genom", "program") => Ok(Answer::pure(run.program.clone())),
             ("genom", "cmdline") => Ok(Answer::pure(run.cmdline.clone())),
-            ("genom", "version") => {
-                Ok(Answer::pure(format!("genom {}", self.compiled.spec.release)))
-            },
+            ("genom", "version") => Ok(Answer::pure(format!(
+                "genom {}",
+                self.compiled.spec.release
+            ))),
             ("genom", "templates") => Ok(Answer::pure(tcl::list(run.search.list()))),
             ("genom", "debug") => flag(run.debug),
             ("genom", "verbose") => flag(run.verbose),
