@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use dotgen_analysis::release::{Release, ReleaseChoice, ReleaseOrigin};
 use dotgen_codegen::command::{Environment, generate};
 use dotgen_codegen::template::Limits;
 use dotgen_codegen::template::console::Captured;
@@ -45,7 +46,11 @@ fn run(dir: &Path, args: &[&str]) -> (i32, String, String) {
         base: std::path::PathBuf::new(),
         sink: dotgen_codegen::template::OutputSink::Direct,
         failed_at: None,
-        release: None,
+        // What is expected is of this release.
+        release: Some(ReleaseChoice {
+            release: Release::V2_99_39,
+            origin: ReleaseOrigin::CommandLine,
+        }),
     };
     let dir = dir.display().to_string();
     let args: Vec<String> = args.iter().map(|it| it.replace("DIR", &dir)).collect();
