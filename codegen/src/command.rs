@@ -239,6 +239,7 @@ fn template(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>
         Some((name, arguments)) => (name, arguments),
         None => return 1,
     };
+    let number = release.release;
     let mut compiler = env.compiler(options, release);
     if let Some(dir) = search.find_manifest(name) {
         return crate::builtin::run_folder(&dir, arguments, options, &mut compiler, env);
@@ -259,6 +260,12 @@ fn template(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>
             return 2;
         }
     };
+    if !options.verbose
+        && !options.debug
+        && let Some(status) = crate::builtin::run_known(&dir, arguments, number, &mut compiler, env)
+    {
+        return status;
+    }
     let mut search = search;
     if search.builtin.is_none() {
         search.builtin = env.support_dir();

@@ -103,7 +103,7 @@ fn what_older_releases_refuse_is_hinted_at_until_it_is_required() {
     let [edit] = &newer.fixes[0].edits[..] else {
         panic!("{newer:#?}");
     };
-    assert_eq!(edit.text, "\"genom3 >= 2.99.41\"");
+    assert_eq!(edit.new_text, "\"genom3 >= 2.99.41\"");
     assert_eq!(&text[edit.range.clone()], "\"genom3 >= 2.99.26\"");
     fixture.replace("/main.gen", "2.99.26", "2.99.41");
     assert!(!fixture.all_diagnostics().contains("newer-release"));

@@ -5,7 +5,7 @@ use dotgen_analysis::release::Change;
 
 use super::c::declarator;
 use super::text::c_name;
-use super::{LangError, LangResult, MapObject, Mapper, Passing, value_text};
+use super::{LangResult, MapObject, Mapper, Passing, value_text};
 
 pub(super) fn mapping(m: &Mapper<'_>, objects: &[MapObject], locations: bool) -> LangResult {
     let writer = Writer { m, locations };
