@@ -13,7 +13,6 @@ use std::ops::Range;
 use camino::Utf8PathBuf;
 pub use dotgen_analysis::diagnostic::Severity;
 use dotgen_analysis::model::{CodelRef, Name, Owner, Src, TypeId};
-use dotgen_analysis::release::Change;
 use rustc_hash::FxHashSet;
 
 use super::{
@@ -208,7 +207,8 @@ pub fn check(all: &[Expected<'_>], sources: &Sources, options: &DriftOptions) ->
             };
             let definitions = check.definitions();
             if definitions.is_empty() {
-                if check.is_external() {
+                let mut uses = function.uses.iter();
+                if !uses.any(|at| expected.has_stub(*at)) {
                     continue;
                 }
                 if let Some(orphan) = orphan::renamed(&orphans, function, expected, sources) {
@@ -252,22 +252,6 @@ struct Check<'a> {
     function: &'a ExpectedFunction,
     sources: &'a Sources,
     options: &'a DriftOptions,
-}
-
-impl Check<'_> {
-    /// Whether the codel belongs to an interface, which has sources of its own: since skeletons are written for
-    /// interfaces too, those of its importers leave it out.
-    fn is_external(&self) -> bool {
-        let Expected {
-            spec, component, ..
-        } = self.expected;
-        let own = &spec.components[*component as usize];
-        let elsewhere = |at: &CodelRef| {
-            let body = spec.body_of(own.codel(*at).src);
-            body.is_some_and(|it| it != *component)
-        };
-        spec.release.has(Change::PerComponentSkeletons) && self.function.uses.iter().all(elsewhere)
-    }
 }
 
 /// A function and its file.

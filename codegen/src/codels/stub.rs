@@ -4,7 +4,7 @@
 //! its merge mode finds nothing to change.
 
 use camino::Utf8PathBuf;
-use dotgen_analysis::model::{CodelKind, CodelRef, Owner, Param, Src, State};
+use dotgen_analysis::model::{CodelKind, CodelRef, Owner, Param, State};
 use dotgen_analysis::release::Change;
 use rustc_hash::FxHashMap;
 
@@ -79,28 +79,11 @@ impl<'a> Stubs<'a> {
         format!("codels/{}_{task}codels.{extension}", component.name).into()
     }
 
-    /// Whether the component declares something itself, so that its skeleton has it. Older releases write what comes
-    /// from interfaces too.
-    fn is_own(&self, src: Src) -> bool {
-        let Expected {
-            spec, component, ..
-        } = self.expected;
-        let per_component = spec.release.has(Change::PerComponentSkeletons);
-        !per_component || spec.body_of(src).is_none_or(|it| it == *component)
-    }
-
-    /// Whether the skeleton has a file for a task.
-    fn has_file(&self, task: u32) -> bool {
-        let it = &self.expected.component().tasks[task as usize];
-        let local_codels = self.expected.spec.release.has(Change::ExternalLocalCodels);
-        self.is_own(it.src) || local_codels && it.codels.iter().any(|codel| self.is_own(codel.src))
-    }
-
     /// Every file of the component with all its stubs: one for each task, then that of the control
     /// task.
     pub fn all_files(&self) -> Result<Vec<NewFile>, LangError> {
         let component = self.expected.component();
-        let tasks = (0..component.tasks.len() as u32).filter(|it| self.has_file(*it));
+        let tasks = (0..component.tasks.len() as u32).filter(|it| self.expected.has_file(*it));
         let tasks = tasks.map(Some).chain([None]);
         // A function is written once only over all files.
         let mut written = FxHashMap::default();
@@ -142,12 +125,12 @@ impl<'a> Stubs<'a> {
         let services = || {
             (0u32..)
                 .zip(&component.services)
-                .filter(|it| self.is_own(it.1.src))
+                .filter(|it| self.expected.is_own(it.1.src))
         };
         let refs = |owner: Owner, kinds: &[CodelKind]| -> Vec<CodelRef> {
             let codels = (0u32..).zip(component.codels_of(owner));
             codels
-                .filter(|it| kinds.contains(&it.1.kind) && self.is_own(it.1.src))
+                .filter(|it| kinds.contains(&it.1.kind) && self.expected.is_own(it.1.src))
                 .map(|(index, _)| CodelRef { owner, index })
                 .collect()
         };
