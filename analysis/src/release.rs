@@ -12,7 +12,7 @@ pub use dotgen_syntax::release::{Area, CHANGES, Change, Entry, NoRelease, Releas
 use rustc_hash::FxHashSet;
 
 use crate::{
-    base::{Db, SourceFile, Workspace, lexed, normalize},
+    base::{Db, SourceFile, Workspace, normalize},
     host::{FileContent, Loader},
     unit::UnitKey,
 };
@@ -109,31 +109,52 @@ pub struct Requirement {
 }
 
 impl Requirement {
-    /// Reads a text.
+    /// Reads a text. Specifications are many, and all of them are asked: only what may be inside a comment is read
+    /// token by token.
     pub fn of(text: &str) -> Requirement {
-        Requirement::of_tokens(text, &dotgen_syntax::lexer::lex(text))
-    }
-
-    fn of_tokens(text: &str, raw: &dotgen_syntax::lexer::RawTokens) -> Requirement {
         let mut found = Requirement::default();
-        if text.contains("genom3") {
-            let strings = (0..raw.len()).filter(|it| raw.kind(*it) == SyntaxKind::STRING);
-            let bounds =
-                strings.filter_map(|it| Release::lower_bound(raw.text(text, it).trim_matches('"')));
-            found.bound = bounds.max();
-        }
-        let directives = text
-            .lines()
-            .filter_map(|it| it.trim_start().strip_prefix('#'));
-        for directive in directives {
-            let name = directive.trim_start().strip_prefix("include");
-            let name = name.and_then(|it| it.trim_start().strip_prefix('"'));
+        let named = text.match_indices(PACKAGE).map(|it| it.0);
+        let bounds = named.filter_map(|at| {
+            let before = text[..at].trim_end_matches([' ', '\t']);
+            let start = before.strip_suffix('"')?.len();
+            let length = text[start + 1..].find(['"', '\n'])?;
+            let bound = Release::lower_bound(&text[start + 1..start + 1 + length])?;
+            is_string(text, start).then_some(bound)
+        });
+        found.bound = bounds.max();
+        for (at, word) in text.match_indices("include") {
+            let line = text[..at].rfind('\n').map_or(0, |it| it + 1);
+            if text[line..at].trim() != "#" {
+                continue;
+            }
+            let after = &text[at + word.len()..];
+            let name = after.trim_start_matches([' ', '\t']).strip_prefix('"');
             if let Some((name, _)) = name.and_then(|it| it.split_once('"')) {
                 found.includes.push(name.to_owned());
             }
         }
         found
     }
+}
+
+/// The package whose version is the release.
+const PACKAGE: &str = "genom3";
+
+/// Whether the quote at an offset begins a string, rather than standing in a comment or in another string.
+fn is_string(text: &str, at: usize) -> bool {
+    let before = &text[..at];
+    let line = before.rfind('\n').map_or(0, |it| it + 1);
+    let plain = !before[line..].contains(['"', '\'']) && !before[line..].contains("//");
+    if plain
+        && before
+            .rfind("/*")
+            .is_none_or(|open| before[open + 2..].contains("*/"))
+    {
+        return true;
+    }
+    let raw = dotgen_syntax::lexer::lex(text);
+    let mut strings = (0..raw.len()).filter(|it| raw.kind(*it) == SyntaxKind::STRING);
+    strings.any(|it| raw.start(it) == at)
 }
 
 /// The greatest lower bound for the package `genom3` in some files and what they include beside them.
@@ -162,7 +183,7 @@ pub fn required(
 /// What a file says about releases.
 #[salsa::tracked]
 fn requirement(db: &dyn Db, file: SourceFile) -> Requirement {
-    Requirement::of_tokens(file.text(db), &lexed(db, file).raw)
+    Requirement::of(file.text(db))
 }
 
 /// The greatest lower bound in some files and what they include beside them.

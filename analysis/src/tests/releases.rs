@@ -39,8 +39,18 @@ fn the_greatest_bound_of_all_roots_counts() {
     // What is included counts, and what is in a comment does not.
     fixture.edit("/sub/part.idl", "#pragma requires \"genom3 >= 3.1\"\n");
     check(&fixture, "/a.gen", "3.1", bound("3.1"));
-    fixture.edit("/sub/part.idl", "/* require \"genom3 >= 3.1\" */\n");
-    check(&fixture, "/a.gen", "2.99.39", bound("2.99.26"));
+    for text in [
+        "/* require \"genom3 >= 3.1\" */\n",
+        "// require \"genom3 >= 3.1\"\n",
+        "/*\n \"genom3 >= 3.1\"\n*/\n",
+        "component b { doc \"say \\\"genom3 >= 3.1\\\"\"; };\n",
+    ] {
+        fixture.edit("/sub/part.idl", text);
+        check(&fixture, "/a.gen", "2.99.39", bound("2.99.26"));
+    }
+    let text = "component b { doc \"a/*.gen\"; requires \"x\", \"genom3 >= 2.99.43\"; };\n";
+    fixture.edit("/sub/part.idl", text);
+    check(&fixture, "/a.gen", "2.99.43", bound("2.99.43"));
 }
 
 #[test]
