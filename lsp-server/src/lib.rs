@@ -9,6 +9,7 @@
 mod backend;
 pub mod caps;
 pub mod cli;
+mod client_process;
 mod codels;
 pub mod config;
 pub mod convert;
@@ -29,6 +30,7 @@ pub mod server;
 pub mod snapshot;
 mod state;
 mod templates;
+mod transport;
 pub mod verification;
 pub mod verifier;
 pub mod vfs;
