@@ -23,6 +23,7 @@ mod model;
 mod outbox;
 mod panic;
 pub mod pictures;
+mod process;
 mod progress;
 pub mod proto;
 mod publish;

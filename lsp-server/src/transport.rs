@@ -131,7 +131,8 @@ impl Session {
                                     frames.give_back(&parsed.rest);
                                 }
                                 let incoming = message::classify(parsed.value);
-                                self.take(incoming, parsed.mended, &mut responses, &calls).await;
+                                let call = self.take(incoming, parsed.mended, &mut responses).await;
+                                calls.extend(call);
                             }
                             Err(error) => {
                                 let message = format!("this message is no JSON: {error}");
@@ -166,19 +167,20 @@ impl Session {
         incoming: Incoming,
         mended: bool,
         responses: &mut (impl Sink<Response> + Unpin),
-        calls: &FuturesUnordered<Call>,
-    ) {
+    ) -> Option<Call> {
         match incoming {
-            Incoming::Request(request) => self.serve(request, mended, calls).await,
+            Incoming::Request(request) => return self.serve(request, mended).await,
             Incoming::Response(response) => {
                 // Fails only after `exit`.
                 let _ = responses.send(response).await;
             }
             Incoming::Invalid(id, what) => self.refuse(&id, code::INVALID_REQUEST, &what),
         }
+        None
     }
 
-    async fn serve(&mut self, request: Request, mended: bool, calls: &FuturesUnordered<Call>) {
+    /// Begins to serve a request; what is left to do of it.
+    async fn serve(&mut self, request: Request, mended: bool) -> Option<Call> {
         let method = request.method().to_owned();
         let id = request.id().map(|it| json!(it));
         tracing::debug!(method, ?id, "received");
@@ -186,7 +188,7 @@ impl Session {
             if let Some(id) = &id {
                 self.refuse(id, code, why);
             }
-            return;
+            return None;
         }
         let params = request.params().cloned_if(&method);
         if let Some(params) = &params {
@@ -202,7 +204,7 @@ impl Session {
         let ready = std::future::poll_fn(|context| self.service.poll_ready(context));
         if ready.await.is_err() {
             self.phase = Phase::Exited;
-            return;
+            return None;
         }
         let mut call = answered(self.service.call(request), id, method.clone());
         // A message takes its place in the queue before it first waits. So messages keep their order.
@@ -219,12 +221,15 @@ impl Session {
             ("exit", _) => self.phase = Phase::Exited,
             _ => {}
         }
-        match first {
-            Poll::Ready(answer) => self.answer(answer),
-            Poll::Pending => calls.push(call),
-        }
         if let Some(document) = document {
             self.service.inner().mended(document);
+        }
+        match first {
+            Poll::Ready(answer) => {
+                self.answer(answer);
+                None
+            }
+            Poll::Pending => Some(call),
         }
     }
 
