@@ -55,26 +55,11 @@ pub(crate) fn system() -> Arc<dyn Processes> {
 
 impl Processes for System {
     fn start(&self, program: &Program) -> io::Result<Process> {
-        let mut command = match OWN.get() {
-            Some(own) => {
-                let mut command = Command::new(own);
-                command.args(launch::arguments(program));
-                command
-            }
-            None => {
-                let mut command = Command::new(&program.path);
-                command.args(&program.arguments);
-                command
-            }
-        };
-        if !program.directory.as_os_str().is_empty() {
-            command.current_dir(&program.directory);
-        }
-        run(command, program.channels)
+        run(command(program)?, program.channels)
     }
 
     fn renderer(&self, resources: Resources) -> Option<io::Result<Process>> {
-        let mut command = Command::new(OWN.get()?);
+        let mut command = again(OWN.get()?);
         command.args(launch::renderer_arguments(resources));
         Some(run(command, Channels::Pipes))
     }
@@ -105,12 +90,21 @@ pub(crate) fn ask(
         resources: Resources::default(),
         access: None,
     };
+    let mut command = command(&program)?;
+    command.envs(environment.iter().map(|(name, value)| (name, value)));
+    let mut process = run(command, Channels::Pipes)?;
+    drop(process.child.stdin.take());
+    Ok(process)
+}
+
+/// The command that becomes a program.
+fn command(program: &Program) -> io::Result<Command> {
     let mut command = match OWN.get() {
         Some(own) => {
-            // What cannot be found must be told as that, not as a failure of what was started in its place.
-            find(&program.path)?;
-            let mut command = Command::new(own);
-            command.args(launch::arguments(&program));
+            // What cannot be found is told as that, not as a failure of what is started in its place.
+            find(program)?;
+            let mut command = again(own);
+            command.args(launch::arguments(program));
             command
         }
         None => {
@@ -119,19 +113,27 @@ pub(crate) fn ask(
             command
         }
     };
-    command.envs(environment.iter().map(|(name, value)| (name, value)));
-    let mut process = run(command, Channels::Pipes)?;
-    drop(process.child.stdin.take());
-    Ok(process)
+    if !program.directory.as_os_str().is_empty() {
+        command.current_dir(&program.directory);
+    }
+    Ok(command)
+}
+
+/// This program again, by its own name: as `genom3` it would take other words.
+fn again(own: &Path) -> Command {
+    let mut command = Command::new(own);
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::arg0(&mut command, "dotgen");
+    command
 }
 
 /// Looks for a program as the system does.
-fn find(program: &Path) -> io::Result<()> {
-    let named = program.components().count() > 1;
+fn find(program: &Program) -> io::Result<()> {
+    let name = &program.path;
     let path = std::env::var_os("PATH").unwrap_or_default();
-    let found = match named {
-        true => program.is_file(),
-        false => std::env::split_paths(&path).any(|it| it.join(program).is_file()),
+    let found = match name.components().count() > 1 {
+        true => program.directory.join(name).is_file(),
+        false => std::env::split_paths(&path).any(|it| it.join(name).is_file()),
     };
     match found {
         true => Ok(()),

@@ -69,18 +69,14 @@ pub(crate) async fn serve(
     };
     let writing = write(output, outgoing, requests, spelling);
     tokio::pin!(writing);
-    let exited = tokio::select! {
+    tokio::select! {
         // Nobody reads any more: there is nobody to serve.
         _ = &mut writing => return,
-        exited = session.run(input, responses) => exited,
+        () = session.run(input, responses) => {}
         Ok(()) = gone => return,
-    };
-    if exited {
-        // A client that does not read its last answers is not waited for.
-        let _ = tokio::time::timeout(PARTING, writing).await;
-    } else {
-        let _ = writing.now_or_never();
     }
+    // A client that does not read its last answers is not waited for.
+    let _ = tokio::time::timeout(PARTING, writing).await;
 }
 
 struct Session {
@@ -99,12 +95,12 @@ struct Session {
 type Call = futures_util::future::BoxFuture<'static, Option<Value>>;
 
 impl Session {
-    /// Reads and serves; whether `exit` came. Dropping the session ends the writer.
+    /// Reads and serves until `exit` or the end of the input. The writer ends with the session.
     async fn run(
         mut self,
         mut input: impl AsyncRead + Unpin,
         mut responses: impl Sink<Response> + Unpin,
-    ) -> bool {
+    ) {
         let mut calls = FuturesUnordered::<Call>::new();
         let mut frames = Frames::default();
         let mut piece = vec![0; 64 << 10];
@@ -147,7 +143,6 @@ impl Session {
         while let Some(Some(answer)) = calls.next().now_or_never() {
             self.answer(answer);
         }
-        self.phase == Phase::Exited
     }
 
     fn answer(&self, answer: Option<Value>) {

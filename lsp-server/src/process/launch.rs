@@ -4,7 +4,7 @@
 
 use std::ffi::{OsStr, OsString};
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::time::Duration;
 
@@ -115,9 +115,13 @@ impl Order {
 
 /// Runs the subcommand when the words of the command line are for it.
 pub(crate) fn intercept() -> Option<ExitCode> {
-    let words: Vec<OsString> = std::env::args_os().skip(1).collect();
-    let (command, words) = words.split_first()?;
-    if command != COMMAND {
+    let words: Vec<OsString> = std::env::args_os().collect();
+    let [own, command, words @ ..] = words.as_slice() else {
+        return None;
+    };
+    // To GenoM3 this word is the name of a template.
+    let stands_in = Path::new(own).file_stem() == Some(OsStr::new("genom3"));
+    if command != COMMAND || stands_in {
         return None;
     }
     if words.first().map(OsString::as_os_str) == Some(OsStr::new(watcher::WORDS[1])) {

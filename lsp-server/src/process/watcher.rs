@@ -6,7 +6,7 @@
 use std::ffi::OsStr;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{ChildStdin, Command, Stdio};
+use std::process::{ChildStdin, Stdio};
 use std::sync::{LazyLock, Mutex, PoisonError};
 
 use super::OWN;
@@ -27,7 +27,7 @@ impl Watcher {
     /// The helper; started when it is first wanted. `None` where it cannot be.
     pub(super) fn get() -> Option<&'static Watcher> {
         static WATCHER: LazyLock<Option<Watcher>> = LazyLock::new(|| {
-            let mut command = Command::new(OWN.get()?);
+            let mut command = super::again(OWN.get()?);
             command.args(WORDS).stdin(Stdio::piped());
             command.stdout(Stdio::null()).stderr(Stdio::null());
             // It must not keep a folder busy, nor end with the terminal's group.
