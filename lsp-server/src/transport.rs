@@ -131,6 +131,9 @@ impl Session {
                                 calls.extend(call);
                             }
                             Err(error) => {
+                                if let Some(at) = frame::header_at_end(&body) {
+                                    frames.give_back(&body[at..]);
+                                }
                                 let message = format!("this message is no JSON: {error}");
                                 self.refuse(&Value::Null, code::PARSE_ERROR, &message);
                             }

@@ -29,7 +29,6 @@ fn a_terminal_gets_no_control_characters() {
     for arguments in [
         &["check", NAME][..],
         &["check", "missing\u{1b}[31m.gen"],
-        &["model", NAME],
         &["verify", NAME],
         &["generate", "docs", NAME],
         &["generate", "-n", NAME],
@@ -41,7 +40,6 @@ fn a_terminal_gets_no_control_characters() {
         let output = directory.run(arguments);
         assert_ne!(status(&output), 0, "{arguments:?}");
         let printed = stdout(&output) + &stderr(&output);
-        // JSON says it in its own way; it is for programs.
         let harmful = |it: char| it.is_control() && !matches!(it, '\n' | '\t') || it == '\u{202e}';
         let found: Vec<char> = printed.chars().filter(|it| harmful(*it)).collect();
         assert_eq!(found, [], "{arguments:?}: {printed}");

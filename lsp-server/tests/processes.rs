@@ -293,7 +293,6 @@ fn the_system_keeps_a_template_from_the_rest() {
         "open |true",
         "socket localhost 1",
         "socket -server x 0",
-        "set f [open $root/write/big.txt w]; puts $f [string repeat x 200000]; close $f",
     ];
     let mut script = "set root [file dirname [file dirname [info script]]]\n".to_owned();
     for one in tried {
@@ -333,9 +332,17 @@ fn memory_and_time_end() {
         return;
     }
     let directory = Directory::new(&[("write/x", "")]);
-    let output = confined(&directory, "set x y; while 1 { append x $x }");
-    assert!(!output.status.success());
-    assert!(output.stdout.is_empty());
+    let write = "set f [open [file dirname [file dirname [info script]]]/write/big w]; fconfigure $f -buffering none;";
+    for script in [
+        "set x y; while 1 { append x $x }",
+        &format!("{write} puts $f [string repeat x 200000]"),
+    ] {
+        let output = confined(&directory, &format!("{script}\nputs end"));
+        assert!(!output.status.success(), "{script}");
+        assert!(output.stdout.is_empty(), "{script}");
+    }
+    let size = std::fs::metadata(directory.path().join("write/big")).map(|it| it.len());
+    assert!(size.expect("a file") <= 100_000);
 }
 
 /// A folder with a specification and Tcl or MiniJinja templates.
@@ -363,7 +370,7 @@ fn a_confined_template_writes_below_the_current_folder() {
     let directory = project(&[
         (
             "plain/template.tcl",
-            "template parse raw \"text\\n\" file sub/a.txt perm a+x raw {} file b.sh\n",
+            "template parse raw \"text\\n\" file sub/a.txt\ntemplate parse perm a+x raw x file b.sh\n",
         ),
         (
             "leaves/template.tcl",

@@ -303,3 +303,41 @@ fn the_server_ends_with_the_process_of_its_client() {
     assert_eq!(server.child.wait().expect("it ends").code(), Some(1));
     client.wait().expect("it has ended");
 }
+
+#[test]
+fn garbage_costs_nothing_but_itself() {
+    let mut server = Server::start();
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut random = |below: u64| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        state % below
+    };
+    let pieces: [&[u8]; 8] = [
+        b"{\"jsonrpc\":\"2.0\",\"id\":",
+        b"Content-Length: ",
+        b"12\r\n\r\n",
+        b"\xff\xfe\0",
+        b"}]\"",
+        b"\r\n",
+        b"Content-Type: x\r\n",
+        b"\\ud800",
+    ];
+    for id in 0..300 {
+        let mut bytes = Vec::new();
+        for _ in 0..random(12) {
+            match random(3) {
+                0 => bytes.push(random(256) as u8),
+                _ => bytes.extend_from_slice(pieces[random(8) as usize]),
+            }
+        }
+        // A header that is cut off takes the next line for its value, as it must.
+        bytes.extend_from_slice(b"\r\n");
+        server.bytes(&bytes);
+        server.bytes(&message(json!({ "id": id, "method": "dotgen/nothing" })));
+        let answer = server.receive(|it| it["id"] == id && it["error"]["code"] == -32601);
+        assert_eq!(answer["id"], id);
+    }
+    goes_on(server);
+}

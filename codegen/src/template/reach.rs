@@ -66,10 +66,9 @@ pub(crate) fn is_below(path: &Path, folders: &[PathBuf]) -> bool {
     let Some(path) = resolve(path) else {
         return false;
     };
-    folders.iter().any(|it| {
-        let folder = it.canonicalize();
-        path.starts_with(folder.as_deref().unwrap_or(it))
-    })
+    folders
+        .iter()
+        .any(|it| resolve(it).is_some_and(|it| path.starts_with(it)))
 }
 
 /// The path without links, of which the last parts need not exist. `None` for a link that leads nowhere: a file that is
@@ -122,6 +121,8 @@ mod tests {
         ] {
             assert!(!below(path), "{path}");
         }
+        // A folder that is to be made is where it will be.
+        assert!(is_below(&root.join("out/new/a"), &[root.join("out/new")]));
         // A folder whose name begins alike is another one.
         assert!(!is_below(&dir.path().join("root2/a"), &[root]));
     }

@@ -195,6 +195,18 @@ fn find_header(bytes: &[u8]) -> Option<Range<usize>> {
     None
 }
 
+/// Where a header begins that a body without meaning ends in: its length was too large, and the next message begins in
+/// it.
+pub(super) fn header_at_end(body: &[u8]) -> Option<usize> {
+    let from = body.len().saturating_sub(NAME.len() + 24);
+    (from..body.len()).find(|at| {
+        let tail = &body[*at..];
+        let (name, value) = tail.split_at(tail.len().min(NAME.len()));
+        let value = value.trim_ascii();
+        name.eq_ignore_ascii_case(&NAME[..name.len()]) && value.iter().all(u8::is_ascii_digit)
+    })
+}
+
 /// Where the last `Content-Length:` of a line begins, in any case.
 fn find_name(line: &[u8]) -> Option<usize> {
     let mut windows = line.windows(NAME.len());
@@ -287,6 +299,18 @@ mod tests {
         let body = r#"{"text":"Content-Length: 12\r\n\r\n"}"#;
         let stream = format!("Content-Length: {}\r\n\r\n{body}", body.len());
         assert_eq!(frames(&stream), [body]);
+    }
+
+    #[test]
+    fn a_header_that_begins_in_a_body_is_found() {
+        for (body, at) in [
+            ("{}Cont", Some(2)),
+            ("{c", Some(1)),
+            ("{\ncontent-length: 4\r", Some(2)),
+            ("{}", None),
+        ] {
+            assert_eq!(header_at_end(body.as_bytes()), at, "{body}");
+        }
     }
 
     #[test]
