@@ -82,8 +82,8 @@ pub(super) fn serve(mut pipe: impl Read) {
     let mut items: Vec<&[u8]> = Vec::new();
     // What follows the last end of an item was cut off.
     let end = bytes.iter().rposition(|it| *it == 0).unwrap_or(0);
-    for message in bytes[..end].split(|it| *it == 0) {
-        match message.split_first() {
+    for told in bytes[..end].split(|it| *it == 0) {
+        match told.split_first() {
             Some((b'+', item)) => items.push(item),
             Some((b'-', item)) => items.retain(|it| *it != item),
             _ => {}
