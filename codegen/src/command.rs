@@ -4,7 +4,7 @@ mod options;
 mod preprocess;
 mod project;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use camino::Utf8PathBuf;
@@ -14,10 +14,12 @@ use dotgen_analysis::release::{Release, ReleaseChoice, ReleaseOrigin, required};
 
 use crate::compiler::Compiler;
 use crate::frontend::Frontend;
+use crate::process::Processes;
 use crate::template::console::Console;
 use crate::template::discover::release_of;
 use crate::template::discover::{FindError, SearchPath};
-use crate::template::{Limits, OutputSink, Run, TemplatePlace};
+use crate::template::output::posix;
+use crate::template::{Confined, Limits, OutputSink, Run, TemplatePlace};
 pub(crate) use options::Options;
 use options::{Mode, OptionError};
 pub use project::Project;
@@ -47,6 +49,10 @@ pub struct Environment<'a> {
     pub sink: OutputSink,
     /// The release of GenoM3 that a project's settings say.
     pub release: Option<ReleaseChoice>,
+    /// Starts interpreters and tools.
+    pub processes: Arc<dyn Processes>,
+    /// Keeps templates from what is not their business; `None` lets them do what their user can.
+    pub confined: Option<Confined>,
     /// Where the template failed, if it did and that is known.
     pub failed_at: Option<TemplatePlace>,
 }
@@ -95,6 +101,9 @@ pub fn generate(args: &[String], env: &mut Environment<'_>) -> i32 {
         _ if options.rest.is_empty() => {
             env.console.err(&usage(env.name));
             1
+        }
+        Mode::Template if options.confined && env.confined.is_none() => {
+            confined(&options, release, env)
         }
         Mode::Template => template(&options, release, env),
         Mode::Parse | Mode::Dump => parse_only(&options, release, env),
@@ -233,6 +242,38 @@ fn list(options: &Options, env: &mut Environment<'_>) -> i32 {
     0
 }
 
+/// Runs a template as a preview does, and writes what comes of it if the template succeeds.
+fn confined(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>) -> i32 {
+    let here = if env.base.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        &env.base
+    };
+    let results = vec![crate::template::discover::absolute(here)];
+    env.confined = Some(Confined { results });
+    env.limits = Limits {
+        cancel: env.limits.cancel.take(),
+        ..Limits::preview()
+    };
+    let direct = std::mem::replace(&mut env.sink, OutputSink::preview());
+    let status = template(options, release, env);
+    let kept = std::mem::replace(&mut env.sink, direct);
+    if status != 0 {
+        return status;
+    }
+    match kept.write_out() {
+        Ok(()) => 0,
+        Err((path, error)) => {
+            env.warn(&format!(
+                "cannot write {}: {}",
+                path.display(),
+                posix(&error)
+            ));
+            2
+        }
+    }
+}
+
 fn template(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>) -> i32 {
     let search = env.search_path(options);
     let (name, arguments) = match options.rest.split_first() {
@@ -282,6 +323,8 @@ fn template(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>
         limits: env.limits.clone(),
         base: env.base.clone(),
         input_path: options.directory.clone(),
+        processes: Arc::clone(&env.processes),
+        confined: env.confined.as_ref(),
     };
     let sink = std::mem::replace(&mut env.sink, OutputSink::Direct);
     let outcome = run.execute(&mut compiler, env.console, sink);
@@ -358,6 +401,8 @@ General options:
   -n, --parse-only  read the files and report what is wrong
   -N, --dump        read the files and print the resulting model, as JSON
   -E                preprocess the files
+      --confined    as a preview in an editor: TEMPLATE starts no program, has no network, reads
+                    itself and its inputs, and writes below the current directory
   -T, --tmpdir DIR  directory for temporary files
   -v, --verbose     say what is done
   -d, --debug       keep temporary files

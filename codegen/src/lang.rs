@@ -407,6 +407,11 @@ impl<'a> Mapper<'a> {
             TypeKind::ForwardUnion { .. } => "union",
             TypeKind::Native => "native",
             TypeKind::Port { .. } => "port",
+            // The alias of a provided port stands where the port does.
+            TypeKind::Typedef { ty } if self.spec.ty(*ty).src == it.src => match self.kind(*ty) {
+                TypeKind::Port { .. } => "port",
+                _ => return self.places.place(it.src, Anchor::First),
+            },
             TypeKind::PauseEvent => "pause",
             TypeKind::Remote { component, remote } => {
                 let remote = &self.spec.components[*component as usize].remotes[*remote as usize];

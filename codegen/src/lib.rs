@@ -7,5 +7,6 @@ pub mod command;
 pub mod compiler;
 pub mod frontend;
 pub mod lang;
+pub mod process;
 pub mod release_diff;
 pub mod template;

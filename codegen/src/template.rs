@@ -13,24 +13,27 @@ mod closure;
 pub mod console;
 pub mod discover;
 pub mod files;
-mod host;
+pub(crate) mod host;
 mod marker;
 pub mod merge;
 mod mutex;
 mod notice;
 mod object;
 pub(crate) mod output;
+pub(crate) mod reach;
 mod script;
 mod session;
 pub(crate) mod tcl;
 pub(crate) mod throws;
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use dotgen_analysis::model::Spec;
 
 use crate::frontend::Frontend;
 use crate::lang::{Language, NoPlaces};
+use crate::process::Processes;
 use console::Console;
 use discover::SearchPath;
 
@@ -71,7 +74,6 @@ pub(crate) enum Failure {
 }
 
 /// What to run and how.
-#[derive(Debug)]
 pub struct Run<'a> {
     /// Absolute path of the template.
     pub dir: PathBuf,
@@ -95,6 +97,18 @@ pub struct Run<'a> {
     pub base: PathBuf,
     /// Directory where the names of inputs start (`-C`), as given; empty for [`Run::base`].
     pub input_path: String,
+    /// Starts the interpreter.
+    pub processes: Arc<dyn Processes>,
+    /// Keeps the template from what is not its business; `None` lets it do what its user can.
+    pub confined: Option<&'a Confined>,
+}
+
+/// What a confined run may do. It starts no program, has no network, reads its template and its inputs, and writes
+/// nothing itself: its results are kept.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Confined {
+    /// Folders in which its results may be.
+    pub results: Vec<PathBuf>,
 }
 
 /// The end of a run.
@@ -135,10 +149,7 @@ impl Run<'_> {
         console: &mut dyn Console,
         sink: OutputSink,
     ) -> Outcome {
-        let mut builder = tempfile::Builder::new();
-        builder.prefix("genom").disable_cleanup(self.debug);
-        let base = self.tmpdir.clone().unwrap_or_else(std::env::temp_dir);
-        let tmpdir = match builder.tempdir_in(base.canonicalize().unwrap_or(base)) {
+        let tmpdir = match self.processes.folder(self.tmpdir.as_deref()) {
             Ok(tmpdir) => tmpdir,
             Err(error) => {
                 let message = format!("cannot create a temporary directory: {error}");
@@ -158,7 +169,12 @@ impl Run<'_> {
             base: self.base.clone(),
             sink,
             template: self.name(),
+            confined: self.confined.cloned(),
         };
+        let mut tmpdir = tmpdir;
+        if self.debug {
+            tmpdir.keep();
+        }
         session::run(self, frontend, console, output, tmpdir.path().to_owned())
     }
 }

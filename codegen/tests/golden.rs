@@ -13,6 +13,8 @@ use dotgen_codegen::template::{Limits, find_tclsh};
 
 #[path = "support/disk.rs"]
 mod disk;
+#[path = "support/processes.rs"]
+mod processes;
 
 /// The releases that were recorded: the manifest of each, and the variable that names its templates.
 const RELEASES: [(&str, &str, &str); 2] = [
@@ -97,6 +99,8 @@ fn generator() -> ExitCode {
         limits: Limits::default(),
         base: std::path::PathBuf::new(),
         sink: dotgen_codegen::template::OutputSink::Direct,
+        processes: Arc::new(processes::Plain),
+        confined: None,
         failed_at: None,
         release: None,
     };

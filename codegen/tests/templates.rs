@@ -10,10 +10,12 @@ use dotgen_analysis::release::{Release, ReleaseChoice, ReleaseOrigin};
 use dotgen_codegen::compiler::Compiler;
 use dotgen_codegen::template::console::Captured;
 use dotgen_codegen::template::discover::SearchPath;
-use dotgen_codegen::template::{Limits, Outcome, OutputSink, Run, find_tclsh};
+use dotgen_codegen::template::{Confined, Limits, Outcome, OutputSink, Run, find_tclsh};
 
 #[path = "support/disk.rs"]
 mod disk;
+#[path = "support/processes.rs"]
+mod processes;
 
 const SPECIFICATION: &str = r#"/*/ A lamp.
  * Second line.
@@ -51,6 +53,9 @@ fn run(
         dirs: vec![templates],
         builtin: None,
     };
+    // What is not written is confined: the results of these tests are in temporary folders.
+    let results = vec![std::env::temp_dir()];
+    let confined = matches!(sink, OutputSink::Preview(_)).then_some(Confined { results });
     let run = Run {
         dir: search.find(template).unwrap(),
         args: args.iter().map(|it| (*it).to_owned()).collect(),
@@ -63,6 +68,8 @@ fn run(
         limits,
         base: PathBuf::new(),
         input_path: String::new(),
+        processes: Arc::new(processes::Plain),
+        confined: confined.as_ref(),
     };
     let mut compiler = Compiler::new(Arc::new(disk::Disk), Vec::new(), Vec::new(), release());
     let mut console = Captured::default();
@@ -453,6 +460,8 @@ fn a_preview_shows_what_a_run_writes() {
             limits: Limits::preview(),
             base: PathBuf::new(),
             input_path: String::new(),
+            processes: Arc::new(processes::Plain),
+            confined: None,
         };
         let mut compiler = Compiler::new(Arc::new(disk::Disk), Vec::new(), Vec::new(), release());
         let mut console = Captured::default();

@@ -19,6 +19,8 @@ pub(crate) struct Options {
     pub(super) release: Option<Release>,
     /// `-T`.
     pub(super) tmpdir: Option<String>,
+    /// `--confined`.
+    pub(super) confined: bool,
     pub(crate) verbose: bool,
     pub(crate) debug: bool,
     pub(super) mode: Mode,
@@ -58,6 +60,7 @@ pub(super) enum OptionError {
 }
 
 const LONG: &[(&str, char)] = &[
+    ("confined", 'C'),
     ("debug", 'd'),
     ("directory", 'C'),
     ("dump", 'N'),
@@ -197,6 +200,10 @@ impl Options {
             }
             'v' => {
                 self.verbose = true;
+                return Ok(());
+            }
+            'C' => {
+                self.confined = true;
                 return Ok(());
             }
             'd' => {

@@ -112,6 +112,9 @@ fn run(
         limits: Limits::default(),
         base: PathBuf::new(),
         sink: OutputSink::Direct,
+        processes: crate::process::system(),
+        // `--confined` is for the generator to see, among its other options.
+        confined: None,
         failed_at: None,
         release,
     };

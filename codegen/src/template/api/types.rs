@@ -157,10 +157,7 @@ pub(super) fn call(
             found.map(|(_, data)| Answer::pure(data.clone()))
         }
         "loc" => {
-            let context = match &it.kind {
-                TypeKind::Remote { .. } => None,
-                _ => spec.body_of(it.src),
-            };
+            let context = spec.body_of(it.src);
             model.place(mapper.type_place(ty), context, arguments)?
         }
         _ => pure("type".into()),
