@@ -60,7 +60,7 @@ pub(super) enum OptionError {
 }
 
 const LONG: &[(&str, char)] = &[
-    ("confined", 'C'),
+    ("confined", 'F'),
     ("debug", 'd'),
     ("directory", 'C'),
     ("dump", 'N'),
@@ -202,7 +202,7 @@ impl Options {
                 self.verbose = true;
                 return Ok(());
             }
-            'C' => {
+            'F' => {
                 self.confined = true;
                 return Ok(());
             }
