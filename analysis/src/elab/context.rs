@@ -241,6 +241,13 @@ impl<'a> Elaborator<'a> {
         }
     }
 
+    /// Takes the last finding back, if it has this code: something worse is to be reported of the same thing.
+    pub(super) fn retract(&mut self, code: &str) {
+        if self.diagnostics.last().is_some_and(|it| it.code() == code) {
+            self.diagnostics.pop();
+        }
+    }
+
     /// What was probably meant by a name that means nothing; `at` is its token.
     pub(super) fn near<'n>(
         &self,

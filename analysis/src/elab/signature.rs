@@ -112,6 +112,8 @@ impl<'a> Elaborator<'a> {
         if !special || !self.spec.release.has(Change::SpecialParameterTypes) {
             return ty;
         }
+        // What would be said where such a type is accepted.
+        self.retract("not-a-type");
         let kind = Declaring::SpecialParam {
             name: name.into(),
             what: types::describe(&self.spec, ty),

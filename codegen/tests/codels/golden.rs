@@ -311,7 +311,9 @@ fn headers_and_stubs_of_the_golden_inputs_compile() {
         if file.path().extension() != Some("gen") {
             continue;
         }
-        let mut host = host(vec![golden.join("inputs/more"), golden.join("standins")]);
+        // Later releases accept an input whose C++ mapping, byte for byte, is none that a compiler takes.
+        let includes = vec![golden.join("inputs/more"), golden.join("standins")];
+        let mut host = host_of(Some(Release::V2_99_39), includes);
         if file.file_name() == "alltypes.gen" {
             let text = std::fs::read_to_string(file.path()).expect("an input");
             host.apply(Change {
