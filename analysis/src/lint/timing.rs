@@ -5,6 +5,7 @@ use num_rational::Ratio;
 use crate::model::fsm::Machine;
 use crate::model::turn::Turn;
 use crate::model::{CodelKind, CodelRef, Owner, Seconds, ServiceKind, Src};
+use crate::quantity;
 
 use super::{Lint, duration, list};
 
@@ -174,7 +175,7 @@ fn overutilised(lint: &mut Lint) {
         total += share;
         parts.push((
             task.src,
-            format!("task `{}` needs {}", task.name, percent(share)),
+            format!("task `{}` needs {}", task.name, quantity::load(share)),
         ));
     }
     if total > Ratio::from_integer(i128::from(cores)) {
@@ -184,18 +185,11 @@ fn overutilised(lint: &mut Lint) {
             format!(
                 "the permanent activities of `{}` need {} of a core, but the platform has {cores}; lengthen periods or shorten codels",
                 lint.component.name,
-                percent(total)
+                quantity::load(total)
             ),
         );
         found.related = parts;
     }
-}
-
-fn percent(share: Seconds) -> String {
-    format!(
-        "{:.0} %",
-        *share.numer() as f64 / *share.denom() as f64 * 100.0
-    )
 }
 
 /// `timing/suspicious-unit`: numbers that look like a forgotten or mistaken unit.

@@ -26,6 +26,7 @@ use self::told::Told;
 use super::session::{self, Session};
 use super::{Outcome, Reading};
 use crate::verification::Problem;
+use crate::verification::view::View;
 use crate::vfs;
 
 /// Verify real-time properties: deadlines, response times, bounded responses
@@ -34,8 +35,9 @@ use crate::vfs;
 /// files are verified together as one system, with their permanent activities and a client that may
 /// send any request at any time. Options override what the scenario says.
 ///
-/// Exit status: 0 if all checks hold, 1 if one fails, 3 if none fails but one was given up, 2 if
-/// nothing could be verified (wrong usage, a file that cannot be read or has errors).
+/// Exit status: 0 if all checks hold, 1 if one fails, 3 if none fails but one was given up or had nothing to
+/// verify (execution times are missing), 2 if nothing could be verified (wrong usage, a file that cannot be read
+/// or has errors).
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// Scenarios (.scn) and specifications (.gen)
@@ -212,7 +214,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     Ok(if answers.iter().any(|it| it.report.refuted()) {
         Outcome::Errors
-    } else if answers.iter().any(|it| it.report.unknown()) {
+    } else if answers
+        .iter()
+        .any(|it| it.report.unknown() || it.report.nothing())
+    {
         Outcome::GaveUp
     } else {
         Outcome::Fine
@@ -322,6 +327,10 @@ fn check(body: &str, at: usize) -> anyhow::Result<Check> {
 impl Answer {
     fn settings(&self) -> dotgen_timing::system::settings::Settings {
         settings(&self.problem.scenario, &self.options)
+    }
+
+    fn view(&self) -> View<'_> {
+        View::new(&self.problem, &self.options, &self.report)
     }
 
     fn file(&self) -> String {
