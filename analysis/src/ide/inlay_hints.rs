@@ -421,7 +421,7 @@ component c {
         );
         let wcet = shown(TEXT, InlayConfig { wcet: true, ..NONE });
         assert!(wcet.contains("codel<start[ ≤ 1 ms]>"), "{wcet}");
-        assert!(wcet.contains("codel<go[ ≤ 4500 µs]>"), "{wcet}");
+        assert!(wcet.contains("codel<go[ ≤ 4.5 ms]>"), "{wcet}");
         let load = shown(
             TEXT,
             InlayConfig {

@@ -114,8 +114,6 @@ pub(crate) struct CheckView<'r> {
 
 /// See the module.
 pub(crate) struct View<'r> {
-    /// Of all times.
-    pub(crate) scale: Scale,
     /// In the order of the report.
     pub(crate) checks: Vec<CheckView<'r>>,
 }
@@ -129,7 +127,6 @@ impl<'r> View<'r> {
         let scenario = written.then_some(&problem.scenario);
         let checks = report.checks.iter();
         View {
-            scale,
             checks: checks
                 .map(|it| CheckView::new(it, scale, scenario))
                 .collect(),
