@@ -26,6 +26,7 @@ use self::told::Told;
 use super::session::{self, Session};
 use super::{Outcome, Reading};
 use crate::verification::Problem;
+use crate::verification::first::{self, FirstAnswer};
 use crate::verification::view::View;
 use crate::vfs;
 
@@ -129,6 +130,8 @@ struct Answer {
     problem: Problem,
     options: Options,
     report: Report,
+    /// What holds with fewer requests, where no scenario is written.
+    first: Vec<FirstAnswer>,
     /// What was said beside it, for programs.
     diagnostics: serde_json::Value,
     sensitivity: Option<Sensitivity>,
@@ -170,6 +173,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             cancel.limit(time);
         }
         let doing = format!("verifying {}", problem.scenario.name);
+        let first = match checks.is_empty() {
+            true => first::answers(&problem, &options, &cancel),
+            false => Vec::new(),
+        };
         let report = progress::during(&cancel, &doing, |tell| {
             problem.verify(&options, &cancel, &|it| {
                 tell(Doing {
@@ -204,6 +211,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             problem,
             options,
             report,
+            first,
             diagnostics,
             sensitivity,
         });

@@ -93,6 +93,8 @@ impl Followed {
                         from: it.time,
                     });
                 }
+                // Once for each who was faster.
+                MomentKind::Wait if own && waiting.as_ref().is_some_and(|wait| wait.codel == it.codel) => {}
                 MomentKind::Wait if own => {
                     waiting = Some(Wait {
                         codel: it.codel,

@@ -43,6 +43,9 @@ fn document(answer: &Answer) -> anyhow::Result<Json> {
         }
     }
     document["diagnostics"] = answer.diagnostics.clone();
+    if !answer.first.is_empty() {
+        document["first-answers"] = serde_json::to_value(&answer.first)?;
+    }
     if let Some(sensitivity) = &answer.sensitivity {
         document["sensitivity"] = serde_json::to_value(sensitivity)?;
     }

@@ -38,6 +38,19 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
         summary::platform(&settings),
         answer.file(),
     )?;
+    if !answer.first.is_empty() {
+        writeln!(out)?;
+        let width = answer.first.iter().map(|it| it.assuming.len()).max();
+        let width = width.unwrap_or_default();
+        for it in &answer.first {
+            let open = match it.open.is_empty() {
+                true => String::new(),
+                false => format!(": {}", it.open.join(", ")),
+            };
+            writeln!(out, "  {:<width$}  {}{open}", it.assuming, it.outcome)?;
+        }
+        writeln!(out, "  any client:")?;
+    }
     let view = answer.view();
     let rows: Vec<Row> = view.checks.iter().map(Row::new).collect();
     table(out, &rows)?;
@@ -57,6 +70,11 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
         let word = it.outcome.word();
         writeln!(out, "\n{style}{word}{style:#} {}{remark}", it.title())?;
         run(out, events, check.cycle, scale)?;
+        let requests = events.iter().filter(|it| it.kind == MomentKind::Request);
+        let requests: Vec<&str> = requests.map(|it| it.what.as_str()).collect();
+        if !requests.is_empty() {
+            writeln!(out, "  {TITLE}requests{TITLE:#} {}", requests.join(", then "))?;
+        }
         for it in &it.reason {
             writeln!(out, "  {TITLE}because{TITLE:#} {it}")?;
         }
