@@ -17,7 +17,7 @@ use super::summary::{Scale, percent};
 pub(crate) enum Outcome {
     /// It holds.
     Proved,
-    /// It has a bound, and nothing says what it should be.
+    /// It has a bound that is greater than the period of the task, and may be less in fact.
     Bounded,
     /// It has a bound beyond the period of the task, and the scenario states no limit.
     Exceeds,
@@ -73,9 +73,8 @@ impl Outcome {
     fn of(report: &CheckReport) -> Outcome {
         match report.verdict {
             Verdict::Proved if report.exceeds() => Outcome::Exceeds,
-            Verdict::Proved if report.kind == PropertyKind::Response && report.bound.is_none() => {
-                Outcome::Bounded
-            }
+            // An upper bound beyond the period says neither that it is kept nor that it is not.
+            Verdict::Proved if report.slack().is_some_and(|it| it < 0.0) => Outcome::Bounded,
             Verdict::Proved => Outcome::Proved,
             // That something is reachable is what rounding makes uncertain, not that it is not.
             Verdict::Refuted if report.rounded && report.kind != PropertyKind::Reachable => {

@@ -94,7 +94,8 @@ impl Followed {
                     });
                 }
                 // Once for each who was faster.
-                MomentKind::Wait if own && waiting.as_ref().is_some_and(|wait| wait.codel == it.codel) => {}
+                MomentKind::Wait
+                    if own && waiting.as_ref().is_some_and(|wait| wait.codel == it.codel) => {}
                 MomentKind::Wait if own => {
                     waiting = Some(Wait {
                         codel: it.codel,

@@ -572,6 +572,7 @@ fn a_task_that_takes_no_time_needs_no_exploration_to_the_end() {
     let unit = load(&format!(
         "component idle {{ version \"1\"; lang \"c\"; ids {{ long b; }};
            task t {{ codel <start> s(out b) yield wait; codel <wait> w(in b) yield pause::wait, wait; }};
+           function other() {{ codel f() wcet 1 ms; }};
            {services} }};"
     ));
     let input = SystemInput {
@@ -749,7 +750,7 @@ fn periods_are_not_rounded() {
 fn without_execution_times_nothing_is_proved() {
     let unit = load(&TWO.replace(" wcet 1 ms", ""));
     let scenario =
-        "scenario s { check schedulable *; check response *; check always not c.t.lock; }";
+        "scenario s { check schedulable *; check response *; check always not c.t.start.lock; }";
     let parsed = parse(scenario);
     let input = SystemInput {
         specs: vec![&unit.spec],

@@ -73,7 +73,11 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
         let requests = events.iter().filter(|it| it.kind == MomentKind::Request);
         let requests: Vec<&str> = requests.map(|it| it.what.as_str()).collect();
         if !requests.is_empty() {
-            writeln!(out, "  {TITLE}requests{TITLE:#} {}", requests.join(", then "))?;
+            writeln!(
+                out,
+                "  {TITLE}requests{TITLE:#} {}",
+                requests.join(", then ")
+            )?;
         }
         for it in &it.reason {
             writeln!(out, "  {TITLE}because{TITLE:#} {it}")?;

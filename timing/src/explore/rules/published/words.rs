@@ -176,9 +176,8 @@ impl Published<'_> {
             Some(Action::Acquire { executor: it }) if it != executor => self.codel(after, it),
             _ => None,
         };
-        let faster = faster.filter(|&it| {
-            now != phase::EXECUTING && system.codels[codel].conflicts.contains(it)
-        });
+        let faster = faster
+            .filter(|&it| now != phase::EXECUTING && system.codels[codel].conflicts.contains(it));
         if was == now && !again && faster.is_none() {
             return;
         }
