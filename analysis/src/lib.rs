@@ -11,6 +11,7 @@ pub mod host;
 pub mod ide;
 pub mod item_tree;
 pub mod lint;
+pub mod markdown;
 pub mod model;
 pub mod model_json;
 pub mod quantity;
@@ -18,6 +19,7 @@ mod queries;
 mod report;
 pub mod source_map;
 mod suppress;
+pub mod terminal;
 #[cfg(test)]
 mod test_support;
 #[cfg(test)]
