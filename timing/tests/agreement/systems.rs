@@ -25,7 +25,7 @@ impl Dice {
         self.0.next_u32() % n
     }
 
-    fn in_ten(&mut self, n: u32) -> bool {
+    pub(crate) fn in_ten(&mut self, n: u32) -> bool {
         self.below(10) < n
     }
 
