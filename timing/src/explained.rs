@@ -60,7 +60,7 @@ impl Explained {
             for (reason, count) in &it.off {
                 parts.push(match *count == self.explorations {
                     true => format!("not used: {reason}"),
-                    false => format!("not used in {count}: {reason}"),
+                    false => format!("not used in {count} of {}: {reason}", self.explorations),
                 });
             }
             (it.kind.name(), parts.join("; "))
@@ -92,7 +92,7 @@ mod tests {
             ("symmetry", "used"),
             (
                 "deferral",
-                "used in 1 of 2 explorations; not used in 1: switched off",
+                "used in 1 of 2 explorations; not used in 1 of 2: switched off",
             ),
         ];
         assert_eq!(all.lines(), lines.map(|(name, it)| (name, it.to_owned())));
