@@ -233,7 +233,9 @@ fn reductions_are_explained_and_can_be_switched_off() {
             .map(str::to_owned)
             .collect();
         let line = |name: &str| -> String {
-            let line = after.lines().find_map(|it| it.trim_start().strip_prefix(name));
+            let line = after
+                .lines()
+                .find_map(|it| it.trim_start().strip_prefix(name));
             line.unwrap_or_default().trim().to_owned()
         };
         (status(&output), table, line("window-union"), line("zones"))
