@@ -223,6 +223,36 @@ fn what_was_given_up_says_why_and_what_helps() {
 }
 
 #[test]
+fn reductions_are_explained_and_can_be_switched_off() {
+    let it = lift("3 ms");
+    let run = |more: &[&str]| {
+        let output = it.run(&[&["verify", "scenarios/ride.scn"], more].concat());
+        let text = stdout(&output);
+        let (before, after) = text.split_once("\nreductions\n").unwrap_or((&text, ""));
+        let table: Vec<String> = (before.lines().filter(|it| !it.contains(" states in ")))
+            .map(str::to_owned)
+            .collect();
+        let line = |name: &str| -> String {
+            let line = after
+                .lines()
+                .find_map(|it| it.trim_start().strip_prefix(name));
+            line.unwrap_or_default().trim().to_owned()
+        };
+        (status(&output), table, line("window-union"), line("zones"))
+    };
+    let (code, table, union, zones) = run(&["--explain"]);
+    assert_eq!(union, "used");
+    assert!(zones.starts_with("not used"), "{zones}");
+    let (other_code, other_table, union, _) = run(&["--explain", "--without", "window-union"]);
+    assert_eq!(union, "not used: switched off");
+    assert_eq!((other_code, other_table), (code, table));
+    assert_eq!(run(&[]).2, "", "only where it is asked for");
+    let wrong = it.run(&["verify", "--without", "luck", "scenarios/ride.scn"]);
+    assert_eq!(status(&wrong), 2);
+    assert!(stderr(&wrong).contains("give one of persistent-sets, "));
+}
+
+#[test]
 fn a_timeout_ends_the_search_for_limits_as_well() {
     let it = lift("3 ms");
     let output = it.run(&[

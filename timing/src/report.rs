@@ -4,6 +4,7 @@ use dotgen_analysis::model::Src;
 use serde::Serialize;
 use serde::ser::Serializer;
 
+use crate::explained::Explained;
 use crate::explore::Findings;
 use crate::explore::MomentKind;
 use crate::explore::Stop;
@@ -30,6 +31,9 @@ pub struct Report {
     pub memory: usize,
     /// Time it took.
     pub seconds: f64,
+    /// Which reductions the explorations used.
+    #[serde(skip)]
+    pub reductions: Explained,
     /// What the results depend on.
     pub assumptions: Vec<String>,
     /// Things seen on the way that the user should know.
@@ -349,6 +353,10 @@ impl Report {
     pub(crate) fn effort(&mut self, found: &Findings) {
         self.states += found.states;
         self.steps += found.steps;
+        found
+            .reductions
+            .iter()
+            .for_each(|it| self.reductions.add(it));
         self.memory = self.memory.max(found.bytes);
     }
 

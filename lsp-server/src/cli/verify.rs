@@ -1,5 +1,6 @@
 //! `dotgen verify`
 
+mod explain;
 mod interrupt;
 mod json;
 mod progress;
@@ -13,7 +14,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, ValueEnum};
 use dotgen_analysis::host::FileContent;
 use dotgen_timing::derive::{Progress as Asking, Sensitivity};
-use dotgen_timing::explore::Limits;
+use dotgen_timing::explore::{Kind, Limits};
 use dotgen_timing::remark::together;
 use dotgen_timing::report::Report;
 use dotgen_timing::scn;
@@ -81,6 +82,14 @@ pub(super) struct Arguments {
     /// task with which every deadline is met
     #[arg(long)]
     sensitivity: bool,
+
+    /// Tell which reductions of the exploration were used, and why others were not
+    #[arg(long)]
+    explain: bool,
+
+    /// Switch off a reduction, to see what it brings: a name as `--explain` tells them
+    #[arg(long, value_name = "REDUCTION", value_parser = reduction, hide = true)]
+    without: Vec<Kind>,
 
     /// How to print the answers
     #[arg(long, value_enum, default_value_t = Format::Text)]
@@ -151,6 +160,13 @@ fn threads(text: &str) -> Result<usize, String> {
     threads.ok_or_else(|| "give a number of threads from 1 on".to_owned())
 }
 
+fn reduction(text: &str) -> Result<Kind, String> {
+    Kind::named(text).ok_or_else(|| {
+        let names = Kind::ALL.map(Kind::name);
+        format!("give one of {}", names.join(", "))
+    })
+}
+
 fn seconds(text: &str) -> Result<Duration, String> {
     let seconds = text.parse().ok();
     let time = seconds.and_then(|it| Duration::try_from_secs_f64(it).ok());
@@ -217,7 +233,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         });
     }
     match arguments.format {
-        Format::Text => text::print(&answers)?,
+        Format::Text => text::print(&answers, arguments.explain)?,
         Format::Json => json::print(&answers)?,
     }
     Ok(if answers.iter().any(|it| it.report.refuted()) {
@@ -285,6 +301,7 @@ impl Arguments {
             states: self.max_states.unwrap_or(most),
             bytes: self.max_memory.saturating_mul(1 << 20),
             threads: self.threads.unwrap_or(Limits::default().threads),
+            without: self.without.iter().copied().collect(),
         };
         let mut at = problem.text.len();
         let mut parsed = Vec::new();

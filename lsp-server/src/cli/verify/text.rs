@@ -7,7 +7,7 @@ use dotgen_timing::derive::Sensitivity;
 use dotgen_timing::explore::MomentKind;
 use dotgen_timing::report::Event;
 
-use super::Answer;
+use super::{Answer, explain};
 use crate::verification::advice;
 use crate::verification::folded::{Part, folded, words as again};
 use crate::verification::summary::{self, Scale};
@@ -16,13 +16,16 @@ use crate::verification::view::{CheckView, Outcome};
 const TITLE: Style = Style::new().bold();
 const FAINT: Style = Style::new().dimmed();
 
-pub(super) fn print(answers: &[Answer]) -> anyhow::Result<()> {
+pub(super) fn print(answers: &[Answer], explained: bool) -> anyhow::Result<()> {
     let mut out = anstream::AutoStream::auto(std::io::stdout().lock());
     for (i, answer) in answers.iter().enumerate() {
         if i > 0 {
             writeln!(out)?;
         }
         print_one(&mut out, answer)?;
+        if explained {
+            explain::print(&mut out, &answer.report.reductions)?;
+        }
     }
     Ok(())
 }
