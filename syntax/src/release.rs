@@ -246,8 +246,7 @@ changes! {
     DigestsOfExceptions: V2_99_41, Digest,
         "digests contain the names of thrown exceptions, and no local variables";
     PerComponentSkeletons: V2_99_41, Templates,
-        "`skeleton` writes only what a component declares itself, for interfaces too, and takes names of components; \
-         its build files differ";
+        "`skeleton` writes stubs only for codels that the component declares itself";
     SignaturesOfInterfaces: V2_99_41, Templates,
         "`mappings --signature` lists the codels of interfaces, each codel once";
     ConstExceptionDetails: V2_99_42, Mapping,
@@ -258,8 +257,6 @@ changes! {
         "the `doc` of a provided interface does not join that of the component";
     NoLeadingBlankLine: V3, Templates,
         "generated files do not begin with a blank line";
-    SeparatePackageChecks: V3, Templates,
-        "`skeleton` checks for the required packages and those of the codels separately, and always writes `bootstrap.sh` with `autoreconf`";
 }
 
 #[cfg(test)]
