@@ -27,6 +27,8 @@ use self::told::Told;
 use super::session::{self, Session};
 use super::{Outcome, Reading};
 use crate::verification::Problem;
+use crate::verification::first::{self, FirstAnswer};
+use crate::verification::view::View;
 use crate::vfs;
 
 /// Verify real-time properties: deadlines, response times, bounded responses
@@ -35,8 +37,9 @@ use crate::vfs;
 /// files are verified together as one system, with their permanent activities and a client that may
 /// send any request at any time. Options override what the scenario says.
 ///
-/// Exit status: 0 if all checks hold, 1 if one fails, 3 if none fails but one was given up, 2 if
-/// nothing could be verified (wrong usage, a file that cannot be read or has errors).
+/// Exit status: 0 if all checks hold, 1 if one fails, 3 if none fails but one was given up or had nothing to
+/// verify (execution times are missing), 2 if nothing could be verified (wrong usage, a file that cannot be read
+/// or has errors).
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// Scenarios (.scn) and specifications (.gen)
@@ -136,6 +139,8 @@ struct Answer {
     problem: Problem,
     options: Options,
     report: Report,
+    /// What holds with fewer requests, where no scenario is written.
+    first: Vec<FirstAnswer>,
     /// What was said beside it, for programs.
     diagnostics: serde_json::Value,
     sensitivity: Option<Sensitivity>,
@@ -184,6 +189,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             cancel.limit(time);
         }
         let doing = format!("verifying {}", problem.scenario.name);
+        let first = match checks.is_empty() {
+            true => first::answers(&problem, &options, &cancel),
+            false => Vec::new(),
+        };
         let report = progress::during(&cancel, &doing, |tell| {
             problem.verify(&options, &cancel, &|it| {
                 tell(Doing {
@@ -218,6 +227,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             problem,
             options,
             report,
+            first,
             diagnostics,
             sensitivity,
         });
@@ -228,7 +238,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     Ok(if answers.iter().any(|it| it.report.refuted()) {
         Outcome::Errors
-    } else if answers.iter().any(|it| it.report.unknown()) {
+    } else if answers
+        .iter()
+        .any(|it| it.report.unknown() || it.report.nothing())
+    {
         Outcome::GaveUp
     } else {
         Outcome::Fine
@@ -339,6 +352,10 @@ fn check(body: &str, at: usize) -> anyhow::Result<Check> {
 impl Answer {
     fn settings(&self) -> dotgen_timing::system::settings::Settings {
         settings(&self.problem.scenario, &self.options)
+    }
+
+    fn view(&self) -> View<'_> {
+        View::new(&self.problem, &self.options, &self.report)
     }
 
     fn file(&self) -> String {

@@ -1,5 +1,6 @@
 //! The explorer agrees with an independent brute-force interpreter on random small systems.
 
+mod against;
 mod brute;
 mod expected;
 mod servers;
