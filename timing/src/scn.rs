@@ -13,6 +13,7 @@ pub mod lexer;
 pub mod names;
 pub mod outline;
 mod parser;
+pub mod semantics;
 mod words;
 
 use std::ops::Range;

@@ -15,6 +15,8 @@ mod units;
 
 use dotgen_analysis::model::{CodelRef, Seconds, Src};
 
+use crate::scn::semantics::Semantics;
+
 pub use locks::SharedPorts;
 pub use loops::{loop_contradictions, pauseless_cycles};
 
@@ -56,6 +58,8 @@ pub struct Platform {
     pub policy: Policy,
     /// Order in which waiting codels get locks.
     pub locks: LockOrder,
+    /// What the model follows. (Its `locks` are those above.)
+    pub semantics: Semantics,
     /// Asynchronous codels are executed by a separate thread and need no core.
     pub async_free: bool,
     /// Aperiodic tasks need a core.
@@ -72,6 +76,10 @@ pub enum Policy {
     Edf,
     /// Any waiting task.
     Any,
+    /// The ready tasks of highest priority, preempting others.
+    Priority,
+    /// Any ready tasks, preempting others, as long as no core idles.
+    Fair,
 }
 
 /// Order in which codels that wait for a common lock get it.
@@ -81,6 +89,8 @@ pub enum LockOrder {
     Free,
     /// In order of arrival, among codels that exclude each other.
     Fifo,
+    /// One queue per component; who is behind its head waits, conflicting or not.
+    Queue,
 }
 
 /// A component: its tasks are started one after the other.

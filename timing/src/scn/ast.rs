@@ -4,6 +4,8 @@ use std::ops::{Range, RangeInclusive};
 
 use dotgen_analysis::model::Seconds;
 
+use super::semantics::{LockRule, PauseRule, PortRule, Preset, TickRule, TurnRule};
+
 /// How many slots an activity can be given. Each one more multiplies what has to be explored.
 pub const SLOTS: RangeInclusive<u32> = 1..=16;
 
@@ -129,15 +131,30 @@ pub enum Policy {
     Edf,
     /// Any waiting task.
     Any,
+    /// The ready tasks of highest priority, preempting others.
+    Priority,
+    /// Any ready tasks, preempting others, as long as no core idles.
+    Fair,
 }
 
 impl Policy {
+    /// All of them, with their words.
+    pub const ALL: &[(&str, Policy)] = &[
+        ("fifo", Policy::Fifo),
+        ("edf", Policy::Edf),
+        ("any", Policy::Any),
+        ("priority", Policy::Priority),
+        ("fair", Policy::Fair),
+    ];
+
     /// As written.
     pub fn name(self) -> &'static str {
         match self {
             Policy::Fifo => "fifo",
             Policy::Edf => "edf",
             Policy::Any => "any",
+            Policy::Priority => "priority",
+            Policy::Fair => "fair",
         }
     }
 }
@@ -172,8 +189,24 @@ pub enum Item {
     Loop(Option<u32>, Option<Path>, Range<usize>),
     /// `idle keep [PATH];` (`true`) or `idle drop [PATH];`
     Idle(bool, Option<Path>),
-    /// `locks fifo;` (`true`) or `locks free;`
-    LocksFifo(bool),
+    /// `semantics servers;`
+    Semantics(Preset),
+    /// `ticks component;`
+    Ticks(TickRule),
+    /// `turns codel;`
+    Turns(TurnRule),
+    /// `locks queue;`
+    Locks(LockRule),
+    /// `ports copy;`
+    Ports(PortRule),
+    /// `pause events;`
+    Pause(PauseRule),
+    /// `exceptions on [PATH];` (`true`) or `exceptions off [PATH];`
+    Exceptions(bool, Option<Path>),
+    /// `order on;` (`true`) or `order off;`
+    Order(bool),
+    /// `affinity PATH INT;`
+    Affinity(Path, u32),
     /// `async free;` (`true`) or `async held;`
     AsyncFree(bool),
     /// `aperiodic core;` (`true`) or `aperiodic free;`

@@ -19,6 +19,7 @@ use super::settings::Settings;
 use super::{LockOrder, Platform, Policy, TimedSystem};
 use crate::scn::ast::{self, Path};
 use crate::scn::names::Names;
+use crate::scn::semantics::LockRule;
 use crate::scn::{Diagnostic, Place, Severity};
 
 /// A system, and how to find things in it.
@@ -61,16 +62,19 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
                 clients: Vec::new(),
                 platform: Platform {
                     cores: settings.cores,
-                    policy: match settings.policy {
+                    policy: match settings.policy() {
                         ast::Policy::Fifo => Policy::Fifo,
                         ast::Policy::Edf => Policy::Edf,
                         ast::Policy::Any => Policy::Any,
+                        ast::Policy::Priority => Policy::Priority,
+                        ast::Policy::Fair => Policy::Fair,
                     },
-                    locks: if settings.locks_fifo {
-                        LockOrder::Fifo
-                    } else {
-                        LockOrder::Free
+                    locks: match settings.semantics().locks {
+                        LockRule::Free => LockOrder::Free,
+                        LockRule::Fifo => LockOrder::Fifo,
+                        LockRule::Queue => LockOrder::Queue,
                     },
+                    semantics: settings.semantics(),
                     async_free: settings.async_free,
                     aperiodic_core: settings.aperiodic_core,
                 },
@@ -86,6 +90,7 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
     let included: Vec<usize> = (0..names.components.len())
         .filter(|&it| include(it))
         .collect();
+    builder.choose_rules();
     builder.override_durations();
     builder.number_slots();
     builder.find_requested();

@@ -4,6 +4,7 @@ pub(crate) mod alike;
 pub(crate) mod requests;
 
 use dotgen_timing::property::{Atom, Predicate, StatePhase, TaskState};
+use dotgen_timing::scn::semantics::Semantics;
 use dotgen_timing::system::{
     Automaton, Client, ClientAction, ClientStep, Codel, CodelSet, Component, FOREVER, LockOrder,
     Machine, Platform, Policy, Service, State, Task, TimedSystem, Yield, loop_contradictions,
@@ -49,6 +50,7 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
             cores: dice.pick(&[None, Some(1), Some(1), Some(2)]),
             policy: dice.pick(&[Policy::Fifo, Policy::Edf, Policy::Any]),
             locks: dice.pick(&[LockOrder::Free, LockOrder::Free, LockOrder::Fifo]),
+            semantics: Semantics::PUBLISHED,
             async_free: dice.in_ten(3),
             aperiodic_core: dice.in_ten(7),
         },
@@ -303,6 +305,7 @@ fn empty(dice: &mut Dice) -> TimedSystem {
             cores: dice.pick(&[None, Some(1), Some(2), Some(2), Some(3)]),
             policy: Policy::Fifo,
             locks: LockOrder::Free,
+            semantics: Semantics::PUBLISHED,
             async_free: false,
             aperiodic_core: dice.in_ten(7),
         },

@@ -2,11 +2,13 @@
 
 use super::Builder;
 use crate::scn::ast::{self, Durations};
+use crate::scn::semantics::LockRule;
 
 impl Builder<'_> {
     pub(super) fn assumptions(&mut self) {
         let settings = self.settings;
         let mut say = |text: String| self.out.assumptions.push(text);
+        say(format!("semantics: {}", settings.semantics().text()));
         match settings.durations {
             Durations::Interval => say(
                 "durations: every codel takes any time from 0, or its stated lower bound, to its upper bound".to_owned(),
@@ -22,18 +24,21 @@ impl Builder<'_> {
             None => say("cores: no limit".to_owned()),
             Some(cores) => say(format!(
                 "cores: {cores}, granted {}, held from the grant to the end of the cycle, also while waiting for a lock",
-                match settings.policy {
+                match settings.policy() {
                     ast::Policy::Fifo => "in order of release",
                     ast::Policy::Edf => "by earliest deadline",
                     ast::Policy::Any => "to any waiting task",
+                    ast::Policy::Priority => "to the ready tasks of highest priority",
+                    ast::Policy::Fair => "to any ready task",
                 }
             )),
         }
-        say(if settings.locks_fifo {
-            "locks: in order of arrival among codels that exclude each other".to_owned()
-        } else {
-            "locks: any waiting codel may win, also repeatedly".to_owned()
-        });
+        let locks = match settings.semantics().locks {
+            LockRule::Queue => "in one queue per component; everybody waits behind its head",
+            LockRule::Fifo => "in order of arrival among codels that exclude each other",
+            LockRule::Free => "any waiting codel may win, also repeatedly",
+        };
+        say(format!("locks: {locks}"));
         if settings.clients.is_empty() {
             say("clients: none; only permanent activities run".to_owned());
         }

@@ -6,9 +6,31 @@ use dotgen_analysis::model::Owner;
 
 use super::{Builder, not_a};
 use crate::scn::Diagnostic;
+use crate::scn::ast::Policy;
 use crate::scn::names::Target;
+use crate::scn::semantics::{LockRule, Semantics};
 
 impl Builder<'_> {
+    /// What there are rules for.
+    pub(super) fn choose_rules(&mut self) {
+        let semantics = self.settings.semantics();
+        let locks = semantics.locks;
+        let published = semantics
+            == Semantics {
+                locks,
+                ..Semantics::PUBLISHED
+            };
+        let preempts = matches!(self.settings.policy(), Policy::Priority | Policy::Fair);
+        if !published || locks == LockRule::Queue || preempts {
+            let message = format!(
+                "`semantics {}` with `policy {}` cannot be verified yet; write `semantics published;`",
+                semantics.text(),
+                self.settings.policy().name()
+            );
+            self.report(Diagnostic::error("scn-semantics", 0..0, message));
+        }
+    }
+
     pub(super) fn idle_rule(&mut self, c: usize, t: u32) -> bool {
         let mut keep = false;
         for (rule, path) in &self.settings.idle {
