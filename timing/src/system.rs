@@ -119,8 +119,15 @@ pub struct Task {
     pub keep_idle_tick: bool,
     /// The automaton of the permanent activity (one that has a `start` codel).
     pub permanent: Option<usize>,
-    /// Automata of its slots, in slot order.
+    /// Automata of its slots, in slot order. (Under the semantics of the servers: one per activity, whatever the number of
+    /// instances.)
     pub slots: Vec<usize>,
+    /// How many activities it can have at the same time, the permanent one included (servers).
+    pub places: u32,
+    /// Its `priority`; the lower number goes first.
+    pub priority: Option<u32>,
+    /// The core it is tied to, from 0.
+    pub affinity: Option<u32>,
     /// Where it was declared: component of the specification and name.
     pub src: Option<(usize, Src)>,
 }
@@ -196,8 +203,11 @@ pub struct Codel {
     pub lower: Ticks,
     /// Greatest such time, or [`FOREVER`].
     pub upper: Ticks,
-    /// Codels that must not be executing when this one begins; symmetric. May hold the codel itself.
+    /// Codels that must not be executing when this one begins. May hold the codel itself. Symmetric in the published
+    /// models; in the servers a codel does not wait for those of an activity that interrupts its own.
     pub conflicts: CodelSet,
+    /// It may throw an exception instead of each of its yields.
+    pub throws: bool,
     /// Component of the specification and codel it stands for.
     pub site: Option<(usize, CodelRef)>,
     /// Where it was declared.
@@ -261,6 +271,10 @@ pub struct Service {
     pub activity: bool,
     /// Services it interrupts.
     pub interrupts: Vec<usize>,
+    /// Services that must have succeeded before it is accepted.
+    pub after: Vec<usize>,
+    /// Services that must not have succeeded when it is accepted.
+    pub before: Vec<usize>,
     /// Where it was declared.
     pub src: Option<Src>,
 }

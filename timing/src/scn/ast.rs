@@ -7,9 +7,12 @@ use dotgen_analysis::model::Seconds;
 use super::semantics::{LockRule, PauseRule, PortRule, Preset, TickRule, TurnRule};
 
 /// How many slots an activity can be given. Each one more multiplies what has to be explored.
-pub const SLOTS: RangeInclusive<u32> = 1..=16;
+pub const SLOTS: RangeInclusive<u32> = 1..=32;
 
-/// Slots of an activity unless a scenario says otherwise.
+/// Activities of a task at the same time in the servers, unless a scenario says otherwise.
+pub const DEFAULT_PLACES: u32 = 16;
+
+/// Slots of an activity in the published models unless a scenario says otherwise.
 pub const DEFAULT_SLOTS: u32 = 2;
 
 /// Something and its bytes in the text.

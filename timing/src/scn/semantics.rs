@@ -128,6 +128,18 @@ impl Semantics {
         }
     }
 
+    /// Whether all points are those of the published models, which have rules of their own, for either order of locks that
+    /// these know.
+    pub fn is_published(self) -> bool {
+        let locks = self.locks;
+        locks != LockRule::Queue
+            && self
+                == Semantics {
+                    locks,
+                    ..Semantics::PUBLISHED
+                }
+    }
+
     /// In words: the preset, then the points that differ from it, as they are written in scenarios.
     pub fn text(self) -> String {
         let preset = Semantics::of(self.preset);

@@ -49,6 +49,8 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
         durations: HashMap::new(),
         loop_rules: HashMap::new(),
         slots: HashMap::new(),
+        places: HashMap::new(),
+        affinity: HashMap::new(),
         requested: Vec::new(),
         out: Built {
             system: TimedSystem {
@@ -93,12 +95,13 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
     builder.choose_rules();
     builder.override_durations();
     builder.number_slots();
+    builder.tie_to_cores();
     builder.find_requested();
     builder.choose_unit(&included);
     for &c in &included {
         builder.component(c);
     }
-    builder.interrupts(&included);
+    builder.order(&included);
     builder.clients();
     let out = &mut builder.out;
     exclude_codels(names, settings, &included, out);
@@ -128,6 +131,10 @@ struct Builder<'b> {
     loop_rules: HashMap<usize, Range<usize>>,
     /// Numbers of slots of activities that the scenario gives.
     slots: HashMap<(usize, u32), u32>,
+    /// Numbers of activities of tasks that it gives.
+    places: HashMap<(usize, u32), u32>,
+    /// Cores of tasks that it gives, from 1.
+    affinity: HashMap<(usize, u32), u32>,
     /// Services that some client requests.
     requested: Vec<(usize, u32)>,
     out: Built,

@@ -119,6 +119,12 @@ impl Settings {
         self.points.over(self.preset)
     }
 
+    /// Whether `before` and `after` count.
+    pub fn order(&self) -> bool {
+        self.stated_order
+            .unwrap_or(!self.semantics().is_published())
+    }
+
     /// Order in which cores are granted.
     pub fn policy(&self) -> Policy {
         self.stated_policy.unwrap_or_default()

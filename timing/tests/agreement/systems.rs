@@ -75,6 +75,9 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
             });
             let aperiodic = dice.in_ten(1);
             system.tasks.push(Task {
+                places: 16,
+                priority: None,
+                affinity: None,
                 name: format!("t{t}"),
                 component: c,
                 period: (!aperiodic).then(|| 3 + dice.below(5)),
@@ -180,6 +183,9 @@ pub(crate) fn competing(dice: &mut Dice) -> TimedSystem {
             automaton(&mut system, t, machine, None)
         });
         system.tasks.push(Task {
+            places: 16,
+            priority: None,
+            affinity: None,
             name: format!("t{t}"),
             component,
             period: (!dice.in_ten(1)).then(|| dice.pick(&[2, 3, 4, 4, 6])),
@@ -254,6 +260,9 @@ pub(crate) fn polling(dice: &mut Dice) -> TimedSystem {
         let machine = system.machines.len() - 1;
         let permanent = automaton(&mut system, t, machine, None);
         system.tasks.push(Task {
+            places: 16,
+            priority: None,
+            affinity: None,
             name: format!("t{t}"),
             component,
             period: (t > 0).then(|| 4 + dice.below(5)),
@@ -335,6 +344,7 @@ fn codel(system: &mut TimedSystem, dice: &mut Dice, component: usize, path: Stri
     };
     let forever = dice.below(40) == 0;
     system.codels.push(Codel {
+        throws: false,
         path,
         component,
         lower,
@@ -410,6 +420,8 @@ fn service(system: &mut TimedSystem, dice: &mut Dice, v: usize) {
     }
     system.components[component].services.push(v);
     system.services.push(Service {
+        after: Vec::new(),
+        before: Vec::new(),
         name,
         component,
         validate,
