@@ -241,6 +241,11 @@ impl Lazy {
                         waiters.can_wait(rules.system, rules.layout.client_executor(client))
                     }
                     Action::Tick { .. } => false,
+                    // Steps of other rules.
+                    Action::Begin { .. }
+                    | Action::Ticket { .. }
+                    | Action::Wake { .. }
+                    | Action::Reply { .. } => false,
                 };
                 if !follow {
                     continue;

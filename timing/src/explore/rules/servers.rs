@@ -131,11 +131,7 @@ impl<'s> Servers<'s> {
                 l.set_timer(&mut s, task, self.first_tick(task));
             }
             let first = l.slots(task).start;
-            l.set_mode(
-                &mut s,
-                first,
-                slot::INIT | slot::START | slot::PERMANENT,
-            );
+            l.set_mode(&mut s, first, slot::INIT | slot::START | slot::PERMANENT);
             l.set_automaton(&mut s, first, it.permanent.map_or(0, |a| a as u16 + 1));
         }
         for component in 0..l.components {

@@ -14,7 +14,7 @@ impl Builder<'_> {
     pub(super) fn choose_rules(&mut self) {
         let semantics = self.settings.semantics();
         let preempts = matches!(self.settings.policy(), Policy::Priority | Policy::Fair);
-        if !semantics.is_published() || preempts {
+        if preempts {
             let message = format!(
                 "`semantics {}` with `policy {}` cannot be verified yet; write `semantics published;`",
                 semantics.text(),

@@ -144,6 +144,11 @@ impl Published<'_> {
                 }
             }
             Action::Proceed { .. } | Action::Acquire { .. } => {}
+            // Steps of other rules.
+            Action::Begin { .. }
+            | Action::Ticket { .. }
+            | Action::Wake { .. }
+            | Action::Reply { .. } => {}
         }
     }
 

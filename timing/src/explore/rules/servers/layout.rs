@@ -180,7 +180,8 @@ impl Layout {
         debug_assert_eq!(timers, 0, "timers come first");
         let edf = system.platform.cores.is_some() && system.platform.policy == Policy::Edf;
         let ages = edf.then(|| places.times(2 * tasks));
-        let (frame, first_kept) = places.frame_with(clocks, |it| it.iter().filter(|it| **it).count());
+        let measured = clocks.response.iter().filter(|it| **it).count();
+        let (frame, first_kept) = places.frame_with(clocks, measured);
         let mut next = first_kept;
         let kept = (clocks.response.iter())
             .map(|&measured| {
@@ -268,7 +269,9 @@ impl Layout {
     }
 
     pub(super) fn core_queue_push(&self, s: &mut State, task: usize, sorted: bool) {
-        let base = self.core_queue.expect("tasks wait only for cores that are limited");
+        let base = self
+            .core_queue
+            .expect("tasks wait only for cores that are limited");
         push(s, base, task as u16, sorted);
     }
 

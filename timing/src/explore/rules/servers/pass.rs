@@ -29,7 +29,9 @@ impl Servers<'_> {
         let mode = l.mode(s, it);
         let flags = mode & !slot::STATUS;
         let marked = mode & slot::MARK != 0;
-        let stop = self.machine(s, it).and_then(|it| it.stop.or(Some(it.states.len())));
+        let stop = self
+            .machine(s, it)
+            .and_then(|it| it.stop.or(Some(it.states.len())));
         let to_stop = |s: &mut State| {
             l.set_at(s, it, stop.unwrap_or(1) as u16);
             self.begin_turn(s, it);
@@ -174,7 +176,9 @@ impl Servers<'_> {
     fn begin_turn(&self, s: &mut State, it: usize) {
         self.clear_visits(s, it);
         let (base, most) = self.layout.visits[it];
-        let limited = self.machine(s, it).is_some_and(|it| it.loop_limit.is_some());
+        let limited = self
+            .machine(s, it)
+            .is_some_and(|it| it.loop_limit.is_some());
         let at = self.layout.at(s, it) as usize;
         if limited && at < most {
             s.d[base + at] = 1;
@@ -187,7 +191,9 @@ impl Servers<'_> {
         if !within {
             return self.begin_turn(s, it);
         }
-        let limited = self.machine(s, it).is_some_and(|it| it.loop_limit.is_some());
+        let limited = self
+            .machine(s, it)
+            .is_some_and(|it| it.loop_limit.is_some());
         if limited {
             s.d[self.layout.visits[it].0 + to] += 1;
         }

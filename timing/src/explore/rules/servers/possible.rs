@@ -68,7 +68,9 @@ impl Servers<'_> {
             true => flag::TICK,
             false => flag::RUNNABLE,
         };
-        l.thread_of(s, task) == thread::IDLE && l.has(s, task, wanted) && !l.has(s, task, flag::WAKE)
+        l.thread_of(s, task) == thread::IDLE
+            && l.has(s, task, wanted)
+            && !l.has(s, task, flag::WAKE)
     }
 
     /// Whether a cycle needs a core: unless nothing could run in it.
@@ -147,7 +149,7 @@ impl Servers<'_> {
             }
         }
         for component in 0..l.components {
-            self.of_component(s, component, out);
+            self.list_component(s, component, out);
         }
         self.requests(s, out);
         // All so far must happen before time passes.
@@ -163,7 +165,7 @@ impl Servers<'_> {
         }
     }
 
-    fn of_component(&self, s: &State, component: usize, out: &mut Enabled) {
+    fn list_component(&self, s: &State, component: usize, out: &mut Enabled) {
         let l = &self.layout;
         let executor = l.control_executor(component);
         match l.control(s, component) {
@@ -177,7 +179,9 @@ impl Servers<'_> {
         match self.semantics.locks {
             LockRule::Queue => {
                 let head = l.lock_queue(s, component).first();
-                let head = head.map(|&it| it as usize).filter(|&it| self.is_free(s, it));
+                let head = head
+                    .map(|&it| it as usize)
+                    .filter(|&it| self.is_free(s, it));
                 out.actions
                     .extend(head.map(|executor| Action::Acquire { executor }));
             }
@@ -186,9 +190,8 @@ impl Servers<'_> {
                 for (at, &executor) in queue.iter().enumerate() {
                     let executor = executor as usize;
                     let codel = self.codel(s, executor).map(|it| &self.system.codels[it]);
-                    let before = |other: &u16| {
-                        codel.is_some_and(|it| self.holds_up(s, it, *other as usize))
-                    };
+                    let before =
+                        |other: &u16| codel.is_some_and(|it| self.holds_up(s, it, *other as usize));
                     if self.is_free(s, executor) && !queue[..at].iter().any(before) {
                         out.actions.push(Action::Acquire { executor });
                     }

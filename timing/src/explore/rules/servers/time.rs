@@ -2,8 +2,8 @@
 
 use super::Servers;
 use super::layout::{flag, thread};
-use crate::explore::state::{State, TaskStatus};
 use crate::explore::rules::Rules;
+use crate::explore::state::{State, TaskStatus};
 use crate::scn::semantics::TickRule;
 use crate::system::{FOREVER, Ticks};
 
@@ -43,8 +43,9 @@ impl Servers<'_> {
             if let (Some(base), Some(period)) = (l.ages, it.period) {
                 // Deadlines that are this long past are all alike.
                 let most = period.saturating_mul(16);
+                let waits = l.thread_of(s, task) == thread::WAITING;
                 let mut grow = |at: usize| s.t[at] = (s.t[at] + time).min(most);
-                if l.thread_of(s, task) == thread::WAITING {
+                if waits {
                     grow(base + task);
                 }
                 if tick {

@@ -60,7 +60,14 @@ impl Servers<'_> {
         }
     }
 
-    fn of_codel(&self, codel: usize, executor: usize, time: u64, kind: MomentKind, what: String) -> Moment {
+    fn of_codel(
+        &self,
+        codel: usize,
+        executor: usize,
+        time: u64,
+        kind: MomentKind,
+        what: String,
+    ) -> Moment {
         let component = self.system.codels[codel].component;
         Moment {
             time,
@@ -118,7 +125,9 @@ impl Servers<'_> {
                 }
                 self.passing(before, after, task, time, out);
             }
-            Action::Finish { executor, outcome } => self.end_in_words(before, executor, outcome, time, out),
+            Action::Finish { executor, outcome } => {
+                self.end_in_words(before, executor, outcome, time, out)
+            }
             Action::Signal { component } => {
                 let what = "reports ended activities".to_owned();
                 out.push(self.of_component(component, time, what));
@@ -148,7 +157,10 @@ impl Servers<'_> {
             Action::Reply { component } => {
                 let service = l.handled(before, component) as usize;
                 let path = self.system.service_path(service);
-                let what = match (l.refused(before, component) != 0, l.given(before, component)) {
+                let what = match (
+                    l.refused(before, component) != 0,
+                    l.given(before, component),
+                ) {
                     (true, _) => format!("refuses {path}"),
                     (false, 0) => format!("{path} has succeeded"),
                     (false, _) => format!("accepts {path}"),
@@ -243,7 +255,9 @@ impl Servers<'_> {
                 return;
             };
             match state.yields.get(outcome) {
-                Some(&Yield::Next(to)) => format!("{path} ends, yields {}", machine.states[to].name),
+                Some(&Yield::Next(to)) => {
+                    format!("{path} ends, yields {}", machine.states[to].name)
+                }
                 Some(&Yield::Pause(to)) => {
                     format!("{path} ends, yields pause::{}", machine.states[to].name)
                 }
@@ -294,9 +308,13 @@ impl Servers<'_> {
             .collect();
         if let Some(component) = self.component_of(executor) {
             let ahead = l.lock_queue(after, component).iter();
-            let ahead = ahead.map(|&it| it as usize).take_while(|&it| it != executor);
+            let ahead = ahead
+                .map(|&it| it as usize)
+                .take_while(|&it| it != executor);
             let ahead = ahead.filter_map(|it| self.codel(after, it));
-            reasons.extend(ahead.map(|it| format!("{} (ahead in the queue)", self.system.codels[it].path)));
+            reasons.extend(
+                ahead.map(|it| format!("{} (ahead in the queue)", self.system.codels[it].path)),
+            );
         }
         if !reasons.is_empty() {
             let what = format!("{path} waits for {}", reasons.join(", "));
