@@ -109,6 +109,13 @@ pub enum Action {
         /// The task.
         task: usize,
     },
+    /// A thread takes the core of another (servers, policy `fair`).
+    Preempt {
+        /// Who had it.
+        executor: usize,
+        /// Who takes it.
+        by: usize,
+    },
     /// The control task has executed its codels: it replies, and looks at all activities (servers).
     Reply {
         /// Its component.

@@ -105,9 +105,17 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
     builder.clients();
     let out = &mut builder.out;
     exclude_codels(names, settings, &included, out);
-    let needing = (0..out.system.tasks.len())
-        .filter(|&it| out.system.needs_core(it))
-        .count();
+    let preempts = matches!(settings.policy(), ast::Policy::Priority | ast::Policy::Fair);
+    // Where an operating system gives them, control tasks need cores as well.
+    let control_tasks = if preempts {
+        out.system.components.len()
+    } else {
+        0
+    };
+    let needing = control_tasks
+        + (0..out.system.tasks.len())
+            .filter(|&it| out.system.needs_core(it))
+            .count();
     if out
         .system
         .platform

@@ -61,7 +61,7 @@ impl Settings {
             name: scenario.name.clone(),
             unit: None,
             cores: None,
-            preset: Preset::Published,
+            preset: Preset::Servers,
             points: Points::default(),
             stated_policy: None,
             affinity: Vec::new(),
@@ -127,6 +127,10 @@ impl Settings {
 
     /// Order in which cores are granted.
     pub fn policy(&self) -> Policy {
-        self.stated_policy.unwrap_or_default()
+        let usual = match self.semantics().is_published() {
+            true => Policy::Fifo,
+            false => Policy::Priority,
+        };
+        self.stated_policy.unwrap_or(usual)
     }
 }

@@ -243,6 +243,7 @@ impl Lazy {
                     Action::Tick { .. } => false,
                     // Steps of other rules.
                     Action::Begin { .. }
+                    | Action::Preempt { .. }
                     | Action::Ticket { .. }
                     | Action::Wake { .. }
                     | Action::Reply { .. } => false,

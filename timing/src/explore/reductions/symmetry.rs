@@ -398,6 +398,10 @@ impl Renaming {
                 executor: self.executor(executor),
                 outcome,
             },
+            Action::Preempt { executor, by } => Action::Preempt {
+                executor: self.executor(executor),
+                by: self.executor(by),
+            },
             Action::Begin { task } => Action::Begin {
                 task: self.tasks[task],
             },

@@ -168,6 +168,7 @@ impl Rules for Published<'_> {
             Action::Proceed { .. } | Action::Signal { .. } | Action::Request { .. } => None,
             // Steps of other rules.
             Action::Begin { .. }
+            | Action::Preempt { .. }
             | Action::Ticket { .. }
             | Action::Wake { .. }
             | Action::Reply { .. } => None,

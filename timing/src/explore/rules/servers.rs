@@ -9,6 +9,7 @@
 //! Single points of the semantics can be those of the published models; where they differ is said at each.
 
 mod control_task;
+mod cores;
 mod layout;
 mod pass;
 mod perform;
@@ -34,6 +35,8 @@ pub(crate) struct Servers<'s> {
     system: &'s TimedSystem,
     semantics: Semantics,
     layout: Layout,
+    /// The priority of every executor that needs a core; the lower number goes first.
+    priorities: Vec<u64>,
     /// Services of which a request was rejected for want of a slot.
     rejected: Vec<Cell<bool>>,
 }
@@ -48,6 +51,7 @@ impl<'s> Servers<'s> {
         let semantics = system.platform.semantics;
         Servers {
             layout: Layout::new(system, semantics, clocks),
+            priorities: cores::priorities(system),
             rejected: vec![Cell::new(false); system.services.len()],
             semantics,
             system,
@@ -141,6 +145,7 @@ impl<'s> Servers<'s> {
         for (k, client) in self.system.clients.iter().enumerate() {
             l.set_position(&mut s, k, client.done() as u16 + 1);
         }
+        self.list_ready(&mut s);
         s
     }
 
@@ -197,6 +202,7 @@ impl Rules for Servers<'_> {
 
     fn apply(&self, s: &mut State, action: Action) {
         self.perform(s, action);
+        self.list_ready(s);
     }
 
     fn next_moment(&self, s: &State, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks> {
@@ -248,6 +254,7 @@ impl Rules for Servers<'_> {
             Action::Ticket { executor }
             | Action::Acquire { executor }
             | Action::Finish { executor, .. } => of_executor(executor),
+            Action::Preempt { by, .. } => of_executor(by),
             Action::Signal { .. }
             | Action::Request { .. }
             | Action::Reply { .. }

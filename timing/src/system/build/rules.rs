@@ -14,9 +14,9 @@ impl Builder<'_> {
     pub(super) fn choose_rules(&mut self) {
         let semantics = self.settings.semantics();
         let preempts = matches!(self.settings.policy(), Policy::Priority | Policy::Fair);
-        if preempts {
+        if preempts && semantics.is_published() {
             let message = format!(
-                "`semantics {}` with `policy {}` cannot be verified yet; write `semantics published;`",
+                "`semantics {}` with `policy {}` go not together; write `semantics servers;`, or another policy",
                 semantics.text(),
                 self.settings.policy().name()
             );

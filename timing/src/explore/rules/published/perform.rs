@@ -43,6 +43,7 @@ impl Published<'_> {
             Action::Request { client, next } => self.request(s, client, next),
             // Never enabled: steps of other rules.
             Action::Begin { .. }
+            | Action::Preempt { .. }
             | Action::Ticket { .. }
             | Action::Wake { .. }
             | Action::Reply { .. } => {}

@@ -22,8 +22,6 @@ pub(super) mod thread {
     pub(in super::super) const QUEUED: u16 = 5;
     /// Executes a codel.
     pub(in super::super) const EXECUTING: u16 = 6;
-    /// Ended for good.
-    pub(in super::super) const OVER: u16 = 7;
 }
 
 /// Flags of a task.
@@ -159,7 +157,7 @@ impl Layout {
         let client_base = (system.clients.iter())
             .map(|it| places.discrete(2 + it.trackers))
             .collect();
-        let core_queue = system.platform.cores.map(|_| places.discrete(1 + tasks));
+        let core_queue = (system.platform.cores).map(|_| places.discrete(1 + tasks + components));
         let lock_queue = (system.components.iter())
             .map(|it| {
                 let queued = semantics.locks != LockRule::Free;

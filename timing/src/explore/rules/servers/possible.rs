@@ -17,7 +17,8 @@ impl Servers<'_> {
         if !out.actions.is_empty() {
             return;
         }
-        if self.system.platform.cores.is_some() {
+        let preempts = self.preempts();
+        if self.system.platform.cores.is_some() && !preempts {
             for task in 0..self.layout.tasks {
                 if self.begins(s, task) && self.asks_for_core(s, task) {
                     out.actions.push(Action::Release { task });
@@ -34,6 +35,41 @@ impl Servers<'_> {
         out.committed = false;
         out.urgent = false;
         self.ordinary(s, out);
+        if preempts {
+            self.without_core(s, out);
+        }
+    }
+
+    /// Leaves out what threads without a core cannot do.
+    fn without_core(&self, s: &State, out: &mut Enabled) {
+        let l = &self.layout;
+        let running = self.running(s);
+        let has_core = |executor: usize| running >> executor & 1 == 1;
+        out.actions.retain(|it| match *it {
+            Action::Begin { task } | Action::Wake { task } => has_core(task),
+            Action::Ticket { executor } | Action::Acquire { executor } => has_core(executor),
+            Action::Finish { executor, .. } => {
+                let threads = l.tasks + l.components;
+                executor >= threads || has_core(executor) || l.window(s, executor).1 == 0
+            }
+            Action::Signal { component } | Action::Reply { component } => {
+                has_core(l.control_executor(component))
+            }
+            Action::Request { client, .. } => {
+                let steps = &self.system.clients[client].steps;
+                match steps[l.position(s, client) as usize].action {
+                    ClientAction::Send { service, .. } => {
+                        let component = self.system.services[service].component;
+                        has_core(l.control_executor(component))
+                    }
+                    _ => true,
+                }
+            }
+            _ => true,
+        });
+        let takes_time = |it: &Action| matches!(it, Action::Finish { .. });
+        out.urgent = !out.actions.iter().all(takes_time);
+        self.swaps(s, running, out);
     }
 
     fn proceeding_clients(&self, s: &State, out: &mut Enabled) {
@@ -62,7 +98,7 @@ impl Servers<'_> {
     }
 
     /// Whether the thread of a task goes on by beginning a cycle.
-    fn begins(&self, s: &State, task: usize) -> bool {
+    pub(super) fn begins(&self, s: &State, task: usize) -> bool {
         let l = &self.layout;
         let wanted = match self.is_periodic(task) {
             true => flag::TICK,
@@ -86,7 +122,10 @@ impl Servers<'_> {
                 _ => false,
             }
         };
-        self.system.needs_core(task) && !start_up && l.slots(task).any(could_run)
+        self.system.needs_core(task)
+            && !self.preempts()
+            && !start_up
+            && l.slots(task).any(could_run)
     }
 
     fn grants(&self, s: &State, out: &mut Enabled) {
@@ -109,7 +148,9 @@ impl Servers<'_> {
                 let first = queue.iter().min_by_key(|&&it| deadline(it as usize));
                 out.actions.extend(first.map(|&it| grant(it)));
             }
-            Policy::Fifo | Policy::Priority | Policy::Fair => out.actions.push(grant(queue[0])),
+            Policy::Fifo => out.actions.push(grant(queue[0])),
+            // Those give cores in another way.
+            Policy::Priority | Policy::Fair => {}
         }
     }
 
@@ -178,21 +219,15 @@ impl Servers<'_> {
         }
         match self.semantics.locks {
             LockRule::Queue => {
-                let head = l.lock_queue(s, component).first();
-                let head = head
-                    .map(|&it| it as usize)
-                    .filter(|&it| self.is_free(s, it));
-                out.actions
-                    .extend(head.map(|executor| Action::Acquire { executor }));
+                let head = l.lock_queue(s, component).first().map(|&it| it as usize);
+                let head = head.filter(|&it| self.is_free(s, it));
+                let acquire = head.map(|executor| Action::Acquire { executor });
+                out.actions.extend(acquire);
             }
             LockRule::Fifo => {
-                let queue = l.lock_queue(s, component);
-                for (at, &executor) in queue.iter().enumerate() {
+                for &executor in l.lock_queue(s, component) {
                     let executor = executor as usize;
-                    let codel = self.codel(s, executor).map(|it| &self.system.codels[it]);
-                    let before =
-                        |other: &u16| codel.is_some_and(|it| self.holds_up(s, it, *other as usize));
-                    if self.is_free(s, executor) && !queue[..at].iter().any(before) {
+                    if self.may_leave(s, executor) {
                         out.actions.push(Action::Acquire { executor });
                     }
                 }
@@ -206,6 +241,26 @@ impl Servers<'_> {
                 }
             }
         }
+    }
+
+    /// Whether an executor that waits for its turn has it.
+    pub(super) fn may_leave(&self, s: &State, executor: usize) -> bool {
+        let Some(component) = self.component_of(executor) else {
+            return false;
+        };
+        let queue = self.layout.lock_queue(s, component);
+        let mut ahead = (queue.iter())
+            .map(|&it| it as usize)
+            .take_while(|&it| it != executor);
+        let turn = match self.semantics.locks {
+            LockRule::Queue => ahead.next().is_none(),
+            LockRule::Fifo => {
+                let codel = self.codel(s, executor).map(|it| &self.system.codels[it]);
+                !codel.is_some_and(|codel| ahead.any(|it| self.holds_up(s, codel, it)))
+            }
+            LockRule::Free => true,
+        };
+        turn && self.is_free(s, executor)
     }
 
     /// Whether nothing executes that the codel of an executor has to wait for.

@@ -55,7 +55,11 @@ impl Servers<'_> {
                     SlotStatus::Active => modes.next().is_some(),
                 }
             }
-            Atom::Handling { service, phase } => {
+            Atom::Handling {
+                service,
+                codel,
+                phase,
+            } => {
                 let component = self.system.services[service].component;
                 let now = match l.control(s, component) {
                     control::TICKET | control::QUEUED => StatePhase::Lock,
@@ -63,6 +67,8 @@ impl Servers<'_> {
                     _ => return false,
                 };
                 l.handled(s, component) as usize == service
+                    && codel
+                        .is_none_or(|it| self.codel(s, l.control_executor(component)) == Some(it))
                     && (phase == StatePhase::Any || phase == now)
             }
             Atom::ControlBusy(component) => l.control(s, component) != control::READY,

@@ -21,10 +21,14 @@ impl Servers<'_> {
     pub(super) fn until_next(&self, s: &State, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks> {
         let l = &self.layout;
         let mut least = FOREVER;
+        let running = self.running(s);
+        if self.may_swap(s, running) {
+            least = 1;
+        }
         for task in (0..l.tasks).filter(|&it| self.counts(s, it)) {
             least = least.min(l.timer(s, task));
         }
-        for executor in l.executing(s) {
+        for executor in l.executing(s).filter(|&it| self.gets_on(s, running, it)) {
             let (a, b) = l.window(s, executor);
             least = least.min(if can_wait(executor) { b } else { a.max(1) });
         }
@@ -61,6 +65,17 @@ impl Servers<'_> {
                 }
             }
         }
+        let running = self.running(s);
+        let stays: Vec<_> = (l.executing(s))
+            .filter(|&it| !self.gets_on(s, running, it))
+            .map(|it| (it, l.window(s, it)))
+            .collect();
+        for &(executor, _) in &stays {
+            l.set_window(s, executor, (0, FOREVER));
+        }
         l.elapse(s, time);
+        for (executor, window) in stays {
+            l.set_window(s, executor, window);
+        }
     }
 }

@@ -168,6 +168,18 @@ impl Servers<'_> {
                 out.push(self.of_component(component, time, what));
                 self.reported(before, after, component, time, out);
             }
+            Action::Preempt { executor, by } => {
+                let name = |it: usize| match it < l.tasks {
+                    true => self.system.task_path(it),
+                    false => self.system.components[it - l.tasks].name.clone(),
+                };
+                let what = format!("takes the core of {}", name(executor));
+                if by < l.tasks {
+                    out.push(self.of_task(by, MomentKind::Grant, time, what));
+                } else {
+                    out.push(self.of_component(by - l.tasks, time, what));
+                }
+            }
             Action::Proceed { .. }
             | Action::Acquire { .. }
             | Action::Ticket { .. }
