@@ -297,6 +297,21 @@ impl Client {
     pub fn done(&self) -> usize {
         self.steps.len()
     }
+
+    /// Whether it can come to a step more than once.
+    pub(crate) fn comes_again(&self, step: usize) -> bool {
+        let mut seen = vec![false; self.steps.len()];
+        let mut stack = self.steps[step].next.clone();
+        while let Some(at) = stack.pop() {
+            if at == step {
+                return true;
+            }
+            if at < seen.len() && !std::mem::replace(&mut seen[at], true) {
+                stack.extend(&self.steps[at].next);
+            }
+        }
+        false
+    }
 }
 
 /// One step of a client.

@@ -9,11 +9,13 @@ mod ample;
 mod lazy;
 mod overtake;
 mod published;
+mod servers;
 mod symmetry;
 
 use smallvec::SmallVec;
 
 pub(crate) use self::published::OfPublished;
+pub(crate) use self::servers::OfServers;
 pub(crate) use self::symmetry::{Label, Orbits, Renaming};
 use super::rules::{Action, Enabled, Rules};
 use super::state::State;

@@ -16,11 +16,20 @@ use dotgen_timing::explore::Stop;
 use dotgen_timing::report::{CheckReport, Report, Value, Verdict};
 use dotgen_timing::scn::ast::{Path, Spanned};
 use dotgen_timing::scn::names::{Names, Target};
+use dotgen_timing::scn::semantics::Preset;
 use dotgen_timing::scn::{default_text, format, parse, parse_check};
 use dotgen_timing::system::SharedPorts;
 use dotgen_timing::system::build::build;
 use dotgen_timing::system::settings::Settings;
 use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
+
+/// What these tests say is about the published models.
+fn published() -> Options {
+    Options {
+        semantics: Some(Preset::Published),
+        ..Options::default()
+    }
+}
 
 struct Nothing;
 
@@ -95,12 +104,7 @@ fn robot(items: &str) -> Report {
     let input = SystemInput {
         specs: vec![&unit.spec],
     };
-    verify(
-        &input,
-        &parsed.scenario,
-        &Options::default(),
-        &Cancel::default(),
-    )
+    verify(&input, &parsed.scenario, &published(), &Cancel::default())
 }
 
 fn summary(report: &Report) -> String {
@@ -159,12 +163,7 @@ fn excess(check: &str) -> (f64, Option<Value>) {
     let input = SystemInput {
         specs: vec![&unit.spec],
     };
-    let report = verify(
-        &input,
-        &parsed.scenario,
-        &Options::default(),
-        &Cancel::default(),
-    );
+    let report = verify(&input, &parsed.scenario, &published(), &Cancel::default());
     let check = &report.checks[0];
     assert_eq!(check.verdict, Verdict::Refuted, "{}", report.to_text(true));
     (check.counterexample.last().unwrap().time, check.value)
@@ -216,7 +215,7 @@ fn a_loop_limit_that_cannot_be_kept_is_explained() {
     };
     let said = |items: &str| {
         let scenario = parse(&format!("scenario x {{ {items} check schedulable *; }}")).scenario;
-        let report = verify(&input, &scenario, &Options::default(), &Cancel::default());
+        let report = verify(&input, &scenario, &published(), &Cancel::default());
         summary(&report)
     };
     insta::assert_snapshot!(format!(
@@ -295,7 +294,7 @@ fn orders_of_services_that_are_not_kept_are_an_assumption() {
         let report = verify(
             &input,
             &parse(&text).scenario,
-            &Options::default(),
+            &published(),
             &Cancel::default(),
         );
         let mut all = report.assumptions.into_iter();
@@ -342,12 +341,7 @@ fn the_default_scenario_is_one() {
     let parsed = parse(&text);
     assert_eq!(parsed.errors, []);
     assert_eq!(format(&text).as_ref(), Some(&text));
-    let report = verify(
-        &input,
-        &parsed.scenario,
-        &Options::default(),
-        &Cancel::default(),
-    );
+    let report = verify(&input, &parsed.scenario, &published(), &Cancel::default());
     insta::assert_snapshot!(format!("{text}\n{}", summary(&report)));
 }
 
@@ -385,7 +379,7 @@ fn derived_questions() {
         specs: vec![&unit.spec],
     };
     let scenario = parse("scenario x { check schedulable *; }").scenario;
-    let options = Options::default();
+    let options = published();
     let cancel = Cancel::default();
     let cores = minimum_cores(&input, &scenario, &options, &cancel).unwrap();
     assert_eq!(cores.cores, Some(2));
@@ -463,7 +457,7 @@ fn analysis_answers_what_exploration_has_to_give_up() {
     let text = "scenario x { client k { repeat * { delay [0, *] ms; send calm.work; } }
       check schedulable *; check no-overdue *; check response calm.t; check response calm.t <= 2 ms; }";
     let scenario = parse(text).scenario;
-    let mut options = Options::default();
+    let mut options = published();
     options.limits.states = 1;
     let report = verify(&input, &scenario, &options, &Cancel::default());
     insta::assert_snapshot!(checks_in_words(&report));
@@ -487,7 +481,7 @@ fn what_fails_without_requests_is_found_whatever_clients_may_do() {
     let text = "scenario x { client k { repeat * { delay [0, *] ms; send calm.work; } }
       check schedulable calm.t; }";
     // Every order of requests would be followed first.
-    let mut options = Options::default();
+    let mut options = published();
     options.limits.states = 500;
     let report = verify(&input, &parse(text).scenario, &options, &Cancel::default());
     assert_eq!(report.checks[0].verdict, Verdict::Refuted);
@@ -519,7 +513,7 @@ fn what_fails_after_one_request_is_found_whatever_clients_may_do() {
           check schedulable calm.t; check response calm.t; }}",
         choice.join(" or ")
     );
-    let mut options = Options::default();
+    let mut options = published();
     options.limits.states = 5_000;
     let report = verify(&input, &parse(&text).scenario, &options, &Cancel::default());
     let [schedulable, response] = &report.checks[..] else {
@@ -557,7 +551,7 @@ fn a_task_that_takes_no_time_needs_no_exploration_to_the_end() {
     let report = verify(
         &input,
         &parse(&text).scenario,
-        &Options::default(),
+        &published(),
         &Cancel::default(),
     );
     assert_eq!(checks_in_words(&report), "response idle.t: Proved Exact 0 ");
@@ -586,7 +580,7 @@ fn giving_up_is_said() {
     };
     let text = "scenario x { client k { repeat * { delay [0, *] ms; send sensor.reset; } } check deadlock; }";
     let scenario = parse(text).scenario;
-    let mut options = Options::default();
+    let mut options = published();
     options.limits.states = 1;
     let report = verify(&input, &scenario, &options, &Cancel::default());
     assert!(
@@ -601,12 +595,12 @@ fn giving_up_is_said() {
     assert_eq!(reason, Some(Stop::States));
     let out_of_time = Cancel::default();
     out_of_time.limit(Duration::ZERO);
-    let report = verify(&input, &scenario, &Options::default(), &out_of_time);
+    let report = verify(&input, &scenario, &published(), &out_of_time);
     let gave_up = report.checks[0].gave_up.expect("time is up");
     assert_eq!((gave_up.reason, gave_up.seconds), (Stop::Time, Some(0.0)));
     let cancelled = Cancel::default();
     cancelled.abandon();
-    let report = verify(&input, &scenario, &Options::default(), &cancelled);
+    let report = verify(&input, &scenario, &published(), &cancelled);
     assert!(
         report
             .checks
@@ -623,7 +617,7 @@ fn a_verification_tells_how_far_it_is() {
     };
     let text = "scenario x { client k { send sensor.record; } check deadlock; check eventually sensor.record; }";
     let cancel = Cancel::default();
-    let report = verify(&input, &parse(text).scenario, &Options::default(), &cancel);
+    let report = verify(&input, &parse(text).scenario, &published(), &cancel);
     assert!(report.states > 0);
     assert_eq!(cancel.effort().states, report.states);
 }

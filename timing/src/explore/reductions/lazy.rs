@@ -20,7 +20,7 @@
 //! something that a predicate is about are therefore not lazy. And there has to be a next hard moment: some task
 //! is periodic.
 
-mod rest;
+pub(super) mod rest;
 
 use rustc_hash::FxHashSet;
 use smallvec::SmallVec;

@@ -14,6 +14,7 @@ mod layout;
 mod pass;
 mod perform;
 mod possible;
+mod reach;
 mod see;
 mod time;
 mod words;
@@ -22,7 +23,7 @@ use std::cell::Cell;
 
 use self::layout::{Layout, control, flag, slot, thread};
 use super::{Action, Enabled, Rules};
-use crate::explore::reductions::NoReductions;
+use crate::explore::reductions::OfServers;
 use crate::explore::run::Moment;
 use crate::explore::state::{Clocks, Frame, State, TaskStatus};
 use crate::property::Atom;
@@ -178,7 +179,7 @@ impl<'s> Servers<'s> {
 }
 
 impl Rules for Servers<'_> {
-    type Reductions = NoReductions;
+    type Reductions = OfServers;
 
     fn with_clocks(&self, clocks: &Clocks) -> Self {
         Servers::with(self.system, clocks)

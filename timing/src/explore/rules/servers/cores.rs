@@ -41,7 +41,7 @@ pub(super) fn priorities(system: &TimedSystem) -> Vec<u64> {
 
 impl Servers<'_> {
     /// Whether cores are given and taken away by an operating system.
-    pub(super) fn preempts(&self) -> bool {
+    pub(crate) fn preempts(&self) -> bool {
         let platform = &self.system.platform;
         platform.cores.is_some() && matches!(platform.policy, Policy::Priority | Policy::Fair)
     }

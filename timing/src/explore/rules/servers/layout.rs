@@ -311,7 +311,7 @@ fn most_slots(system: &TimedSystem, task: usize) -> usize {
                 continue;
             };
             if of_task(service) {
-                if comes_again(client, at) {
+                if client.comes_again(at) {
                     return places;
                 }
                 most += 1;
@@ -319,21 +319,6 @@ fn most_slots(system: &TimedSystem, task: usize) -> usize {
         }
     }
     most.min(places)
-}
-
-/// Whether a client can come to a step more than once.
-fn comes_again(client: &crate::system::Client, step: usize) -> bool {
-    let mut seen = vec![false; client.steps.len()];
-    let mut stack: Vec<usize> = client.steps[step].next.clone();
-    while let Some(at) = stack.pop() {
-        if at == step {
-            return true;
-        }
-        if at < seen.len() && !std::mem::replace(&mut seen[at], true) {
-            stack.extend(&client.steps[at].next);
-        }
-    }
-    false
 }
 
 fn list(s: &State, base: usize) -> &[u16] {

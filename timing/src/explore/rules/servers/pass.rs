@@ -4,7 +4,7 @@ use super::Servers;
 use super::layout::{flag, slot, thread};
 use crate::explore::state::State;
 use crate::scn::semantics::{PauseRule, TurnRule};
-use crate::system::Yield;
+use crate::system::{Machine, Yield};
 
 impl Servers<'_> {
     /// Begins a pass, up to its first codel. `first`: of its cycle. Only that of a periodic task begins activities and resumes
@@ -180,7 +180,12 @@ impl Servers<'_> {
             .machine(s, it)
             .is_some_and(|it| it.loop_limit.is_some());
         let at = self.layout.at(s, it) as usize;
-        if limited && at < most {
+        // How often it was entered means nothing where it is never entered from another state.
+        let entered = |it: &Machine| {
+            let mut yields = it.states.iter().flat_map(|it| &it.yields);
+            yields.any(|it| *it == Yield::Next(at))
+        };
+        if limited && at < most && self.machine(s, it).is_some_and(entered) {
             s.d[base + at] = 1;
         }
     }

@@ -110,7 +110,7 @@ impl Servers<'_> {
     }
 
     /// Whether a cycle needs a core: unless nothing could run in it.
-    fn asks_for_core(&self, s: &State, task: usize) -> bool {
+    pub(super) fn asks_for_core(&self, s: &State, task: usize) -> bool {
         let l = &self.layout;
         // With a timer of its own a task is started without a core.
         let start_up = self.semantics.ticks == TickRule::Task && l.has(s, task, flag::FIRST);
