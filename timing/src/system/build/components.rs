@@ -1,6 +1,8 @@
 //! Components: their tasks, their services, and what interrupts what.
 
-use dotgen_analysis::model::{CodelKind, Owner, Param, ParamSource, ServiceKind, ServiceList};
+use dotgen_analysis::model::{
+    CodelKind, Owner, Param, ParamSource, Seconds, ServiceKind, ServiceList,
+};
 use num_rational::Ratio;
 
 use super::Builder;
@@ -39,6 +41,7 @@ impl Builder<'_> {
             let delay_of = self.time_of_task("delay", &path, self.place(c, src, "the delay"));
             let delay = task.delay.as_ref().map_or(Ratio::new(0, 1), |it| it.value);
             let delay = self.ticks(delay, &delay_of);
+            self.check_ticks(c, t, &path);
             let id = self.out.system.tasks.len();
             let permanent = self
                 .machine(c, number, Owner::Task(t), &path)
@@ -67,6 +70,34 @@ impl Builder<'_> {
                 affinity: self.affinity.get(&(c, t)).map(|core| core - 1),
                 src: Some((c, task.src)),
             });
+        }
+    }
+
+    /// The ROS server divides times by the clock-rate in floating point and cuts off the result.
+    fn check_ticks(&mut self, c: usize, t: u32, path: &str) {
+        let component = self.names.components[c].component;
+        let task = &component.tasks[t as usize];
+        let Some(rate) = &component.clock_rate else {
+            return;
+        };
+        if self.settings.semantics().is_published() {
+            return;
+        }
+        let to_f64 = |it: Seconds| *it.numer() as f64 / *it.denom() as f64;
+        let times = [("period", &task.period), ("delay", &task.delay)];
+        for (what, time) in times {
+            let Some(time) = time else { continue };
+            let exact = time.value / rate.value;
+            let cut_off = (to_f64(time.value) / to_f64(rate.value)).trunc();
+            if exact.is_integer() && cut_off != to_f64(exact) {
+                let message = format!(
+                    "the {what} of {path} is {exact} ticks of the component's clock, but {cut_off} in the ROS server, which \
+                     cuts off a quotient in floating point; choose another `clock-rate` or {what}"
+                );
+                let warning = Diagnostic::warning("timing-inexact-ticks", 0..0, message);
+                let place = self.place(c, time.src, "this time");
+                self.report(warning.about(place));
+            }
         }
     }
 
