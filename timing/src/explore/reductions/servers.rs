@@ -22,7 +22,7 @@ use rustc_hash::FxHashSet;
 use smallvec::SmallVec;
 
 use super::lazy::rest;
-use super::{Asked, Held, Orbits, Reductions, Renaming, Waiters};
+use super::{Activity, Asked, Held, Kind, Kinds, Orbits, Reason, Reductions, Renaming, Waiters};
 use crate::explore::rules::servers::Servers;
 use crate::explore::rules::{Action, Enabled, Rules};
 use crate::explore::state::State;
@@ -38,8 +38,9 @@ const CLOSURE: usize = 1024;
 #[derive(Debug)]
 pub(crate) struct OfServers {
     orbits: Orbits,
-    /// Components do not wait for each other.
+    /// One group after the other is followed.
     apart: bool,
+    activities: Vec<Activity>,
     /// Components that something asked is about, if those are several or clients.
     asked: Vec<bool>,
     /// Components that each client addresses.
@@ -119,7 +120,7 @@ impl OfServers {
 }
 
 impl Reductions<Servers<'_>> for OfServers {
-    fn new(rules: &Servers, asked: &Asked) -> Self {
+    fn new(rules: &Servers, asked: &Asked, without: Kinds) -> Self {
         let system = rules.system();
         let apart = system.platform.semantics.ports == PortRule::Copy && !rules.preempts();
         let mut about = vec![false; system.components.len()];
@@ -135,18 +136,44 @@ impl Reductions<Servers<'_>> for OfServers {
                 sends.collect()
             })
             .collect();
-        let (lazy, rest) = match apart {
+        let off = |kind: Kind| without.contains(kind).then_some(Reason::SwitchedOff);
+        let unknown = |known: bool| (!known).then_some(Reason::RulesUnknown);
+        let (mut lazy, rest) = match apart && off(Kind::Deferral).is_none() {
             true => lazy_groups(system, asked, &about, &addressed),
             false => (vec![false; rules.frame().executors()], Vec::new()),
         };
+        if !rest.is_empty() && off(Kind::RestingLoops).is_some() {
+            lazy.fill(false);
+        }
+        let nothing = (!lazy.contains(&true)).then_some(Reason::NothingToPutOff);
+        let deferral = off(Kind::Deferral).or(unknown(apart)).or(nothing);
+        let resting = match deferral {
+            Some(_) => Some(Reason::Without(Kind::Deferral)),
+            None => rest.is_empty().then_some(Reason::NothingRests),
+        };
+        let persistent = off(Kind::PersistentSets).or(unknown(apart));
+        let note = |kind, off| Activity { kind, off };
+        let activities = vec![
+            note(Kind::PersistentSets, persistent),
+            note(Kind::PersistentRequests, Some(Reason::RulesUnknown)),
+            note(Kind::SleepSets, Some(Reason::RulesUnknown)),
+            note(Kind::Deferral, deferral),
+            note(Kind::RestingLoops, off(Kind::RestingLoops).or(resting)),
+            note(Kind::Symmetry, Some(Reason::RulesUnknown)),
+        ];
         OfServers {
             orbits: Orbits::none(system),
-            apart,
+            apart: persistent.is_none(),
+            activities,
             asked: about,
             addressed,
             lazy,
             rest,
         }
+    }
+
+    fn activities(&self) -> &[Activity] {
+        &self.activities
     }
 
     fn persistent(&self, rules: &Servers, s: &State, enabled: &Enabled, out: &mut Vec<Action>) {
