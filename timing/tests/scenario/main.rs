@@ -269,8 +269,8 @@ fn slots_are_some_and_not_too_many() {
     for (number, allowed) in [
         ("0", false),
         ("1", true),
-        ("16", true),
-        ("17", false),
+        ("32", true),
+        ("33", false),
         ("40", false),
         ("4294967298", false),
     ] {
@@ -287,7 +287,7 @@ fn slots_are_some_and_not_too_many() {
         assert_eq!(parsed.scenario.items.len(), 2 + usize::from(allowed));
     }
     let told = &parse("scenario s { slots sensor.record 40; }").errors[0].message;
-    insta::assert_snapshot!(told, @"an activity can have 1 to 16 slots, not 40: without one it never runs, and each one more multiplies what has to be explored");
+    insta::assert_snapshot!(told, @"a task or an activity can have 1 to 32 slots, not 40: without one it never runs, and each one more multiplies what has to be explored");
 }
 
 #[test]
@@ -298,9 +298,8 @@ fn slots_are_for_activities_whether_requested_or_not() {
     );
     insta::assert_snapshot!(summary(&report), @"
     scn-unknown-name: `sensor` has nothing called `recrod`; did you mean `record`?
-    scn-wrong-kind: `sensor.reset` is no activity, and nothing else has slots; name an activity, or remove this line
-    scn-wrong-kind: `sensor.acquire` is no activity, and nothing else has slots; name an activity, or remove this line
-    ");
+    scn-wrong-kind: `sensor.reset` is neither a task nor an activity, and nothing else has slots; name one, or remove this line
+        ");
     let wrong = report.diagnostics.iter().map(|it| it.range.len());
     let names = ["recrod", "sensor.reset", "sensor.acquire"];
     assert_eq!(Vec::from_iter(wrong), names.map(str::len));
