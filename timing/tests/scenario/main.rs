@@ -689,7 +689,7 @@ fn of_two(items: &str) -> Report {
     let input = SystemInput {
         specs: vec![&unit.spec],
     };
-    let (options, cancel) = (Options::default(), Cancel::default());
+    let (options, cancel) = (published(), Cancel::default());
     verify(&input, &parsed.scenario, &options, &cancel)
 }
 
@@ -748,12 +748,7 @@ fn without_execution_times_nothing_is_proved() {
     let input = SystemInput {
         specs: vec![&unit.spec],
     };
-    let report = verify(
-        &input,
-        &parsed.scenario,
-        &Options::default(),
-        &Cancel::default(),
-    );
+    let report = verify(&input, &parsed.scenario, &published(), &Cancel::default());
     let (tasks, predicate) = report.checks.split_at(4);
     for it in tasks {
         assert_eq!(
