@@ -12,6 +12,7 @@ pub mod item_tree;
 pub mod lint;
 pub mod model;
 pub mod model_json;
+pub mod parallel;
 mod queries;
 mod report;
 pub mod source_map;

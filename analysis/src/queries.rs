@@ -22,9 +22,14 @@ use crate::{
 /// Visit of the elaborator that stands for the wrapper; those of the unit follow.
 pub(crate) const WRAPPER: u32 = 0;
 
-/// What a unit means.
-#[salsa::tracked]
+/// What a unit means. Kept for the units worked in last only: it takes less time to make than memory to keep.
+#[salsa::tracked(lru = 64)]
 pub(crate) fn elaborated<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Elaborated> {
+    Arc::new(elaborate(db, unit))
+}
+
+/// What a unit means, worked out now and not kept: for a question to very many units.
+pub(crate) fn elaborate<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Elaborated {
     let visits = &visits(db, unit).visits;
     let roots: Vec<u32> = (0..visits.len() as u32)
         .filter(|&it| visits[it as usize].includer.is_none())
@@ -67,7 +72,16 @@ pub(crate) fn elaborated<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Elabor
         }
     }));
     db.unwind_if_revision_cancelled();
-    Arc::new(elab::elaborate(&UnitInput { visits: &input }))
+    elab::elaborate(&UnitInput { visits: &input })
+}
+
+/// What elaboration reports of a unit.
+#[salsa::tracked(lru = 0)]
+pub(crate) fn elab_diagnostics<'db>(
+    db: &'db dyn Db,
+    unit: UnitKey<'db>,
+) -> Arc<Vec<ElabDiagnostic>> {
+    Arc::new(elaborated(db, unit).diagnostics.clone())
 }
 
 /// Number of bodies to check.
@@ -97,7 +111,7 @@ pub(crate) fn body_view<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> 
 
 /// What is suspicious about one component, once all of it is read. Nothing for a body that is reopened
 /// later.
-#[salsa::tracked]
+#[salsa::tracked(lru = 0)]
 pub(crate) fn lint_body<'db>(
     db: &'db dyn Db,
     unit: UnitKey<'db>,
@@ -137,7 +151,7 @@ pub(crate) fn lint_unused<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<E
 }
 
 /// The diagnostics of one body.
-#[salsa::tracked]
+#[salsa::tracked(lru = 0)]
 pub(crate) fn check_body<'db>(
     db: &'db dyn Db,
     unit: UnitKey<'db>,

@@ -22,11 +22,11 @@ use crate::{
     ide::FileView,
     lint,
     model::Src,
-    queries::{WRAPPER, body_count, check_body, elaborated, lint_body, lint_unused},
+    queries::{WRAPPER, body_count, check_body, elab_diagnostics, lint_body, lint_unused},
     source_map::{bytes, ptr},
     suppress::suppressions,
     unit::{
-        self, FileKey, UnitKey, Visits, lowered, parsed, preprocessed, roots_of, unit_of_root,
+        self, FileKey, UnitKey, Visits, parsed, preprocessed, roots_of, unit_of_root,
         visits,
     },
 };
@@ -41,7 +41,7 @@ const MAX_UNITS: usize = 16;
 const INACTIVE: &str = "inactive-code";
 
 /// All diagnostics of a unit, by file and place.
-#[salsa::tracked]
+#[salsa::tracked(lru = 0)]
 pub(crate) fn unit_report<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<Diagnostic>> {
     let mut report = Report {
         db,
@@ -56,7 +56,7 @@ pub(crate) fn unit_report<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<D
             report.text(i, visit.key);
         }
     }
-    for it in &elaborated(db, unit).diagnostics {
+    for it in elab_diagnostics(db, unit).iter() {
         report.elab(it);
     }
     for body in 0..body_count(db, unit) {
@@ -311,7 +311,7 @@ impl<'db> Report<'db> {
     fn place(&self, src: Src) -> Option<(FileKey<'db>, TextRange)> {
         let visit = src.visit.checked_sub(WRAPPER + 1)?;
         let key = self.visits.visits.get(visit as usize)?.key;
-        Some((key, lowered(self.db, key).ranges.get(ptr(src))?))
+        Some((key, unit::ranges(self.db, key).get(ptr(src))?))
     }
 
     /// `None` if the text to change is not the text that was meant, because a macro made it.

@@ -13,7 +13,7 @@ use crate::{
     diagnostic::{Diagnostic, Related, Severity},
     fixes,
     source_map::{bytes, offset},
-    unit::{self, FileKey, lowered, parsed, preprocessed},
+    unit::{self, FileKey, lowered, parsed, preprocessed, text_facts},
 };
 
 /// A file given to compile cannot be read.
@@ -84,6 +84,12 @@ fn reading(db: &dyn Db, file: SourceFile) -> Option<(&'static str, Severity, Tex
         FileStatus::Missing => unreadable("no such file".into()),
         FileStatus::Directory => unreadable("this is a directory, not a specification".into()),
         FileStatus::Unreadable(why) => unreadable(format!("this file cannot be read: {why}")),
+        FileStatus::TooLarge(size) => unreadable(format!(
+            "this file is not read: it has {} kB, more than the {} kB of the setting `max-file-size`; raise it, or \
+             split the file",
+            size.div_ceil(1024),
+            db.max_bytes() / 1024
+        )),
         FileStatus::NotUtf8 => {
             let at = file.text(db).find('\u{fffd}').unwrap_or(0);
             let at = TextRange::at(offset(at), TextSize::of('\u{fffd}'));
@@ -129,7 +135,7 @@ pub(super) fn macro_call_at(
     key: FileKey<'_>,
     range: TextRange,
 ) -> Option<(SmolStr, MacroSite)> {
-    if parsed(db, key).expansion.is_empty() {
+    if !text_facts(db, key).has_expansions {
         return None;
     }
     let pre = preprocessed(db, key);
