@@ -133,7 +133,7 @@ struct Tables {
     /// Larger texts are not read.
     max_bytes: AtomicU64,
     files: Mutex<FxHashMap<Utf8PathBuf, SourceFile>>,
-    /// Files whose text was given, not read: they change often.
+    /// Files whose text was given and is another one than on the disk: they change often.
     edited: Mutex<FxHashSet<SourceFile>>,
     texts: Mutex<FxHashMap<(Utf8PathBuf, Arc<str>), SourceFile>>,
     packages: Mutex<FxHashMap<Vec<String>, Packages>>,
@@ -184,12 +184,9 @@ impl RootDatabase {
     /// From now on [`RootDatabase::shrink`] forgets also what would have to be made anew after a change.
     pub(crate) fn keep_little(&mut self) {
         const FEW: usize = 64;
-        unit::item_tree::set_lru_capacity(self, FEW);
-        unit::ranges::set_lru_capacity(self, FEW);
-        queries::elab_diagnostics::set_lru_capacity(self, FEW);
-        queries::check_body::set_lru_capacity(self, FEW);
-        queries::lint_body::set_lru_capacity(self, FEW);
-        report::unit_report::set_lru_capacity(self, FEW);
+        unit::keep(self, FEW);
+        queries::keep(self, FEW);
+        report::keep(self, FEW);
     }
 
     /// An input for a file, as the disk has it.
@@ -237,7 +234,8 @@ impl RootDatabase {
             if was_refused == (size > limit) {
                 continue;
             }
-            match lock(&self.tables.edited).contains(&file) {
+            let edited = lock(&self.tables.edited).contains(&file);
+            match edited {
                 true => _ = file.set_status(self).to(FileStatus::TooLarge(size)),
                 false => self.set_file(&path, None),
             }
@@ -278,19 +276,22 @@ impl RootDatabase {
             lock(&self.tables.files).insert(path, file);
             file
         });
-        let durability = match given {
-            true => Durability::LOW,
-            false => Durability::MEDIUM,
-        };
-        let moved = match given {
-            true => lock(&self.tables.edited).insert(file),
-            false => lock(&self.tables.edited).remove(&file),
+        let changed = *file.text(self) != text;
+        // What becomes less durable makes all run again that depends on it: opening a document does not, the first
+        // edit does.
+        let (durability, moved) = match given {
+            true if changed => {
+                lock(&self.tables.edited).insert(file);
+                (Durability::LOW, false)
+            }
+            true => (Durability::LOW, false),
+            false => (Durability::MEDIUM, lock(&self.tables.edited).remove(&file)),
         };
         // A setter counts as a change even when the value is equal.
-        if moved || *file.status(self) != status {
-            file.set_status(self).with_durability(durability).to(status);
+        if *file.status(self) != status {
+            file.set_status(self).to(status);
         }
-        if moved || *file.text(self) != text {
+        if moved || changed {
             file.set_text(self).with_durability(durability).to(text);
         }
     }

@@ -84,6 +84,13 @@ pub(crate) fn elab_diagnostics<'db>(
     Arc::new(elaborated(db, unit).diagnostics.clone())
 }
 
+/// Keeps these results of `count` units and bodies at most.
+pub(crate) fn keep(db: &mut dyn Db, count: usize) {
+    elab_diagnostics::set_lru_capacity(db, count);
+    check_body::set_lru_capacity(db, count);
+    lint_body::set_lru_capacity(db, count);
+}
+
 /// Number of bodies to check.
 #[salsa::tracked(returns(copy))]
 pub(crate) fn body_count<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> u32 {

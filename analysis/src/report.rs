@@ -77,6 +77,11 @@ pub(crate) fn unit_report<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<D
     Arc::new(out)
 }
 
+/// Keeps the reports of `count` units at most.
+pub(crate) fn keep(db: &mut dyn Db, count: usize) {
+    unit_report::set_lru_capacity(db, count);
+}
+
 /// Diagnostics of one file, over the units that contain it.
 pub(crate) fn file_diagnostics(db: &dyn Db, file: SourceFile) -> Vec<Diagnostic> {
     let path = file.path(db);

@@ -317,6 +317,12 @@ pub(crate) fn ranges<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<PtrRanges> 
     lowered(db, key).ranges.clone()
 }
 
+/// Keeps these results of `count` files at most.
+pub(crate) fn keep(db: &mut dyn Db, count: usize) {
+    item_tree::set_lru_capacity(db, count);
+    ranges::set_lru_capacity(db, count);
+}
+
 /// What is asked of the text of a file for each report on a unit with it. Stays equal under most edits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct TextFacts {

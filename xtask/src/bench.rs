@@ -4,6 +4,8 @@
 //! processor time. Instructions are counted by valgrind, which gives the same number on any day.
 
 mod client;
+mod endurance;
+mod enemy;
 mod fischer;
 mod growth;
 mod measure;
@@ -37,6 +39,12 @@ pub(crate) struct Options {
     /// Components of the workspaces of `size`.
     #[arg(long, value_delimiter = ',', default_value = "10,100,1000")]
     components: Vec<usize>,
+    /// Size of the smallest texts of `enemy`.
+    #[arg(long, default_value_t = 500)]
+    lines: usize,
+    /// How long `endurance` edits.
+    #[arg(long, default_value_t = 60.0)]
+    minutes: f64,
     /// A program to measure instead of one built for release now.
     #[arg(long)]
     dotgen: Option<PathBuf>,
@@ -56,6 +64,10 @@ enum What {
     Size,
     /// Thousands of files of one line.
     Tiny,
+    /// Texts that are meant to make dotgen slow: instructions as they grow.
+    Enemy,
+    /// Memory of a server in which somebody edits for an hour.
+    Endurance,
 }
 
 /// The scale of times in charts.
@@ -85,6 +97,8 @@ pub(crate) fn bench(options: &Options) -> Result<bool> {
         What::Growth => growth::growth(&dotgen, runs(5))?,
         What::Size => size::size(&dotgen, &options.components, runs(3))?,
         What::Tiny => size::tiny(&dotgen, runs(3))?,
+        What::Enemy => return enemy::enemy(&dotgen, options.lines),
+        What::Endurance => endurance::endurance(&dotgen, options.minutes)?,
     }
     Ok(true)
 }

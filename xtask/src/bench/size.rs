@@ -1,6 +1,6 @@
 //! How large a workspace may be: whole commands, and a server driven as an editor drives it.
 
-mod workspace;
+pub(super) mod workspace;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -169,15 +169,15 @@ fn seconds(time: Duration) -> f64 {
 }
 
 /// An editor that asks for diagnostics as VS Code does: of the document it shows, and of the workspace.
-struct Session {
-    editor: Editor,
+pub(super) struct Session {
+    pub(super) editor: Editor,
     /// The last result of each file.
     known: BTreeMap<String, String>,
     token: u64,
 }
 
 impl Session {
-    fn start(dotgen: &Path, folder: &Path) -> Result<Session> {
+    pub(super) fn start(dotgen: &Path, folder: &Path) -> Result<Session> {
         let capabilities = json!({
             "textDocument": { "diagnostic": {}, "rename": { "prepareSupport": true } },
             "workspace": { "workspaceEdit": { "documentChanges": true } },
@@ -190,13 +190,13 @@ impl Session {
     }
 
     /// Asks for the diagnostics of a document.
-    fn pull(&mut self, document: &Document) -> Result<Duration> {
+    pub(super) fn pull(&mut self, document: &Document) -> Result<Duration> {
         let params = json!({ "textDocument": { "uri": document.uri } });
         self.editor.request("textDocument/diagnostic", params)
     }
 
     /// Asks for the diagnostics of the workspace until all files have answered. Returns how long it took.
-    fn everything(&mut self) -> Result<Duration> {
+    pub(super) fn everything(&mut self) -> Result<Duration> {
         let method = "workspace/diagnostic";
         self.token += 1;
         let known = self.known.iter();
@@ -265,6 +265,11 @@ impl Session {
     /// Resident memory, in MB, when nothing is being done.
     fn memory(&mut self) -> Result<f64> {
         self.settle()?;
+        self.resident()
+    }
+
+    /// Resident memory now, in MB.
+    pub(super) fn resident(&self) -> Result<f64> {
         self.status("VmRSS")
     }
 

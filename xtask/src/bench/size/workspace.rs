@@ -11,12 +11,12 @@ const ACTIVITIES: usize = 52;
 const TYPES: usize = 20;
 
 /// Name of the shared file.
-pub(super) const SHARED: &str = "types.idl";
+pub(in crate::bench) const SHARED: &str = "types.idl";
 /// Text before the name of a type that every component uses, at its declaration.
-pub(super) const USED_BY_ALL: &str = "  struct vec";
+pub(in crate::bench) const USED_BY_ALL: &str = "  struct vec";
 
 /// Writes `count` components and their shared file.
-pub(super) fn write(folder: &Path, count: usize) -> Result<()> {
+pub(in crate::bench) fn write(folder: &Path, count: usize) -> Result<()> {
     std::fs::create_dir_all(folder)?;
     std::fs::write(folder.join(SHARED), shared())?;
     for i in 0..count {
@@ -26,7 +26,7 @@ pub(super) fn write(folder: &Path, count: usize) -> Result<()> {
 }
 
 /// Writes `count` files of one line, each on its own.
-pub(super) fn write_tiny(folder: &Path, count: usize) -> Result<()> {
+pub(in crate::bench) fn write_tiny(folder: &Path, count: usize) -> Result<()> {
     std::fs::create_dir_all(folder)?;
     for i in 0..count {
         let text = format!("component t{i} {{ version \"1.0\"; lang \"c\"; ids {{ long v; }}; }};\n");
@@ -36,12 +36,12 @@ pub(super) fn write_tiny(folder: &Path, count: usize) -> Result<()> {
 }
 
 /// Name of the file of a component.
-pub(super) fn name(i: usize) -> String {
+pub(in crate::bench) fn name(i: usize) -> String {
     format!("c{i:04}.gen")
 }
 
 /// The file that each component includes.
-pub(super) fn shared() -> String {
+pub(in crate::bench) fn shared() -> String {
     let mut out = String::from(
         "#ifndef TYPES\n#define TYPES
 // What all components share.
@@ -77,7 +77,7 @@ interface tracker {
 }
 
 /// A component of about a thousand lines.
-pub(super) fn component(i: usize) -> String {
+pub(in crate::bench) fn component(i: usize) -> String {
     let mut out = format!(
         "#include \"{SHARED}\"
 component c{i} {{
