@@ -190,11 +190,7 @@ impl RootDatabase {
     }
 
     /// An input for a file, as the disk has it.
-    fn input(
-        &self,
-        path: Utf8PathBuf,
-        (status, text): (FileStatus, Arc<str>),
-    ) -> SourceFile {
+    fn input(&self, path: Utf8PathBuf, (status, text): (FileStatus, Arc<str>)) -> SourceFile {
         let new = SourceFile::builder(path, status, text);
         // What depends on such files alone is not looked at when a document is edited.
         new.durability(Durability::MEDIUM).new(self)
@@ -244,7 +240,12 @@ impl RootDatabase {
 
     /// What the disk has at a path.
     fn read(&self, path: &Utf8Path) -> (FileStatus, Arc<str>) {
-        match self.tables.loader.size(path).filter(|it| *it > self.max_bytes()) {
+        match self
+            .tables
+            .loader
+            .size(path)
+            .filter(|it| *it > self.max_bytes())
+        {
             Some(size) => (FileStatus::TooLarge(size), "".into()),
             None => self.split(self.tables.loader.read(path)),
         }
@@ -409,7 +410,7 @@ impl PartialEq for Lexed {
     }
 }
 
-#[salsa::tracked(lru = 64)]
+#[salsa::tracked(lru = 24)]
 pub(crate) fn lexed(db: &dyn Db, file: SourceFile) -> Lexed {
     Lexed {
         raw: Arc::new(lex(file.text(db))),

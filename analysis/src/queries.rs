@@ -11,7 +11,8 @@ use smol_str::SmolStr;
 use crate::{
     base::Db,
     check,
-    elab::{self, ElabDiagnostic, Elaborated, UnitInput},
+    elab::{self, Elaborated, UnitInput},
+    finding::Finding,
     item_tree::{Item, ItemTree, Ptr},
     lint,
     model::Component,
@@ -23,7 +24,7 @@ use crate::{
 pub(crate) const WRAPPER: u32 = 0;
 
 /// What a unit means. Kept for the units worked in last only: it takes less time to make than memory to keep.
-#[salsa::tracked(lru = 64)]
+#[salsa::tracked(lru = 24)]
 pub(crate) fn elaborated<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Elaborated> {
     Arc::new(elaborate(db, unit))
 }
@@ -77,16 +78,13 @@ pub(crate) fn elaborate<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Elaborated 
 
 /// What elaboration reports of a unit.
 #[salsa::tracked(lru = 0)]
-pub(crate) fn elab_diagnostics<'db>(
-    db: &'db dyn Db,
-    unit: UnitKey<'db>,
-) -> Arc<Vec<ElabDiagnostic>> {
+pub(crate) fn elab_findings<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<Finding>> {
     Arc::new(elaborated(db, unit).diagnostics.clone())
 }
 
 /// Keeps these results of `count` units and bodies at most.
 pub(crate) fn keep(db: &mut dyn Db, count: usize) {
-    elab_diagnostics::set_lru_capacity(db, count);
+    elab_findings::set_lru_capacity(db, count);
     check_body::set_lru_capacity(db, count);
     lint_body::set_lru_capacity(db, count);
 }
@@ -98,7 +96,7 @@ pub(crate) fn body_count<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> u32 {
 }
 
 /// What the checks of one body can see.
-#[salsa::tracked(lru = 64)]
+#[salsa::tracked(lru = 24)]
 pub(crate) fn body_view<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> Arc<BodyView> {
     let elaborated = elaborated(db, unit);
     let spec = &elaborated.spec;
@@ -119,11 +117,7 @@ pub(crate) fn body_view<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> 
 /// What is suspicious about one component, once all of it is read. Nothing for a body that is reopened
 /// later.
 #[salsa::tracked(lru = 0)]
-pub(crate) fn lint_body<'db>(
-    db: &'db dyn Db,
-    unit: UnitKey<'db>,
-    body: u32,
-) -> Arc<Vec<ElabDiagnostic>> {
+pub(crate) fn lint_body<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> Arc<Vec<Finding>> {
     if !is_last_body(db, unit, body) {
         return Arc::default();
     }
@@ -146,7 +140,7 @@ fn is_last_body<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> bool {
 
 /// Declarations of the root files of a unit that nothing uses.
 #[salsa::tracked]
-pub(crate) fn lint_unused<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<ElabDiagnostic>> {
+pub(crate) fn lint_unused<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<Finding>> {
     let visits = &visits(db, unit).visits;
     let is_root = |visit: u32| {
         let it = visit
@@ -159,11 +153,7 @@ pub(crate) fn lint_unused<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<E
 
 /// The diagnostics of one body.
 #[salsa::tracked(lru = 0)]
-pub(crate) fn check_body<'db>(
-    db: &'db dyn Db,
-    unit: UnitKey<'db>,
-    body: u32,
-) -> Arc<Vec<ElabDiagnostic>> {
+pub(crate) fn check_body<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> Arc<Vec<Finding>> {
     let view = body_view(db, unit, body);
     Arc::new(match view.component() {
         Some(component) => check::component(&view.spec, component),

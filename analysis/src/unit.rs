@@ -271,7 +271,7 @@ pub(crate) fn preprocess_whole(db: &dyn Db, key: FileKey<'_>) -> Preprocessed {
 }
 
 /// Preprocesses and parses a file.
-#[salsa::tracked(lru = 64)]
+#[salsa::tracked(lru = 24)]
 fn front<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Front {
     let file = key.file(db);
     let mut pre = preprocess_whole(db, key);
@@ -295,7 +295,7 @@ pub(crate) fn parsed<'db>(db: &'db dyn Db, key: FileKey<'db>) -> &'db Parse {
 
 /// The item tree of a file together with the places of its nodes. What is asked for again stands in the queries
 /// below, so that neither it nor the syntax tree is kept for files that nobody works in.
-#[salsa::tracked(lru = 64)]
+#[salsa::tracked(lru = 24)]
 pub(crate) fn lowered<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Lowered {
     lower::lower(
         parsed(db, key),
@@ -342,7 +342,7 @@ pub(crate) fn text_facts<'db>(db: &'db dyn Db, key: FileKey<'db>) -> TextFacts {
     let (parse, errors) = (parsed(db, key), &preprocessed(db, key).errors);
     TextFacts {
         misplaced_includes: !lowered(db, key).misplaced.is_empty(),
-        bad_include: errors.iter().any(|it| it.code == "pp-include-bad"),
+        bad_include: errors.iter().any(|it| it.kind.code() == "pp-include-bad"),
         inside_out: parse.inside_out,
         has_expansions: !parse.expansion.is_empty(),
     }

@@ -254,11 +254,7 @@ impl Run {
         });
     }
 
-    fn compute(
-        &mut self,
-        snapshot: &Snapshot,
-        events: &UnboundedSender<Event>,
-    ) -> Cancellable<()> {
+    fn compute(&mut self, snapshot: &Snapshot, events: &UnboundedSender<Event>) -> Cancellable<()> {
         let Some(left) = &mut self.left else {
             let open = snapshot.open.keys().cloned().collect();
             self.look_at(open, snapshot, events)?;

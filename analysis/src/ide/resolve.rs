@@ -39,7 +39,7 @@ pub(crate) struct Occurrence {
 }
 
 /// The resolved names of a file in a unit, by place, those of all its visits together.
-#[salsa::tracked(lru = 64, returns(deref))]
+#[salsa::tracked(lru = 24, returns(deref))]
 pub(crate) fn occurrences<'db>(
     db: &'db dyn Db,
     unit: UnitKey<'db>,

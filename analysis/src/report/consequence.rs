@@ -157,7 +157,7 @@ fn broken_machines<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<TextRange> {
                 && text
                     .get(bytes(between))
                     .is_some_and(|it| it.trim().is_empty());
-            match it.code {
+            match it.code() {
                 "missing-semicolon" => behind && !whole,
                 _ => inside || behind,
             }

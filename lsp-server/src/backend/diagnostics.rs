@@ -64,7 +64,9 @@ impl Backend {
                     let value = WorkspaceDiagnosticReport { items: news };
                     let token = token.clone();
                     let part = PartialDiagnosticsParams { token, value };
-                    self.dispatch.outbox().notify::<PartialDiagnostics>(part);
+                    // Before the answer, not in the order of other notifications.
+                    let client = self.dispatch.client();
+                    client.send_notification::<PartialDiagnostics>(part).await;
                 }
                 if revisions.has_changed().unwrap_or(false) {
                     revisions.mark_unchanged();

@@ -17,14 +17,18 @@ const TYPED: usize = 40;
 
 /// Edits for so many minutes and prints memory as it goes, then its slope over the second half.
 pub(super) fn endurance(dotgen: &Path, minutes: f64) -> Result<()> {
-    step(&format!("Editing {COMPONENTS} components for {minutes} minutes"));
+    step(&format!(
+        "Editing {COMPONENTS} components for {minutes} minutes"
+    ));
     let folder = target().join("endurance");
     if folder.exists() {
         std::fs::remove_dir_all(&folder)?;
     }
     workspace::write(&folder, COMPONENTS)?;
     let mut session = Session::start(dotgen, &folder)?;
-    let mut shared = session.editor.open(workspace::SHARED, &workspace::shared())?;
+    let mut shared = session
+        .editor
+        .open(workspace::SHARED, &workspace::shared())?;
     let (started, length) = (Instant::now(), Duration::from_secs_f64(minutes * 60.0));
     let mut samples: Vec<(f64, f64)> = Vec::new();
     let mut edits = 0;
@@ -34,7 +38,9 @@ pub(super) fn endurance(dotgen: &Path, minutes: f64) -> Result<()> {
             break;
         }
         let i = round * 7 % COMPONENTS;
-        let mut component = session.editor.open(&workspace::name(i), &workspace::component(i))?;
+        let mut component = session
+            .editor
+            .open(&workspace::name(i), &workspace::component(i))?;
         for at in 0..TYPED {
             session.editor.edit(&mut component, 13, [0, 0], "x")?;
             session.pull(&component)?;
@@ -56,7 +62,10 @@ pub(super) fn endurance(dotgen: &Path, minutes: f64) -> Result<()> {
         }
     }
     session.editor.end()?;
-    println!("slope of the second half: {:+.2} MB an hour", 60.0 * slope(&samples[samples.len() / 2..]));
+    println!(
+        "slope of the second half: {:+.2} MB an hour",
+        60.0 * slope(&samples[samples.len() / 2..])
+    );
     Ok(std::fs::remove_dir_all(&folder)?)
 }
 

@@ -24,11 +24,7 @@ const QUIET: Duration = Duration::from_millis(1500);
 /// What was measured of a workspace: by name, in the order of the table. Seconds, or megabytes.
 type Figures = Vec<(&'static str, f64)>;
 
-const MEGABYTES: &[(f64, &str)] = &[
-    (10.0, "10 MB"),
-    (100.0, "100 MB"),
-    (1000.0, "1 GB"),
-];
+const MEGABYTES: &[(f64, &str)] = &[(10.0, "10 MB"), (100.0, "100 MB"), (1000.0, "1 GB")];
 
 /// Measures workspaces of growing size and draws the charts.
 pub(super) fn size(dotgen: &Path, counts: &[usize], runs: usize) -> Result<()> {
@@ -100,7 +96,10 @@ fn serve(dotgen: &Path, folder: &Path, count: usize) -> Result<Figures> {
     let text = workspace::component(count / 2);
     let mut component = session.editor.open(&workspace::name(count / 2), &text)?;
     session.pull(&component)?;
-    figures.push(("first diagnostics of the opened file", seconds(started.elapsed())));
+    figures.push((
+        "first diagnostics of the opened file",
+        seconds(started.elapsed()),
+    ));
     let all = session.everything()?;
     figures.push(("first diagnostics of the workspace", seconds(all)));
     figures.push(("memory then, MB", session.memory()?));
@@ -123,7 +122,9 @@ fn serve(dotgen: &Path, folder: &Path, count: usize) -> Result<Figures> {
     // A member more: every component has to be looked at, and none says anything new.
     let line = line_of(&text, "  struct pose")?;
     let started = Instant::now();
-    session.editor.edit(&mut shared, line, [16, 16], "undeclared more; ")?;
+    session
+        .editor
+        .edit(&mut shared, line, [16, 16], "undeclared more; ")?;
     let open = session.pull(&component)?;
     figures.push(("edit of the shared file to the open file", seconds(open)));
     session.everything()?;
@@ -136,7 +137,10 @@ fn serve(dotgen: &Path, folder: &Path, count: usize) -> Result<Figures> {
     let started = Instant::now();
     session.editor.edit(&mut shared, line, [9, 12], "vek")?;
     session.everything()?;
-    figures.push(("edit that makes all files wrong, to all", seconds(started.elapsed())));
+    figures.push((
+        "edit that makes all files wrong, to all",
+        seconds(started.elapsed()),
+    ));
     session.editor.edit(&mut shared, line, [9, 12], "vec")?;
     session.everything()?;
     figures.push(("memory then, MB", session.memory()?));
@@ -282,7 +286,13 @@ fn table(all: &BTreeMap<usize, Figures>) {
     let counts: Vec<String> = all.keys().map(ToString::to_string).collect();
     println!("\n| components | {} |", counts.join(" | "));
     println!("| --- |{}", " --- |".repeat(counts.len()));
-    let names: Vec<&str> = all.values().next().into_iter().flatten().map(|it| it.0).collect();
+    let names: Vec<&str> = all
+        .values()
+        .next()
+        .into_iter()
+        .flatten()
+        .map(|it| it.0)
+        .collect();
     for (row, name) in names.iter().enumerate() {
         let cells = all.values().map(|it| match it[row].1 {
             value if name.ends_with("MB") => format!("{value:.0}"),
@@ -312,7 +322,10 @@ fn draw(all: &BTreeMap<usize, Figures>) -> Result<()> {
             line("check: elapsed", "dotgen check"),
             line("edit of the shared file to all", "idl edit, all files"),
             line("rename of a type that all use", "rename"),
-            line("edit of the shared file to the open file", "idl edit, open file"),
+            line(
+                "edit of the shared file to the open file",
+                "idl edit, open file",
+            ),
         ],
     };
     std::fs::write(pictures.join("size-time.svg"), times.svg())?;

@@ -29,7 +29,8 @@ pub(in crate::bench) fn write(folder: &Path, count: usize) -> Result<()> {
 pub(in crate::bench) fn write_tiny(folder: &Path, count: usize) -> Result<()> {
     std::fs::create_dir_all(folder)?;
     for i in 0..count {
-        let text = format!("component t{i} {{ version \"1.0\"; lang \"c\"; ids {{ long v; }}; }};\n");
+        let text =
+            format!("component t{i} {{ version \"1.0\"; lang \"c\"; ids {{ long v; }}; }};\n");
         std::fs::write(folder.join(format!("t{i:05}.gen")), text)?;
     }
     Ok(())
