@@ -10,6 +10,7 @@ mod fischer;
 mod growth;
 mod measure;
 mod periodic;
+mod reductions;
 mod rivals;
 mod session;
 mod size;
@@ -68,6 +69,8 @@ enum What {
     Enemy,
     /// Memory of a server in which somebody edits for an hour.
     Endurance,
+    /// Verification with and without each reduction.
+    Reductions,
 }
 
 /// The scale of times in charts.
@@ -95,6 +98,7 @@ pub(crate) fn bench(options: &Options) -> Result<bool> {
         What::Rivals => return rivals::rivals(&dotgen, runs(5), options.sets),
         What::Verify => growth::corpus(&dotgen, runs(5))?,
         What::Growth => growth::growth(&dotgen, runs(5))?,
+        What::Reductions => reductions::reductions(&dotgen, runs(1))?,
         What::Size => size::size(&dotgen, &options.components, runs(3))?,
         What::Tiny => size::tiny(&dotgen, runs(3))?,
         What::Enemy => return enemy::enemy(&dotgen, options.lines),
