@@ -20,7 +20,8 @@ use crate::{
     ide::{self, *},
     lint::LintConfig,
     model::Spec,
-    queries::elaborated,
+    queries::{self, elaborated},
+    release::{self, ReleaseChoice},
     report,
     source_map::UnitLocations,
     unit::{self, UnitKey},
@@ -66,6 +67,10 @@ pub trait Loader: Send + Sync {
     fn list_dir(&self, _path: &Utf8Path) -> Vec<DirEntry> {
         Vec::new()
     }
+    /// The release of the GenoM3 that is installed, if one is found.
+    fn installed_release(&self) -> Option<ReleaseChoice> {
+        None
+    }
     /// Names of the packages that can be asked for, for completion.
     fn package_names(&self) -> Vec<String> {
         Vec::new()
@@ -88,6 +93,8 @@ pub struct Config {
     pub include_dirs: Vec<Utf8PathBuf>,
     /// `-D`, in order: name and value (`1` when none was given).
     pub defines: Vec<(SmolStr, SmolStr)>,
+    /// The release of GenoM3 that specifications are read as; `None` if the user says nothing of it.
+    pub release: Option<ReleaseChoice>,
     /// Directories whose specifications are read in another way.
     pub projects: Vec<Project>,
     /// Severity per code; `None` switches a code off. Errors stay errors: the configuration changes
@@ -111,6 +118,8 @@ pub struct Project {
     pub include_dirs: Vec<Utf8PathBuf>,
     /// `-D`, in order.
     pub defines: Vec<(SmolStr, SmolStr)>,
+    /// The release of GenoM3.
+    pub release: Option<ReleaseChoice>,
 }
 
 /// One batch of changes.
@@ -255,6 +264,9 @@ impl AnalysisHost {
             if *workspace.defines(db) != config.defines {
                 workspace.set_defines(db).to(config.defines);
             }
+            if *workspace.release(db) != config.release {
+                workspace.set_release(db).to(config.release);
+            }
             if *workspace.projects(db) != config.projects {
                 workspace.set_projects(db).to(config.projects);
             }
@@ -291,7 +303,10 @@ impl AnalysisHost {
 
     /// From now on [`AnalysisHost::shrink`] forgets nearly everything: for a host whose files are asked about once.
     pub fn keep_little(&mut self) {
-        self.db.keep_little();
+        const FEW: usize = 64;
+        unit::keep(&mut self.db, FEW);
+        queries::keep(&mut self.db, FEW);
+        report::keep(&mut self.db, FEW);
     }
 
     /// Forgets results that take much memory and are seldom asked for again, but for those asked for last. Cancels
@@ -476,6 +491,11 @@ impl Analysis {
             let files = unit::files(db, unit::unit_of_root(db, db.file(path)));
             files.iter().map(|it| it.path(db).clone()).collect()
         })
+    }
+
+    /// The release of GenoM3 that a specification is read as.
+    pub fn release(&self, path: &Utf8Path) -> Cancellable<ReleaseChoice> {
+        self.with(|db| release::of_unit(db, unit::unit_of_root(db, db.file(path))))
     }
 
     /// Several inputs as one unit.

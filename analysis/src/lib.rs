@@ -17,6 +17,7 @@ pub mod model_json;
 pub mod parallel;
 pub mod quantity;
 mod queries;
+pub mod release;
 mod report;
 pub mod source_map;
 mod suppress;

@@ -16,6 +16,7 @@ use crate::{
     item_tree::{Item, ItemTree, Ptr},
     lint,
     model::Component,
+    release,
     unit::{UnitKey, item_tree, visits},
     view::BodyView,
 };
@@ -73,7 +74,10 @@ pub(crate) fn elaborate<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Elaborated 
         }
     }));
     db.unwind_if_revision_cancelled();
-    elab::elaborate(&UnitInput { visits: &input })
+    elab::elaborate(&UnitInput {
+        visits: &input,
+        release: release::of_unit(db, unit).release,
+    })
 }
 
 /// What elaboration reports of a unit.

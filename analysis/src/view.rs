@@ -77,6 +77,7 @@ impl BodyView {
         }
         BodyView {
             spec: Spec {
+                release: spec.release,
                 types,
                 components,
                 ..Spec::default()
