@@ -5,20 +5,23 @@
 //! [`Loader`]. The tables only grow: the input of a path never changes, so reading them inside a
 //! query is harmless.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{
+    Arc, Mutex, MutexGuard, PoisonError,
+    atomic::{AtomicU64, Ordering},
+};
 
 use camino::{Utf8Component, Utf8Path, Utf8PathBuf};
 use dotgen_syntax::{
     lexer::{RawTokens, lex},
     line_index::LineIndex,
 };
-use rustc_hash::FxHashMap;
-use salsa::{Durability, Setter};
+use rustc_hash::{FxHashMap, FxHashSet};
+use salsa::{Database as _, Durability, Setter};
 use smol_str::SmolStr;
 
 use crate::{
     diagnostic::Severity,
-    host::{FileContent, Loader, PackageFlags, Project},
+    host::{FileContent, Loader, MAX_FILE_BYTES, PackageFlags, Project},
     lint::LintConfig,
     release::ReleaseChoice,
 };
@@ -38,6 +41,10 @@ pub(crate) trait Db: salsa::Database {
     fn workspace(&self) -> Workspace;
     /// For what is looked up at the moment of a request and never remembered: directories.
     fn loader(&self) -> &Arc<dyn Loader>;
+    /// Larger texts are not read.
+    fn max_bytes(&self) -> u64;
+    /// Another handle, for another thread.
+    fn fork(&self) -> RootDatabase;
 }
 
 /// A path and what is there.
@@ -64,6 +71,8 @@ pub enum FileStatus {
     NotUtf8,
     /// It cannot be read: why.
     Unreadable(String),
+    /// It has so many bytes, more than are read.
+    TooLarge(u64),
 }
 
 /// The answer of the package tool to one argument list.
@@ -137,7 +146,11 @@ pub(crate) struct RootDatabase {
 
 struct Tables {
     loader: Arc<dyn Loader>,
+    /// Larger texts are not read.
+    max_bytes: AtomicU64,
     files: Mutex<FxHashMap<Utf8PathBuf, SourceFile>>,
+    /// Files whose text was given and is another one than on the disk: they change often.
+    edited: Mutex<FxHashSet<SourceFile>>,
     texts: Mutex<FxHashMap<(Utf8PathBuf, Arc<str>), SourceFile>>,
     packages: Mutex<FxHashMap<Vec<String>, Packages>>,
     installed: Mutex<Option<Installed>>,
@@ -152,7 +165,9 @@ impl RootDatabase {
             storage: salsa::Storage::new(events),
             tables: Arc::new(Tables {
                 loader,
+                max_bytes: AtomicU64::new(MAX_FILE_BYTES),
                 files: Mutex::default(),
+                edited: Mutex::default(),
                 texts: Mutex::default(),
                 packages: Mutex::default(),
                 installed: Mutex::default(),
@@ -171,9 +186,25 @@ impl RootDatabase {
             Vec::new(),
         )
         .durability(Durability::MEDIUM)
+        // They change with every document that is shown.
+        .active_durability(Durability::LOW)
+        .chosen_durability(Durability::LOW)
         .new(&db);
         db.workspace = Some(workspace);
         db
+    }
+
+    /// Forgets the results that take much memory and are seldom asked for again, but for those asked for last.
+    /// Cancels the snapshots that are working and waits until they are dropped.
+    pub(crate) fn shrink(&mut self) {
+        self.trigger_lru_eviction();
+    }
+
+    /// An input for a file, as the disk has it.
+    fn input(&self, path: Utf8PathBuf, (status, text): (FileStatus, Arc<str>)) -> SourceFile {
+        let new = SourceFile::builder(path, status, text);
+        // What depends on such files alone is not looked at when a document is edited.
+        new.durability(Durability::MEDIUM).new(self)
     }
 
     /// An empty database with the settings of another one, over another loader.
@@ -191,30 +222,93 @@ impl RootDatabase {
         to.set_projects(&mut db).to(from.projects(other).clone());
         to.set_severities(&mut db)
             .to(from.severities(other).clone());
+        db.set_max_bytes(other.max_bytes());
         db
+    }
+
+    /// Changes how large a file may be. The texts of files that were given and are small enough now have to be given
+    /// again.
+    pub(crate) fn set_max_bytes(&mut self, limit: u64) {
+        if self.tables.max_bytes.swap(limit, Ordering::Relaxed) == limit {
+            return;
+        }
+        let known: Vec<(Utf8PathBuf, SourceFile)> = lock(&self.tables.files)
+            .iter()
+            .map(|(path, file)| (path.clone(), *file))
+            .collect();
+        for (path, file) in known {
+            let size = match file.status(self) {
+                FileStatus::TooLarge(size) => *size,
+                _ => file.text(self).len() as u64,
+            };
+            let was_refused = matches!(file.status(self), FileStatus::TooLarge(_));
+            if was_refused == (size > limit) {
+                continue;
+            }
+            let edited = lock(&self.tables.edited).contains(&file);
+            match edited {
+                true => _ = file.set_status(self).to(FileStatus::TooLarge(size)),
+                false => self.set_file(&path, None),
+            }
+        }
+    }
+
+    /// What the disk has at a path.
+    fn read(&self, path: &Utf8Path) -> (FileStatus, Arc<str>) {
+        match self
+            .tables
+            .loader
+            .size(path)
+            .filter(|it| *it > self.max_bytes())
+        {
+            Some(size) => (FileStatus::TooLarge(size), "".into()),
+            None => self.split(self.tables.loader.read(path)),
+        }
+    }
+
+    fn split(&self, content: FileContent) -> (FileStatus, Arc<str>) {
+        let size = match &content {
+            FileContent::Text(text) | FileContent::NotUtf8(text) => text.len() as u64,
+            _ => 0,
+        };
+        match size > self.max_bytes() {
+            true => (FileStatus::TooLarge(size), "".into()),
+            false => split(content),
+        }
     }
 
     /// Gives a file a new text, or asks the loader again.
     pub(crate) fn set_file(&mut self, path: &Utf8Path, text: Option<String>) {
         let path = normalize(path);
-        let content = match text {
-            Some(text) => FileContent::Text(text),
-            None if !lock(&self.tables.files).contains_key(&path) => return,
-            None => self.tables.loader.read(&path),
-        };
-        let (status, text) = split(content);
         let known = lock(&self.tables.files).get(&path).copied();
-        let Some(file) = known else {
-            let file = SourceFile::new(self, path.clone(), status, text);
+        let given = text.is_some();
+        let (status, text) = match text {
+            Some(text) => self.split(FileContent::Text(text)),
+            None if known.is_none() => return,
+            None => self.read(&path),
+        };
+        let file = known.unwrap_or_else(|| {
+            let file = self.input(path.clone(), (FileStatus::Missing, "".into()));
             lock(&self.tables.files).insert(path, file);
-            return;
+            file
+        });
+        let changed = *file.text(self) != text;
+        // What becomes less durable makes all run again that depends on it: opening a document does not, the first
+        // edit does.
+        let (durability, moved) = match given {
+            true if changed => {
+                lock(&self.tables.edited).insert(file);
+                (Durability::LOW, false)
+            }
+            true => (Durability::LOW, false),
+            false => (Durability::MEDIUM, lock(&self.tables.edited).remove(&file)),
         };
         // A setter counts as a change even when the value is equal.
         if *file.status(self) != status {
             file.set_status(self).to(status);
         }
-        if *file.text(self) != text {
-            file.set_text(self).to(text);
+        if moved || changed {
+            file.set_text(self).with_durability(durability).to(text);
         }
     }
 
@@ -257,10 +351,17 @@ impl Db for RootDatabase {
         if let Some(&file) = files.get(&path) {
             return file;
         }
-        let (status, text) = split(self.tables.loader.read(&path));
-        let file = SourceFile::new(self, path.clone(), status, text);
+        let file = self.input(path.clone(), self.read(&path));
         files.insert(path, file);
         file
+    }
+
+    fn max_bytes(&self) -> u64 {
+        self.tables.max_bytes.load(Ordering::Relaxed)
+    }
+
+    fn fork(&self) -> RootDatabase {
+        self.clone()
     }
 
     fn text(&self, name: &Utf8Path, text: &Arc<str>) -> SourceFile {
@@ -336,7 +437,7 @@ impl PartialEq for Lexed {
     }
 }
 
-#[salsa::tracked(lru = 64)]
+#[salsa::tracked(lru = 24)]
 pub(crate) fn lexed(db: &dyn Db, file: SourceFile) -> Lexed {
     Lexed {
         raw: Arc::new(lex(file.text(db))),

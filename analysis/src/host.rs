@@ -15,12 +15,12 @@ use salsa::{Database as _, Setter as _};
 use smol_str::SmolStr;
 
 use crate::{
-    base::{Db, RootDatabase, SourceFile, line_index, normalize},
+    base::{Db, FileStatus, RootDatabase, SourceFile, line_index, normalize},
     diagnostic::{Diagnostic, Severity},
     ide::{self, *},
     lint::LintConfig,
     model::Spec,
-    queries::elaborated,
+    queries::{self, elaborated},
     release::{self, ReleaseChoice},
     report,
     source_map::UnitLocations,
@@ -59,6 +59,10 @@ pub trait Loader: Send + Sync {
     /// The flags of packages, all arguments in one query, as `pkg-config --cflags` answers it.
     /// The error is a message for the user.
     fn packages(&self, arguments: &[String]) -> Result<PackageFlags, String>;
+    /// The size of a file in bytes, if that can be told without reading it.
+    fn size(&self, _path: &Utf8Path) -> Option<u64> {
+        None
+    }
     /// What a directory holds, for the completion of paths; empty if it cannot be read.
     fn list_dir(&self, _path: &Utf8Path) -> Vec<DirEntry> {
         Vec::new()
@@ -98,7 +102,12 @@ pub struct Config {
     pub severities: Vec<(String, Option<Severity>)>,
     /// What the lints need to know.
     pub lints: LintConfig,
+    /// Larger files are not read, and a diagnostic says so; [`MAX_FILE_BYTES`] unless given.
+    pub max_file_bytes: Option<u64>,
 }
+
+/// Files of more bytes are no specifications that somebody wrote.
+pub const MAX_FILE_BYTES: u64 = 4 << 20;
 
 /// How the specifications below a directory are read, instead of what [`Config`] says for all. The innermost counts.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -248,6 +257,7 @@ impl AnalysisHost {
             }
         }
         if let Some(config) = change.config {
+            db.set_max_bytes(config.max_file_bytes.unwrap_or(MAX_FILE_BYTES));
             if *workspace.include_dirs(db) != config.include_dirs {
                 workspace.set_include_dirs(db).to(config.include_dirs);
             }
@@ -289,6 +299,20 @@ impl AnalysisHost {
                 workspace.set_active(db).to(active);
             }
         }
+    }
+
+    /// From now on [`AnalysisHost::shrink`] forgets nearly everything: for a host whose files are asked about once.
+    pub fn keep_little(&mut self) {
+        const FEW: usize = 64;
+        unit::keep(&mut self.db, FEW);
+        queries::keep(&mut self.db, FEW);
+        report::keep(&mut self.db, FEW);
+    }
+
+    /// Forgets results that take much memory and are seldom asked for again, but for those asked for last. Cancels
+    /// the snapshots that are working and waits until they are dropped.
+    pub fn shrink(&mut self) {
+        self.db.shrink();
     }
 
     /// The files at or below a path that were ever asked for, there or not.
@@ -364,6 +388,11 @@ impl Analysis {
             let file = db.file(path);
             file.status(db).is_text().then(|| file.text(db).clone())
         })
+    }
+
+    /// Whether a file is larger than what is read.
+    pub fn is_too_large(&self, path: &Utf8Path) -> Cancellable<bool> {
+        self.with(|db| matches!(db.file(path).status(db), FileStatus::TooLarge(_)))
     }
 
     /// Lines of a file.
@@ -449,6 +478,19 @@ impl Analysis {
     /// The unit that begins with a file, whoever else includes it: what the command line compiles.
     pub fn root_unit(&self, path: &Utf8Path) -> Cancellable<UnitResult> {
         self.with(|db| unit_result(db, unit::unit_of_root(db, db.file(path))))
+    }
+
+    /// The diagnostics of [`Analysis::root_unit`] alone.
+    pub fn root_diagnostics(&self, path: &Utf8Path) -> Cancellable<Arc<Vec<Diagnostic>>> {
+        self.with(|db| report::unit_report(db, unit::unit_of_root(db, db.file(path))).clone())
+    }
+
+    /// Every file of the unit that begins with a file, in order of first visit.
+    pub fn files_of_root(&self, path: &Utf8Path) -> Cancellable<Vec<Utf8PathBuf>> {
+        self.with(|db| {
+            let files = unit::files(db, unit::unit_of_root(db, db.file(path)));
+            files.iter().map(|it| it.path(db).clone()).collect()
+        })
     }
 
     /// The release of GenoM3 that a specification is read as.

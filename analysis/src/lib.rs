@@ -14,6 +14,7 @@ pub mod lint;
 pub mod markdown;
 pub mod model;
 pub mod model_json;
+pub mod parallel;
 pub mod quantity;
 mod queries;
 pub mod release;

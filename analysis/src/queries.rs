@@ -24,9 +24,14 @@ use crate::{
 /// Visit of the elaborator that stands for the wrapper; those of the unit follow.
 pub(crate) const WRAPPER: u32 = 0;
 
-/// What a unit means.
-#[salsa::tracked]
+/// What a unit means. Kept for the units worked in last only: it takes less time to make than memory to keep.
+#[salsa::tracked(lru = 24)]
 pub(crate) fn elaborated<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Elaborated> {
+    Arc::new(elaborate(db, unit))
+}
+
+/// What a unit means, worked out now and not kept: for a question to very many units.
+pub(crate) fn elaborate<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Elaborated {
     let visits = &visits(db, unit).visits;
     let roots: Vec<u32> = (0..visits.len() as u32)
         .filter(|&it| visits[it as usize].includer.is_none())
@@ -69,10 +74,23 @@ pub(crate) fn elaborated<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Elabor
         }
     }));
     db.unwind_if_revision_cancelled();
-    Arc::new(elab::elaborate(&UnitInput {
+    elab::elaborate(&UnitInput {
         visits: &input,
         release: release::of_unit(db, unit).release,
-    }))
+    })
+}
+
+/// What elaboration reports of a unit.
+#[salsa::tracked(lru = 0)]
+pub(crate) fn elab_findings<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<Finding>> {
+    Arc::new(elaborated(db, unit).diagnostics.clone())
+}
+
+/// Keeps these results of `count` units and bodies at most.
+pub(crate) fn keep(db: &mut dyn Db, count: usize) {
+    elab_findings::set_lru_capacity(db, count);
+    check_body::set_lru_capacity(db, count);
+    lint_body::set_lru_capacity(db, count);
 }
 
 /// Number of bodies to check.
@@ -82,7 +100,7 @@ pub(crate) fn body_count<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> u32 {
 }
 
 /// What the checks of one body can see.
-#[salsa::tracked(lru = 64)]
+#[salsa::tracked(lru = 24)]
 pub(crate) fn body_view<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> Arc<BodyView> {
     let elaborated = elaborated(db, unit);
     let spec = &elaborated.spec;
@@ -102,7 +120,7 @@ pub(crate) fn body_view<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> 
 
 /// What is suspicious about one component, once all of it is read. Nothing for a body that is reopened
 /// later.
-#[salsa::tracked]
+#[salsa::tracked(lru = 0)]
 pub(crate) fn lint_body<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> Arc<Vec<Finding>> {
     if !is_last_body(db, unit, body) {
         return Arc::default();
@@ -138,7 +156,7 @@ pub(crate) fn lint_unused<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<F
 }
 
 /// The diagnostics of one body.
-#[salsa::tracked]
+#[salsa::tracked(lru = 0)]
 pub(crate) fn check_body<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> Arc<Vec<Finding>> {
     let view = body_view(db, unit, body);
     Arc::new(match view.component() {

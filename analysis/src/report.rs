@@ -22,13 +22,10 @@ use crate::{
     ide::FileView,
     lint,
     model::Src,
-    queries::{WRAPPER, body_count, check_body, elaborated, lint_body, lint_unused},
+    queries::{WRAPPER, body_count, check_body, elab_findings, lint_body, lint_unused},
     source_map::{bytes, ptr},
     suppress::suppressions,
-    unit::{
-        self, FileKey, UnitKey, Visits, lowered, parsed, preprocessed, roots_of, unit_of_root,
-        visits,
-    },
+    unit::{self, FileKey, UnitKey, Visits, parsed, preprocessed, roots_of, unit_of_root, visits},
 };
 
 use consequence::Missing;
@@ -38,7 +35,7 @@ use text::{expanded_from, macro_call_at, related_at, text_report};
 const MAX_UNITS: usize = 16;
 
 /// All diagnostics of a unit, by file and place.
-#[salsa::tracked]
+#[salsa::tracked(lru = 0)]
 pub(crate) fn unit_report<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<Diagnostic>> {
     let mut report = Report {
         db,
@@ -53,7 +50,7 @@ pub(crate) fn unit_report<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<D
             report.text(i, visit.key);
         }
     }
-    for it in &elaborated(db, unit).diagnostics {
+    for it in elab_findings(db, unit).iter() {
         report.finding(it);
     }
     for body in 0..body_count(db, unit) {
@@ -71,6 +68,11 @@ pub(crate) fn unit_report<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<D
     configure(db, &mut out);
     sort_and_dedup(&mut out);
     Arc::new(out)
+}
+
+/// Keeps the reports of `count` units at most.
+pub(crate) fn keep(db: &mut dyn Db, count: usize) {
+    unit_report::set_lru_capacity(db, count);
 }
 
 /// Diagnostics of one file, over the units that contain it.
@@ -248,7 +250,7 @@ impl<'db> Report<'db> {
     fn place(&self, src: Src) -> Option<(FileKey<'db>, TextRange)> {
         let visit = src.visit.checked_sub(WRAPPER + 1)?;
         let key = self.visits.visits.get(visit as usize)?.key;
-        Some((key, lowered(self.db, key).ranges.get(ptr(src))?))
+        Some((key, unit::ranges(self.db, key).get(ptr(src))?))
     }
 
     /// Puts the name that was meant in the place of the token that is misspelt. `None` if a macro made it.

@@ -13,7 +13,7 @@ use crate::{
     base::{Db, lexed, line_index},
     item_tree::{Ptr, lower::PtrRanges},
     model::Src,
-    unit::{FileKey, UnitKey, lowered, parsed, preprocessed, visits},
+    unit::{FileKey, UnitKey, parsed, preprocessed, ranges, text_facts, visits},
 };
 
 /// A place in a file. Lines and columns count from 0; columns are in bytes.
@@ -76,7 +76,7 @@ impl UnitLocations {
             let file = visit.key.file(db);
             Some(VisitPlaces {
                 path: file.path(db).clone(),
-                ranges: lowered(db, visit.key).ranges.clone(),
+                ranges: ranges(db, visit.key).clone(),
                 lines: line_index(db, file).clone(),
                 calls: macro_calls(db, visit.key),
             })
@@ -94,6 +94,10 @@ impl UnitLocations {
 }
 
 fn macro_calls<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<[MacroCall]> {
+    // Most files have none, and need not be parsed again to see it.
+    if !text_facts(db, key).has_expansions {
+        return Arc::default();
+    }
     let raw = &lexed(db, key.file(db)).raw;
     let expansions = &parsed(db, key).expansion;
     let calls = preprocessed(db, key).elements.iter().filter_map(|it| {

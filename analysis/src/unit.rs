@@ -14,7 +14,7 @@ use std::{
 
 use camino::Utf8PathBuf;
 use dotgen_syntax::{
-    Fragment, Parse,
+    Fragment, Parse, TextSize,
     directive::{Define, DirectiveKind},
     parser::parse,
     preproc::{
@@ -29,7 +29,7 @@ use crate::{
     base::{Db, SourceFile, lexed},
     item_tree::{
         ItemTree,
-        lower::{self, Lowered},
+        lower::{self, Lowered, PtrRanges},
     },
 };
 pub(crate) use walk::walk_unit;
@@ -271,7 +271,7 @@ pub(crate) fn preprocess_whole(db: &dyn Db, key: FileKey<'_>) -> Preprocessed {
 }
 
 /// Preprocesses and parses a file.
-#[salsa::tracked(lru = 64)]
+#[salsa::tracked(lru = 24)]
 fn front<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Front {
     let file = key.file(db);
     let mut pre = preprocess_whole(db, key);
@@ -293,8 +293,9 @@ pub(crate) fn parsed<'db>(db: &'db dyn Db, key: FileKey<'db>) -> &'db Parse {
     &front(db, key).parse
 }
 
-/// The item tree of a file together with the places of its nodes.
-#[salsa::tracked]
+/// The item tree of a file together with the places of its nodes. What is asked for again stands in the queries
+/// below, so that neither it nor the syntax tree is kept for files that nobody works in.
+#[salsa::tracked(lru = 24)]
 pub(crate) fn lowered<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Lowered {
     lower::lower(
         parsed(db, key),
@@ -305,9 +306,46 @@ pub(crate) fn lowered<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Lowered {
 }
 
 /// The item tree of a file. Stays equal when only places change.
-#[salsa::tracked]
+#[salsa::tracked(lru = 0)]
 pub(crate) fn item_tree<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<ItemTree> {
     lowered(db, key).tree.clone()
+}
+
+/// The places of the nodes of the item tree.
+#[salsa::tracked(lru = 0)]
+pub(crate) fn ranges<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<PtrRanges> {
+    lowered(db, key).ranges.clone()
+}
+
+/// Keeps these results of `count` files at most.
+pub(crate) fn keep(db: &mut dyn Db, count: usize) {
+    item_tree::set_lru_capacity(db, count);
+    ranges::set_lru_capacity(db, count);
+}
+
+/// What is asked of the text of a file for each report on a unit with it. Stays equal under most edits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct TextFacts {
+    /// Some active include stands in the middle of a declaration.
+    pub(crate) misplaced_includes: bool,
+    /// A file to be included is not named.
+    pub(crate) bad_include: bool,
+    /// From here on braces are inside out: see [`Parse::inside_out`].
+    pub(crate) inside_out: Option<TextSize>,
+    /// Some token comes out of a macro.
+    pub(crate) has_expansions: bool,
+}
+
+/// See [`TextFacts`].
+#[salsa::tracked(returns(copy))]
+pub(crate) fn text_facts<'db>(db: &'db dyn Db, key: FileKey<'db>) -> TextFacts {
+    let (parse, errors) = (parsed(db, key), &preprocessed(db, key).errors);
+    TextFacts {
+        misplaced_includes: !lowered(db, key).misplaced.is_empty(),
+        bad_include: errors.iter().any(|it| it.kind.code() == "pp-include-bad"),
+        inside_out: parse.inside_out,
+        has_expansions: !parse.expansion.is_empty(),
+    }
 }
 
 /// What each active include of a file is to be parsed as; `None` where no declaration may stand.

@@ -1,7 +1,7 @@
 //! The part of a model that the checks of one body can see.
 //!
 //! Types are renumbered in the order in which they are met, and components that the body has nothing
-//! to do with are emptied: what the rest of the unit looks like does not show.
+//! to do with are left out: what the rest of the unit looks like does not show.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -10,7 +10,7 @@ use crate::model::{Component, Spec, Type, TypeId, TypeKind, visit::TypeIds as _}
 /// A body of a component or interface, with what it refers to.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct BodyView {
-    /// Components keep their indexes; the one of the body is as it is at its end.
+    /// The one of the body is as it is at its end.
     pub(crate) spec: Spec,
     index: Option<u32>,
 }
@@ -41,17 +41,33 @@ impl BodyView {
         }
         let mut visible = vec![false; spec.components.len()];
         mark_visible(spec, &component, &mut visible);
-        let mut components: Vec<Component> = Vec::with_capacity(spec.components.len());
-        for (it, visible) in std::iter::zip(&spec.components, visible) {
-            components.push(if components.len() == index as usize {
-                std::mem::replace(&mut component, emptied(it))
-            } else if visible {
-                let mut it = it.clone();
-                it.for_each_type_id(&mut |id| numbering.renumber(id));
-                it
-            } else {
-                emptied(it)
+        if let Some(own) = visible.get_mut(index as usize) {
+            *own = true;
+        }
+        let mut places = FxHashMap::default();
+        for (old, _) in (0..).zip(&visible).filter(|it| *it.1) {
+            let next = places.len() as u32;
+            places.insert(old, next);
+        }
+        let mut own = Some(component);
+        let mut components: Vec<Component> = Vec::with_capacity(places.len());
+        for (old, it) in (0..).zip(&spec.components) {
+            if !places.contains_key(&old) {
+                continue;
+            }
+            let mut it = match own.take_if(|_| old == index) {
+                Some(it) => it,
+                None => {
+                    let mut it = it.clone();
+                    it.for_each_type_id(&mut |id| numbering.renumber(id));
+                    it
+                }
+            };
+            renumber_components(&mut it, |it| {
+                // What it names is visible, or out of range.
+                *it = places.get(it).copied().unwrap_or(u32::MAX);
             });
+            components.push(it);
         }
         let mut types = Vec::new();
         while let Some(&old) = numbering.order.get(types.len()) {
@@ -66,7 +82,7 @@ impl BodyView {
                 components,
                 ..Spec::default()
             },
-            index: Some(index),
+            index: places.get(&index).copied(),
         }
     }
 
@@ -108,44 +124,41 @@ impl Numbering<'_> {
 
 /// Marks the components that a component names, and those they name in turn.
 fn mark_visible(spec: &Spec, from: &Component, visible: &mut [bool]) {
-    let imported = from.tasks.iter().filter_map(|it| it.imported_from);
-    let imported = imported.chain(from.ports.iter().filter_map(|it| it.imported_from));
-    let imported = imported.chain(from.services.iter().filter_map(|it| it.imported_from));
-    let named = from.provides.iter().chain(&from.uses).chain(&from.extends);
-    let named = named
-        .copied()
-        .chain(from.remotes.iter().map(|it| it.interface));
-    for it in named.chain(imported) {
+    let mut named: Vec<u32> = named_by(from).collect();
+    while let Some(it) = named.pop() {
         if let Some(seen) = visible.get_mut(it as usize)
             && !std::mem::replace(seen, true)
         {
-            mark_visible(spec, &spec.components[it as usize], visible);
+            named.extend(named_by(&spec.components[it as usize]));
         }
     }
 }
 
-/// The name and the kind of a component.
-fn emptied(component: &Component) -> Component {
-    Component {
-        name: component.name.clone(),
-        kind: component.kind,
-        src: crate::model::Src::default(),
-        doc: None,
-        version: None,
-        lang: None,
-        email: None,
-        requires: Vec::new(),
-        codels_requires: Vec::new(),
-        clock_rate: None,
-        stack: None,
-        ids: None,
-        provides: Vec::new(),
-        uses: Vec::new(),
-        extends: Vec::new(),
-        throws: Vec::new(),
-        tasks: Vec::new(),
-        ports: Vec::new(),
-        services: Vec::new(),
-        remotes: Vec::new(),
-    }
+/// Indexes of the components that a component names.
+fn named_by(component: &Component) -> impl Iterator<Item = u32> {
+    let tasks = component.tasks.iter().filter_map(|it| it.imported_from);
+    let ports = component.ports.iter().filter_map(|it| it.imported_from);
+    let services = component.services.iter();
+    let services = services.filter_map(|it| it.imported_from);
+    let remotes = component.remotes.iter().map(|it| it.interface);
+    let named = component.provides.iter().chain(&component.uses);
+    let named = named.chain(&component.extends).copied();
+    named
+        .chain(remotes)
+        .chain(tasks)
+        .chain(ports)
+        .chain(services)
+}
+
+/// Gives the components that a component names other indexes.
+fn renumber_components(component: &mut Component, f: impl FnMut(&mut u32)) {
+    let tasks = component.tasks.iter_mut().map(|it| &mut it.imported_from);
+    let ports = component.ports.iter_mut().map(|it| &mut it.imported_from);
+    let services = component.services.iter_mut();
+    let services = services.map(|it| &mut it.imported_from);
+    let imported = tasks.chain(ports).chain(services).flatten();
+    let remotes = component.remotes.iter_mut().map(|it| &mut it.interface);
+    let named = component.provides.iter_mut().chain(&mut component.uses);
+    let named = named.chain(&mut component.extends);
+    named.chain(remotes).chain(imported).for_each(f);
 }

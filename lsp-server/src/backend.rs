@@ -1,6 +1,7 @@
 //! The protocol's methods. Each hands its message to the writer or to the dispatcher before it
 //! first waits: that is what keeps messages in order.
 
+mod diagnostics;
 mod tokens;
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -529,20 +530,7 @@ impl LanguageServer for Backend {
         &self,
         params: WorkspaceDiagnosticParams,
     ) -> Result<WorkspaceDiagnosticReportResult> {
-        let mut revisions = self.revisions.clone();
-        loop {
-            revisions.mark_unchanged();
-            let question = self
-                .dispatch
-                .workspace(params.clone(), diagnostic::workspace);
-            let items = question.await.map_err(retriggered)?;
-            // A client with results asks again at once: it is answered when there is news.
-            let has_results = !params.previous_result_ids.is_empty();
-            let wait = has_results && diagnostic::is_unchanged(&items);
-            if !wait || !self.changed(&mut revisions).await {
-                return Ok(WorkspaceDiagnosticReport { items }.into());
-            }
-        }
+        Ok(self.diagnose(params).await?.into())
     }
 
     async fn semantic_tokens_full(

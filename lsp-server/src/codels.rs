@@ -222,8 +222,28 @@ fn of_unit(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<Arc<Compared>> {
         fresh.folders.push((folder, findings));
     }
     let fresh = Arc::new(fresh);
-    lock(&snapshot.codels.compared).insert(root.to_owned(), fresh.clone());
+    // Without codels there is little to remember, and the model would be kept for it.
+    if fresh.folders().any(|it| it.sources.exists) {
+        lock(&snapshot.codels.compared).insert(root.to_owned(), fresh.clone());
+    } else {
+        lock(&snapshot.codels.compared).remove(root);
+    }
     Ok(fresh)
+}
+
+/// Whether something can be said of a specification and its codels: a folder for them is there, or a comment allows
+/// findings. Told without asking what the specification means.
+fn is_concerned(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<bool> {
+    let Some(config) = &snapshot.config.codels else {
+        return Ok(false);
+    };
+    let text = snapshot.analysis.text(path)?;
+    if text.is_some_and(|it| it.contains("allow(")) {
+        return Ok(true);
+    }
+    let root = snapshot.analysis.root_of(path)?;
+    let files = snapshot.analysis.files_of_root(&root)?;
+    Ok(files.iter().any(|it| config.folder_of(it).is_dir()))
 }
 
 /// The folders of a unit, without what the units of other roots show.
@@ -242,7 +262,11 @@ fn folders(snapshot: &Snapshot, config: &FilesConfig, root: &Utf8Path) -> Cancel
         if snapshot.analysis.root_of(&folder.specification)? != root {
             continue;
         }
-        // Specifications in one folder share its codels.
+        // Specifications in one folder share its codels. Where there are none, nobody asks who else has them.
+        if !folder.sources.exists {
+            out.push(folder);
+            continue;
+        }
         let beside = folder.specification.parent();
         for other in snapshot.roots.iter().filter(|it| it.parent() == beside) {
             for component in &snapshot.analysis.root_unit(other)?.spec.components {
@@ -278,6 +302,9 @@ pub(crate) fn file_diagnostics(
     path: &Utf8Path,
 ) -> Cancellable<Vec<Diagnostic>> {
     let mut out: Vec<Diagnostic> = Vec::new();
+    if !snapshot.is_code(path) && !is_concerned(snapshot, path)? {
+        return Ok(out);
+    }
     for compared in around(snapshot, path)? {
         for found in compared.findings(snapshot) {
             let (folder, findings) = found?;
@@ -320,6 +347,9 @@ pub(crate) fn sources_with_findings(snapshot: &Snapshot) -> Cancellable<Vec<Utf8
     let shown = |it: &&Utf8PathBuf| snapshot.in_workspace(it) || snapshot.open.contains_key(*it);
     for root in snapshot.roots.iter().filter(shown) {
         if snapshot.analysis.root_of(root)? != *root && !config.folder_of(root).is_dir() {
+            continue;
+        }
+        if !is_concerned(snapshot, root)? {
             continue;
         }
         for found in of_unit(snapshot, &snapshot.analysis.root_of(root)?)?.findings(snapshot) {

@@ -46,6 +46,8 @@ pub struct Config {
     pub connections: Vec<Connection>,
     /// What the rules about time need to know.
     pub lints: LintConfig,
+    /// The largest file that is read, in kilobytes.
+    pub max_file_size: Option<u32>,
     /// Which inlay hints are shown.
     pub inlay_hints: InlayConfig,
     /// Whether code lenses are shown.
@@ -115,6 +117,7 @@ impl Config {
             connections: connections(settings),
             verification: settings.verification.clone(),
             lints: settings.timing.lints(),
+            max_file_size: settings.max_file_size,
             codels: settings
                 .codels
                 .check
@@ -175,6 +178,7 @@ impl Config {
                 .map(|(code, level)| (code.clone(), level.severity()))
                 .collect(),
             lints: self.lints.clone(),
+            max_file_bytes: self.max_file_size.map(|it| u64::from(it) * 1024),
         }
     }
 
@@ -213,6 +217,7 @@ impl Config {
         }
         self.connections.extend(other.connections);
         self.verification = self.verification.over(other.verification);
+        self.max_file_size = self.max_file_size.or(other.max_file_size);
         if self.lints == LintConfig::default() {
             self.lints = other.lints;
         }

@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::proto::{
-    Notification, Position, Range, TextDocumentIdentifier, Uri, VersionedTextDocumentIdentifier,
+    Notification, Position, ProgressToken, Range, TextDocumentIdentifier, Uri,
+    VersionedTextDocumentIdentifier, WorkspaceDiagnosticReport,
 };
 
 /// clangd's `textDocument/inactiveRegions`: the regions of an open document that conditionals leave
@@ -106,6 +107,24 @@ pub struct ChooseRoot {
     /// The root to show it in; without it dotgen chooses.
     #[serde(default)]
     pub root: Option<Uri>,
+}
+
+/// `$/progress` with a part of the answer to `workspace/diagnostic`.
+#[derive(Debug)]
+pub(crate) enum PartialDiagnostics {}
+
+impl Notification for PartialDiagnostics {
+    type Params = PartialDiagnosticsParams;
+    const METHOD: &'static str = "$/progress";
+}
+
+/// See [`PartialDiagnostics`].
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct PartialDiagnosticsParams {
+    /// As the request has it.
+    pub(crate) token: ProgressToken,
+    /// The part.
+    pub(crate) value: WorkspaceDiagnosticReport,
 }
 
 /// `dotgen/verificationStatus`: where the verification of a document stands.

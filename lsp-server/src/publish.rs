@@ -64,6 +64,8 @@ pub(crate) struct Publisher {
     dirty_since: Option<Instant>,
     sent: FxHashMap<Utf8PathBuf, Sent>,
     codels: Option<u64>,
+    /// The revision that is being computed, or was last.
+    started: Option<u64>,
     /// Something else than an open document changed since the client was last asked to refresh.
     pub(crate) refresh_wanted: bool,
 }
@@ -108,27 +110,18 @@ impl Publisher {
         due
     }
 
-    /// Computes on the blocking pool; open documents first.
-    pub(crate) fn compute(
-        &self,
-        snapshot: Snapshot,
-        events: UnboundedSender<Event>,
-        runtime: &Handle,
-    ) {
-        let (push, regions) = (self.push, self.regions);
-        runtime.spawn_blocking(move || {
-            let run = panic::isolate(|| compute(&snapshot, push, regions, &events));
-            drop(snapshot);
-            match run {
-                // A change came in between: it has scheduled the next run.
-                // `PropagatedPanic` too: see `dispatch`.
-                Ok(
-                    Ok(())
-                    | Err(Cancelled::PendingWrite | Cancelled::Local | Cancelled::PropagatedPanic),
-                ) => {}
-                Err(message) => tracing::error!("diagnostics panicked: {message}"),
-            }
-        });
+    /// Begins to compute for a revision. `None`: that was begun already.
+    pub(crate) fn start(&mut self, revision: u64) -> Option<Run> {
+        let started = self.started.replace(revision) == Some(revision);
+        (!started).then(|| Run {
+            revision,
+            push: self.push,
+            regions: self.regions,
+            left: None,
+            seen: FxHashSet::default(),
+            files: BTreeSet::new(),
+            done: false,
+        })
     }
 
     /// Sends what is new of a result. Whether what one file says of another has changed, so that a
@@ -214,45 +207,113 @@ impl Publisher {
     }
 }
 
-fn compute(
-    snapshot: &Snapshot,
+/// Files whose diagnostics are computed in one go. In between changes and requests have their turn, and what analysis
+/// remembers of the files is forgotten.
+const BATCH: usize = 32;
+
+/// The computation of everything that is to be said about a revision, in parts: open documents first.
+pub(crate) struct Run {
+    revision: u64,
     push: bool,
     regions: bool,
-    events: &UnboundedSender<Event>,
-) -> Cancellable<()> {
-    let mut files = BTreeSet::new();
-    let mut seen = FxHashSet::default();
-    let mut one = |path: &Utf8Path, files: &mut BTreeSet<Utf8PathBuf>| -> Cancellable<()> {
-        if !seen.insert(path.to_owned()) {
+    /// Files still to be looked at, the next one last. `None`: open documents are next.
+    left: Option<Vec<Utf8PathBuf>>,
+    seen: FxHashSet<Utf8PathBuf>,
+    /// These have something to say.
+    files: BTreeSet<Utf8PathBuf>,
+    done: bool,
+}
+
+impl Run {
+    /// The revision it holds for.
+    pub(crate) fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Whether everything was said.
+    pub(crate) fn is_done(&self) -> bool {
+        self.done
+    }
+
+    /// Computes the next part on the blocking pool and comes back to the writer.
+    pub(crate) fn step(
+        mut self,
+        snapshot: Snapshot,
+        events: UnboundedSender<Event>,
+        runtime: &Handle,
+    ) {
+        runtime.spawn_blocking(move || {
+            let step = panic::isolate(|| self.compute(&snapshot, &events));
+            drop(snapshot);
+            match step {
+                Ok(Ok(())) => {
+                    let _ = events.send(Event::Step(Box::new(self)));
+                }
+                // A change came in between: it has scheduled the next run.
+                // `PropagatedPanic` too: see `dispatch`.
+                Ok(Err(
+                    Cancelled::PendingWrite | Cancelled::Local | Cancelled::PropagatedPanic,
+                )) => {}
+                Err(message) => tracing::error!("diagnostics panicked: {message}"),
+            }
+        });
+    }
+
+    fn compute(&mut self, snapshot: &Snapshot, events: &UnboundedSender<Event>) -> Cancellable<()> {
+        let Some(left) = &mut self.left else {
+            let open = snapshot.open.keys().cloned().collect();
+            self.look_at(open, snapshot, events)?;
+            let mut left = match self.push {
+                true => handlers::diagnostic::listing(snapshot, &())?.rest,
+                false => Vec::new(),
+            };
+            left.reverse();
+            self.left = Some(left);
             return Ok(());
+        };
+        if !left.is_empty() {
+            let next = left.split_off(left.len().saturating_sub(BATCH));
+            return self.look_at(next, snapshot, events);
         }
-        let result = panic::isolate(|| file(snapshot, path, push, regions));
-        let result = survived(path, result)?.flatten();
-        if let Some(result) = result {
-            files.insert(path.to_owned());
-            let _ = events.send(Event::Computed(Computed::File(Box::new(result))));
+        let sources = survived(
+            "sources".into(),
+            panic::isolate(|| sources_with_findings(snapshot)),
+        )?;
+        self.look_at(sources.unwrap_or_default(), snapshot, events)?;
+        let codels = survived("codels".into(), panic::isolate(|| fingerprint(snapshot)))?;
+        let _ = events.send(Event::Computed(Computed::Finished {
+            files: std::mem::take(&mut self.files),
+            codels: codels.unwrap_or_default(),
+        }));
+        self.done = true;
+        Ok(())
+    }
+
+    /// Computes what is to be said about some files, each on its own.
+    fn look_at(
+        &mut self,
+        mut paths: Vec<Utf8PathBuf>,
+        snapshot: &Snapshot,
+        events: &UnboundedSender<Event>,
+    ) -> Cancellable<()> {
+        paths.retain(|it| self.seen.insert(it.clone()));
+        let (push, regions) = (self.push, self.regions);
+        let found = snapshot.on_all_cores(&paths, |snapshot, path| {
+            let result = panic::isolate(|| file(snapshot, path, push, regions));
+            let result = survived(path, result)?.flatten();
+            let is_some = result.is_some();
+            if let Some(result) = result {
+                let _ = events.send(Event::Computed(Computed::File(Box::new(result))));
+            }
+            Ok::<_, Cancelled>(is_some)
+        });
+        for (path, is_some) in std::iter::zip(paths, found) {
+            if is_some? {
+                self.files.insert(path);
+            }
         }
         Ok(())
-    };
-    for path in snapshot.open.keys() {
-        one(path, &mut files)?;
     }
-    if push {
-        for path in handlers::diagnostic::files(snapshot)? {
-            one(&path, &mut files)?;
-        }
-    }
-    let sources = survived(
-        "sources".into(),
-        panic::isolate(|| sources_with_findings(snapshot)),
-    )?;
-    for path in sources.into_iter().flatten() {
-        one(&path, &mut files)?;
-    }
-    let codels = survived("codels".into(), panic::isolate(|| fingerprint(snapshot)))?;
-    let codels = codels.unwrap_or_default();
-    let _ = events.send(Event::Computed(Computed::Finished { files, codels }));
-    Ok(())
 }
 
 /// What is to be said about a file; `None` for one that has no text or is of no concern.

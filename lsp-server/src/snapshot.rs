@@ -12,6 +12,7 @@ use std::sync::Arc;
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::{Analysis, Cancellable, UnitResult};
 use dotgen_analysis::ide::FilePosition;
+use dotgen_analysis::parallel;
 use rustc_hash::FxHashMap;
 
 use crate::caps::ClientCaps;
@@ -79,6 +80,8 @@ pub struct Snapshot {
     pub(crate) vfs: Arc<Vfs>,
     /// What is known of sources of codels.
     pub(crate) codels: Arc<codels::Cache>,
+    /// Shared by all snapshots that live.
+    readers: Arc<()>,
     lines: RefCell<FxHashMap<Utf8PathBuf, Option<Arc<Lines>>>>,
 }
 
@@ -106,6 +109,7 @@ impl Snapshot {
         revision: u64,
         vfs: Arc<Vfs>,
         codels: Arc<codels::Cache>,
+        readers: Arc<()>,
     ) -> Snapshot {
         Snapshot {
             analysis,
@@ -120,8 +124,38 @@ impl Snapshot {
             templates: Arc::default(),
             vfs,
             codels,
+            readers,
             lines: RefCell::default(),
         }
+    }
+
+    /// The same, for another thread.
+    pub(crate) fn fork(&self) -> Snapshot {
+        Snapshot {
+            analysis: self.analysis.clone(),
+            open: self.open.clone(),
+            roots: self.roots.clone(),
+            folders: self.folders.clone(),
+            config: self.config.clone(),
+            client: self.client.clone(),
+            revision: self.revision,
+            verification: self.verification.clone(),
+            scenarios: self.scenarios.clone(),
+            templates: self.templates.clone(),
+            vfs: self.vfs.clone(),
+            codels: self.codels.clone(),
+            readers: self.readers.clone(),
+            lines: RefCell::default(),
+        }
+    }
+
+    /// Applies `f` to every item, on all cores; see [`parallel::map`].
+    pub(crate) fn on_all_cores<T: Sync, R: Send>(
+        &self,
+        items: &[T],
+        f: impl Fn(&Snapshot, &T) -> R + Sync,
+    ) -> Vec<R> {
+        parallel::map(items, || self.fork(), |it| f(self, it), &f)
     }
 
     /// The lines of a file; `None` if it cannot be read.
@@ -134,6 +168,10 @@ impl Snapshot {
                 let index = self.analysis.line_index(path)?;
                 let lines = Lines::with_index(text, index, self.client.encoding);
                 Some(Arc::new(lines))
+            }
+            // What is to be said about it stands at its beginning.
+            None if self.analysis.is_too_large(path)? => {
+                Some(Arc::new(Lines::new("".into(), self.client.encoding)))
             }
             None => None,
         };

@@ -60,6 +60,8 @@ pub(crate) enum Event {
     PublishDue(u64),
     /// Diagnostics and regions of a file were computed.
     Computed(crate::publish::Computed),
+    /// A part of a computation of diagnostics is done.
+    Step(Box<crate::publish::Run>),
     /// It is time to verify this revision.
     VerifyDue(u64),
     /// What is to be verified was worked out.
@@ -97,6 +99,10 @@ pub(crate) struct State {
     outbox: Outbox,
     events: WeakUnboundedSender<Event>,
     codels: Arc<codels::Cache>,
+    /// Every snapshot has one more of it.
+    readers: Arc<()>,
+    /// Much was asked since memory was last given back.
+    worked: bool,
     /// The documents in other languages that the client was asked to send.
     foreign: ForeignDocuments,
 }
@@ -131,6 +137,8 @@ impl State {
             outbox,
             events,
             codels: Arc::default(),
+            readers: Arc::default(),
+            worked: false,
             foreign: ForeignDocuments::default(),
         }
     }
@@ -171,6 +179,7 @@ impl State {
                     state.show_verification();
                 }
             }
+            Event::Step(run) => state.go_on(*run),
             Event::Computed(computed) => {
                 let open = state.documents.open_files();
                 if state.publisher.publish(computed, open, &state.outbox) {

@@ -72,6 +72,11 @@ impl Loader for Vfs {
         read(path)
     }
 
+    fn size(&self, path: &Utf8Path) -> Option<u64> {
+        let metadata = std::fs::metadata(path).ok()?;
+        metadata.is_file().then(|| metadata.len())
+    }
+
     fn packages(&self, arguments: &[String]) -> Result<PackageFlags, String> {
         let config = self
             .packages

@@ -3,6 +3,9 @@
 //! Times are medians of alternating runs, so that what disturbs the machine disturbs all alike. Those of verification are
 //! processor time. Instructions are counted by valgrind, which gives the same number on any day.
 
+mod client;
+mod endurance;
+mod enemy;
 mod fischer;
 mod growth;
 mod measure;
@@ -10,8 +13,9 @@ mod periodic;
 mod reductions;
 mod rivals;
 mod session;
+mod size;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
@@ -33,6 +37,18 @@ pub(crate) struct Options {
     /// Random sets of periodic tasks to compare verdicts on.
     #[arg(long, default_value_t = 200)]
     sets: u64,
+    /// Components of the workspaces of `size`.
+    #[arg(long, value_delimiter = ',', default_value = "10,100,1000")]
+    components: Vec<usize>,
+    /// Size of the smallest texts of `enemy`.
+    #[arg(long, default_value_t = 500)]
+    lines: usize,
+    /// How long `endurance` edits.
+    #[arg(long, default_value_t = 60.0)]
+    minutes: f64,
+    /// A program to measure instead of one built for release now.
+    #[arg(long)]
+    dotgen: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -45,6 +61,14 @@ enum What {
     Verify,
     /// Verification of growing systems; draws the charts in docs/charts.
     Growth,
+    /// Workspaces of growing size, on the command line and in an editor; draws the charts in docs/charts.
+    Size,
+    /// Thousands of files of one line.
+    Tiny,
+    /// Texts that are meant to make dotgen slow: instructions as they grow.
+    Enemy,
+    /// Memory of a server in which somebody edits for an hour.
+    Endurance,
     /// Verification with and without each reduction.
     Reductions,
 }
@@ -64,6 +88,27 @@ pub(crate) fn bench(options: &Options) -> Result<bool> {
     if options.runs == Some(0) {
         bail!("--runs 0 measures nothing; give at least 1");
     }
+    let dotgen = match &options.dotgen {
+        Some(it) => std::path::absolute(it)?,
+        None => build()?,
+    };
+    let runs = |default| options.runs.unwrap_or(default);
+    match options.what {
+        What::Server => server(&dotgen, runs(101))?,
+        What::Rivals => return rivals::rivals(&dotgen, runs(5), options.sets),
+        What::Verify => growth::corpus(&dotgen, runs(5))?,
+        What::Growth => growth::growth(&dotgen, runs(5))?,
+        What::Reductions => reductions::reductions(&dotgen, runs(1))?,
+        What::Size => size::size(&dotgen, &options.components, runs(3))?,
+        What::Tiny => size::tiny(&dotgen, runs(3))?,
+        What::Enemy => return enemy::enemy(&dotgen, options.lines),
+        What::Endurance => endurance::endurance(&dotgen, options.minutes)?,
+    }
+    Ok(true)
+}
+
+/// Builds the program that is measured.
+fn build() -> Result<PathBuf> {
     step("Building dotgen for release");
     run::run(run::cargo(&[
         "build",
@@ -72,21 +117,12 @@ pub(crate) fn bench(options: &Options) -> Result<bool> {
         "--package",
         "dotgen-lsp-server",
     ]))?;
-    let dotgen = target().join("release/dotgen");
-    let runs = |default| options.runs.unwrap_or(default);
-    match options.what {
-        What::Server => server(&dotgen, runs(101))?,
-        What::Rivals => return rivals::rivals(&dotgen, runs(5), options.sets),
-        What::Verify => growth::corpus(&dotgen, runs(5))?,
-        What::Growth => growth::growth(&dotgen, runs(5))?,
-        What::Reductions => reductions::reductions(&dotgen, runs(1))?,
-    }
-    Ok(true)
+    Ok(target().join("release/dotgen"))
 }
 
 fn server(dotgen: &Path, runs: usize) -> Result<()> {
     step("Whole processes, alternating");
-    processes(runs)?;
+    processes(dotgen, runs)?;
     step("An editing session over the protocol, in a workspace of 100 components");
     session::session(dotgen)?;
     step("Instructions, counted by valgrind");
@@ -95,16 +131,19 @@ fn server(dotgen: &Path, runs: usize) -> Result<()> {
 
 /// Time, memory and states, as a cell of a table.
 fn show(seconds: f64, megabytes: f64, states: u64) -> String {
-    let time = match seconds {
+    format!("{}, {megabytes:.0} MB, {states}", show_time(seconds))
+}
+
+/// A time of so many seconds, in a unit that fits.
+fn show_time(seconds: f64) -> String {
+    match seconds {
         it if it < 0.1 => format!("{:.1} ms", it * 1e3),
         it if it < 1.0 => format!("{:.0} ms", it * 1e3),
         it => format!("{it:.1} s"),
-    };
-    format!("{time}, {megabytes:.0} MB, {states}")
+    }
 }
 
-fn processes(runs: usize) -> Result<()> {
-    let dotgen = target().join("release/dotgen");
+fn processes(dotgen: &Path, runs: usize) -> Result<()> {
     let dotgen = dotgen.to_string_lossy();
     let file = example().join("maneuver.gen");
     let file = file.to_string_lossy();

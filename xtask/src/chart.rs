@@ -1,5 +1,6 @@
 //! Line charts with a logarithmic scale, in the style of the other pictures of the documentation.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 /// A chart over whole numbers.
@@ -9,6 +10,8 @@ pub(crate) struct Chart<'a> {
     pub(crate) across: &'a str,
     /// How powers of ten are written, ascending: the least that is shown, and the ones above it.
     pub(crate) powers: &'a [(f64, &'a str)],
+    /// Also from left to right, equal distances are equal ratios.
+    pub(crate) ratios: bool,
     pub(crate) lines: Vec<Line<'a>>,
 }
 
@@ -69,8 +72,8 @@ impl Chart<'_> {
                 y + 4.0
             );
         }
-        let (first, last) = self.range();
-        for size in first..=last {
+        let sizes = self.lines.iter().flat_map(|it| &it.points).map(|it| it.0);
+        for size in sizes.collect::<BTreeSet<usize>>() {
             let _ = writeln!(
                 out,
                 "<text class=\"scale\" x=\"{:.1}\" y=\"{}\" text-anchor=\"middle\">{size}</text>",
@@ -134,7 +137,10 @@ impl Chart<'_> {
 
     fn x(&self, size: usize) -> f64 {
         let (first, last) = self.range();
-        let part = (size - first) as f64 / (last - first).max(1) as f64;
+        let part = match self.ratios {
+            true => (size as f64 / first as f64).ln() / (last as f64 / first as f64).ln().max(1e-9),
+            false => (size - first) as f64 / (last - first).max(1) as f64,
+        };
         LEFT + 10.0 + part * (RIGHT - LEFT - 20.0)
     }
 
@@ -157,6 +163,7 @@ mod tests {
             title: "t",
             across: "n",
             powers,
+            ratios: false,
             lines,
         }
         .svg()

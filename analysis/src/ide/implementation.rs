@@ -28,7 +28,9 @@ pub(crate) fn implementations(view: &FileView<'_>, at: usize) -> Option<RangeInf
         let home = [wanted.file];
         for_each_unit(view, home, |unit| {
             let elaborated = elaborated(view.db, unit);
-            for id in find_identities(view.db, unit, std::slice::from_ref(&wanted)).iter() {
+            for id in
+                find_identities(view.db, unit, elaborated, std::slice::from_ref(&wanted)).iter()
+            {
                 let it = elaborated.definition(*id);
                 for (src, name) in completions(elaborated, it) {
                     let Some((file, found)) = place(view.db, unit, src) else {

@@ -5,12 +5,17 @@ use rustc_hash::FxHashSet;
 
 use super::{
     AccessKind, FileRange, FileView, ReferenceAt,
-    resolve::{Identity, Target, find_identities, identity, nav_target, occurrences, targets_at},
+    resolve::{
+        Identity, Target, elaborated_of_many, find_identities, identity, nav_target, targets_at,
+    },
+    view::place,
 };
 use crate::{
     base::{Db, SourceFile},
+    model::Src,
+    parallel,
     source_map::bytes,
-    unit::{UnitKey, files, preprocessed, roots_of, unit_of_root, visits},
+    unit::{UnitKey, preprocessed, roots_of, unit_of_root, visits},
 };
 
 /// Every mention of what is under the cursor, by file and place.
@@ -28,9 +33,14 @@ pub(crate) fn references(
             _ => None,
         })
         .collect();
-    for_each_unit(view, identities.iter().map(|it| it.file), |unit| {
-        named(view.db, unit, &identities, &mut out);
+    let mut roots: Vec<SourceFile> = view.unit.inputs(view.db).clone();
+    let mut seen = FxHashSet::from_iter(roots.iter().copied());
+    let others = identities.iter().flat_map(|it| roots_of(view.db, it.file));
+    roots.extend(others.copied().filter(|it| seen.insert(*it)));
+    let found = parallel::over(view.db, &roots, |db, &root| {
+        named(db, unit_of_root(db, root), &identities, roots.len())
     });
+    out.extend(found.into_iter().flatten());
     for target in &targets {
         match target {
             Target::Macro(name, Some(site)) => {
@@ -91,21 +101,33 @@ pub(super) fn for_each_unit<'db>(
     }
 }
 
-fn named(db: &dyn Db, unit: UnitKey<'_>, wanted: &[Identity], out: &mut Vec<ReferenceAt>) {
-    let ids = find_identities(db, unit, wanted);
+/// The mentions in one of `count` units.
+fn named(db: &dyn Db, unit: UnitKey<'_>, wanted: &[Identity], count: usize) -> Vec<ReferenceAt> {
+    let elaborated = elaborated_of_many(db, unit, count);
+    let ids = find_identities(db, unit, &elaborated, wanted);
     if ids.is_empty() {
-        return;
+        return Vec::new();
     }
-    for file in files(db, unit) {
-        for it in occurrences(db, unit, file) {
-            if ids.contains(&it.target) {
-                out.push(ReferenceAt {
-                    place: file_range(db, file, it.range),
-                    access: it.access,
-                });
-            }
-        }
-    }
+    let at = |src: Src, access| {
+        let (file, range) = place(db, unit, src)?;
+        Some(ReferenceAt {
+            place: file_range(db, file, range),
+            access,
+        })
+    };
+    let declared = elaborated.definitions.iter();
+    let declared = declared.filter(|it| ids.contains(&it.id));
+    let declared = declared.filter_map(|it| at(it.src, AccessKind::Declaration));
+    let used = elaborated.references.iter();
+    let used = used.filter(|it| ids.contains(&it.target));
+    let used = used.filter_map(|it| {
+        let access = match it.declaration {
+            true => AccessKind::Declaration,
+            false => it.access.into(),
+        };
+        at(it.at, access)
+    });
+    declared.chain(used).collect()
 }
 
 fn macro_uses(

@@ -9,18 +9,23 @@ use std::ops::Range;
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_syntax::{SyntaxKind, directive::DirectiveKind, lexer::lex};
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{
     FileView, RangeInfo,
     document_links::path_range,
-    resolve::{Identity, Target, find_identities, identity, nav_target, occurrences, targets_at},
-    speculate::compare,
+    resolve::{
+        Identity, Target, elaborated_of_many, find_identities, identity, identity_in, nav_target,
+        targets_at,
+    },
+    speculate::{Comparison, compare},
+    view::place,
 };
 use crate::{
     base::{Db, SourceFile, lexed, normalize},
     diagnostic::FileEdit,
     elab::{DefId, DefKind},
+    parallel,
     source_map::bytes,
     unit::{UnitKey, defines, files, preprocessed, roots_of, unit_of_root, visits},
 };
@@ -156,7 +161,8 @@ fn check_name(name: &str) -> Result<(), RenameError> {
     Ok(())
 }
 
-type Places = FxHashSet<(SourceFile, Range<usize>)>;
+type Place = (SourceFile, Range<usize>);
+type Places = FxHashSet<Place>;
 
 /// Every mention of some definitions and of what shares its name with them.
 fn places_of(
@@ -173,20 +179,25 @@ fn places_of(
         }
     }
     let mut places = Places::default();
+    let mut known: FxHashSet<Identity> = identities.iter().cloned().collect();
     let mut done = 0;
     while done < identities.len() {
         let fresh = identities[done..].to_vec();
         done = identities.len();
         let mut seen = FxHashSet::default();
-        let mut units: Vec<UnitKey<'_>> = vec![view.unit];
+        let mut roots: Vec<SourceFile> = view.unit.inputs(db).clone();
         for it in &fresh {
-            for &root in roots_of(db, it.file) {
-                units.push(unit_of_root(db, root));
-            }
+            roots.extend(roots_of(db, it.file));
         }
-        for unit in units.into_iter().filter(|it| seen.insert(*it)) {
-            db.unwind_if_revision_cancelled();
-            mentions(db, unit, &fresh, old, &mut places, &mut identities);
+        roots.retain(|it| seen.insert(*it));
+        let found = parallel::over(db, &roots, |db, &root| {
+            mentions(db, unit_of_root(db, root), &fresh, old, roots.len())
+        });
+        for (place, identity) in found.into_iter().flatten() {
+            places.insert(place);
+            if known.insert(identity.clone()) {
+                identities.push(identity);
+            }
         }
         if identities.iter().any(|it| {
             use super::SymbolKind::*;
@@ -198,38 +209,45 @@ fn places_of(
     Ok(places)
 }
 
-/// Adds the mentions of `wanted` in a unit, and what else has its name from one of them.
+/// The mentions of `wanted` in one of `count` units, and what else has its name from one of them.
 fn mentions(
     db: &dyn Db,
     unit: UnitKey<'_>,
     wanted: &[Identity],
     old: &str,
-    places: &mut Places,
-    identities: &mut Vec<Identity>,
-) {
-    let ids = find_identities(db, unit, wanted);
+    count: usize,
+) -> Vec<(Place, Identity)> {
+    let elaborated = elaborated_of_many(db, unit, count);
+    let ids = find_identities(db, unit, &elaborated, wanted);
     if ids.is_empty() {
-        return;
+        return Vec::new();
     }
-    for file in files(db, unit) {
-        let all = occurrences(db, unit, file);
-        let found: FxHashSet<_> = all
-            .iter()
-            .filter(|it| ids.contains(&it.target))
-            .map(|it| it.range)
-            .collect();
-        for it in all.iter().filter(|it| found.contains(&it.range)) {
-            let Some(other) = identity(db, unit, it.target) else {
-                continue;
-            };
-            if other.name == old {
-                places.insert((file, bytes(it.range)));
-                if !identities.contains(&other) {
-                    identities.push(other);
-                }
-            }
-        }
+    // Most names are others: their places are not looked up.
+    let is_named = |it: DefId| elaborated.definition(it).name == old;
+    let declared = elaborated.definitions.iter().map(|it| (it.src, it.id));
+    let used = elaborated.references.iter().map(|it| (it.at, it.target));
+    let named: Vec<(Place, DefId)> = declared
+        .chain(used)
+        .filter(|it| is_named(it.1))
+        .filter_map(|(src, id)| {
+            let (file, range) = place(db, unit, src)?;
+            Some(((file, bytes(range)), id))
+        })
+        .collect();
+    let found: FxHashSet<&Place> = named
+        .iter()
+        .filter(|it| ids.contains(&it.1))
+        .map(|it| &it.0)
+        .collect();
+    let mut identities: FxHashMap<DefId, Option<Identity>> = FxHashMap::default();
+    let mut out = Vec::new();
+    for (place, id) in named.iter().filter(|it| found.contains(&it.0)) {
+        let identity = identities
+            .entry(*id)
+            .or_insert_with(|| identity_in(db, unit, &elaborated, *id));
+        out.extend(identity.clone().map(|it| (place.clone(), it)));
     }
+    out
 }
 
 /// Every use of a macro, also in conditions and in the bodies of other macros.
@@ -291,14 +309,16 @@ fn check_macros(
             }
             for file in files(db, unit_of_root(db, root)) {
                 let name = file.path(db).file_name().unwrap_or_default();
+                if !crate::unit::mentioned(db, file).words.contains(new_name) {
+                    continue;
+                }
                 let defined = defines(db, file)
                     .iter()
                     .any(|it| it.name.as_ref().is_some_and(|it| it.text == new_name));
                 if defined {
                     return refuse(format!("`{new_name}` is a macro, defined in {name}"));
                 }
-                let mentioned = crate::unit::mentioned(db, file);
-                if is_macro && mentioned.words.contains(new_name) {
+                if is_macro {
                     return refuse(format!(
                         "{name} already says `{new_name}`, which the macro would replace"
                     ));
@@ -317,12 +337,11 @@ fn check_meaning(
     old: &str,
     new_name: &str,
 ) -> Result<(), RenameError> {
-    for it in compare(db, edits) {
-        let taken = || clash::taken(db, &it, kind, new_name);
+    let differs = |db: &dyn Db, it: &Comparison| {
+        let taken = || clash::taken(db, it, kind, new_name);
         if let Some(error) = it.new_errors.first() {
             // The error is about a text that nobody has seen: what is in the way says more.
-            let why = taken().unwrap_or_else(|| error.message.clone());
-            return refuse(format!("`{old}` cannot be called `{new_name}`: {why}"));
+            return Some(taken().unwrap_or_else(|| error.message.clone()));
         }
         let same = it.before.references == it.after.references
             && std::iter::zip(&it.before.definitions, &it.after.definitions).all(|(a, b)| {
@@ -330,14 +349,16 @@ fn check_meaning(
             })
             && it.before.definitions.len() == it.after.definitions.len()
             && shape(&it.before.spec) == shape(&it.after.spec);
-        if !same {
-            let taken = taken().unwrap_or_else(|| {
+        (!same).then(|| {
+            taken().unwrap_or_else(|| {
                 "some names would then mean something else; choose another name".to_owned()
-            });
-            return refuse(format!("`{old}` cannot be called `{new_name}`: {taken}"));
-        }
+            })
+        })
+    };
+    match compare(db, edits, differs).first() {
+        Some(why) => refuse(format!("`{old}` cannot be called `{new_name}`: {why}")),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 /// How many parts each component has.

@@ -13,8 +13,8 @@ use super::{
 };
 use crate::{
     base::{Db, SourceFile},
-    elab::{DefId, Definition},
-    queries::elaborated,
+    elab::{DefId, Definition, Elaborated},
+    queries::{elaborate, elaborated},
     source_map::{bytes, offset},
     unit::{UnitKey, define},
 };
@@ -39,7 +39,7 @@ pub(crate) struct Occurrence {
 }
 
 /// The resolved names of a file in a unit, by place, those of all its visits together.
-#[salsa::tracked(returns(deref))]
+#[salsa::tracked(lru = 24, returns(deref))]
 pub(crate) fn occurrences<'db>(
     db: &'db dyn Db,
     unit: UnitKey<'db>,
@@ -228,7 +228,17 @@ pub(crate) struct Identity {
 
 /// The identity of a definition of a unit.
 pub(crate) fn identity<'db>(db: &'db dyn Db, unit: UnitKey<'db>, id: DefId) -> Option<Identity> {
-    let it = elaborated(db, unit).definitions.get(id.0 as usize)?;
+    identity_in(db, unit, elaborated(db, unit), id)
+}
+
+/// [`identity`], with what the unit means.
+pub(crate) fn identity_in<'db>(
+    db: &'db dyn Db,
+    unit: UnitKey<'db>,
+    elaborated: &Elaborated,
+    id: DefId,
+) -> Option<Identity> {
+    let it = elaborated.definitions.get(id.0 as usize)?;
     let (file, range) = place(db, unit, it.src)?;
     Some(Identity {
         file,
@@ -242,12 +252,31 @@ pub(crate) fn identity<'db>(db: &'db dyn Db, unit: UnitKey<'db>, id: DefId) -> O
 pub(crate) fn find_identities<'db>(
     db: &'db dyn Db,
     unit: UnitKey<'db>,
+    elaborated: &Elaborated,
     wanted: &[Identity],
-) -> Arc<FxHashSet<DefId>> {
-    let all = &elaborated(db, unit).definitions;
-    let found = all
+) -> FxHashSet<DefId> {
+    let found = elaborated
+        .definitions
         .iter()
         .filter(|it| wanted.iter().any(|wanted| wanted.name == it.name))
-        .filter(|it| identity(db, unit, it.id).is_some_and(|it| wanted.contains(&it)));
-    Arc::new(found.map(|it| it.id).collect())
+        .filter(|it| {
+            let found = identity_in(db, unit, elaborated, it.id);
+            found.is_some_and(|it| wanted.contains(&it))
+        });
+    found.map(|it| it.id).collect()
+}
+
+/// A question to so many units leaves nothing of them behind.
+const MANY: usize = 32;
+
+/// What a unit means, as one of `count` units that are asked the same.
+pub(crate) fn elaborated_of_many<'db>(
+    db: &'db dyn Db,
+    unit: UnitKey<'db>,
+    count: usize,
+) -> Arc<Elaborated> {
+    match count > MANY {
+        true => Arc::new(elaborate(db, unit)),
+        false => elaborated(db, unit).clone(),
+    }
 }

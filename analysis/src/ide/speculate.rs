@@ -8,13 +8,16 @@
 use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::resolve::elaborated_of_many;
 
 use crate::{
     base::{Db, RootDatabase, SourceFile},
     diagnostic::{Diagnostic, FileEdit, Severity},
     elab::Elaborated,
     host::{FileContent, Loader, PackageFlags},
+    parallel,
     queries::elaborated,
     report::unit_report,
     unit::{UnitKey, files, roots_of, unit_of_root},
@@ -45,47 +48,59 @@ pub(crate) fn apply<'e>(text: &str, edits: impl IntoIterator<Item = &'e FileEdit
     out
 }
 
-/// Compiles the units of the edited files before and after.
-pub(crate) fn compare(db: &dyn Db, edits: &[FileEdit]) -> Vec<Comparison> {
+/// Units that are compiled in one database, which is dropped then: they share what they include.
+const BATCH: usize = 16;
+
+/// Compiles the units of the edited files before and after, on all cores, and gives what `differs` finds in each,
+/// by path of the root.
+pub(crate) fn compare<R: Send>(
+    db: &dyn Db,
+    edits: &[FileEdit],
+    differs: impl Fn(&dyn Db, &Comparison) -> Option<R> + Sync,
+) -> Vec<R> {
     let mut by_file: FxHashMap<SourceFile, Vec<&FileEdit>> = FxHashMap::default();
     for it in edits {
         by_file.entry(db.file(&it.path)).or_default().push(it);
     }
-    let mut roots: Vec<SourceFile> = Vec::new();
-    for &file in by_file.keys() {
-        for &root in roots_of(db, file) {
-            if !roots.contains(&root) {
-                roots.push(root);
-            }
-        }
-    }
+    let roots: FxHashSet<SourceFile> = by_file
+        .keys()
+        .flat_map(|&file| roots_of(db, file).iter().copied())
+        .collect();
+    let mut roots: Vec<SourceFile> = roots.into_iter().collect();
     roots.sort_by_key(|it| it.path(db).clone());
-    let mut texts: FxHashMap<Utf8PathBuf, String> = FxHashMap::default();
-    for &root in &roots {
-        for file in files(db, unit_of_root(db, root)) {
+    let batches: Vec<&[SourceFile]> = roots.chunks(BATCH).collect();
+    let found = parallel::over(db, &batches, |db, batch| {
+        let mut texts: FxHashMap<Utf8PathBuf, String> = FxHashMap::default();
+        for file in batch
+            .iter()
+            .flat_map(|&root| files(db, unit_of_root(db, root)))
+        {
             let edits = by_file.get(&file).into_iter().flatten().copied();
             texts
                 .entry(file.path(db).clone())
                 .or_insert_with(|| apply(file.text(db), edits));
         }
-    }
-    let overlay = Overlay {
-        texts,
-        below: db.loader().clone(),
-    };
-    let other = RootDatabase::like(db, Arc::new(overlay));
-    let compare = |root: &SourceFile| {
-        db.unwind_if_revision_cancelled();
-        let unit = unit_of_root(db, *root);
-        let there = unit_of_root(&other, other.file(root.path(db)));
-        Comparison {
-            root: *root,
-            before: elaborated(db, unit).clone(),
-            after: elaborated(&other, there).clone(),
-            new_errors: new_errors(db, unit, &other, there),
+        let overlay = Overlay {
+            texts,
+            below: db.loader().clone(),
+        };
+        let other = RootDatabase::like(db, Arc::new(overlay));
+        let mut found = Vec::new();
+        for &root in *batch {
+            db.unwind_if_revision_cancelled();
+            let unit = unit_of_root(db, root);
+            let there = unit_of_root(&other, other.file(root.path(db)));
+            let comparison = Comparison {
+                root,
+                before: elaborated_of_many(db, unit, roots.len()),
+                after: elaborated(&other, there).clone(),
+                new_errors: new_errors(db, unit, &other, there),
+            };
+            found.extend(differs(db, &comparison));
         }
-    };
-    roots.iter().map(compare).collect()
+        found
+    });
+    found.into_iter().flatten().collect()
 }
 
 /// Errors of which there are more afterwards.

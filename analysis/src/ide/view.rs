@@ -10,7 +10,7 @@ use crate::{
     model::Src,
     queries::{WRAPPER, elaborated},
     source_map::ptr,
-    unit::{FileKey, UnitKey, lowered, parsed, preprocessed, serving_unit, serving_visit, visits},
+    unit::{FileKey, UnitKey, parsed, preprocessed, ranges, serving_unit, serving_visit, visits},
 };
 
 /// A file in its unit.
@@ -89,5 +89,5 @@ pub(crate) fn place<'db>(
 ) -> Option<(SourceFile, TextRange)> {
     let visit = src.visit.checked_sub(WRAPPER + 1)?;
     let key = visits(db, unit).visits.get(visit as usize)?.key;
-    Some((key.file(db), lowered(db, key).ranges.get(ptr(src))?))
+    Some((key.file(db), ranges(db, key).get(ptr(src))?))
 }

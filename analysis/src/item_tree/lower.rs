@@ -102,6 +102,9 @@ struct Lower<'a> {
     placed: Vec<bool>,
 }
 
+/// Directives that are looked for one by one.
+const FEW: usize = 8;
+
 /// The live directives of a tree.
 fn directives<'a>(
     root: &SyntaxNode,
@@ -113,7 +116,8 @@ fn directives<'a>(
     });
     let elements: Vec<(bool, u32)> = elements.collect();
     let directive = |index: u32| Some((pre.directives.get(index as usize)?, index));
-    if elements.iter().all(|(spelled, _)| *spelled) {
+    // Looking for a place takes as long as the text before it is: good for a few.
+    if elements.len() <= FEW && elements.iter().all(|(spelled, _)| *spelled) {
         let at = elements.iter().filter_map(|&(_, index)| {
             let (directive, index) = directive(index)?;
             let token = root
@@ -126,7 +130,7 @@ fn directives<'a>(
         });
         return at.collect();
     }
-    // One that comes out of a macro has no place of its own. The tree builder makes one node for each
+    // One that comes out of a macro has no place of its own, and many are found in one walk. The tree builder makes one node for each
     // directive element, in order.
     root.descendants()
         .filter(|it| it.kind() == SyntaxKind::DIRECTIVE)

@@ -5,18 +5,23 @@ use crate::finding::{
     lints::{Names, Noticing, Round},
 };
 use crate::model::fsm::Machine;
-use crate::model::{Name, Owner, ParamDir, ParamSource, ServiceKind, State};
+use crate::model::{Component, Name, Owner, ParamDir, ParamSource, Service, ServiceKind, State};
 
 use super::Lint;
 
 pub(super) fn check(lint: &mut Lint) {
+    let interrupters = interrupters(lint.component);
     for owner in lint.owners() {
         let machine = Machine::new(lint.component.codels_of(owner));
         if !machine.is_empty() {
             loops(lint, owner, &machine);
             dead_ends(lint, &machine);
         }
-        missing_stop(lint, owner);
+        if let Owner::Service(index) = owner
+            && let Some(by) = interrupters[index as usize]
+        {
+            missing_stop(lint, index, by);
+        }
     }
     pause_in_aperiodic_task(lint);
 }
@@ -147,9 +152,23 @@ fn dead_ends(lint: &mut Lint, machine: &Machine) {
     }
 }
 
+/// For each service the first one that interrupts it.
+fn interrupters(component: &Component) -> Vec<Option<u32>> {
+    let services = &component.services;
+    let of_all = (0..).zip(services).find(|it| it.1.interrupts.all);
+    let mut first = vec![of_all.map(|it| it.0); services.len()];
+    for (by, service) in (0..).zip(services) {
+        for &it in &service.interrupts.services {
+            if let Some(first) = first.get_mut(it as usize) {
+                *first = Some(first.map_or(by, |it| it.min(by)));
+            }
+        }
+    }
+    first
+}
+
 /// `fsm/missing-stop`: an activity that others interrupt and that changes data.
-fn missing_stop(lint: &mut Lint, owner: Owner) {
-    let Owner::Service(index) = owner else { return };
+fn missing_stop(lint: &mut Lint, index: u32, by: u32) {
     let component = lint.component;
     let service = &component.services[index as usize];
     if service.kind != ServiceKind::Activity
@@ -161,13 +180,7 @@ fn missing_stop(lint: &mut Lint, owner: Owner) {
     {
         return;
     }
-    let Some(interrupter) = component
-        .services
-        .iter()
-        .find(|s| s.interrupts.all || s.interrupts.services.contains(&index))
-    else {
-        return;
-    };
+    let interrupter = &component.services[by as usize];
     // One codel that ends at once leaves nothing half done.
     let steps = service
         .codels

@@ -80,6 +80,10 @@ pub fn path_text(path: &[PathElement]) -> String {
 /// Everything that a codel excludes: codels of tasks, codels of services in order, then attributes.
 pub fn exclusions(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<Exclusion> {
     let own = component.codel(codel);
+    let is_shared = |it: &Param| matches!(it.source, ParamSource::Port(_) | ParamSource::Ids);
+    if !own.params.iter().any(is_shared) {
+        return Vec::new();
+    }
     let task = component.task_of(codel);
     let mut found: Vec<Exclusion> = Vec::new();
     let mut add = |with: Excluded, through: Vec<Through>| {

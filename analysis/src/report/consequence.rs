@@ -7,7 +7,7 @@ use smol_str::SmolStr;
 use crate::{
     base::Db,
     source_map::bytes,
-    unit::{FileKey, Outcome, lowered, parsed, preprocessed},
+    unit::{FileKey, Outcome, parsed, text_facts},
 };
 
 /// What of a unit could not be read, so that names may well be missing.
@@ -38,7 +38,7 @@ impl Missing {
         code: &str,
         range: TextRange,
     ) -> bool {
-        let inside_out = parsed(db, key).inside_out;
+        let inside_out = text_facts(db, key).inside_out;
         let around = |it: &TextRange| it.contains_range(range);
         inside_out.is_some_and(|from| range.start() >= from)
             || self.nameless && is_about_names_in_components(code)
@@ -60,17 +60,15 @@ impl Missing {
 
 /// Whether something that the text relies on was not read, so that names may well be missing.
 fn is_incomplete(db: &dyn Db, key: FileKey<'_>) -> bool {
-    let errors = &preprocessed(db, key).errors;
-    if parsed(db, key).inside_out.is_some()
-        || errors.iter().any(|it| it.kind.code() == "pp-include-bad")
-    {
+    let facts = text_facts(db, key);
+    if facts.inside_out.is_some() || facts.bad_include || facts.misplaced_includes {
         return true;
     }
     let failed = key.outcomes(db).iter().any(|it| match it {
         Outcome::Include(result) => result.is_err(),
         Outcome::Requires(result) => result.is_err(),
     });
-    failed || !key.file(db).status(db).is_text() || !lowered(db, key).misplaced.is_empty()
+    failed || !key.file(db).status(db).is_text()
 }
 
 /// Whether some data, task or service has no name yet: codels may well mention the one it is to get.

@@ -14,7 +14,7 @@ use crate::{
     diagnostic::{Diagnostic, Related},
     finding::{Kind, files::Reading},
     source_map::{bytes, offset},
-    unit::{self, FileKey, lowered, parsed, preprocessed},
+    unit::{self, FileKey, lowered, parsed, preprocessed, text_facts},
 };
 
 /// The diagnostics of a text.
@@ -59,6 +59,10 @@ fn reading(db: &dyn Db, file: SourceFile) -> Option<(Reading, TextRange)> {
             let why = why.as_str().into();
             Some((Reading::Unreadable { why }, start))
         }
+        FileStatus::TooLarge(size) => {
+            let (size, limit) = (size.div_ceil(1024), db.max_bytes() / 1024);
+            Some((Reading::TooLarge { size, limit }, start))
+        }
         FileStatus::NotUtf8 => {
             let at = file.text(db).find('\u{fffd}').unwrap_or(0);
             let at = TextRange::at(offset(at), TextSize::of('\u{fffd}'));
@@ -95,7 +99,7 @@ pub(super) fn macro_call_at(
     key: FileKey<'_>,
     range: TextRange,
 ) -> Option<(SmolStr, MacroSite)> {
-    if parsed(db, key).expansion.is_empty() {
+    if !text_facts(db, key).has_expansions {
         return None;
     }
     let pre = preprocessed(db, key);

@@ -36,6 +36,16 @@ fn run(fixture: &Fixture) -> Vec<String> {
     fixture.take_log()
 }
 
+/// The two units, asked about, with a file in which somebody has edited already.
+fn edited(path: &str) -> Fixture {
+    let mut fixture = Fixture::new(TWO_UNITS);
+    run(&fixture);
+    let text = fixture.text(path);
+    fixture.edit(path, format!("\n{text}"));
+    run(&fixture);
+    fixture
+}
+
 fn count(log: &[String], query: &str) -> usize {
     log.iter().filter(|it| *it == query).count()
 }
@@ -59,8 +69,9 @@ const BELOW_ITEM_TREE: &[&str] = &[
 #[test]
 fn an_edit_in_a_comment_stops_at_the_item_tree() {
     for path in ["/x.idl", "/a.gen"] {
-        let mut fixture = Fixture::new(TWO_UNITS);
+        let fixture = Fixture::new(TWO_UNITS);
         assert_eq!(count(&run(&fixture), "elaborated"), 2);
+        let mut fixture = edited(path);
         let text = fixture.text(path);
         fixture.edit(path, format!("// a comment\n\n{text}"));
         let log = run(&fixture);
@@ -80,8 +91,7 @@ fn an_edit_in_a_comment_stops_at_the_item_tree() {
 
 #[test]
 fn an_edit_in_a_codel_checks_its_component_only() {
-    let mut fixture = Fixture::new(TWO_UNITS);
-    run(&fixture);
+    let mut fixture = edited("/a.gen");
     fixture.replace("/a.gen", "begin(ids in v)", "begin(ids out v)");
     let log = run(&fixture);
     assert_eq!(count(&log, "elaborated"), 1, "{log:#?}");
@@ -97,8 +107,7 @@ fn a_new_state_and_a_new_period_check_their_component_only() {
         "begin(ids in v) yield pause::start, ether",
     )];
     for (from, to) in edits {
-        let mut fixture = Fixture::new(TWO_UNITS);
-        run(&fixture);
+        let mut fixture = edited("/a.gen");
         fixture.replace("/a.gen", from, to);
         let log = run(&fixture);
         assert_eq!(count(&log, "check_body"), 1, "{log:#?}");
@@ -107,8 +116,7 @@ fn a_new_state_and_a_new_period_check_their_component_only() {
 
 #[test]
 fn an_edit_of_a_shared_file_elaborates_its_units() {
-    let mut fixture = Fixture::new(TWO_UNITS);
-    run(&fixture);
+    let mut fixture = edited("/x.idl");
     fixture.edit("/x.idl", "const long n = 2;\n");
     let log = run(&fixture);
     assert_eq!(count(&log, "elaborated"), 2, "{log:#?}");

@@ -316,3 +316,64 @@ fn text_that_is_not_utf8_is_a_warning() {
     assert_eq!(unit.diagnostics[0].range, 6..9);
     assert!(unit.accepted());
 }
+
+/// More units that share a file than are asked with what is remembered of them.
+fn many() -> Fixture {
+    let mut text =
+        "//- /t.idl\nstruct shared$0 { long x; };\nstruct other { long y; };\n".to_owned();
+    for i in 0..40 {
+        text += &format!("//- /u{i:02}.gen\n#include \"t.idl\"\ntypedef shared t{i};\n");
+    }
+    Fixture::new(&text)
+}
+
+#[test]
+fn names_are_found_and_changed_in_very_many_units() {
+    let fixture = many();
+    let (analysis, at) = (fixture.analysis(), fixture.at());
+    let found = analysis.references(&at, true).unwrap().unwrap();
+    assert_eq!(found.len(), 41);
+    let edits = analysis.rename(&at, "renamed").unwrap().unwrap();
+    let places: Vec<_> = edits.iter().map(|it| (&it.path, &it.range)).collect();
+    let wanted: Vec<_> = found
+        .iter()
+        .map(|it| (&it.place.path, &it.place.range))
+        .collect();
+    assert_eq!(places, wanted);
+    let refused = analysis.rename(&at, "other").unwrap().unwrap_err();
+    assert!(refused.0.contains("other"), "{refused}");
+}
+
+#[test]
+fn what_was_forgotten_is_made_again() {
+    let mut fixture = many();
+    let before = fixture.all_diagnostics();
+    fixture.host.keep_little();
+    for _ in 0..2 {
+        fixture.host.shrink();
+        assert_eq!(fixture.all_diagnostics(), before);
+    }
+    fixture.replace("/t.idl", "struct shared", "struct lost");
+    fixture.host.shrink();
+    let after = fixture.all_diagnostics();
+    assert_eq!(after.matches("`shared`").count(), 40, "{after}");
+}
+
+#[test]
+fn a_file_that_is_too_large_is_not_read() {
+    let config = Config {
+        max_file_bytes: Some(40),
+        ..Config::default()
+    };
+    let text = "
+//- /a.gen
+#include \"b.idl\"
+//- /b.idl
+const long a = 1 + 1 + 1 + 1 + 1 + 1 + 1 + 1 +
+";
+    let fixture = Fixture::with_config(text, config);
+    check(
+        &fixture,
+        "/a.gen:1 pp-include-not-found\n/b.idl:1 pp-input\n",
+    );
+}

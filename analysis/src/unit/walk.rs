@@ -191,6 +191,14 @@ impl<'db> Walker<'db> {
                 FileStatus::Directory => {
                     obstacle.get_or_insert_with(|| format!("`{candidate}` is a directory"));
                 }
+                FileStatus::TooLarge(_) => {
+                    let limit = self.db.max_bytes() / 1024;
+                    obstacle.get_or_insert_with(|| {
+                        format!(
+                            "`{candidate}` has more than the {limit} kB of the setting `max-file-size`"
+                        )
+                    });
+                }
                 FileStatus::Unreadable(why) => {
                     obstacle.get_or_insert_with(|| format!("`{candidate}` cannot be read: {why}"));
                 }

@@ -1,11 +1,13 @@
 //! `dotgen check`
 
-use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use camino::Utf8PathBuf;
 use clap::Args;
 use dotgen_analysis::diagnostic::{Diagnostic, Severity};
+use dotgen_analysis::host::Analysis;
 use dotgen_timing::scn::names::Names;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::report::{self, Format, Report};
 use super::session::{self, ConfigProblems, Session, SourceFile, Texts};
@@ -38,11 +40,11 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let files = session::files(&arguments.paths)?;
     let mut report = Report::default();
-    for session in session::open(files, &arguments.reading)? {
+    for mut session in session::open(files, &arguments.reading)? {
         if arguments.verbose {
             say_release(&session)?;
         }
-        check(&session, &mut report)?;
+        check(&mut session, &mut report)?;
     }
     report.finish();
     report::print(&report, arguments.format)?;
@@ -52,19 +54,17 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     })
 }
 
-fn check(session: &Session, report: &mut Report) -> anyhow::Result<()> {
+fn check(session: &mut Session, report: &mut Report) -> anyhow::Result<()> {
     if let Some(config) = &session.config {
         add_config_problems(config, &mut report.diagnostics, &mut report.texts);
     }
-    let ours: BTreeSet<_> = session.files.iter().map(|it| &it.path).collect();
-    for file in &session.files {
-        if file.is_scenario() {
-            let found = scenario(session, file)?;
-            session.add_texts(&found, &mut report.texts)?;
-            report.diagnostics.extend(found);
-            report.checked += 1;
-            continue;
-        }
+    let specifications = session.files.iter().filter(|it| !it.is_scenario());
+    let specifications: Vec<Utf8PathBuf> = specifications.map(|it| it.path.clone()).collect();
+    // What each includes has to be known before what is included anywhere.
+    session.ask_each(&specifications, Analysis::files_of_root, |_, _, _| Ok(()))?;
+    let ours: FxHashSet<&Utf8PathBuf> = session.files.iter().map(|it| &it.path).collect();
+    let mut wanted = Vec::new();
+    for file in session.files.iter().filter(|it| !it.is_scenario()) {
         if !file.named {
             // Found in a directory and included by another file of it: it is checked in there, and
             // need not make sense alone.
@@ -73,9 +73,23 @@ fn check(session: &Session, report: &mut Report) -> anyhow::Result<()> {
                 continue;
             }
         }
-        let unit = session.ask(&file.path, |it| it.root_unit(&file.path))?;
-        session.add_texts(&unit.diagnostics, &mut report.texts)?;
-        report.diagnostics.extend(unit.diagnostics.iter().cloned());
+        wanted.push(file.path.clone());
+    }
+    let mut reports = FxHashMap::default();
+    session.ask_each(&wanted, Analysis::root_diagnostics, |_, path, found| {
+        reports.insert(path.to_owned(), found);
+        Ok(())
+    })?;
+    for file in &session.files {
+        let found = match file.is_scenario() {
+            true => Arc::new(scenario(session, file)?),
+            false => match reports.remove(&file.path) {
+                Some(found) => found,
+                None => continue,
+            },
+        };
+        session.add_texts(&found, &mut report.texts)?;
+        report.diagnostics.extend(found.iter().cloned());
         report.checked += 1;
     }
     Ok(())

@@ -4,9 +4,10 @@ use anyhow::{Context, bail};
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::Diagnostic;
 use dotgen_analysis::host::{Analysis, AnalysisHost, Cancellable, Change, FileContent};
+use dotgen_analysis::parallel;
 use dotgen_analysis::release::ReleaseOrigin;
 use dotgen_codegen::codels::files::FilesConfig;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -16,6 +17,9 @@ use crate::convert::{Encoding, Lines};
 use crate::panic;
 use crate::verification::problem::EXTENSION;
 use crate::vfs::{self, Vfs};
+
+/// Files that are read before what is known of them is forgotten again.
+const BATCH: usize = 64;
 
 /// Files that share a configuration.
 pub(super) struct Session {
@@ -54,8 +58,9 @@ pub(super) struct ConfigProblems {
 /// The files that the arguments name: files themselves, directories all `.gen` below them.
 pub(super) fn files(arguments: &[Utf8PathBuf]) -> anyhow::Result<Vec<SourceFile>> {
     let mut files: Vec<SourceFile> = Vec::new();
-    let mut add = |path, named| {
-        if files.iter().all(|it| it.path != path) {
+    let mut known = FxHashSet::default();
+    let mut add = |path: Utf8PathBuf, named| {
+        if known.insert(path.clone()) {
             files.push(SourceFile { path, named });
         }
     };
@@ -99,8 +104,13 @@ pub(super) fn single(argument: &Utf8Path, reading: &Reading) -> anyhow::Result<S
 /// Groups files by the nearest `dotgen.toml` around them.
 pub(super) fn open(files: Vec<SourceFile>, reading: &Reading) -> anyhow::Result<Vec<Session>> {
     let mut groups: Vec<(Option<Utf8PathBuf>, Vec<SourceFile>)> = Vec::new();
+    let mut nearest: FxHashMap<Utf8PathBuf, Option<Utf8PathBuf>> = FxHashMap::default();
     for file in files {
-        let directory = config::nearest_directory(&file.path);
+        let around = file.path.parent().unwrap_or(&file.path).to_owned();
+        let directory = nearest
+            .entry(around)
+            .or_insert_with(|| config::nearest_directory(&file.path))
+            .clone();
         match groups.iter_mut().find(|it| it.0 == directory) {
             Some(group) => group.1.push(file),
             None => groups.push((directory, vec![file])),
@@ -203,11 +213,33 @@ impl Session {
         question: impl FnOnce(&Analysis) -> Cancellable<R>,
     ) -> anyhow::Result<R> {
         let analysis = self.host.analysis();
-        match panic::isolate(|| question(&analysis)) {
-            Ok(Ok(answer)) => Ok(answer),
-            Ok(Err(cancelled)) => bail!("reading `{about}` was cancelled ({cancelled:?})"),
-            Err(message) => bail!("internal error while reading `{about}`: {message}"),
+        told(about, panic::isolate(|| question(&analysis)))
+    }
+
+    /// Asks the same of many files, on all cores, and hands each answer on in the order of the files. What is
+    /// remembered from the files does not grow with their number.
+    pub(super) fn ask_each<R: Send>(
+        &mut self,
+        files: &[Utf8PathBuf],
+        question: impl Fn(&Analysis, &Utf8Path) -> Cancellable<R> + Sync,
+        mut answered: impl FnMut(&Session, &Utf8Path, R) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        self.host.keep_little();
+        for batch in files.chunks(BATCH) {
+            let analysis = self.host.analysis();
+            let one = |analysis: &Analysis, path: &Utf8PathBuf| {
+                panic::isolate(|| question(analysis, path))
+            };
+            let fork = || self.host.analysis();
+            let answers = parallel::map(batch, fork, |it| one(&analysis, it), one);
+            for (path, answer) in std::iter::zip(batch, answers) {
+                answered(self, path, told(path, answer)?)?;
+            }
+            // The host waits for the last snapshot.
+            drop(analysis);
+            self.host.shrink();
         }
+        Ok(())
     }
 
     /// The texts that diagnostics talk about.
@@ -228,6 +260,15 @@ impl Session {
             }
         }
         Ok(())
+    }
+}
+
+/// An answer about a file. A bug in analysis is an error of the command.
+fn told<R>(about: &Utf8Path, answer: Result<Cancellable<R>, String>) -> anyhow::Result<R> {
+    match answer {
+        Ok(Ok(answer)) => Ok(answer),
+        Ok(Err(cancelled)) => bail!("reading `{about}` was cancelled ({cancelled:?})"),
+        Err(message) => bail!("internal error while reading `{about}`: {message}"),
     }
 }
 

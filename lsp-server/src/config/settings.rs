@@ -42,6 +42,9 @@ pub struct Settings {
     /// `pkg-config`; when it is not installed dotgen reads `.pc` files itself.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub package_paths: Vec<String>,
+    /// The largest file that is read, in kilobytes; 4096 by default. Of a larger one only that is said.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_file_size: Option<u32>,
     /// Severity by diagnostic code, for example `pp-redefined = "off"`. What GenoM3 rejects stays an
     /// error.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
@@ -377,6 +380,7 @@ impl Settings {
     ///
     /// Lists are joined since editors send an empty list for a setting nobody touched.
     pub fn over(mut self, mut weaker: Settings) -> Settings {
+        self.max_file_size = self.max_file_size.or(weaker.max_file_size);
         self.code_lens = self.code_lens.or(weaker.code_lens);
         if self.release.is_none() {
             self.release = weaker.release;

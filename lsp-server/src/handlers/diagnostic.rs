@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::hash::{Hash, Hasher};
+use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::Severity;
@@ -10,7 +11,7 @@ use rustc_hash::{FxHashMap, FxHasher};
 
 use super::{scenario, verification};
 use crate::codels;
-use crate::convert::{diagnostic, uri};
+use crate::convert::diagnostic;
 use crate::panic;
 use crate::proto::*;
 use crate::snapshot::{Snapshot, Subject};
@@ -37,45 +38,40 @@ pub(crate) fn document(
     Ok(Report::new(items, params.previous_result_id.as_deref()))
 }
 
-/// `workspace/diagnostic`: every file of every unit.
-pub(crate) fn workspace(
-    snapshot: &Snapshot,
-    params: &WorkspaceDiagnosticParams,
-) -> Cancellable<Vec<WorkspaceDocumentDiagnosticReport>> {
-    let previous: FxHashMap<_, _> = params
-        .previous_result_ids
-        .iter()
-        .map(|it| (uri::to_path(&it.uri), it))
-        .collect();
-    let paths = files(snapshot)?;
-    let mut reports = Vec::new();
-    for path in &paths {
-        let Some(uri) = snapshot.uri(path) else {
-            continue;
-        };
-        let known = previous.get(path).map(|it| it.value.as_str());
-        let found = panic::isolate(|| file_diagnostics(snapshot, path, least(snapshot, path)));
-        let items = survived(path, found)?.unwrap_or_default();
-        let report = Report::new(items, known);
-        let version = snapshot.open.get(path).map(|it| i64::from(it.version));
-        reports.push(report.into_workspace(uri, version));
-    }
-    // Files that left the workspace are in order now.
-    for (path, id) in previous {
-        if !paths.contains(&path) {
-            let report = Report::new(Vec::new(), Some(&id.value));
-            reports.push(report.into_workspace(id.uri.clone(), None));
-        }
-    }
-    Ok(reports)
+/// Some files of the workspace, and what the client has of them.
+pub(crate) struct Part {
+    pub(crate) paths: Vec<Utf8PathBuf>,
+    /// By path.
+    pub(crate) known: Arc<FxHashMap<Utf8PathBuf, String>>,
 }
 
-/// Whether a workspace report says nothing new.
-pub(crate) fn is_unchanged(reports: &[WorkspaceDocumentDiagnosticReport]) -> bool {
-    let unchanged = |it: &WorkspaceDocumentDiagnosticReport| {
-        matches!(it, WorkspaceDocumentDiagnosticReport::Unchanged(_))
-    };
-    reports.iter().all(unchanged)
+/// `workspace/diagnostic` for some files.
+pub(crate) fn part(
+    snapshot: &Snapshot,
+    part: &Part,
+) -> Cancellable<Vec<WorkspaceDocumentDiagnosticReport>> {
+    let reports = snapshot.on_all_cores(&part.paths, |snapshot, path| {
+        let Some(uri) = snapshot.uri(path) else {
+            return Ok(None);
+        };
+        let found = panic::isolate(|| file_diagnostics(snapshot, path, least(snapshot, path)));
+        let items = survived(path, found)?.unwrap_or_default();
+        let report = Report::new(items, part.known.get(path).map(String::as_str));
+        let version = snapshot.open.get(path).map(|it| i64::from(it.version));
+        Ok(Some(report.into_workspace(uri, version)))
+    });
+    let reports: Cancellable<Vec<_>> = reports.into_iter().collect();
+    Ok(reports?.into_iter().flatten().collect())
+}
+
+/// A file that left the workspace is in order now.
+pub(crate) fn gone(known: PreviousResultId) -> WorkspaceDocumentDiagnosticReport {
+    Report::new(Vec::new(), Some(&known.value)).into_workspace(known.uri, None)
+}
+
+/// Whether a report says nothing new.
+pub(crate) fn is_unchanged(report: &WorkspaceDocumentDiagnosticReport) -> bool {
+    matches!(report, WorkspaceDocumentDiagnosticReport::Unchanged(_))
 }
 
 impl Report {
@@ -140,14 +136,28 @@ impl Report {
     }
 }
 
+/// Files to look at, each group by path.
+#[derive(Default)]
+pub(crate) struct Listing {
+    pub(crate) open: Vec<Utf8PathBuf>,
+    pub(crate) rest: Vec<Utf8PathBuf>,
+}
+
 /// Every file of every unit. A unit that makes analysis panic is left out.
-pub(crate) fn files(snapshot: &Snapshot) -> Cancellable<BTreeSet<Utf8PathBuf>> {
+pub(crate) fn listing(snapshot: &Snapshot, (): &()) -> Cancellable<Listing> {
+    let units = snapshot.on_all_cores(&snapshot.roots, |snapshot, root| {
+        survived(
+            root,
+            panic::isolate(|| snapshot.analysis.files_of_root(root)),
+        )
+    });
     let mut files = BTreeSet::new();
-    for root in snapshot.roots.iter() {
-        let unit = panic::isolate(|| snapshot.analysis.root_unit(root));
-        files.extend(survived(root, unit)?.into_iter().flat_map(|it| it.files));
+    for unit in units {
+        files.extend(unit?.into_iter().flatten());
     }
-    Ok(files)
+    let is_open = |it: &Utf8PathBuf| snapshot.open.contains_key(it);
+    let (open, rest) = files.into_iter().partition(is_open);
+    Ok(Listing { open, rest })
 }
 
 /// The answer, or nothing if there was a panic instead: work on many files goes on with the others.

@@ -50,6 +50,12 @@ impl State {
             roots.dedup();
             self.roots = Arc::new(roots);
         }
+        let mut pending = pending;
+        if pending.config {
+            // A text that was too large may no longer be.
+            let open = self.documents.open_files().keys();
+            pending.files.extend(open.cloned());
+        }
         let touched: Vec<Utf8PathBuf> = pending.files.iter().cloned().collect();
         if self.verifier.touched(&touched, &self.outbox) {
             self.show_verification();

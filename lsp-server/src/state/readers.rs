@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::State;
 use crate::convert::uri;
 use crate::dispatch::{Admission, Read};
+use crate::publish::Run;
 use crate::snapshot::{DocumentKind, Snapshot, Subject};
 
 impl State {
@@ -19,6 +20,7 @@ impl State {
             self.revision,
             self.vfs.clone(),
             self.codels.clone(),
+            self.readers.clone(),
         );
         snapshot.verification = self.verifier.results().clone();
         snapshot.scenarios = self.workspace.scenarios.clone();
@@ -52,6 +54,9 @@ impl State {
             }
         }
         self.flush();
+        if read.bulk {
+            self.rest();
+        }
         let snapshot = self.snapshot();
         read.control.attach(snapshot.analysis.cancellation_token());
         let work = read.work;
@@ -63,11 +68,31 @@ impl State {
     pub(super) fn publish(&mut self, revision: u64) {
         self.flush();
         if self.publisher.is_due(revision, self.revision)
-            && let Some(events) = self.events.upgrade()
+            && let Some(run) = self.publisher.start(self.revision)
         {
-            let snapshot = self.snapshot();
-            self.publisher
-                .compute(snapshot, events, self.outbox.runtime());
+            self.go_on(run);
         }
+    }
+
+    /// The next part of a computation of diagnostics, unless a change has overtaken it: that has scheduled the
+    /// next one.
+    pub(super) fn go_on(&mut self, run: Run) {
+        self.rest();
+        if run.revision() != self.revision || run.is_done() {
+            return;
+        }
+        if let Some(events) = self.events.upgrade() {
+            let snapshot = self.snapshot();
+            run.step(snapshot, events, self.outbox.runtime());
+        }
+    }
+
+    /// Gives memory back after much was asked, when nobody asks: it would cancel them.
+    fn rest(&mut self) {
+        let idle = Arc::strong_count(&self.readers) == 1;
+        if idle && std::mem::take(&mut self.worked) {
+            self.host.shrink();
+        }
+        self.worked = true;
     }
 }

@@ -205,3 +205,64 @@ async fn untitled_documents_have_diagnostics() {
     client.notify("textDocument/didClose", document(uri)).await;
     client.finish().await;
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_client_that_wants_parts_gets_the_open_files_first_and_each_file_once() {
+    let names: Vec<String> = (0..70).map(|i| format!("part{i:02}.gen")).collect();
+    let files: Vec<(&str, &str)> = names
+        .iter()
+        .map(|name| (name.as_str(), "const long a = 1\n"))
+        .collect();
+    let folder = Folder::new(&files);
+    let mut client = Client::start(folder.params(pulling())).await;
+    let last = folder.uri(&names[69]);
+    client.open(&last, "const long a = 1\n").await;
+    // The list of files and the settings arrive some time.
+    let mut asked = json!({ "previousResultIds": [] });
+    let mut listed = 0;
+    while listed < 70 {
+        let id = client.begin("workspace/diagnostic", asked.clone()).await;
+        match client.end(id).await {
+            Ok(answer) => listed = answer["items"].as_array().map_or(0, Vec::len),
+            Err(error) => assert_eq!(error["data"]["retriggerRequest"], true, "{error}"),
+        }
+    }
+    asked["partialResultToken"] = json!("parts");
+    let answer = client.ok("workspace/diagnostic", asked).await;
+    assert_eq!(answer["items"], json!([]), "all was told before");
+    let mut told = Vec::new();
+    while told.len() < 70 {
+        let part = client.notification("$/progress").await;
+        if part["token"] == "parts" {
+            for it in part["value"]["items"].as_array().into_iter().flatten() {
+                assert_eq!(codes(&it["items"]), ["missing-semicolon"]);
+                let uri = it["uri"].as_str().unwrap_or_default().to_owned();
+                told.push(uri);
+            }
+        }
+    }
+    assert_eq!(told[0], last);
+    told.sort();
+    told.dedup();
+    assert_eq!(told.len(), 70);
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn of_a_file_that_is_too_large_only_that_is_said() {
+    let folder = Folder::new(&[("dotgen.toml", "max-file-size = 1\n")]);
+    let uri = folder.uri("arm.gen");
+    let mut client = Client::start(folder.params(pulling())).await;
+    client.open(&uri, &"const long a = 1\n".repeat(100)).await;
+    let report = client.ok("textDocument/diagnostic", document(&uri)).await;
+    assert_eq!(codes(&report["items"]), ["pp-input"]);
+    let formatted = json!({ "textDocument": { "uri": uri },
+        "options": { "tabSize": 2, "insertSpaces": true } });
+    let edits = client.ok("textDocument/formatting", formatted).await;
+    assert!(edits.as_array().is_none_or(Vec::is_empty), "{edits}");
+    client
+        .change(&uri, 2, json!([{ "text": "const long a = 1\n" }]))
+        .await;
+    assert_eq!(client.pulled(&uri).await, ["missing-semicolon"]);
+    client.finish().await;
+}

@@ -159,6 +159,7 @@ pub(crate) fn growth(dotgen: &Path, runs: usize) -> Result<()> {
         title: "Time of a verification",
         across: "components",
         powers: SECONDS,
+        ratios: false,
         lines: drawn(|it| it.1),
     };
     std::fs::write(pictures.join("growth-time.svg"), chart.svg())?;
@@ -171,6 +172,7 @@ pub(crate) fn growth(dotgen: &Path, runs: usize) -> Result<()> {
             (1000.0, "1 GB"),
             (10000.0, "10 GB"),
         ],
+        ratios: false,
         lines: drawn(|it| it.2),
     };
     std::fs::write(pictures.join("growth-memory.svg"), chart.svg())?;

@@ -1,6 +1,7 @@
 //! What a whole process takes: processor time, which others on the machine disturb least, and peak memory.
 
 use std::path::Path;
+use std::time::Instant;
 
 use anyhow::{Context, Result};
 
@@ -28,6 +29,8 @@ pub(crate) struct Job<'a> {
 /// What its runs took: medians.
 pub(crate) struct Taken {
     pub(crate) seconds: f64,
+    /// From start to end, by the clock on the wall.
+    pub(crate) elapsed: f64,
     /// Peak resident memory.
     pub(crate) megabytes: f64,
     /// Standard output of the last run.
@@ -79,7 +82,9 @@ fn once(job: &Job) -> Result<Option<Taken>> {
     let mut arguments = vec!["-c", SCRIPT, &limit];
     arguments.extend(["/usr/bin/time", "-f", "%M", "-o", &*report, job.program]);
     arguments.extend(job.arguments.iter().map(String::as_str));
+    let started = Instant::now();
     let output = run::command(job.directory, "bash", &arguments).output()?;
+    let elapsed = started.elapsed().as_secs_f64();
     if output.status.code() == Some(USED_UP) {
         return Ok(None);
     }
@@ -91,6 +96,7 @@ fn once(job: &Job) -> Result<Option<Taken>> {
     let times = times.split_whitespace().map(str::parse::<f64>);
     Ok(Some(Taken {
         seconds: times.sum::<Result<f64, _>>().context("bash told no time")?,
+        elapsed,
         megabytes: kilobytes / 1024.0,
         output: String::from_utf8_lossy(&output.stdout).into_owned(),
     }))

@@ -218,6 +218,7 @@ pub(crate) fn rivals(dotgen: &Path, runs: usize, sets: u64) -> Result<bool> {
             title: "Are all deadlines kept? Time until the answer",
             across: "periodic tasks on one core",
             powers: SECONDS,
+            ratios: false,
             lines: lines.into(),
         };
         std::fs::write(root().join("docs/charts/rivals.svg"), chart.svg())?;

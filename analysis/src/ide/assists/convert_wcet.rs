@@ -97,10 +97,10 @@ fn into_pragma(
             edits.extend(others.into_iter().map(without));
         }
     }
-    let fits = compare(cx.view.db, &edits)
-        .iter()
-        .all(|it| it.new_errors.is_empty());
-    fits.then_some(edits)
+    let wrong = compare(cx.view.db, &edits, |_, it| {
+        (!it.new_errors.is_empty()).then_some(())
+    });
+    wrong.is_empty().then_some(edits)
 }
 
 /// The clause goes to the end of the codel, the line of the pragma away.

@@ -83,10 +83,10 @@ pub(super) fn inline_typedef(cx: &Cx<'_, '_>) -> Option<Assist> {
         });
     }
     // The name in the type may mean something else elsewhere.
-    let fits = compare(cx.view.db, &edits)
-        .iter()
-        .all(|it| it.new_errors.is_empty());
-    fits.then(|| Assist {
+    let wrong = compare(cx.view.db, &edits, |_, it| {
+        (!it.new_errors.is_empty()).then_some(())
+    });
+    wrong.is_empty().then(|| Assist {
         id: "inline-typedef",
         title: format!("Inline typedef `{}`", it.name),
         kind: AssistKind::Inline,

@@ -24,13 +24,12 @@ pub(super) fn organize_includes(cx: &Cx<'_, '_>, anywhere: bool) -> Option<Assis
             continue;
         }
         let edit = cx.edit(range, new);
-        let same = compare(cx.view.db, std::slice::from_ref(&edit))
-            .iter()
-            .all(|it| {
-                it.new_errors.is_empty()
-                    && it.before.definitions.len() == it.after.definitions.len()
-            });
-        if same {
+        let differs = compare(cx.view.db, std::slice::from_ref(&edit), |_, it| {
+            let same = it.new_errors.is_empty()
+                && it.before.definitions.len() == it.after.definitions.len();
+            (!same).then_some(())
+        });
+        if differs.is_empty() {
             edits.push(edit);
         }
     }

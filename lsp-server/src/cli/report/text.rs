@@ -8,6 +8,7 @@ use annotate_snippets::{
 };
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::{Diagnostic, Fix, Severity};
+use dotgen_analysis::parallel;
 use dotgen_analysis::terminal;
 
 use super::Report;
@@ -22,12 +23,21 @@ const NEAR: u32 = 40;
 
 /// Diagnostics and a line that sums them up.
 pub(in crate::cli) fn print(report: &Report) -> anyhow::Result<()> {
-    let mut out = anstream::AutoStream::auto(std::io::stdout().lock());
-    for diagnostic in &report.diagnostics {
-        writeln!(out, "{}\n", render(diagnostic, &report.texts))?;
+    let mut out = std::io::BufWriter::new(anstream::AutoStream::auto(std::io::stdout().lock()));
+    let (texts, cores) = (&report.texts, parallel::cores());
+    // Not all at once: the texts may be many.
+    for some in report.diagnostics.chunks(1024) {
+        let parts: Vec<&[Diagnostic]> = some.chunks(some.len().div_ceil(4 * cores)).collect();
+        let one = |part: &&[Diagnostic]| -> String {
+            let all = part.iter().map(|it| render(it, texts) + "\n\n");
+            all.collect()
+        };
+        for text in parallel::map(&parts, || (), one, |(), part| one(part)) {
+            out.write_all(text.as_bytes())?;
+        }
     }
     writeln!(out, "{}", summary(report))?;
-    Ok(())
+    Ok(out.flush()?)
 }
 
 /// The errors alone, on standard error.

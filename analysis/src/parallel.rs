@@ -1,0 +1,115 @@
+//! The same work on many things at once, by as many threads as the machine has cores.
+//!
+//! Each thread works with a handle of its own: a database cannot be shared between threads, only cloned.
+
+use std::{
+    any::Any,
+    panic::{AssertUnwindSafe, catch_unwind, resume_unwind},
+    sync::atomic::{AtomicBool, AtomicUsize, Ordering},
+    thread,
+};
+
+use crate::base::{Db, RootDatabase};
+
+/// More threads than that make a machine unpleasant to type on.
+const MAX_THREADS: usize = 8;
+
+/// Deep trees are walked and dropped by recursion.
+const STACK: usize = 32 << 20;
+
+/// The threads of [`map`], when there is work for as many.
+pub fn cores() -> usize {
+    thread::available_parallelism().map_or(1, |it| it.get().min(MAX_THREADS))
+}
+
+/// Applies `own` or `other` to every item; the results are in the order of the items.
+///
+/// This thread applies `own`. Every other one makes a handle with `fork` and applies `other`, which has to be the
+/// same but for the handle. A panic or a cancellation in one of them ends all of them and goes on in this thread.
+pub fn map<H: Send, T: Sync, R: Send>(
+    items: &[T],
+    fork: impl Fn() -> H,
+    own: impl Fn(&T) -> R,
+    other: impl Fn(&H, &T) -> R + Sync,
+) -> Vec<R> {
+    let threads = cores().min(items.len()).max(1);
+    let (next, stopped) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let work = |one: &dyn Fn(&T) -> R| -> Result<Vec<(usize, R)>, Box<dyn Any + Send>> {
+        let all = AssertUnwindSafe(|| {
+            let mut done = Vec::new();
+            while !stopped.load(Ordering::Relaxed) {
+                let at = next.fetch_add(1, Ordering::Relaxed);
+                let Some(item) = items.get(at) else { break };
+                done.push((at, one(item)));
+            }
+            done
+        });
+        catch_unwind(all).inspect_err(|_| stopped.store(true, Ordering::Relaxed))
+    };
+    let (work, other) = (&work, &other);
+    let results = thread::scope(|scope| {
+        let helpers: Vec<_> = (1..threads)
+            .map(|_| {
+                let handle = fork();
+                thread::Builder::new()
+                    .stack_size(STACK)
+                    .spawn_scoped(scope, move || work(&|item| other(&handle, item)))
+            })
+            .collect();
+        let mut results = vec![work(&own)];
+        // Where no thread can be had, this one does it all.
+        for helper in helpers.into_iter().flatten() {
+            results.push(helper.join().and_then(|it| it));
+        }
+        results
+    });
+    let mut done = Vec::with_capacity(items.len());
+    for result in results {
+        match result {
+            Ok(part) => done.extend(part),
+            Err(cause) => resume_unwind(cause),
+        }
+    }
+    done.sort_unstable_by_key(|it| it.0);
+    done.into_iter().map(|it| it.1).collect()
+}
+
+/// [`map`] over a database.
+pub(crate) fn over<T: Sync, R: Send>(
+    db: &dyn Db,
+    items: &[T],
+    f: impl Fn(&dyn Db, &T) -> R + Sync,
+) -> Vec<R> {
+    let own = |item: &T| {
+        // This handle is the one that a client cancels.
+        db.unwind_if_revision_cancelled();
+        f(db, item)
+    };
+    let other = |it: &RootDatabase, item: &T| f(it, item);
+    map(items, || db.fork(), own, other)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::map;
+
+    #[test]
+    fn results_are_in_order() {
+        let items: Vec<u32> = (0..1000).collect();
+        let out = map(&items, || 1, |it| it + 1, |one, it| it + one);
+        assert_eq!(out, (1..=1000).collect::<Vec<u32>>());
+        assert!(map(&[] as &[u32], || 1, |it| it + 1, |one, it| it + one).is_empty());
+    }
+
+    #[test]
+    fn a_panic_in_any_thread_is_one_here() {
+        let items: Vec<u32> = (0..100).collect();
+        let one = |it: &u32| match it {
+            50 => panic!("fifty"),
+            it => *it,
+        };
+        let caught = std::panic::catch_unwind(|| map(&items, || (), one, |(), it| one(it)));
+        let cause = caught.unwrap_err();
+        assert_eq!(cause.downcast_ref::<&str>(), Some(&"fifty"));
+    }
+}

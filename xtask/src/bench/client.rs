@@ -1,0 +1,219 @@
+//! The least of an editor: a server as a child, messages with the times of their arrival.
+
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail};
+use serde_json::{Value, json};
+
+/// Longer than anything measured here may take.
+const PATIENCE: Duration = Duration::from_secs(600);
+
+/// A message of the server.
+pub(crate) struct Message {
+    /// When all of it had arrived.
+    pub(crate) at: Instant,
+    pub(crate) content: Value,
+}
+
+/// A document of the editor.
+pub(crate) struct Document {
+    pub(crate) uri: String,
+    version: i32,
+}
+
+/// See the module.
+pub(crate) struct Editor {
+    server: Child,
+    /// `None`: closed.
+    input: Option<ChildStdin>,
+    messages: Receiver<Message>,
+    next_id: i64,
+    /// URI of the folder.
+    pub(crate) root: String,
+}
+
+impl Editor {
+    /// Starts a server over a folder and initializes it.
+    pub(crate) fn start(dotgen: &Path, folder: &Path, capabilities: Value) -> Result<Editor> {
+        let mut server = Command::new(dotgen)
+            .arg("lsp")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .context("cannot run dotgen lsp")?;
+        let input = server.stdin.take().context("the server has an input")?;
+        let output = server.stdout.take().context("the server has an output")?;
+        let (sender, messages) = channel();
+        // Ends with the output of the server.
+        std::thread::spawn(move || receive(BufReader::new(output), &sender));
+        let root = format!("file://{}", folder.display());
+        let mut editor = Editor {
+            server,
+            input: Some(input),
+            messages,
+            next_id: 0,
+            root,
+        };
+        let folders = json!([{ "uri": editor.root, "name": "measured" }]);
+        let params = json!({ "processId": null, "rootUri": editor.root, "capabilities": capabilities,
+            "workspaceFolders": folders });
+        editor.request("initialize", params)?;
+        editor.notify("initialized", json!({}))?;
+        Ok(editor)
+    }
+
+    /// Process id of the server.
+    pub(crate) fn pid(&self) -> u32 {
+        self.server.id()
+    }
+
+    /// Opens a file of the folder.
+    pub(crate) fn open(&mut self, name: &str, text: &str) -> Result<Document> {
+        let uri = format!("{}/{name}", self.root);
+        let document = json!({ "uri": uri, "languageId": "genom3", "version": 1, "text": text });
+        self.notify("textDocument/didOpen", json!({ "textDocument": document }))?;
+        Ok(Document { uri, version: 1 })
+    }
+
+    /// Closes a document.
+    pub(crate) fn close(&mut self, document: &Document) -> Result<()> {
+        let params = json!({ "textDocument": { "uri": document.uri } });
+        self.notify("textDocument/didClose", params)
+    }
+
+    /// Removes a line.
+    pub(crate) fn remove_line(&mut self, document: &mut Document, line: usize) -> Result<()> {
+        self.replace(document, [(line, 0), (line + 1, 0)], "")
+    }
+
+    /// Replaces the characters from one column of a line to another.
+    pub(crate) fn edit(
+        &mut self,
+        document: &mut Document,
+        line: usize,
+        columns: [usize; 2],
+        text: &str,
+    ) -> Result<()> {
+        self.replace(document, columns.map(|it| (line, it)), text)
+    }
+
+    /// Replaces what is between two places, each a line and a column.
+    fn replace(
+        &mut self,
+        document: &mut Document,
+        places: [(usize, usize); 2],
+        text: &str,
+    ) -> Result<()> {
+        document.version += 1;
+        let [start, end] = places.map(|it| json!({ "line": it.0, "character": it.1 }));
+        let change = json!({ "range": { "start": start, "end": end }, "text": text });
+        let document = json!({ "uri": document.uri, "version": document.version });
+        let params = json!({ "textDocument": document, "contentChanges": [change] });
+        self.notify("textDocument/didChange", params)
+    }
+
+    /// Sends a notification.
+    pub(crate) fn notify(&mut self, method: &str, params: Value) -> Result<()> {
+        self.send(json!({ "method": method, "params": params }))
+    }
+
+    fn send(&mut self, mut message: Value) -> Result<()> {
+        message["jsonrpc"] = "2.0".into();
+        let text = message.to_string();
+        let input = self.input.as_mut().context("the input is closed")?;
+        write!(input, "Content-Length: {}\r\n\r\n{text}", text.len())?;
+        Ok(input.flush()?)
+    }
+
+    /// Sends a request: its number.
+    pub(crate) fn ask(&mut self, method: &str, params: Value) -> Result<i64> {
+        self.next_id += 1;
+        let id = self.next_id;
+        self.send(json!({ "id": id, "method": method, "params": params }))?;
+        Ok(id)
+    }
+
+    /// Time from sending a request to its answer, and the answer.
+    pub(crate) fn answer(&mut self, method: &str, params: Value) -> Result<(Duration, Value)> {
+        let started = Instant::now();
+        let id = self.ask(method, params)?;
+        loop {
+            let message = self.next()?;
+            if message.content["id"] == id {
+                return Ok((message.at - started, result(method, message.content)?));
+            }
+        }
+    }
+
+    /// Time from sending a request to its answer.
+    pub(crate) fn request(&mut self, method: &str, params: Value) -> Result<Duration> {
+        Ok(self.answer(method, params)?.0)
+    }
+
+    /// The next message that is no question of the server: those are answered with nothing.
+    pub(crate) fn next(&mut self) -> Result<Message> {
+        self.next_within(PATIENCE)?
+            .context("the server says nothing any more")
+    }
+
+    /// Like [`Editor::next`]; `None` when it is quiet for so long.
+    pub(crate) fn next_within(&mut self, quiet: Duration) -> Result<Option<Message>> {
+        loop {
+            let message = match self.messages.recv_timeout(quiet) {
+                Ok(it) => it,
+                Err(RecvTimeoutError::Timeout) => return Ok(None),
+                Err(RecvTimeoutError::Disconnected) => bail!("the server has ended"),
+            };
+            if message.content["method"].is_string() && !message.content["id"].is_null() {
+                self.send(json!({ "id": message.content["id"], "result": null }))?;
+                continue;
+            }
+            return Ok(Some(message));
+        }
+    }
+
+    /// Ends the server.
+    pub(crate) fn end(mut self) -> Result<()> {
+        self.request("shutdown", Value::Null)?;
+        self.send(json!({ "method": "exit" }))?;
+        self.input = None;
+        self.server.wait()?;
+        Ok(())
+    }
+}
+
+/// What a request gave.
+pub(crate) fn result(method: &str, mut answer: Value) -> Result<Value> {
+    if !answer["error"].is_null() {
+        bail!("{method}: {}", answer["error"]);
+    }
+    Ok(answer["result"].take())
+}
+
+/// Reads messages to the end of the output.
+fn receive(mut output: impl BufRead, sender: &Sender<Message>) -> Result<()> {
+    loop {
+        let mut length = 0;
+        loop {
+            let mut line = String::new();
+            if output.read_line(&mut line)? == 0 {
+                return Ok(());
+            }
+            match line.trim_end().strip_prefix("Content-Length: ") {
+                Some(number) => length = number.parse()?,
+                None if line.trim_end().is_empty() => break,
+                None => {}
+            }
+        }
+        let mut text = vec![0; length];
+        output.read_exact(&mut text)?;
+        let at = Instant::now();
+        let content = serde_json::from_slice(&text)?;
+        sender.send(Message { at, content })?;
+    }
+}
