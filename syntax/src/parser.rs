@@ -35,6 +35,7 @@ use crate::{
     finding::{Wording, parsing::Parsing},
     kind::SyntaxKind::{self, *},
     lexer::{self, RawTokens},
+    near::nearest,
     preproc::{Element, MacroEnv, NoIncludes, Preprocessed, preprocess},
     sink,
 };
@@ -81,6 +82,19 @@ pub struct SyntaxError {
     pub related: Option<(TextRange, &'static str)>,
     /// The brace that is missing before it, with what goes with it: `{`, `}` or `};`.
     pub missing: Option<&'static str>,
+    /// What makes the text fit, where the grammar can tell.
+    pub repair: Option<Repair>,
+}
+
+/// A change of the text that makes it fit the grammar.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Repair {
+    /// What is replaced; empty to insert.
+    pub range: TextRange,
+    /// The new text; empty to remove.
+    pub text: SmolStr,
+    /// Nobody would mend it in another way.
+    pub plain: bool,
 }
 
 impl SyntaxError {
@@ -186,7 +200,12 @@ fn locate(input: &Input<'_>, errors: Vec<RawError>) -> Vec<SyntaxError> {
     let mut located: Vec<SyntaxError> = Vec::with_capacity(errors.len());
     let mut last_call = None;
     for error in errors {
-        let range = input.range(error.token);
+        let mut range = input.range(error.token);
+        if error.behind
+            && let Some(end) = input.end_before(error.token)
+        {
+            range = TextRange::empty(end);
+        }
         if input.macro_name(error.token).is_some() {
             if last_call == Some(range) {
                 continue;
@@ -203,6 +222,7 @@ fn locate(input: &Input<'_>, errors: Vec<RawError>) -> Vec<SyntaxError> {
                 .related
                 .map(|(token, what)| (input.range(token), what)),
             missing: error.missing,
+            repair: error.repair.and_then(|it| it.locate(input)),
         });
     }
     located.sort_by_key(|it| it.range.start());
@@ -217,6 +237,46 @@ struct RawError {
     /// Another token that explains it, and what it is.
     related: Option<(usize, &'static str)>,
     missing: Option<&'static str>,
+    /// It is reported right behind the token before.
+    behind: bool,
+    repair: Option<RawRepair>,
+}
+
+/// A [`Repair`] in terms of tokens.
+struct RawRepair {
+    place: RepairPlace,
+    text: SmolStr,
+    plain: bool,
+}
+
+/// What a repair replaces.
+enum RepairPlace {
+    /// Nothing: it inserts behind the token before this one.
+    Behind(usize),
+    /// Nothing: it inserts before this token.
+    Before(usize),
+    /// These tokens, with what is between them.
+    Tokens(std::ops::Range<usize>),
+}
+
+impl RawRepair {
+    /// `None` where a macro made the text.
+    fn locate(self, input: &Input<'_>) -> Option<Repair> {
+        let real = |it: usize| input.macro_name(it).is_none();
+        let range = match self.place {
+            RepairPlace::Behind(token) => TextRange::empty(input.end_before(token)?),
+            RepairPlace::Before(token) if real(token) => {
+                TextRange::empty(input.range(token).start())
+            }
+            RepairPlace::Tokens(tokens) if tokens.clone().all(real) => {
+                let first = input.range(tokens.start);
+                first.cover(input.range(tokens.end.checked_sub(1)?))
+            }
+            _ => return None,
+        };
+        let RawRepair { text, plain, .. } = self;
+        Some(Repair { range, text, plain })
+    }
 }
 
 /// The state of the grammar: a position in the input and what has been said so far.
@@ -242,6 +302,8 @@ pub(crate) struct Parser<'i> {
     item: usize,
     /// Inside `< >` of a type, where `>>` may be two closing brackets.
     in_angles: bool,
+    /// A word that is read as the keyword that it is near to.
+    respelt: Option<(usize, SyntaxKind)>,
     /// Look-aheads since the last token was consumed.
     fuel: Cell<u32>,
 }
@@ -261,6 +323,7 @@ impl<'i> Parser<'i> {
             open: 0,
             item: 0,
             in_angles: false,
+            respelt: None,
             fuel: Cell::new(0),
         }
     }
@@ -277,13 +340,13 @@ impl<'i> Parser<'i> {
     /// Kind of the token `n` further on; words are identifiers.
     pub(crate) fn nth(&self, n: usize) -> SyntaxKind {
         self.burn();
-        self.input.kind(self.pos + n)
+        self.kind_at(self.pos + n)
     }
 
     /// The current token as a keyword, if it is a word that may be one; else its kind.
     pub(crate) fn current_contextual(&self) -> SyntaxKind {
         self.burn();
-        self.input.contextual(self.pos)
+        self.contextual_at(self.pos)
     }
 
     /// Whether the current token is, or may be read as, this kind.
@@ -294,7 +357,7 @@ impl<'i> Parser<'i> {
     /// Whether the token `n` further on is, or may be read as, this kind.
     pub(crate) fn nth_at(&self, n: usize, kind: SyntaxKind) -> bool {
         self.burn();
-        self.input.kind(self.pos + n) == kind || self.input.contextual(self.pos + n) == kind
+        self.kind_at(self.pos + n) == kind || self.contextual_at(self.pos + n) == kind
     }
 
     /// Whether the current token is, or may be read as, one of these kinds.
@@ -305,8 +368,53 @@ impl<'i> Parser<'i> {
     /// Whether the token `n` further on is, or may be read as, one of these kinds.
     pub(crate) fn nth_at_ts(&self, n: usize, kinds: TokenSet) -> bool {
         self.burn();
-        kinds.contains(self.input.kind(self.pos + n))
-            || kinds.contains(self.input.contextual(self.pos + n))
+        kinds.contains(self.kind_at(self.pos + n))
+            || kinds.contains(self.contextual_at(self.pos + n))
+    }
+
+    fn kind_at(&self, i: usize) -> SyntaxKind {
+        match self.respelt {
+            Some((at, kind)) if at == i && kind.is_reserved_word() => kind,
+            _ => self.input.kind(i),
+        }
+    }
+
+    fn contextual_at(&self, i: usize) -> SyntaxKind {
+        match self.respelt {
+            Some((at, kind)) if at == i => kind,
+            _ => self.input.contextual(i),
+        }
+    }
+
+    /// Reads the current word as the one of these keywords that it is near to, provided that what follows
+    /// `fits` then, and reports it.
+    pub(crate) fn respell(
+        &mut self,
+        keywords: TokenSet,
+        fits: impl FnOnce(&Parser<'_>) -> bool,
+    ) -> bool {
+        let is_word = self.current_contextual() == IDENT;
+        if !is_word || self.is_reported() || self.respelt.is_some() {
+            return false;
+        }
+        let word = self.current_text();
+        let all = SyntaxKind::spellings();
+        let candidates = all.iter().filter(|it| keywords.contains(it.0));
+        let Some(spelling) = nearest(&word, candidates.map(|it| it.1)) else {
+            return false;
+        };
+        let Some(kind) = all.iter().find(|it| it.1 == spelling).map(|it| it.0) else {
+            return false;
+        };
+        self.respelt = Some((self.pos, kind));
+        if !fits(self) {
+            self.respelt = None;
+            return false;
+        }
+        let (word, keyword) = (word.into(), spelling.into());
+        self.push_error(self.pos, Parsing::Misspelt { word, keyword });
+        self.replace(self.pos..self.pos + 1, spelling, true);
+        true
     }
 
     /// Whether an `#include` stands right before the current token, so that what is missing here may
@@ -355,6 +463,7 @@ impl<'i> Parser<'i> {
 
     fn advance(&mut self, kind: SyntaxKind) {
         self.pos += 1;
+        self.respelt = None;
         self.fuel.set(0);
         self.events.push(Event::Token { kind });
     }
@@ -368,30 +477,44 @@ impl<'i> Parser<'i> {
         found
     }
 
-    /// Reports the current token: something else was expected.
-    pub(crate) fn expected(&mut self, what: &str) {
+    /// Like [`Parser::expect`]. Where one of `followers` is here, just this token is missing.
+    pub(crate) fn expect_before(&mut self, kind: SyntaxKind, followers: TokenSet) -> bool {
+        let found = self.eat(kind);
+        if !found && self.expected(&quoted(kind)) && self.at_ts(followers) {
+            self.insert_behind(kind.spelling().unwrap_or_default(), true);
+            if self.starts_line() {
+                self.show_behind();
+            }
+        }
+        found
+    }
+
+    /// Reports the current token: something else was expected. Like all that report, says whether it did:
+    /// nothing is reported twice at one token.
+    pub(crate) fn expected(&mut self, what: &str) -> bool {
         let (what, found) = (what.into(), self.describe_current().into());
-        self.error_here(Parsing::Expected { what, found });
+        self.error_here(Parsing::Expected { what, found })
     }
 
     /// Reports the current token: something else was expected, with a sentence that helps.
-    pub(crate) fn expected_because(&mut self, what: &str, help: &'static str) {
+    pub(crate) fn expected_because(&mut self, what: &str, help: &'static str) -> bool {
         let (what, found) = (what.into(), self.describe_current().into());
-        self.error_here(Parsing::ExpectedBecause { what, found, help });
+        self.error_here(Parsing::ExpectedBecause { what, found, help })
     }
 
     /// Reports the current token.
-    pub(crate) fn error_here(&mut self, kind: Parsing) {
-        self.error_at(self.pos, kind);
+    pub(crate) fn error_here(&mut self, kind: Parsing) -> bool {
+        self.error_at(self.pos, kind)
     }
 
     /// Reports a token, unless it was the last one reported.
-    pub(crate) fn error_at(&mut self, token: usize, kind: Parsing) {
+    pub(crate) fn error_at(&mut self, token: usize, kind: Parsing) -> bool {
         if self.last_error.is_some_and(|last| last >= token) {
-            return;
+            return false;
         }
         self.last_error = Some(token);
         self.push_error(token, kind);
+        true
     }
 
     /// Reports a token that the grammar goes on from as if nothing was wrong.
@@ -407,7 +530,48 @@ impl<'i> Parser<'i> {
             at_end: self.at(EOF),
             related: None,
             missing: None,
+            behind: false,
+            repair: None,
         });
+    }
+
+    /// Shows the last error right behind the token before it.
+    pub(crate) fn show_behind(&mut self) {
+        if let Some(last) = self.errors.last_mut() {
+            last.behind = true;
+        }
+    }
+
+    /// Has the last error mended by a text behind the token before the current one.
+    pub(crate) fn insert_behind(&mut self, text: &str, plain: bool) {
+        self.repair(RepairPlace::Behind(self.pos), text, plain);
+    }
+
+    /// Has the last error mended by a text before the current token.
+    pub(crate) fn insert_before(&mut self, text: &str, plain: bool) {
+        self.repair(RepairPlace::Before(self.pos), text, plain);
+    }
+
+    /// Has the last error mended by a text in the place of tokens.
+    pub(crate) fn replace(&mut self, tokens: std::ops::Range<usize>, text: &str, plain: bool) {
+        self.repair(RepairPlace::Tokens(tokens), text, plain);
+    }
+
+    fn repair(&mut self, place: RepairPlace, text: &str, plain: bool) {
+        let text = text.into();
+        if let Some(last) = self.errors.last_mut() {
+            last.repair = Some(RawRepair { place, text, plain });
+        }
+    }
+
+    /// Number of errors so far.
+    pub(crate) fn error_count(&self) -> usize {
+        self.errors.len()
+    }
+
+    /// Whether a line ends between the token before and the current one.
+    pub(crate) fn starts_line(&self) -> bool {
+        self.pos > 0 && self.input.line_ends_before(self.pos)
     }
 
     /// Adds to the last error another token that explains it.
@@ -531,6 +695,11 @@ impl<'i> Parser<'i> {
     /// Text of the current token.
     pub(crate) fn current_text(&self) -> String {
         self.input.text(self.pos).into_owned()
+    }
+
+    /// Text of a token.
+    pub(crate) fn nth_text_at(&self, token: usize) -> String {
+        self.input.text(token).into_owned()
     }
 
     /// Text of the token `n` further on.

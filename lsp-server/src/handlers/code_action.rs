@@ -17,15 +17,6 @@ pub(crate) const GENERATE: CodeActionKind = CodeActionKind::new("source.generate
 /// unasked when a file is saved.
 pub(crate) const FIX_FINDINGS: CodeActionKind = CodeActionKind::new("source.fixFindings");
 
-/// Findings that have one repair, which nobody would make in another way: what `source.fixAll` is for.
-const PLAIN: [&str; 5] = [
-    "fsm/duplicate-yield",
-    "fsm/paused-ether",
-    "list-duplicate-string",
-    "missing-semicolon",
-    "throw-duplicate",
-];
-
 pub(crate) fn handle(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -55,7 +46,7 @@ pub(crate) fn handle(
         (CodeActionKind::SOURCE_FIX_ALL, plain, false),
         (FIX_FINDINGS, "Fix all that has a fix", true),
     ] {
-        let which = |it: &Diagnostic| guesses || PLAIN.contains(&it.code);
+        let which = |it: &Diagnostic| guesses || it.fixes.first().is_some_and(|it| it.plain);
         if params.context.only.is_some()
             && wanted(&kind)
             && let Some(it) = fix_all(snapshot, title, &all, which)?
@@ -131,7 +122,7 @@ fn quick_fix(
     snapshot: &Snapshot,
     it: &Diagnostic,
     fix: &Fix,
-    preferred: bool,
+    first: bool,
 ) -> Cancellable<Option<CodeActionOrCommand>> {
     let Some(edit) = workspace_edit(snapshot, &fix.edits)? else {
         return Ok(None);
@@ -141,7 +132,8 @@ fn quick_fix(
         kind: Some(CodeActionKind::QUICKFIX),
         diagnostics: diagnostic::to_proto(snapshot, it)?.map(|it| vec![it]),
         edit: Some(edit),
-        is_preferred: Some(preferred),
+        // Editors may apply a preferred fix without showing it.
+        is_preferred: Some(first && fix.plain),
         ..CodeAction::default()
     })))
 }

@@ -1,7 +1,7 @@
 //! Functions that look like codels and are named by no specification.
 
-use dotgen_analysis::elab::suggest::nearest;
 use dotgen_analysis::model::{CodelKind, CodelRef, Owner};
+use dotgen_syntax::near::nearest;
 use rustc_hash::FxHashSet;
 
 use super::{Drift, DriftCode, DriftOptions, Found, Repair};
