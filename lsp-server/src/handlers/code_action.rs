@@ -1,12 +1,13 @@
 //! `textDocument/codeAction`: the fixes that diagnostics bring along, and refactorings.
 
-use dotgen_analysis::diagnostic::{Diagnostic, FileEdit, Fix};
+use dotgen_analysis::diagnostic::{Diagnostic, Fix};
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::ide::AssistKind;
 
 use super::codels::actions;
 use crate::convert::diagnostic;
 use crate::convert::edit::workspace_edit;
+use crate::fixes::together;
 use crate::proto::*;
 use crate::snapshot::{Snapshot, Subject};
 
@@ -226,22 +227,8 @@ fn fix_all(
     all: &[Diagnostic],
     which: impl Fn(&Diagnostic) -> bool,
 ) -> Cancellable<Option<CodeAction>> {
-    let mut edits: Vec<FileEdit> = Vec::new();
-    for it in all.iter().filter(|it| which(it)) {
-        let Some(fix) = it.fixes.first() else {
-            continue;
-        };
-        let apart = |a: &FileEdit, b: &FileEdit| {
-            a.path != b.path || a.range.end < b.range.start || b.range.end < a.range.start
-        };
-        if fix
-            .edits
-            .iter()
-            .all(|new| edits.iter().all(|old| apart(old, new)))
-        {
-            edits.extend(fix.edits.iter().cloned());
-        }
-    }
+    let chosen = all.iter().filter(|it| which(it));
+    let edits = together(chosen.filter_map(|it| it.fixes.first()));
     if edits.is_empty() {
         return Ok(None);
     }
