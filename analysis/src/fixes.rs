@@ -4,9 +4,11 @@
 //! [`crate::finding`]; here are the edits, made from the tree around its place.
 
 mod braces;
+mod includes;
 mod slips;
 
 pub(crate) use braces::missing_brace;
+pub(crate) use includes::near_include;
 
 use camino::Utf8Path;
 

@@ -197,3 +197,28 @@ fn the_first_fix_restores_what_was_meant() {
         notes.join("\n")
     );
 }
+
+#[test]
+fn a_misspelt_path_of_an_include_is_restored() {
+    let folder = root().join("examples/outdoor").canonicalize().unwrap();
+    let folder = Utf8PathBuf::from_path_buf(folder).unwrap();
+    let path = folder.join("misspelt.gen");
+    let component = Component {
+        text: String::new(),
+        includes: vec![folder.join("idl")],
+        path,
+    };
+    for (right, wrong) in [("rob.gen", "rbo.gen"), ("idl/rob.gen", "ild/rob.gen")] {
+        let text = |it: &str| format!("#include \"{it}\"\n");
+        assert!(component.errors(&text(right)).is_empty(), "{right}");
+        let broken = text(wrong);
+        let errors = component.errors(&broken);
+        assert_eq!(errors.len(), 1, "{errors:#?}");
+        let fix = errors[0].fixes.first().expect("it has a fix");
+        assert_eq!(
+            apply(&component.path, &broken, fix),
+            Some(text(right)),
+            "{wrong}"
+        );
+    }
+}

@@ -1,5 +1,7 @@
 //! `dotgen check`
 
+mod fix;
+
 use std::collections::BTreeSet;
 
 use camino::Utf8PathBuf;
@@ -16,7 +18,8 @@ use crate::vfs;
 
 /// Report what is wrong with specifications
 ///
-/// Exit status: 0 without errors (warnings do not count), 1 with errors, 2 if a file cannot be read.
+/// Exit status: 0 without errors (warnings do not count), 1 with errors, with --diff if there is something to fix, 2 if a
+/// file cannot be read or written.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// Specifications, scenarios (.scn), and directories to search for .gen files
@@ -27,6 +30,14 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 
+    /// Make every fix that nobody would make in another way, and report the rest
+    #[arg(long)]
+    fix: bool,
+
+    /// Change nothing; print what --fix would change
+    #[arg(long)]
+    diff: bool,
+
     #[command(flatten)]
     reading: Reading,
 }
@@ -34,9 +45,17 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let files = session::files(&arguments.paths)?;
     let mut report = Report::default();
-    for session in session::open(files, &arguments.reading)? {
+    let mut changed = fix::Changed::new();
+    for mut session in session::open(files, &arguments.reading)? {
+        if arguments.fix || arguments.diff {
+            fix::mend(&mut session, &mut changed)?;
+        }
         check(&session, &mut report)?;
     }
+    if arguments.diff {
+        return fix::print(&changed);
+    }
+    fix::write(&changed)?;
     report.finish();
     report::print(&report, arguments.format)?;
     Ok(match report.count(Severity::Error) {

@@ -2,11 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use anyhow::Context;
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::{FileEdit, Fix};
 use dotgen_analysis::host::Change;
 
-use super::{Report, Session, Trouble, check};
+use super::{Outcome, Report, Session, check};
+use crate::cli::{fmt, report, session};
 use crate::fixes::together;
 
 /// Repairs may show what else is wrong; texts in which more than so many lie one below the other are left.
@@ -19,8 +21,7 @@ pub(super) type Changed = BTreeMap<Utf8PathBuf, (String, String)>;
 pub(super) fn mend(session: &mut Session, changed: &mut Changed) -> anyhow::Result<()> {
     for _ in 0..MOST_ROUNDS {
         let mut report = Report::default();
-        // Trouble is told by the check that follows.
-        check(session, &mut report, &mut Trouble::default());
+        check(session, &mut report)?;
         let first = report.diagnostics.iter().filter_map(|it| it.fixes.first());
         let plain = first.filter(|it| it.plain && is_ours(session, it));
         let mut edits = together(plain);
@@ -37,10 +38,40 @@ pub(super) fn mend(session: &mut Session, changed: &mut Changed) -> anyhow::Resu
             entry.or_insert_with(|| (old.to_string(), String::new())).1 = new.clone();
             files.push((path.clone(), Some(new)));
         }
-        session.host().apply(Change {
+        session.host_mut().apply(Change {
             files,
             ..Change::default()
         });
+    }
+    Ok(())
+}
+
+/// Shows what would change.
+pub(super) fn print(changed: &Changed) -> anyhow::Result<Outcome> {
+    for (path, (old, new)) in changed {
+        fmt::print_diff(&session::display(path), old, new)?;
+    }
+    Ok(match changed.is_empty() {
+        true => Outcome::Fine,
+        false => Outcome::Errors,
+    })
+}
+
+/// Gives the files their new texts.
+pub(super) fn write(changed: &Changed) -> anyhow::Result<()> {
+    for (path, (_, new)) in changed {
+        let parent = path.parent().unwrap_or(Utf8Path::new("."));
+        let fresh = parent.join(format!(".{}.dotgen", path.file_name().unwrap_or_default()));
+        let written = std::fs::write(&fresh, new).and_then(|()| {
+            let mode = std::fs::metadata(path)?.permissions();
+            std::fs::set_permissions(&fresh, mode)?;
+            std::fs::rename(&fresh, path)
+        });
+        written.with_context(|| format!("cannot write `{}`", session::display(path)))?;
+    }
+    if !changed.is_empty() {
+        let files = if changed.len() == 1 { "file" } else { "files" };
+        report::note(&format!("mended {} {files}", changed.len()));
     }
     Ok(())
 }
