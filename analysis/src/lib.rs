@@ -14,6 +14,7 @@ pub mod lint;
 pub mod markdown;
 pub mod model;
 pub mod model_json;
+pub mod quantity;
 mod queries;
 mod report;
 pub mod source_map;
