@@ -56,11 +56,19 @@ impl DriftCode {
 
     /// The kind of a difference.
     pub fn of(kind: &Differing) -> DriftCode {
-        let all = DriftCode::ALL.into_iter();
-        let mut found = all.filter(|it| it.as_str() == kind.code());
-        found
-            .next()
-            .expect("every difference has a code of the table")
+        match kind {
+            Differing::Missing { .. } => DriftCode::MissingDefinition,
+            Differing::Signature { .. } => DriftCode::SignatureMismatch,
+            Differing::ReturnsOk { .. }
+            | Differing::HasNoStates { .. }
+            | Differing::NotYielded { .. } => DriftCode::UndeclaredYield,
+            Differing::NeverReturned { .. } => DriftCode::NeverYielded,
+            Differing::NotThrown { .. } | Differing::NoException { .. } => {
+                DriftCode::UndeclaredThrow
+            }
+            Differing::Orphan { .. } | Differing::Renamed { .. } => DriftCode::Orphan,
+            Differing::StaleComment { .. } => DriftCode::StaleComment,
+        }
     }
 
     /// The code as shown and configured.
