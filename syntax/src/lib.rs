@@ -13,6 +13,7 @@ pub mod line_index;
 pub mod near;
 pub mod parser;
 pub mod preproc;
+pub mod release;
 mod sink;
 
 pub use dump::dump;
