@@ -75,6 +75,8 @@ pub struct Related {
 pub struct Fix {
     /// What it does, in the imperative.
     pub title: String,
+    /// Whether nobody would mend it in another way, so that it can be made unasked.
+    pub plain: bool,
     /// Non-overlapping edits.
     pub edits: Vec<FileEdit>,
 }

@@ -136,6 +136,8 @@ pub struct Near {
     pub name: SmolStr,
     /// What has to stand in the place of the token.
     pub text: SmolStr,
+    /// Nothing else can be meant.
+    pub plain: bool,
 }
 
 impl Near {
@@ -146,6 +148,7 @@ impl Near {
             at,
             text: name.clone(),
             name,
+            plain: false,
         }
     }
 }
@@ -163,6 +166,8 @@ pub struct Finding {
     pub related: Vec<(Src, String)>,
     /// What was probably meant.
     pub near: Option<Near>,
+    /// Where the reference compiler reports it, if that is another place.
+    pub said_at: Option<Src>,
     /// Why something that stands elsewhere is reported here.
     pub because: Option<&'static str>,
 }
@@ -177,6 +182,7 @@ impl Finding {
             at,
             related: Vec::new(),
             near: None,
+            said_at: None,
             because: None,
         }
     }
@@ -184,6 +190,12 @@ impl Finding {
     /// Adds another place that matters.
     pub fn related(mut self, at: Src, what: impl Into<String>) -> Finding {
         self.related.push((at, what.into()));
+        self
+    }
+
+    /// Adds where the reference compiler reports it.
+    pub fn said_at(mut self, at: Src) -> Finding {
+        self.said_at = Some(at);
         self
     }
 

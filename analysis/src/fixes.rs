@@ -4,9 +4,11 @@
 //! [`crate::finding`]; here are the edits, made from the tree around its place.
 
 mod braces;
+mod includes;
 mod slips;
 
 pub(crate) use braces::missing_brace;
+pub(crate) use includes::near_include;
 
 use camino::Utf8Path;
 
@@ -23,11 +25,21 @@ use crate::{
 /// A fix within one file: its title, and replacements of ranges.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct TextFix {
+    /// See [`Fix::plain`].
+    pub(crate) plain: bool,
     pub(crate) title: String,
     pub(crate) edits: Vec<(TextRange, String)>,
 }
 
 impl TextFix {
+    /// It is what everybody would do.
+    pub(crate) fn plain(self) -> TextFix {
+        TextFix {
+            plain: true,
+            ..self
+        }
+    }
+
     /// The fix of a file.
     pub(crate) fn within(self, path: &Utf8Path) -> Fix {
         let edit = |(range, new_text)| FileEdit {
@@ -36,6 +48,7 @@ impl TextFix {
             new_text,
         };
         Fix {
+            plain: self.plain,
             title: self.title,
             edits: self.edits.into_iter().map(edit).collect(),
         }
@@ -85,6 +98,7 @@ impl Place<'_> {
             let indent = indent_of(codel.syntax());
             let text = format!("\n{indent}codel<{state}> {owner}_{state}() yield ether;");
             Some(TextFix {
+                plain: false,
                 title: format!("Declare a codel for the state `{state}`"),
                 edits: vec![(TextRange::empty(end_of(codel.syntax())), text)],
             })
@@ -147,6 +161,7 @@ impl Place<'_> {
             fixes.push(fix);
         }
         fixes.push(TextFix {
+            plain: false,
             title: format!("Remove the codel `{name}`"),
             edits: vec![(whole_lines(codel.syntax()), String::new())],
         });
@@ -164,6 +179,7 @@ impl Place<'_> {
             .into_iter()
             .filter(|&it| self.text(it) != "ether")
             .map(|range| TextFix {
+                plain: false,
                 title: format!("Pause before `{}`", self.text(range)),
                 edits: vec![(TextRange::empty(range.start()), "pause::".to_owned())],
             })
@@ -222,6 +238,7 @@ impl Place<'_> {
             .collect();
         let mut fixes: Vec<TextFix> = one
             .map(|edit| TextFix {
+                plain: false,
                 title: format!(
                     "Insert `{}` here, to be replaced by the measured time",
                     PLACEHOLDER.trim()
@@ -232,6 +249,7 @@ impl Place<'_> {
             .collect();
         if all.len() > 1 {
             fixes.push(TextFix {
+                plain: false,
                 title: format!(
                     "Insert `{}` in all {} codels",
                     PLACEHOLDER.trim(),
@@ -263,7 +281,11 @@ impl Place<'_> {
         if edits.is_empty() {
             Vec::new()
         } else {
-            vec![TextFix { title, edits }]
+            vec![TextFix {
+                plain: false,
+                title,
+                edits,
+            }]
         }
     }
 
@@ -302,6 +324,7 @@ impl Place<'_> {
         range
             .into_iter()
             .map(|range| TextFix {
+                plain: false,
                 title: title.clone(),
                 edits: vec![(range, String::new())],
             })
@@ -330,6 +353,7 @@ impl Place<'_> {
             before = it.prev_token();
         }
         vec![TextFix {
+            plain: false,
             title: "Remove the comment".into(),
             edits: vec![(range, String::new())],
         }]
@@ -339,8 +363,12 @@ impl Place<'_> {
 /// Adds a state to the yields of a codel.
 fn add_yield(codel: &SyntaxNode, state: &str) -> Option<TextFix> {
     let yields = codel.descendants().find_map(ast::Yields::cast)?;
+    if yields.states().any(|it| it.syntax().text() == state) {
+        return None;
+    }
     let name = codel.descendants().find_map(ast::Codel::cast)?.name()?;
     Some(TextFix {
+        plain: false,
         title: format!("Let `{}` yield `{state}`", name.syntax().text()),
         edits: vec![(
             TextRange::empty(end_of(yields.syntax())),
@@ -387,6 +415,7 @@ fn add_property(node: &SyntaxNode, property: &str, title: String) -> Option<Text
         }
     };
     Some(TextFix {
+        plain: false,
         title,
         edits: vec![edit],
     })

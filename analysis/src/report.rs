@@ -165,6 +165,12 @@ impl<'db> Report<'db> {
         let path = file.path(self.db);
         let mut out = shown(&it.kind, near, it.because, path, range);
         out.severity = it.severity;
+        if let (Some(src), Some(reference)) = (it.said_at, &mut out.reference)
+            && let Some((said, range)) = self.place(src)
+            && said == key
+        {
+            reference.at = usize::from(range.start());
+        }
         let mut related = Vec::new();
         for (src, message) in &it.related {
             if let Some((other, range)) = self.place(*src) {
@@ -260,6 +266,7 @@ impl<'db> Report<'db> {
             return None;
         }
         let fix = TextFix {
+            plain: near.plain,
             title: format!("Change to `{}`", near.name),
             edits: vec![(range, near.text.to_string())],
         };

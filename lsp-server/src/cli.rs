@@ -3,6 +3,7 @@
 mod check;
 mod codels;
 mod diagram;
+mod explain;
 mod fmt;
 mod generate;
 mod lsp;
@@ -32,6 +33,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Check(check::Arguments),
+    Explain(explain::Arguments),
     Codels(codels::Arguments),
     Generate(generate::Arguments),
     Diagram(diagram::Arguments),
@@ -95,6 +97,7 @@ pub fn main() -> ExitCode {
     }
     let result = match cli.command {
         Command::Check(arguments) => check::run(&arguments),
+        Command::Explain(arguments) => explain::run(&arguments),
         Command::Codels(arguments) => codels::run(&arguments),
         Command::Generate(arguments) => return generate::run_parsed(&arguments),
         Command::Diagram(arguments) => diagram::run(&arguments),

@@ -385,7 +385,7 @@ pub(crate) fn fingerprint(snapshot: &Snapshot) -> Cancellable<u64> {
             found?
                 .1
                 .into_iter()
-                .map(|it| (it.code, it.severity, it.message)),
+                .map(|it| (it.code, it.severity, it.message())),
         );
     }
     for it in unused_allowances(snapshot, &compared)? {

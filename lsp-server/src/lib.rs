@@ -15,6 +15,7 @@ pub mod config;
 pub mod convert;
 mod dispatch;
 pub mod ext;
+mod fixes;
 mod generation;
 mod handlers;
 pub mod logging;

@@ -39,3 +39,17 @@ static PAGES: LazyLock<FxHashMap<String, Uri>> = LazyLock::new(|| {
 pub fn page(code: &str) -> Option<Uri> {
     PAGES.get(code).cloned()
 }
+
+/// The pages of diagnostics by code, in order, bundled with the program.
+static TEXTS: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/pages.rs"));
+
+/// All codes that have a page.
+pub fn codes() -> impl Iterator<Item = &'static str> {
+    TEXTS.iter().map(|it| it.0)
+}
+
+/// The text of the page of a diagnostic code, in Markdown.
+pub fn text(code: &str) -> Option<&'static str> {
+    let found = TEXTS.binary_search_by_key(&code, |it| it.0);
+    found.ok().map(|it| TEXTS[it].1)
+}

@@ -450,3 +450,99 @@ fn a_macro_must_have_a_name() {
     assert!(stderr(&output).contains("1X"), "{}", stderr(&output));
     assert_eq!(status(&it.run(&["check", "-DF(x)=x", "-DA", "c.gen"])), 0);
 }
+
+/// Slips with one plain repair each, and one that can only be guessed.
+const SLIPS: &str = "\
+component c {
+  version \"1\"
+  ids { bool on; };
+  tsak t {
+    period 100 Hz;
+    codel<start> f(out on) yield ether, ether;
+  };
+  activity a() { task t; codel<start> g(in onn) yield ether; };
+};
+";
+
+fn text_of(it: &Directory) -> String {
+    std::fs::read_to_string(it.path().join("c.gen")).expect("it is there")
+}
+
+#[test]
+fn plain_repairs_are_made_and_the_rest_is_reported() {
+    let it = Directory::new(&[("c.gen", SLIPS)]);
+    let diff = it.run(&["check", "--diff", "c.gen"]);
+    assert_eq!(status(&diff), 1);
+    let shown = stdout(&diff);
+    for line in [
+        "-  tsak t {\n",
+        "+  task t {\n",
+        "-    period 100 Hz;\n",
+        "+    period 10 ms;\n",
+    ] {
+        assert!(shown.contains(line), "{shown}");
+    }
+    assert_eq!(text_of(&it), SLIPS, "--diff changes nothing");
+
+    let fixed = it.run(&["check", "--fix", "--format", "json", "c.gen"]);
+    assert_eq!(status(&fixed), 1);
+    let right = SLIPS
+        .replace("version \"1\"", "version \"1\";")
+        .replace("bool", "boolean")
+        .replace("tsak", "task")
+        .replace("100 Hz", "10 ms")
+        .replace("ether, ether", "ether");
+    assert_eq!(text_of(&it), right);
+    let document: Value = serde_json::from_str(&stdout(&fixed)).expect("JSON");
+    assert_eq!(document["version"], 1);
+    let left = document["diagnostics"].as_array().expect("a list");
+    let errors: Vec<&Value> = left.iter().filter(|it| it["severity"] == "error").collect();
+    assert_eq!(errors.len(), 1, "{errors:#?}");
+    assert_eq!(errors[0]["code"], "param-unknown");
+    let fix = &errors[0]["fixes"][0];
+    assert_eq!(
+        (&fix["title"], &fix["safe"]),
+        (&json!("Change to `on`"), &json!(false))
+    );
+    assert_eq!(fix["edits"][0]["newText"], "on");
+
+    let again = it.run(&["check", "--diff", "c.gen"]);
+    assert_eq!((status(&again), stdout(&again).as_str()), (0, ""));
+}
+
+#[test]
+fn sarif_has_the_fixes() {
+    let it = Directory::new(&[("c.gen", SLIPS)]);
+    let output = it.run(&["check", "--format", "sarif", "c.gen"]);
+    let document: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    let results = document["runs"][0]["results"].as_array().expect("a list");
+    let fixes = results
+        .iter()
+        .find_map(|it| it.get("fixes"))
+        .expect("fixes");
+    assert_eq!(fixes[0]["properties"]["safe"], true);
+    let change = &fixes[0]["artifactChanges"][0];
+    assert_eq!(change["artifactLocation"]["uri"], "c.gen");
+    assert!(change["replacements"][0]["deletedRegion"]["startLine"].is_u64());
+}
+
+#[test]
+fn the_manual_is_part_of_the_program() {
+    let it = Directory::new(&[]);
+    let output = it.run(&["explain", "fsm/busy-loop"]);
+    assert_eq!(status(&output), 0);
+    assert!(
+        stdout(&output).starts_with("# fsm/busy-loop\n"),
+        "{}",
+        stdout(&output)
+    );
+    let all = stdout(&it.run(&["explain"]));
+    assert!(all.lines().count() > 150 && all.lines().any(|it| it == "missing-semicolon"));
+    let output = it.run(&["explain", "fsm/bussy-loop"]);
+    assert_eq!(status(&output), 2);
+    assert!(
+        stderr(&output).contains("did you mean `fsm/busy-loop`?"),
+        "{}",
+        stderr(&output)
+    );
+}

@@ -10,6 +10,7 @@ pub mod format;
 pub mod kind;
 pub mod lexer;
 pub mod line_index;
+pub mod near;
 pub mod parser;
 pub mod preproc;
 pub mod release;

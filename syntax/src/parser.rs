@@ -12,6 +12,7 @@ mod event;
 mod grammar;
 mod input;
 mod marker;
+mod repair;
 mod token_set;
 
 use std::cell::Cell;
@@ -19,6 +20,8 @@ use std::cell::Cell;
 use rowan::GreenNode;
 use smol_str::SmolStr;
 
+use self::repair::RawRepair;
+pub use self::repair::Repair;
 pub(crate) use self::{
     event::Event,
     input::{Input, is_read},
@@ -81,6 +84,8 @@ pub struct SyntaxError {
     pub related: Option<(TextRange, &'static str)>,
     /// The brace that is missing before it, with what goes with it: `{`, `}` or `};`.
     pub missing: Option<&'static str>,
+    /// What makes the text fit, where the grammar can tell.
+    pub repair: Option<Repair>,
 }
 
 impl SyntaxError {
@@ -186,7 +191,12 @@ fn locate(input: &Input<'_>, errors: Vec<RawError>) -> Vec<SyntaxError> {
     let mut located: Vec<SyntaxError> = Vec::with_capacity(errors.len());
     let mut last_call = None;
     for error in errors {
-        let range = input.range(error.token);
+        let mut range = input.range(error.token);
+        if error.behind
+            && let Some(end) = input.end_before(error.token)
+        {
+            range = TextRange::empty(end);
+        }
         if input.macro_name(error.token).is_some() {
             if last_call == Some(range) {
                 continue;
@@ -203,6 +213,7 @@ fn locate(input: &Input<'_>, errors: Vec<RawError>) -> Vec<SyntaxError> {
                 .related
                 .map(|(token, what)| (input.range(token), what)),
             missing: error.missing,
+            repair: error.repair.and_then(|it| it.locate(input)),
         });
     }
     located.sort_by_key(|it| it.range.start());
@@ -217,6 +228,9 @@ struct RawError {
     /// Another token that explains it, and what it is.
     related: Option<(usize, &'static str)>,
     missing: Option<&'static str>,
+    /// It is reported right behind the token before.
+    behind: bool,
+    repair: Option<RawRepair>,
 }
 
 /// The state of the grammar: a position in the input and what has been said so far.
@@ -242,6 +256,8 @@ pub(crate) struct Parser<'i> {
     item: usize,
     /// Inside `< >` of a type, where `>>` may be two closing brackets.
     in_angles: bool,
+    /// A word that is read as the keyword that it is near to.
+    respelt: Option<(usize, SyntaxKind)>,
     /// Look-aheads since the last token was consumed.
     fuel: Cell<u32>,
 }
@@ -261,6 +277,7 @@ impl<'i> Parser<'i> {
             open: 0,
             item: 0,
             in_angles: false,
+            respelt: None,
             fuel: Cell::new(0),
         }
     }
@@ -277,13 +294,13 @@ impl<'i> Parser<'i> {
     /// Kind of the token `n` further on; words are identifiers.
     pub(crate) fn nth(&self, n: usize) -> SyntaxKind {
         self.burn();
-        self.input.kind(self.pos + n)
+        self.kind_at(self.pos + n)
     }
 
     /// The current token as a keyword, if it is a word that may be one; else its kind.
     pub(crate) fn current_contextual(&self) -> SyntaxKind {
         self.burn();
-        self.input.contextual(self.pos)
+        self.contextual_at(self.pos)
     }
 
     /// Whether the current token is, or may be read as, this kind.
@@ -294,7 +311,7 @@ impl<'i> Parser<'i> {
     /// Whether the token `n` further on is, or may be read as, this kind.
     pub(crate) fn nth_at(&self, n: usize, kind: SyntaxKind) -> bool {
         self.burn();
-        self.input.kind(self.pos + n) == kind || self.input.contextual(self.pos + n) == kind
+        self.kind_at(self.pos + n) == kind || self.contextual_at(self.pos + n) == kind
     }
 
     /// Whether the current token is, or may be read as, one of these kinds.
@@ -305,8 +322,22 @@ impl<'i> Parser<'i> {
     /// Whether the token `n` further on is, or may be read as, one of these kinds.
     pub(crate) fn nth_at_ts(&self, n: usize, kinds: TokenSet) -> bool {
         self.burn();
-        kinds.contains(self.input.kind(self.pos + n))
-            || kinds.contains(self.input.contextual(self.pos + n))
+        kinds.contains(self.kind_at(self.pos + n))
+            || kinds.contains(self.contextual_at(self.pos + n))
+    }
+
+    fn kind_at(&self, i: usize) -> SyntaxKind {
+        match self.respelt {
+            Some((at, kind)) if at == i && kind.is_reserved_word() => kind,
+            _ => self.input.kind(i),
+        }
+    }
+
+    fn contextual_at(&self, i: usize) -> SyntaxKind {
+        match self.respelt {
+            Some((at, kind)) if at == i => kind,
+            _ => self.input.contextual(i),
+        }
     }
 
     /// Whether an `#include` stands right before the current token, so that what is missing here may
@@ -355,6 +386,7 @@ impl<'i> Parser<'i> {
 
     fn advance(&mut self, kind: SyntaxKind) {
         self.pos += 1;
+        self.respelt = None;
         self.fuel.set(0);
         self.events.push(Event::Token { kind });
     }
@@ -368,30 +400,44 @@ impl<'i> Parser<'i> {
         found
     }
 
-    /// Reports the current token: something else was expected.
-    pub(crate) fn expected(&mut self, what: &str) {
+    /// Like [`Parser::expect`]. Where one of `followers` is here, just this token is missing.
+    pub(crate) fn expect_before(&mut self, kind: SyntaxKind, followers: TokenSet) -> bool {
+        let found = self.eat(kind);
+        if !found && self.expected(&quoted(kind)) && self.at_ts(followers) {
+            self.insert_behind(kind.spelling().unwrap_or_default(), true);
+            if self.starts_line() {
+                self.show_behind();
+            }
+        }
+        found
+    }
+
+    /// Reports the current token: something else was expected. Like all that report, says whether it did:
+    /// nothing is reported twice at one token.
+    pub(crate) fn expected(&mut self, what: &str) -> bool {
         let (what, found) = (what.into(), self.describe_current().into());
-        self.error_here(Parsing::Expected { what, found });
+        self.error_here(Parsing::Expected { what, found })
     }
 
     /// Reports the current token: something else was expected, with a sentence that helps.
-    pub(crate) fn expected_because(&mut self, what: &str, help: &'static str) {
+    pub(crate) fn expected_because(&mut self, what: &str, help: &'static str) -> bool {
         let (what, found) = (what.into(), self.describe_current().into());
-        self.error_here(Parsing::ExpectedBecause { what, found, help });
+        self.error_here(Parsing::ExpectedBecause { what, found, help })
     }
 
     /// Reports the current token.
-    pub(crate) fn error_here(&mut self, kind: Parsing) {
-        self.error_at(self.pos, kind);
+    pub(crate) fn error_here(&mut self, kind: Parsing) -> bool {
+        self.error_at(self.pos, kind)
     }
 
     /// Reports a token, unless it was the last one reported.
-    pub(crate) fn error_at(&mut self, token: usize, kind: Parsing) {
+    pub(crate) fn error_at(&mut self, token: usize, kind: Parsing) -> bool {
         if self.last_error.is_some_and(|last| last >= token) {
-            return;
+            return false;
         }
         self.last_error = Some(token);
         self.push_error(token, kind);
+        true
     }
 
     /// Reports a token that the grammar goes on from as if nothing was wrong.
@@ -407,7 +453,14 @@ impl<'i> Parser<'i> {
             at_end: self.at(EOF),
             related: None,
             missing: None,
+            behind: false,
+            repair: None,
         });
+    }
+
+    /// Number of errors so far.
+    pub(crate) fn error_count(&self) -> usize {
+        self.errors.len()
     }
 
     /// Adds to the last error another token that explains it.
@@ -531,6 +584,11 @@ impl<'i> Parser<'i> {
     /// Text of the current token.
     pub(crate) fn current_text(&self) -> String {
         self.input.text(self.pos).into_owned()
+    }
+
+    /// Text of a token.
+    pub(crate) fn nth_text_at(&self, token: usize) -> String {
+        self.input.text(token).into_owned()
     }
 
     /// Text of the token `n` further on.

@@ -128,13 +128,14 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
                 continue;
             }
             let states = machine.states().map(|it| it.as_str());
-            let near = crate::elab::suggest::nearest(&state.name, states.chain(["ether"]));
+            let near = dotgen_syntax::near::nearest(&state.name, states.chain(["ether"]));
             let near = near.map(|name| {
                 let pause = if state.paused { "pause::" } else { "" };
                 Near {
                     at: state.src,
                     name: name.into(),
                     text: format_smolstr!("{pause}{name}"),
+                    plain: false,
                 }
             });
 
@@ -145,9 +146,10 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
                         state: state.name.clone(),
                         owner: owner.name(),
                     },
-                    codel.src,
+                    state.src,
                 )
-                .related(state.src, "this state")
+                .related(codel.src, "the codel")
+                .said_at(codel.src)
                 .near(near),
             );
         }

@@ -11,7 +11,6 @@ use super::{
     component::ComponentState,
     pragma::PragmaWcet,
     scope::{Clash, GLOBAL, ScopeId, Scopes},
-    suggest,
 };
 use crate::{
     finding::{Finding, Kind, Near, Severity, names::Naming},
@@ -257,7 +256,7 @@ impl<'a> Elaborator<'a> {
     ) -> Option<Near> {
         let left = self.hints.get().checked_sub(1)?;
         self.hints.set(left);
-        suggest::nearest(name, candidates).map(|it| Near::new(at, it))
+        dotgen_syntax::near::nearest(name, candidates).map(|it| Near::new(at, it))
     }
 
     /// Reports a problem that has one place only.

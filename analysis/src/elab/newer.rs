@@ -77,6 +77,7 @@ impl<'a> Elaborator<'a> {
                 let required = format!("genom3 >= {since}");
                 finding = finding.related(place, "the requirement").near(Some(Near {
                     at: place,
+                    plain: false,
                     text: format!("\"{required}\"").into(),
                     name: required.into(),
                 }));

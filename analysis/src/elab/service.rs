@@ -16,7 +16,7 @@ use crate::{
         names::Naming,
         services::{Declaring, ImportedBy},
     },
-    item_tree::{Item, Name, ParamDecl, Property, PropertyKind, ServiceDecl},
+    item_tree::{CodelDecl, Item, Name, ParamDecl, Property, PropertyKind, ServiceDecl},
     model::{
         CodelKind, ComponentKind, Name as Text, Owner, Service, ServiceKind, ServiceList, Src,
     },
@@ -334,14 +334,14 @@ impl<'a> Elaborator<'a> {
                 let stateful = codel.triggers.is_some();
                 match (kind, stateful) {
                     (ServiceKind::Activity, false) => {
-                        self.misplaced_codel(name, at, Declaring::CodelWithoutState);
+                        self.misplaced_codel(name, codel, at, Declaring::CodelWithoutState);
                         let owner = Owner::Service(service);
                         self.misplaced_params(index, owner, codel, CodelKind::Fsm);
                         return;
                     }
                     (ServiceKind::Attribute | ServiceKind::Function, true) => {
                         let kind = kind_text(kind);
-                        self.misplaced_codel(name, at, Declaring::CodelWithState { kind });
+                        self.misplaced_codel(name, codel, at, Declaring::CodelWithState { kind });
                         let owner = Owner::Service(service);
                         self.misplaced_params(index, owner, codel, CodelKind::Fsm);
                         return;
@@ -376,9 +376,20 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    fn misplaced_codel(&mut self, service: &Name, codel: Src, kind: Declaring) {
-        let at = self.src(service.ptr);
-        self.report(Finding::new(kind, at).related(codel, "this codel"));
+    fn misplaced_codel(
+        &mut self,
+        service: &Name,
+        codel: &CodelDecl,
+        property: Src,
+        kind: Declaring,
+    ) {
+        let said_at = self.src(service.ptr);
+        let at = codel.name.as_ref().map_or(property, |it| self.src(it.ptr));
+        self.report(
+            Finding::new(kind, at)
+                .related(said_at, "the service")
+                .said_at(said_at),
+        );
     }
 
     fn once_in_service(&mut self, index: u32, service: u32, word: &'static str, at: Src) -> bool {

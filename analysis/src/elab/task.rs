@@ -138,20 +138,19 @@ impl<'a> Elaborator<'a> {
             }
             PropertyKind::Codel(decl) => {
                 self.components[c].tasks[t].incomplete = true;
-                let at = self.src(name.ptr);
-                let codel = decl.name.as_ref().map(|it| it.text.clone());
-                let codel = codel.unwrap_or_default();
-
-                let place = self.src(decl.ptr);
+                let said_at = self.src(name.ptr);
+                let (at, codel) = match &decl.name {
+                    Some(it) => (self.src(it.ptr), it.text.clone()),
+                    None => (self.src(decl.ptr), Text::default()),
+                };
+                let kind = Declaring::TaskCodelWithoutState {
+                    codel,
+                    task: name.text.clone(),
+                };
                 self.report(
-                    Finding::new(
-                        Declaring::TaskCodelWithoutState {
-                            codel,
-                            task: name.text.clone(),
-                        },
-                        at,
-                    )
-                    .related(place, "this codel"),
+                    Finding::new(kind, at)
+                        .related(said_at, "the task")
+                        .said_at(said_at),
                 );
                 self.misplaced_params(index, Owner::Task(task), decl, CodelKind::Fsm);
             }

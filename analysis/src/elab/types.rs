@@ -2,10 +2,10 @@
 
 use rustc_hash::FxHashSet;
 
-use super::context::Elaborator;
+use super::{context::Elaborator, foreign};
 use crate::{
     finding::{
-        Finding,
+        Finding, Near,
         names::{Inside, Naming, Noun},
         values::Valuing,
     },
@@ -189,7 +189,22 @@ impl<'a> Elaborator<'a> {
                 .visible(self.scope)
                 .filter(|(_, ty)| wanted(&self.spec.ty(*ty).kind))
                 .map(|(name, _)| name.as_str());
-            let near = self.near(self.src(last.ptr), &last.text, candidates);
+            let at = self.src(last.ptr);
+            let foreign = match noun {
+                Noun::Type => foreign::type_of(&last.text),
+                _ => foreign::constant_of(&last.text),
+            };
+            let basic: &[&str] = if types { &foreign::TYPES } else { &[] };
+            let near = match foreign {
+                Some(name) => Some(Near {
+                    plain: true,
+                    ..Near::new(at, name)
+                }),
+                None => {
+                    let candidates = candidates.chain(basic.iter().copied());
+                    self.near(at, &last.text, candidates)
+                }
+            };
             let name = last.text.clone();
             (Naming::Unknown { noun, name }, near)
         };

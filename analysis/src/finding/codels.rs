@@ -145,8 +145,10 @@ impl Using {
     /// What mends it, the best first, made from the text around.
     pub(crate) fn fixes(&self, here: &Place<'_>) -> Vec<TextFix> {
         match self {
-            Using::PausedEther => vec![here.replace("ether")],
-            Using::StateTwice { .. } => here.remove_part().into_iter().collect(),
+            Using::PausedEther => vec![here.replace("ether").plain()],
+            Using::StateTwice { .. } => {
+                here.remove_part().map(TextFix::plain).into_iter().collect()
+            }
             Using::Undefined { state, .. } => here.declare_state(state),
             Using::UndeclaredThrow { exception, .. } => here.declare_throw(exception),
             Using::Unreachable { .. } => here.connect_or_remove_codel(),

@@ -123,7 +123,9 @@ impl Naming {
     /// What mends it, the best first, made from the text around.
     pub(crate) fn fixes(&self, here: &Place<'_>) -> Vec<TextFix> {
         match self {
-            Naming::ThrownTwice { .. } => here.remove_part().into_iter().collect(),
+            Naming::ThrownTwice { .. } => {
+                here.remove_part().map(TextFix::plain).into_iter().collect()
+            }
             _ => Vec::new(),
         }
     }

@@ -138,8 +138,11 @@ impl Declaring {
     /// What mends it, the best first, made from the text around.
     pub(crate) fn fixes(&self, here: &Place<'_>) -> Vec<TextFix> {
         let fix = match self {
-            Declaring::ListedTwice { .. } => here.remove_part(),
+            Declaring::ListedTwice { .. } => here.remove_part().map(TextFix::plain),
             Declaring::ActivityWithoutTask { task, .. } => here.add_task(task),
+            Declaring::CodelWithoutState | Declaring::TaskCodelWithoutState { .. } => {
+                here.add_first_state()
+            }
             Declaring::ActivityWithoutStart { .. } => here.add_start(),
             _ => None,
         };

@@ -21,6 +21,7 @@ pub(crate) fn missing_brace(root: &SyntaxNode, error: &SyntaxError) -> Option<Te
         _ => (here, brace.to_owned()),
     };
     Some(TextFix {
+        plain: false,
         title: format!("Insert `{brace}`"),
         edits: vec![(TextRange::empty(at), text)],
     })

@@ -1,20 +1,35 @@
 //! Slips of the pen: what was meant is plain, and a word or a character away.
 
-use dotgen_syntax::{SyntaxNode, TextRange, TextSize, ast, ast::AstNode};
+use dotgen_syntax::{SyntaxNode, TextRange, TextSize, ast, ast::AstNode, parser::Repair};
 
 use super::{Place, TextFix, add_property, braces::token_before, end_of, with_comma};
 
 impl Place<'_> {
-    /// A semicolon behind the last token before the place.
-    pub(crate) fn add_semicolon(&self) -> Option<TextFix> {
-        let at = token_before(self.root, self.range.start())?;
-        Some(insert(at.text_range().end(), ";"))
+    /// What the grammar knows to make the text fit.
+    pub(crate) fn repair(&self, repair: &Repair) -> TextFix {
+        let text = repair.text.as_str();
+        let shown = text.trim();
+        let title = match () {
+            () if text.is_empty() => format!("Remove `{}`", self.text(repair.range)),
+            () if repair.range.is_empty() => format!("Insert `{shown}`"),
+            () => format!("Change to `{shown}`"),
+        };
+        TextFix {
+            plain: repair.plain,
+            title,
+            edits: vec![(repair.range, text.to_owned())],
+        }
     }
 
-    /// The list of states that a codel lacks.
-    pub(crate) fn add_yield_list(&self) -> Option<TextFix> {
-        let codel: ast::Codel = self.node(self.range)?;
-        Some(insert(end_of(codel.syntax()), " yield ether"))
+    /// The state `start` for a codel without one, which is at the place.
+    pub(crate) fn add_first_state(&self) -> Option<TextFix> {
+        let codel: ast::CodelProperty = self.node(self.range)?;
+        let name = self.token_at(self.range)?;
+        let keyword = token_before(self.root, name.text_range().start())?;
+        let inside = codel.syntax().text_range();
+        inside
+            .contains_range(keyword.text_range())
+            .then(|| insert(keyword.text_range().end(), "<start>"))
     }
 
     /// A blank between a number and its unit.
@@ -24,6 +39,7 @@ impl Place<'_> {
         let number = number.unwrap_or(text.len());
         let unit = self.range.start() + TextSize::try_from(number).ok()?;
         Some(TextFix {
+            plain: false,
             title: format!("Write `{} us`", &text[..number]),
             edits: vec![(TextRange::empty(unit), " ".to_owned())],
         })
@@ -32,6 +48,7 @@ impl Place<'_> {
     /// The word `wcet` before an execution time.
     pub(crate) fn add_wcet_word(&self) -> TextFix {
         TextFix {
+            plain: false,
             title: "Write `wcet` before the duration".to_owned(),
             edits: vec![(TextRange::empty(self.range.start()), "wcet ".to_owned())],
         }
@@ -40,6 +57,7 @@ impl Place<'_> {
     /// Another text in the place of this one.
     pub(crate) fn replace(&self, text: &str) -> TextFix {
         TextFix {
+            plain: false,
             title: format!("Change to `{text}`"),
             edits: vec![(self.range, text.to_owned())],
         }
@@ -53,6 +71,7 @@ impl Place<'_> {
     /// Takes out what is here, which cannot be shown.
     pub(crate) fn remove_as(&self, title: &str) -> TextFix {
         TextFix {
+            plain: false,
             title: title.to_owned(),
             edits: vec![(self.range, String::new())],
         }
@@ -91,6 +110,7 @@ impl Place<'_> {
 
 fn insert(at: TextSize, text: &str) -> TextFix {
     TextFix {
+        plain: false,
         title: format!("Insert `{}`", text.trim()),
         edits: vec![(TextRange::empty(at), text.to_owned())],
     }
@@ -98,6 +118,7 @@ fn insert(at: TextSize, text: &str) -> TextFix {
 
 fn remove(range: TextRange, what: &str) -> TextFix {
     TextFix {
+        plain: false,
         title: format!("Remove `{what}`"),
         edits: vec![(range, String::new())],
     }

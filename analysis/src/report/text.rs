@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
+use camino::Utf8Path;
 use dotgen_syntax::{
     TextRange, TextSize,
+    finding::preprocessing::Preprocessing,
     preproc::{Element, MacroSite},
 };
 use smol_str::SmolStr;
@@ -13,6 +15,7 @@ use crate::{
     base::{Db, FileStatus, SourceFile, lexed},
     diagnostic::{Diagnostic, Related},
     finding::{Kind, files::Reading},
+    fixes::{TextFix, near_include},
     source_map::{bytes, offset},
     unit::{self, FileKey, lowered, parsed, preprocessed, text_facts},
 };
@@ -34,7 +37,21 @@ pub(super) fn text_report<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<Vec<Di
     }
     for error in &preprocessed(db, key).errors {
         let kind = Kind::Preprocessing(error.kind.clone());
-        out.push(at(kind, error.range, error.related));
+        let it = match misspelt_include(db, file, &error.kind, error.range) {
+            Some((range, path)) => {
+                let meant = format!("did you mean `{path}`?");
+                let mut it = shown(&kind, None, Some(&meant), file.path(db), error.range);
+                let fix = TextFix {
+                    plain: false,
+                    title: format!("Change to `{path}`"),
+                    edits: vec![(range, path)],
+                };
+                it.fixes.push(fix.within(file.path(db)));
+                it
+            }
+            None => at(kind, error.range, error.related),
+        };
+        out.push(it);
     }
     for error in &parsed(db, key).errors {
         let kind = Kind::Parsing(Box::new(error.clone()));
@@ -46,6 +63,27 @@ pub(super) fn text_report<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<Vec<Di
         out.push(at(Reading::MisplacedInclude.into(), range, None));
     }
     Arc::new(out)
+}
+
+/// The place of the path of an include that is not found, and the one that was probably meant.
+fn misspelt_include(
+    db: &dyn Db,
+    file: SourceFile,
+    kind: &Preprocessing,
+    range: TextRange,
+) -> Option<(TextRange, String)> {
+    let (path, searched) = match kind {
+        Preprocessing::NotFound { path } => (path, &[][..]),
+        Preprocessing::NotFoundIn { path, searched } => (path, &searched.0[..]),
+        _ => return None,
+    };
+    let directive = file.text(db).get(bytes(range))?;
+    let at = directive.find(path.as_str())?;
+    let at = TextRange::at(range.start() + offset(at), TextSize::of(path.as_str()));
+    let beside = file.path(db).parent().into_iter();
+    let directories = beside.chain(searched.iter().map(Utf8Path::new));
+    let meant = near_include(&**db.loader(), directories, path)?;
+    Some((at, meant))
 }
 
 /// What is wrong with the file as such.

@@ -4,6 +4,7 @@
 //! first. What cannot be known from the texts (macros, helpers, other libraries) gives no finding.
 
 mod comment;
+pub mod finding;
 mod flow;
 mod orphan;
 mod signature;
@@ -15,6 +16,7 @@ pub use dotgen_analysis::diagnostic::Severity;
 use dotgen_analysis::model::{CodelRef, Name, Owner, Src, TypeId};
 use rustc_hash::FxHashSet;
 
+use self::finding::Differing;
 use super::{
     expected::{Expected, ExpectedFunction},
     files::{IndexedFile, Sources},
@@ -51,6 +53,23 @@ impl DriftCode {
         DriftCode::Orphan,
         DriftCode::StaleComment,
     ];
+
+    /// The kind of a difference.
+    pub fn of(kind: &Differing) -> DriftCode {
+        match kind {
+            Differing::Missing { .. } => DriftCode::MissingDefinition,
+            Differing::Signature { .. } => DriftCode::SignatureMismatch,
+            Differing::ReturnsOk { .. }
+            | Differing::HasNoStates { .. }
+            | Differing::NotYielded { .. } => DriftCode::UndeclaredYield,
+            Differing::NeverReturned { .. } => DriftCode::NeverYielded,
+            Differing::NotThrown { .. } | Differing::NoException { .. } => {
+                DriftCode::UndeclaredThrow
+            }
+            Differing::Orphan { .. } | Differing::Renamed { .. } => DriftCode::Orphan,
+            Differing::StaleComment { .. } => DriftCode::StaleComment,
+        }
+    }
 
     /// The code as shown and configured.
     pub fn as_str(self) -> &'static str {
@@ -91,8 +110,8 @@ pub struct Drift {
     pub code: DriftCode,
     /// How bad.
     pub severity: Severity,
-    /// What is wrong and what would be right.
-    pub message: String,
+    /// What it is about.
+    pub kind: Differing,
     /// Component: index into the components of the specification.
     pub component: u32,
     /// Places in the specification: the codel's name, or the state that is never returned.
@@ -105,6 +124,13 @@ pub struct Drift {
     pub found: Option<String>,
     /// Ways to mend it, the best first.
     pub repairs: Vec<Repair>,
+}
+
+impl Drift {
+    /// What is wrong and what would be right.
+    pub fn message(&self) -> String {
+        self.kind.wording().to_string()
+    }
 }
 
 /// A change that removes a finding. [`crate::codels::repair`] turns it into text edits.
@@ -292,11 +318,12 @@ impl<'a> Check<'a> {
         uses.map(|&at| component.codel(at).src).collect()
     }
 
-    fn drift(&self, code: DriftCode, message: String) -> Drift {
+    fn drift(&self, kind: Differing) -> Drift {
+        let code = DriftCode::of(&kind);
         Drift {
             code,
             severity: code.severity(),
-            message,
+            kind,
             component: self.expected.component,
             spec: self.places(),
             source: None,
@@ -329,8 +356,10 @@ impl<'a> Check<'a> {
             return None;
         }
         let folder = self.sources.folder.file_name().unwrap_or_default();
-        let message = format!("no source in `{folder}/` defines the function of codel `{name}`");
-        let mut drift = self.drift(DriftCode::MissingDefinition, message);
+        let mut drift = self.drift(Differing::Missing {
+            folder: folder.into(),
+            codel: name.clone(),
+        });
         drift.expected = self.function.signature.clone().ok();
         if let Some(&at) = self.function.uses.first() {
             drift.repairs.push(Repair::Stub { at });
@@ -353,11 +382,10 @@ impl<'a> Check<'a> {
 
     fn renamed(&self, orphan: Found<'_>) -> Drift {
         let (from, to) = (&orphan.function.name, &self.function.name);
-        let message = format!(
-            "function `{from}` looks like a codel and no specification names it, while codel `{to}` \
-             has no function: was one of them renamed?"
-        );
-        let mut drift = self.drift(DriftCode::Orphan, message);
+        let mut drift = self.drift(Differing::Renamed {
+            function: from.as_str().into(),
+            codel: to.clone(),
+        });
         // A codel without function does not link.
         drift.severity = Severity::Warning;
         drift.source = Some(orphan.at(orphan.function.name_span.clone()));

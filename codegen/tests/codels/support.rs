@@ -154,7 +154,7 @@ impl Fixture {
     pub(crate) fn report(&self) -> Vec<String> {
         let all = self.check();
         all.iter()
-            .map(|it| format!("{}: {}", it.code.as_str(), it.message))
+            .map(|it| format!("{}: {}", it.code.as_str(), it.message()))
             .collect()
     }
 }

@@ -1,5 +1,7 @@
 //! `dotgen check`
 
+mod fix;
+
 use std::sync::Arc;
 
 use camino::Utf8PathBuf;
@@ -18,7 +20,8 @@ use crate::vfs;
 
 /// Report what is wrong with specifications
 ///
-/// Exit status: 0 without errors (warnings do not count), 1 with errors, 2 if a file cannot be read.
+/// Exit status: 0 without errors (warnings do not count), 1 with errors, with --diff if there is something to fix, 2 if a
+/// file cannot be read or written.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// Specifications, scenarios (.scn), and directories to search for .gen files
@@ -28,6 +31,14 @@ pub(super) struct Arguments {
     /// How to print diagnostics
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
+
+    /// Make every fix that nobody would make in another way, and report the rest
+    #[arg(long)]
+    fix: bool,
+
+    /// Change nothing; print what --fix would change
+    #[arg(long)]
+    diff: bool,
 
     /// Say which release of GenoM3 the specifications are read as, and why
     #[arg(long, short)]
@@ -40,12 +51,20 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let files = session::files(&arguments.paths)?;
     let mut report = Report::default();
+    let mut changed = fix::Changed::new();
     for mut session in session::open(files, &arguments.reading)? {
         if arguments.verbose {
             say_release(&session)?;
         }
+        if arguments.fix || arguments.diff {
+            fix::mend(&mut session, &mut changed)?;
+        }
         check(&mut session, &mut report)?;
     }
+    if arguments.diff {
+        return fix::print(&changed);
+    }
+    fix::write(&changed)?;
     report.finish();
     report::print(&report, arguments.format)?;
     Ok(match report.count(Severity::Error) {

@@ -156,7 +156,8 @@ fn standard_input(check: bool) -> anyhow::Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-fn print_diff(name: &str, old: &str, new: &str) -> anyhow::Result<()> {
+/// Prints what differs as a unified diff.
+pub(super) fn print_diff(name: &str, old: &str, new: &str) -> anyhow::Result<()> {
     let diff = TextDiff::from_lines(old, new);
     let mut unified = diff.unified_diff();
     unified.context_radius(CONTEXT).header(name, name);

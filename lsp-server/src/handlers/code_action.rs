@@ -1,12 +1,13 @@
 //! `textDocument/codeAction`: the fixes that diagnostics bring along, and refactorings.
 
-use dotgen_analysis::diagnostic::{Diagnostic, FileEdit, Fix};
+use dotgen_analysis::diagnostic::{Diagnostic, Fix};
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::ide::AssistKind;
 
 use super::codels::actions;
 use crate::convert::diagnostic;
 use crate::convert::edit::workspace_edit;
+use crate::fixes::together;
 use crate::proto::*;
 use crate::snapshot::{Snapshot, Subject};
 
@@ -16,15 +17,6 @@ pub(crate) const GENERATE: CodeActionKind = CodeActionKind::new("source.generate
 /// Everything that has a fix gets it, guesses and placeholders included. Not below `source.fixAll`, which editors run
 /// unasked when a file is saved.
 pub(crate) const FIX_FINDINGS: CodeActionKind = CodeActionKind::new("source.fixFindings");
-
-/// Findings that have one repair, which nobody would make in another way: what `source.fixAll` is for.
-const PLAIN: [&str; 5] = [
-    "fsm/duplicate-yield",
-    "fsm/paused-ether",
-    "list-duplicate-string",
-    "missing-semicolon",
-    "throw-duplicate",
-];
 
 pub(crate) fn handle(
     snapshot: &Snapshot,
@@ -55,7 +47,7 @@ pub(crate) fn handle(
         (CodeActionKind::SOURCE_FIX_ALL, plain, false),
         (FIX_FINDINGS, "Fix all that has a fix", true),
     ] {
-        let which = |it: &Diagnostic| guesses || PLAIN.contains(&it.code);
+        let which = |it: &Diagnostic| guesses || it.fixes.first().is_some_and(|it| it.plain);
         if params.context.only.is_some()
             && wanted(&kind)
             && let Some(it) = fix_all(snapshot, title, &all, which)?
@@ -131,7 +123,7 @@ fn quick_fix(
     snapshot: &Snapshot,
     it: &Diagnostic,
     fix: &Fix,
-    preferred: bool,
+    first: bool,
 ) -> Cancellable<Option<CodeActionOrCommand>> {
     let Some(edit) = workspace_edit(snapshot, &fix.edits)? else {
         return Ok(None);
@@ -141,7 +133,8 @@ fn quick_fix(
         kind: Some(CodeActionKind::QUICKFIX),
         diagnostics: diagnostic::to_proto(snapshot, it)?.map(|it| vec![it]),
         edit: Some(edit),
-        is_preferred: Some(preferred),
+        // Editors may apply a preferred fix without showing it.
+        is_preferred: Some(first && fix.plain),
         ..CodeAction::default()
     })))
 }
@@ -234,22 +227,8 @@ fn fix_all(
     all: &[Diagnostic],
     which: impl Fn(&Diagnostic) -> bool,
 ) -> Cancellable<Option<CodeAction>> {
-    let mut edits: Vec<FileEdit> = Vec::new();
-    for it in all.iter().filter(|it| which(it)) {
-        let Some(fix) = it.fixes.first() else {
-            continue;
-        };
-        let apart = |a: &FileEdit, b: &FileEdit| {
-            a.path != b.path || a.range.end < b.range.start || b.range.end < a.range.start
-        };
-        if fix
-            .edits
-            .iter()
-            .all(|new| edits.iter().all(|old| apart(old, new)))
-        {
-            edits.extend(fix.edits.iter().cloned());
-        }
-    }
+    let chosen = all.iter().filter(|it| which(it));
+    let edits = together(chosen.filter_map(|it| it.fixes.first()));
     if edits.is_empty() {
         return Ok(None);
     }

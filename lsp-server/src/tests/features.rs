@@ -360,16 +360,15 @@ async fn fixes_are_offered_where_they_change_something() {
     assert_eq!(
         offered,
         [
-            // At the codel that is reported, all there is.
+            vec![],
+            // At the state, which is reported. What was meant is a guess.
             vec![
-                fix("undefined-state: Change to `loop`", true),
+                fix("undefined-state: Change to `loop`", false),
                 fix(
                     "undefined-state: Declare a codel for the state `lopp`",
                     false
                 ),
             ],
-            // At the state, what changes it.
-            vec![fix("undefined-state: Change to `loop`", false)],
             vec![],
         ]
     );

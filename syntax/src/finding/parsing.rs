@@ -8,6 +8,18 @@ findings! {
         "syntax" Expected { what: SmolStr, found: SmolStr } => "expected {what}, found {found}";
         "syntax" ExpectedBecause { what: SmolStr, found: SmolStr, help: &'static str }
             => "expected {what}, found {found}", "{help}";
+        "syntax" Misspelt { word: SmolStr, keyword: SmolStr }
+            => "`{word}` is no keyword", "did you mean `{keyword}`?";
+        "syntax" NoComma { found: SmolStr }
+            => "missing `,` or `;`: found {found}", "names in a list are separated by commas";
+        "syntax" SingleColon { found: SmolStr }
+            => "expected `::`, found {found}", "the parts of a name are joined by `::`";
+        "syntax" NoUnit { word: SmolStr }
+            => "`{word}` is no unit", "a time is given in `s`, `ms` or `us`";
+        "syntax" Frequency { word: SmolStr }
+            => "`{word}` is no unit", "a rate is written as the time between two: `10 ms` for 100 Hz";
+        "syntax" ForeignType { word: SmolStr, ty: &'static str }
+            => "`{word}` is no type here", "did you mean `{ty}`?";
         "missing-semicolon" NoSemicolonAtEnd { after: SmolStr, others: &'static str }
             => "missing `;` after {after}{others}: the file ends here", "add `;`";
         "missing-semicolon" NoSemicolon { after: SmolStr, others: &'static str, found: SmolStr }

@@ -29,6 +29,9 @@ use super::{CompletedMarker, Fragment, Marker, Parser, TokenSet};
 use crate::finding::parsing::Parsing;
 use crate::kind::SyntaxKind::{self, *};
 
+/// What may follow a `]`.
+const AFTER_BRACKET: TokenSet = TokenSet::new(&[SEMICOLON, COMMA, L_BRACK, R_PAREN, DOT, EQ]);
+
 /// Reads a whole file.
 pub(super) fn fragment(p: &mut Parser<'_>, fragment: Fragment) {
     let m = p.start();
@@ -76,6 +79,11 @@ fn identifier(p: &mut Parser<'_>, kind: SyntaxKind, what: &str) -> bool {
 
 /// `[::]a::b::c`
 fn path(p: &mut Parser<'_>) -> bool {
+    path_with(p, false)
+}
+
+/// The same where no single colon can follow: one is taken for `::`.
+fn path_with(p: &mut Parser<'_>, no_colon: bool) -> bool {
     if !p.at(COLON2) && !p.at(IDENT) {
         return name_ref(p);
     }
@@ -86,7 +94,10 @@ fn path(p: &mut Parser<'_>) -> bool {
             p.expected("a name");
             break;
         }
-        if !name_ref(p) || !p.eat(COLON2) {
+        if !name_ref(p) {
+            break;
+        }
+        if !p.eat(COLON2) && !(no_colon && joined_by_other(p, COLON)) {
             break;
         }
     }
@@ -94,9 +105,54 @@ fn path(p: &mut Parser<'_>) -> bool {
     true
 }
 
+/// Another sign in the place of `::`, between two names: reported, and read as if it was `::`.
+fn joined_by_other(p: &mut Parser<'_>, sign: SyntaxKind) -> bool {
+    if !p.at(sign) || p.nth(1) != IDENT || p.is_reported() {
+        return false;
+    }
+    let found = p.describe_current().into();
+    let at = p.position();
+    p.push_error(at, Parsing::SingleColon { found });
+    p.replace(at..at + 1, "::", true);
+    let bad = p.start();
+    p.bump_any();
+    bad.complete(p, ERROR);
+    true
+}
+
 /// One or more of something, separated by commas. Stops after the first that is missing.
 fn comma_list(p: &mut Parser<'_>, mut one: impl FnMut(&mut Parser<'_>) -> bool) {
-    while one(p) && p.eat(COMMA) {}
+    const CLOSING: TokenSet = TokenSet::new(&[SEMICOLON, R_CURLY, R_PAREN, R_ANGLE]);
+    let mut after_comma = false;
+    loop {
+        let errors = p.error_count();
+        if !one(p) {
+            if after_comma && p.error_count() > errors && p.at_ts(CLOSING) {
+                let comma = p.position() - 1;
+                p.replace(comma..comma + 1, "", true);
+            }
+            return;
+        }
+        if !p.eat(COMMA) && !lacks_comma(p) {
+            return;
+        }
+        after_comma = true;
+    }
+}
+
+/// Whether another name is here, where a comma should be: reported, and read as if it was there.
+fn lacks_comma(p: &mut Parser<'_>) -> bool {
+    const AFTER: TokenSet = TokenSet::new(&[COMMA, SEMICOLON]);
+    let is_word = p.current_contextual() == IDENT;
+    let names = is_word && p.nth_at_ts(1, AFTER);
+    if !names || p.is_reported() {
+        return false;
+    }
+    let found = p.describe_current().into();
+    p.push_error(p.position(), Parsing::NoComma { found });
+    let plain = !p.starts_line();
+    p.insert_behind(",", plain);
+    true
 }
 
 /// Adjacent strings.
@@ -166,7 +222,13 @@ fn semicolon_or(p: &mut Parser<'_>, after: &str, others: &'static str) {
             }
         }
     };
-    p.error_here(kind);
+    let another = spec::at_item(p) || types::begins_member(p);
+    if p.error_here(kind) {
+        p.show_behind();
+        if another || p.at(R_CURLY) || p.at(EOF) {
+            p.insert_behind(";", another && p.starts_line());
+        }
+    }
 }
 
 impl Parser<'_> {

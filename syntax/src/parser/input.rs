@@ -168,6 +168,24 @@ impl<'a> Input<'a> {
         }
     }
 
+    /// Where the token before token `i` ends. `None` if a macro made it, or if there is none.
+    pub(crate) fn end_before(&self, i: usize) -> Option<TextSize> {
+        let before = i.min(self.len()).checked_sub(1)?;
+        match self.element(before) {
+            Some(Element::Real(raw)) => Some(self.raw_range(*raw, raw + 1).end()),
+            _ => None,
+        }
+    }
+
+    /// Whether a line ends between token `i` and the one before.
+    pub(crate) fn line_ends_before(&self, i: usize) -> bool {
+        let (Some(end), start) = (self.end_before(i), self.range(i).start()) else {
+            return false;
+        };
+        let between = self.text.get(usize::from(end)..usize::from(start));
+        i >= self.len() || between.is_some_and(|it| it.contains(['\n', '\r']))
+    }
+
     /// The macro that token `i` comes out of. A token that a line join breaks is its own macro.
     pub(crate) fn macro_name(&self, i: usize) -> Option<&'a str> {
         let Some(Element::Virtual(_)) = self.element(i) else {

@@ -210,7 +210,7 @@ impl CheckReport {
                 component: component.name.to_string(),
                 at: places.next(),
                 related: places.collect(),
-                message: drift.message,
+                message: drift.message(),
                 expected: drift.expected,
                 found: drift.found,
             });
@@ -262,7 +262,7 @@ pub fn diagnostics(findings: &[Drift], locations: &dyn Locations, side: Side) ->
                 ..Diagnostic::new(
                     drift.code.as_str(),
                     drift.severity,
-                    drift.message.clone(),
+                    drift.message(),
                     here.path,
                     here.range,
                 )

@@ -2,7 +2,8 @@
 
 use dotgen_analysis::model::{CodelKind, CodelRef};
 
-use super::{Check, Drift, DriftCode, Found, Repair};
+use super::finding::{Clauses, Differing};
+use super::{Check, Drift, Found, Repair};
 use crate::codels::{
     expected::{Expected, cut_tag, owner_words, state_text},
     source::Generated,
@@ -23,8 +24,10 @@ pub(super) fn check(check: &Check<'_>, definitions: &[Found<'_>], out: &mut Vec<
                 continue;
             }
             let codel = check.expected.component().codel(at);
-            let message = format!("comment of codel `{}`: {}", codel.name, wrong.join("; "));
-            let mut drift = check.drift(DriftCode::StaleComment, message);
+            let mut drift = check.drift(Differing::StaleComment {
+                codel: codel.name.clone(),
+                wrong: Clauses(wrong),
+            });
             drift.spec = vec![codel.src];
             drift.source = Some(found.at(comment.span.clone()));
             drift.repairs.push(Repair::RefreshComment {

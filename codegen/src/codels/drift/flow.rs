@@ -4,7 +4,8 @@ use dotgen_analysis::model::{CodelKind, CodelRef, TypeId};
 use rustc_hash::FxHashSet;
 use smol_str::SmolStr;
 
-use super::{Check, Drift, DriftCode, Found, Repair};
+use super::finding::{Differing, States};
+use super::{Check, Drift, Found, Repair};
 use crate::codels::{
     expected::{Expected, cut_tag, state_text},
     source::{Body, Call, Span, Value},
@@ -181,25 +182,28 @@ impl Flow<'_> {
         let component = expected.component();
         let fsm = |it: &&CodelRef| component.codel(**it).kind == CodelKind::Fsm;
         let machine = self.check.function.uses.iter().find(fsm);
-        let message = match machine {
+        let (function, event_name) = (name.clone(), event.into());
+        let kind = match machine {
             _ if event == expected.ok() => {
                 let first = self.check.function.uses.first();
-                let yields = first
-                    .map(|&it| yields_text(expected, it))
-                    .unwrap_or_default();
-                format!("`{name}` returns `{event}`, but its codel has states and yields {yields}")
+                Differing::ReturnsOk {
+                    function,
+                    event: event_name,
+                    yields: States(first.map(|&it| yields(expected, it)).unwrap_or_default()),
+                }
             }
-            None => format!(
-                "`{name}` returns `{event}`, but its codel has no states: it may return `{}` or an \
-                 exception",
-                expected.ok()
-            ),
-            Some(&at) => format!(
-                "`{name}` returns `{event}`, which its codel does not yield (it yields {})",
-                yields_text(expected, at)
-            ),
+            None => Differing::HasNoStates {
+                function,
+                event: event_name,
+                ok: expected.ok().into(),
+            },
+            Some(&at) => Differing::NotYielded {
+                function,
+                event: event_name,
+                yields: States(yields(expected, at)),
+            },
         };
-        let mut drift = self.check.drift(DriftCode::UndeclaredYield, message);
+        let mut drift = self.check.drift(kind);
         drift.source = Some(self.found.at(span.clone()));
         drift.found = Some(event.to_owned());
         for &at in &self.check.function.uses {
@@ -283,16 +287,19 @@ impl Flow<'_> {
 
     fn undeclared_throw(&self, name: &str, span: &Span, exception: Option<TypeId>) -> Drift {
         let function = &self.check.function.name;
-        let message = match exception {
-            Some(_) => format!(
-                "`{function}` raises `{name}`, which neither its {} nor the component throws",
-                self.owners()
-            ),
-            None => format!(
-                "`{function}` raises `{name}`, and the specification has no exception of that name"
-            ),
+        let (function, name_of) = (function.clone(), name.into());
+        let kind = match exception {
+            Some(_) => Differing::NotThrown {
+                function,
+                exception: name_of,
+                owners: self.owners().into(),
+            },
+            None => Differing::NoException {
+                function,
+                exception: name_of,
+            },
         };
-        let mut drift = self.check.drift(DriftCode::UndeclaredThrow, message);
+        let mut drift = self.check.drift(kind);
         drift.source = Some(self.found.at(span.clone()));
         drift.found = Some(name.to_owned());
         if let Some(exception) = exception {
@@ -318,13 +325,9 @@ impl Flow<'_> {
     }
 }
 
-fn yields_text(expected: &Expected<'_>, at: CodelRef) -> String {
+fn yields(expected: &Expected<'_>, at: CodelRef) -> Vec<String> {
     let codel = expected.component().codel(at);
-    let yields = codel
-        .yields
-        .iter()
-        .map(|it| format!("`{}`", state_text(it)));
-    yields.collect::<Vec<_>>().join(", ")
+    codel.yields.iter().map(state_text).collect()
 }
 
 fn never_yielded(
@@ -345,12 +348,11 @@ fn never_yielded(
             {
                 continue;
             }
-            let message = format!(
-                "codel `{}` may yield `{}`, but its function never returns `{event}`",
-                codel.name,
-                state_text(state)
-            );
-            let mut drift = check.drift(DriftCode::NeverYielded, message);
+            let mut drift = check.drift(Differing::NeverReturned {
+                codel: codel.name.clone(),
+                state: state_text(state).into(),
+                event: event.as_str().into(),
+            });
             drift.spec = vec![state.src];
             let found = definitions.first();
             drift.source = found.map(|it| it.at(it.function.name_span.clone()));

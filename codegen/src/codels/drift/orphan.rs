@@ -1,9 +1,10 @@
 //! Functions that look like codels and are named by no specification.
 
-use dotgen_analysis::elab::suggest::nearest;
 use dotgen_analysis::model::{CodelKind, CodelRef, Owner};
+use dotgen_syntax::near::nearest;
 use rustc_hash::FxHashSet;
 
+use super::finding::Differing;
 use super::{Drift, DriftCode, DriftOptions, Found, Repair};
 use crate::codels::{
     expected::{Expected, ExpectedFunction, cut_tag, owner_words},
@@ -148,10 +149,9 @@ pub(super) fn report(orphan: &Found<'_>, all: &[Expected<'_>]) -> Option<Drift> 
     Some(Drift {
         code: DriftCode::Orphan,
         severity: DriftCode::Orphan.severity(),
-        message: format!(
-            "function `{name}` looks like a codel and no specification names it: declare it as a \
-             codel, make it `static`, or remove it"
-        ),
+        kind: Differing::Orphan {
+            function: name.as_str().into(),
+        },
         component: expected.component,
         spec: Vec::new(),
         source: Some(orphan.at(function.name_span.clone())),

@@ -1,6 +1,7 @@
 //! Prototypes, compared after normalization.
 
-use super::{Check, Drift, DriftCode, Found, Repair};
+use super::finding::{Clauses, Differing};
+use super::{Check, Drift, Found, Repair};
 use crate::codels::{
     files::Sources,
     source::{CType, Function, Layer, Parameter, compact},
@@ -50,11 +51,10 @@ pub(super) fn check(check: &Check<'_>, definitions: &[Found<'_>], out: &mut Vec<
 
 fn report(check: &Check<'_>, found: Found<'_>, differences: &[String]) -> Drift {
     let name = &check.function.name;
-    let message = format!(
-        "`{name}` does not have the prototype of its codel: {}",
-        differences.join("; ")
-    );
-    let mut drift = check.drift(DriftCode::SignatureMismatch, message);
+    let mut drift = check.drift(Differing::Signature {
+        function: name.clone(),
+        differences: Clauses(differences.to_vec()),
+    });
     drift.source = Some(found.at(found.function.signature_span.clone()));
     drift.expected = check.function.signature.clone().ok();
     let text = found.file.text.get(found.function.signature_span.clone());

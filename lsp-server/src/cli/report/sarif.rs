@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::io::Write;
 
 use camino::Utf8Path;
-use dotgen_analysis::diagnostic::{Diagnostic, Severity};
+use dotgen_analysis::diagnostic::{Diagnostic, Fix, Severity};
 use serde_json::{Value, json};
 
 use super::Report;
@@ -60,21 +60,46 @@ fn result(report: &Report, it: &Diagnostic) -> Value {
     if !it.related.is_empty() {
         result["relatedLocations"] = related.collect();
     }
+    if !it.fixes.is_empty() {
+        result["fixes"] = it.fixes.iter().map(|it| fix(report, it)).collect();
+    }
     result
 }
 
+/// A fix; whether it can be applied unasked is a property of ours.
+fn fix(report: &Report, it: &Fix) -> Value {
+    let changes = it.edits.iter().map(|it| {
+        json!({
+            "artifactLocation": { "uri": artifact(&it.path) },
+            "replacements": [{
+                "deletedRegion": region(report, &it.path, &it.range),
+                "insertedContent": { "text": it.new_text },
+            }],
+        })
+    });
+    json!({
+        "description": { "text": it.title },
+        "artifactChanges": changes.collect::<Vec<_>>(),
+        "properties": { "safe": it.plain },
+    })
+}
+
 fn location(report: &Report, path: &Utf8Path, range: &std::ops::Range<usize>) -> Value {
-    let range = super::json::range(&report.texts, path, range);
     json!({
         "physicalLocation": {
             "artifactLocation": { "uri": artifact(path) },
-            "region": {
-                "startLine": range.start.line + 1,
-                "startColumn": range.start.character + 1,
-                "endLine": range.end.line + 1,
-                "endColumn": range.end.character + 1,
-            },
+            "region": region(report, path, range),
         },
+    })
+}
+
+fn region(report: &Report, path: &Utf8Path, range: &std::ops::Range<usize>) -> Value {
+    let range = super::json::range(&report.texts, path, range);
+    json!({
+        "startLine": range.start.line + 1,
+        "startColumn": range.start.character + 1,
+        "endLine": range.end.line + 1,
+        "endColumn": range.end.character + 1,
     })
 }
 

@@ -42,10 +42,16 @@ pub(super) fn codel(p: &mut Parser<'_>, form: Form) -> &'static str {
     }
     param::param_list(p, param::Params::Codel);
     wcet(p);
+    const AFTER_STATE: TokenSet = TokenSet::new(&[COMMA, SEMICOLON, WCET_KW]);
+    const YIELD: TokenSet = TokenSet::new(&[YIELDS_KW]);
+    p.respell(YIELD, |p| p.nth(1) == IDENT);
     let mut others = "";
     if p.at(YIELDS_KW) && !has_triggers {
         let extra = p.start();
-        p.error_here(Parsing::YieldWithoutStates);
+        if p.error_here(Parsing::YieldWithoutStates) && form == Form::Any {
+            let name = p.nth_text_at(name_at);
+            p.replace(name_at..name_at + 1, &format!("<start> {name}"), false);
+        }
         yields(p);
         extra.complete(p, ERROR);
     } else if p.at(YIELDS_KW) {
@@ -53,6 +59,11 @@ pub(super) fn codel(p: &mut Parser<'_>, form: Form) -> &'static str {
     } else if has_triggers && form == Form::Any && !p.is_reported() {
         let found = p.describe_current().into();
         p.push_error(name_at, Parsing::NoYield { found });
+        if p.at(SEMICOLON) {
+            p.insert_behind(" yield ether", false);
+        } else if p.at(IDENT) && p.nth_at_ts(1, AFTER_STATE) && !spec::at_item(p) {
+            p.insert_before("yield ", false);
+        }
         if !p.at(SEMICOLON) {
             p.mark_reported();
         }
@@ -73,14 +84,24 @@ fn triggers(p: &mut Parser<'_>) {
     let m = p.start();
     if !p.eat(L_ANGLE) {
         let (state, name) = (p.current_text().into(), p.nth_text(1).into());
-        p.error_here(Parsing::StatesWithoutAngles { state, name });
+        if p.error_here(Parsing::StatesWithoutAngles { state, name }) {
+            let (at, text) = (p.position(), format!("<{}>", p.current_text()));
+            p.replace(at..at + 1, &text, false);
+        }
         state_name(p);
         m.complete(p, TRIGGERS);
         return;
     }
     comma_list(p, state);
     if !p.eat(R_ANGLE) {
-        p.expected("`,` or `>`");
+        if p.expected("`,` or `>`") && p.at(IDENT) {
+            const GOES_ON: TokenSet = TokenSet::new(&[COMMA, R_ANGLE]);
+            match p.nth(1) {
+                L_PAREN => p.insert_behind(">", true),
+                _ if p.nth_at_ts(1, GOES_ON) => p.insert_behind(",", true),
+                _ => {}
+            }
+        }
         // Pass what cannot be a state, as far as the `>` is near.
         if !p.at(IDENT) && !p.at_item_end() && !p.at(L_PAREN) {
             let bad = p.start();
@@ -120,6 +141,9 @@ fn state(p: &mut Parser<'_>) -> bool {
     if p.at(PAUSE_KW) && p.nth(1) == COLON2 {
         p.bump(PAUSE_KW);
         p.bump(COLON2);
+    } else if p.at(PAUSE_KW) && matches!(p.nth(1), DOT | COLON) && p.nth(2) == IDENT {
+        p.bump(PAUSE_KW);
+        let _ = joined_by_other(p, DOT) || joined_by_other(p, COLON);
     } else if p.nth(1) == COLON2 && p.nth(2) == IDENT {
         let word = p.current_text().into();
         p.error_here(Parsing::QualifiedState { word });
@@ -160,6 +184,9 @@ fn at_timed_state(p: &Parser<'_>) -> bool {
 
 /// `wcet D [unit]`, any number of times: which is one too many is said with the model at hand.
 fn wcet(p: &mut Parser<'_>) {
+    const WORD: TokenSet = TokenSet::new(&[WCET_KW]);
+    const NUMBER: TokenSet = TokenSet::new(&[INT, FLOAT]);
+    p.respell(WORD, |p| p.nth_at_ts(1, NUMBER));
     while p.at(WCET_KW) {
         let m = p.start();
         p.bump(WCET_KW);

@@ -21,7 +21,7 @@ pub(super) fn initializer(p: &mut Parser<'_>) {
         let designator = p.start();
         p.bump(L_BRACK);
         expr::expr(p);
-        p.expect(R_BRACK);
+        p.expect_before(R_BRACK, AFTER_BRACKET);
         designator.complete(p, INDEX_DESIGNATOR);
         designated(p);
     } else if p.at(L_CURLY) {
@@ -66,20 +66,30 @@ fn list(p: &mut Parser<'_>) {
     const END: TokenSet = TokenSet::new(&[R_CURLY, R_PAREN, SEMICOLON, EOF]);
     // Nothing may stand before the first comma.
     if p.eat(COMMA) && p.at(R_CURLY) {
-        p.expected_because("a value", "remove the comma");
+        if p.expected_because("a value", "remove the comma") {
+            let comma = p.position() - 1;
+            p.replace(comma..comma + 1, "", true);
+        }
     }
     while !p.at_ts(END) {
         initializer(p);
         if p.eat(COMMA) {
             if p.at(R_CURLY) {
-                p.expected_because("a value", "remove the last comma");
+                if p.expected_because("a value", "remove the last comma") {
+                    let comma = p.position() - 1;
+                    p.replace(comma..comma + 1, "", true);
+                }
             }
             continue;
         }
         if p.at_ts(END) {
             break;
         }
-        p.expected("`,` or `}`");
+        const NEXT: TokenSet = TokenSet::new(&[DOT, INT, FLOAT, STRING, L_CURLY, IDENT]);
+        if p.expected("`,` or `}`") && p.at_ts(NEXT) {
+            p.insert_behind(",", true);
+            continue;
+        }
         skip_value(p);
         if !p.eat(COMMA) && !p.at(R_CURLY) {
             p.mark_reported();

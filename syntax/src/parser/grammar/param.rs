@@ -22,7 +22,10 @@ const LIST_END: TokenSet = TokenSet::new(&[R_PAREN, L_CURLY, R_CURLY, SEMICOLON,
 /// `( … )`. A bad parameter is passed up to the next `,` or `)`.
 pub(super) fn param_list(p: &mut Parser<'_>, params: Params) {
     if !p.at(L_PAREN) {
-        p.expected("`(`");
+        const FOLLOWERS: TokenSet = TokenSet::new(&[L_CURLY, SEMICOLON, YIELDS_KW]);
+        if p.expected("`(`") && p.at_ts(FOLLOWERS) {
+            p.insert_behind("()", false);
+        }
         return;
     }
     let m = p.start();
@@ -31,21 +34,27 @@ pub(super) fn param_list(p: &mut Parser<'_>, params: Params) {
         param(p, params);
         if p.at(COMMA) {
             p.bump(COMMA);
-            if at_list_end(p, params) {
-                p.expected("a parameter");
+            if at_list_end(p, params) && p.expected("a parameter") && p.at(R_PAREN) {
+                let comma = p.position() - 1;
+                p.replace(comma..comma + 1, "", true);
             }
             continue;
         }
         if at_list_end(p, params) {
             break;
         }
-        p.expected("`,` or `)`");
+        let reported = p.expected("`,` or `)`");
+        if reported && (p.at_ts(DIRECTION) || p.at_ts(SOURCE) && p.nth_at_ts(1, DIRECTION)) {
+            p.insert_behind(",", true);
+            continue;
+        }
         skip_param(p, params);
         if !p.eat(COMMA) && !p.at(R_PAREN) {
             p.mark_reported();
         }
     }
-    p.expect(R_PAREN);
+    const FOLLOWERS: TokenSet = TokenSet::new(&[L_CURLY, SEMICOLON, YIELDS_KW, WCET_KW]);
+    p.expect_before(R_PAREN, FOLLOWERS);
     m.complete(p, PARAM_LIST);
 }
 
@@ -84,6 +93,21 @@ fn param(p: &mut Parser<'_>, params: Params) {
 // test typed_param
 // component c { function f(in long a = 1 : "text", out t b[2], inout string<8> c = : "text"); };
 fn typed_param(p: &mut Parser<'_>) {
+    p.respell(DIRECTION, |p| {
+        p.nth_at_ts(1, types::TYPE_FIRST) && p.nth(2) != COMMA
+    });
+    if !p.at_ts(DIRECTION) && types::begins_param(p) {
+        // A habit from C.
+        if p.expected("the direction of a parameter, `in`, `out` or `inout`") {
+            p.insert_before("in ", false);
+        }
+        let m = p.start();
+        if types::type_spec(p, types::Allow::Constructed) && types::declarator(p) {
+            default_value(p);
+        }
+        m.complete(p, ERROR);
+        return;
+    }
     if !p.at_ts(DIRECTION) {
         p.expected("the direction of a parameter, `in`, `out` or `inout`");
         return;
@@ -106,6 +130,11 @@ fn typed_param(p: &mut Parser<'_>) {
 //   };
 // };
 fn path_param(p: &mut Parser<'_>, params: Params) {
+    if !p.at_ts(DIRECTION.union(SOURCE)) {
+        const NAME: TokenSet = TokenSet::new(&[IDENT, COLON2]);
+        let _ = p.respell(SOURCE, |p| p.nth_at_ts(1, DIRECTION) && p.nth(2) == IDENT)
+            || p.respell(DIRECTION, |p| p.nth_at_ts(1, NAME));
+    }
     let source = p.at_ts(SOURCE);
     if !source && !p.at_ts(DIRECTION) {
         p.expected("the direction of a parameter, `in`, `out` or `inout`");
@@ -117,6 +146,9 @@ fn path_param(p: &mut Parser<'_>, params: Params) {
             p.error_here(Parsing::AttributeSource);
         }
         p.bump_contextual();
+        if !p.at_ts(DIRECTION) {
+            p.respell(DIRECTION, |p| p.nth(1) == IDENT);
+        }
         if !p.at_ts(DIRECTION) {
             p.expected("the direction of the parameter, `in`, `out` or `inout`, after its source");
             m.complete(p, ERROR);
@@ -162,7 +194,7 @@ fn param_path(p: &mut Parser<'_>) {
             step.complete(p, MEMBER_STEP);
         } else if p.eat(L_BRACK) {
             expr::expr(p);
-            p.expect(R_BRACK);
+            p.expect_before(R_BRACK, AFTER_BRACKET);
             step.complete(p, INDEX_STEP);
         } else {
             step.abandon(p);

@@ -3,7 +3,7 @@
 use super::*;
 
 /// Words that begin a property. `local` and `task` need a look at what follows them.
-const PROPERTY_FIRST: TokenSet = TokenSet::new(&[
+pub(super) const PROPERTY_FIRST: TokenSet = TokenSet::new(&[
     DOC_KW,
     VERSION_KW,
     LANG_KW,
@@ -211,7 +211,57 @@ pub(super) fn quantity(p: &mut Parser<'_>, units: TokenSet) -> bool {
     let unit = p.at_ts(units);
     if unit {
         p.bump_contextual();
+    } else if units.contains(MS_KW) {
+        foreign_unit(p);
     }
     m.complete(p, QUANTITY);
     unit
+}
+
+/// A word behind a number that is no unit of time, but plainly stands for one.
+fn foreign_unit(p: &mut Parser<'_>) {
+    const AFTER: TokenSet = TokenSet::new(&[SEMICOLON, YIELDS_KW]);
+    if !p.at(IDENT) || !p.nth_at_ts(1, AFTER) || p.is_reported() {
+        return;
+    }
+    let at = p.position();
+    let word = p.current_text();
+    let factor = match word.to_ascii_lowercase().as_str() {
+        "hz" | "hertz" => Some(1.0),
+        "khz" => Some(1e3),
+        "mhz" => Some(1e6),
+        _ => None,
+    };
+    let unit = match word.to_ascii_lowercase().as_str() {
+        "sec" | "secs" | "second" | "seconds" => Some("s"),
+        "msec" | "msecs" | "millis" | "millisecond" | "milliseconds" => Some("ms"),
+        "usec" | "usecs" | "micros" | "microsecond" | "microseconds" => Some("us"),
+        _ if word.eq_ignore_ascii_case("s") => Some("s"),
+        _ if word.eq_ignore_ascii_case("ms") => Some("ms"),
+        _ if word.eq_ignore_ascii_case("us") => Some("us"),
+        _ => None,
+    };
+    let word = word.into();
+    if let Some(factor) = factor {
+        p.error_here(Parsing::Frequency { word });
+        // In whole microseconds at least, if the number is written here.
+        let rate = p.nth_text_at(at - 1).parse::<f64>().ok();
+        let time = rate.filter(|it| *it > 0.0).map(|it| 1e6 / (it * factor));
+        if let Some(time) = time.filter(|it| it.fract() == 0.0) {
+            let text = match time {
+                _ if time % 1e6 == 0.0 => format!("{} s", time / 1e6),
+                _ if time % 1e3 == 0.0 => format!("{} ms", time / 1e3),
+                _ => format!("{time} us"),
+            };
+            p.replace(at - 1..at + 1, &text, true);
+        }
+    } else if let Some(unit) = unit {
+        p.error_here(Parsing::NoUnit { word });
+        p.replace(at..at + 1, unit, true);
+    } else {
+        return;
+    }
+    let bad = p.start();
+    p.bump_any();
+    bad.complete(p, ERROR);
 }

@@ -46,6 +46,7 @@ pub(super) fn body(p: &mut Parser<'_>, fragment: Fragment, may_be_empty: bool, o
 fn item(p: &mut Parser<'_>, fragment: Fragment) {
     let start = p.position();
     let around = std::mem::replace(&mut p.item, start);
+    respell_first(p, fragment);
     let done = match fragment {
         Fragment::Members => types::member(p),
         Fragment::Cases => types::case(p),
@@ -59,6 +60,43 @@ fn item(p: &mut Parser<'_>, fragment: Fragment) {
         bad_item(p, fragment);
     }
     p.item = around;
+}
+
+/// Reads the first word of an item as the keyword that it is near to.
+fn respell_first(p: &mut Parser<'_>, fragment: Fragment) {
+    const TOP: TokenSet = TokenSet::new(&[
+        COMPONENT_KW,
+        INTERFACE_KW,
+        MODULE_KW,
+        CONST_KW,
+        TYPEDEF_KW,
+        NATIVE_KW,
+        EXCEPTION_KW,
+        STRUCT_KW,
+        UNION_KW,
+        ENUM_KW,
+    ]);
+    const IN_COMPONENT: TokenSet = TokenSet::new(&[
+        IDS_KW,
+        TASK_KW,
+        PORT_KW,
+        ATTRIBUTE_KW,
+        FUNCTION_KW,
+        ACTIVITY_KW,
+    ]);
+    let keywords = match fragment {
+        Fragment::Specification | Fragment::Module => TOP,
+        Fragment::Component => TOP.union(IN_COMPONENT).union(property::PROPERTY_FIRST),
+        Fragment::Properties => property::PROPERTY_FIRST,
+        // A type begins with a name.
+        Fragment::Members | Fragment::Cases => return,
+    };
+    if p.at_ts(keywords) {
+        return;
+    }
+    p.respell(keywords, |p| {
+        at_item(p) || p.at_ts(RESERVED_STARTS) || p.at(CODEL_KW) && p.nth(1) == L_ANGLE
+    });
 }
 
 /// Modules, constants, types: what may stand nearly everywhere.

@@ -160,7 +160,7 @@ pub(super) fn declarator(p: &mut Parser<'_>) -> bool {
         let dimension = p.start();
         p.bump(L_BRACK);
         expr::expr(p);
-        p.expect(R_BRACK);
+        p.expect_before(R_BRACK, AFTER_BRACKET);
         dimension.complete(p, DIMENSION);
     }
     m.complete(p, DECLARATOR);
@@ -191,6 +191,18 @@ pub(super) fn at_next(p: &Parser<'_>) -> bool {
 pub(super) fn at_member(p: &Parser<'_>) -> bool {
     const END: TokenSet = TokenSet::new(&[SEMICOLON, COMMA, L_BRACK]);
     p.at(IDENT) && (p.nth_at(1, COLON2) || (p.nth_at(1, IDENT) && p.nth_at_ts(2, END)))
+}
+
+/// Whether a type and a name are here, or what certainly is a type.
+pub(super) fn begins_member(p: &Parser<'_>) -> bool {
+    at_member(p) || p.at_ts(TYPE_FIRST) && !p.at(IDENT) && !p.at(COLON2)
+}
+
+/// Whether a parameter of a service is here that lacks its direction: a type and a name.
+pub(super) fn begins_param(p: &Parser<'_>) -> bool {
+    const AFTER: TokenSet = TokenSet::new(&[COMMA, R_PAREN, L_BRACK, EQ]);
+    let named = p.at(IDENT) && p.nth(1) == IDENT && p.nth_at_ts(2, AFTER);
+    named || p.at_ts(TYPE_FIRST) && !p.at(IDENT) && !p.at(COLON2)
 }
 
 /// Which types may stand at a place.
@@ -235,6 +247,13 @@ pub(super) const TYPE_FIRST: TokenSet = TokenSet::new(&[
 // typedef string m; typedef string<N> n; typedef fixed<5, 2> o; typedef fixed p;
 // typedef sequence<long> q; typedef sequence<optional<a::b>, 2 * 3> r; typedef ::a s;
 pub(super) fn type_spec(p: &mut Parser<'_>, allow: Allow) -> bool {
+    const TEMPLATES: TokenSet = TokenSet::new(&[SEQUENCE_KW, OPTIONAL_KW, STRING_KW]);
+    const BLOCKS: TokenSet = TokenSet::new(&[STRUCT_KW, ENUM_KW]);
+    if p.at(IDENT) && p.nth(1) == L_ANGLE {
+        p.respell(TEMPLATES, |_| true);
+    } else if p.at(IDENT) && p.nth(1) == IDENT && p.nth(2) == L_CURLY {
+        p.respell(BLOCKS, |_| allow == Allow::Constructed);
+    }
     match p.current() {
         UNSIGNED_KW | SHORT_KW | LONG_KW | FLOAT_KW | DOUBLE_KW | CHAR_KW | BOOLEAN_KW
         | OCTET_KW | ANY_KW => base_type(p),
@@ -248,7 +267,7 @@ pub(super) fn type_spec(p: &mut Parser<'_>, allow: Allow) -> bool {
         }
         IDENT | COLON2 => {
             let m = p.start();
-            path(p);
+            path_with(p, true);
             m.complete(p, NAMED_TYPE);
         }
         STRUCT_KW | UNION_KW | ENUM_KW if allow == Allow::Constructed => return constructed(p),
@@ -283,14 +302,49 @@ fn base_type(p: &mut Parser<'_>) {
     let unsigned = p.eat(UNSIGNED_KW);
     if p.eat(LONG_KW) {
         p.eat(LONG_KW);
+        foreign_int(p);
     } else if unsigned {
-        if !p.eat(SHORT_KW) {
-            p.expected("`short` or `long` after `unsigned`");
+        if p.eat(SHORT_KW) {
+            foreign_int(p);
+        } else if p.expected("`short` or `long` after `unsigned`") {
+            let at = p.position();
+            // Habits from C.
+            let (tokens, text) = match p.current_text().as_str() {
+                "int" => (at..at + 1, "long"),
+                "char" => (at - 1..at + 1, "octet"),
+                _ => {
+                    p.insert_behind(" long", false);
+                    m.complete(p, BASE_TYPE);
+                    return;
+                }
+            };
+            p.replace(tokens, text, true);
+            let bad = p.start();
+            p.bump_any();
+            bad.complete(p, ERROR);
         }
     } else {
+        let is_short = p.at(SHORT_KW);
         p.bump_any();
+        if is_short {
+            foreign_int(p);
+        }
     }
     m.complete(p, BASE_TYPE);
+}
+
+/// The word `int` behind `long` or `short`, a habit from C.
+fn foreign_int(p: &mut Parser<'_>) {
+    if !p.at(IDENT) || p.nth(1) != IDENT || p.current_text() != "int" || p.is_reported() {
+        return;
+    }
+    let at = p.position();
+    let word = "int".into();
+    p.push_error(at, Parsing::ForeignType { word, ty: "long" });
+    p.replace(at..at + 1, "", false);
+    let bad = p.start();
+    p.bump_any();
+    bad.complete(p, ERROR);
 }
 
 fn string_type(p: &mut Parser<'_>) {
@@ -348,11 +402,15 @@ fn close_angle(p: &mut Parser<'_>) {
             p.bump(SHR);
             m.complete(p, ERROR);
         } else {
-            p.error_here(Parsing::ClosingShift);
+            if p.error_here(Parsing::ClosingShift) {
+                let at = p.position();
+                p.replace(at..at + 1, "> >", true);
+            }
         }
         return;
     }
-    p.expect(R_ANGLE);
+    const FOLLOWERS: TokenSet = TokenSet::new(&[IDENT, COMMA, R_ANGLE]);
+    p.expect_before(R_ANGLE, FOLLOWERS);
 }
 
 fn constructed(p: &mut Parser<'_>) -> bool {
@@ -469,7 +527,9 @@ fn enumerators(p: &mut Parser<'_>) {
             if p.at(R_CURLY) || p.at_item_end() || spec::at_declaration(p) {
                 break;
             }
-            p.expected("`,` or `}`");
+            if p.expected("`,` or `}`") && p.at(IDENT) {
+                p.insert_behind(",", true);
+            }
             // A name right after a name: the comma is missing.
             if !p.at(IDENT) {
                 let bad = p.start();

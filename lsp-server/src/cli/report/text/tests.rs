@@ -54,6 +54,7 @@ fn place_explanation_and_fix_are_shown() {
         message: "a port with a similar name".to_owned(),
     });
     it.fixes.push(Fix {
+        plain: false,
         title: "change it to `goal`".to_owned(),
         edits: vec![FileEdit {
             path: "/robot/arm.gen".into(),

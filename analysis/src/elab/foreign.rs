@@ -1,0 +1,33 @@
+//! Words of other languages for what this one calls otherwise.
+
+/// The type that C, C++ or ROS calls by another name.
+pub(super) fn type_of(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "bool" | "Bool" | "Boolean" | "bool_t" | "BOOL" => "boolean",
+        "int" | "Int" | "integer" | "int32" | "int32_t" | "i32" => "long",
+        "uint" | "unsigned_int" | "uint32" | "uint32_t" | "u32" => "unsigned long",
+        "byte" | "uchar" | "int8" | "int8_t" | "uint8" | "uint8_t" | "u8" | "i8" => "octet",
+        "int16" | "int16_t" | "i16" => "short",
+        "uint16" | "uint16_t" | "u16" | "ushort" => "unsigned short",
+        "int64" | "int64_t" | "i64" => "long long",
+        "uint64" | "uint64_t" | "u64" | "size_t" => "unsigned long long",
+        "float32" | "float32_t" | "f32" => "float",
+        "float64" | "float64_t" | "f64" | "real" => "double",
+        "String" | "str" => "string",
+        _ => return None,
+    })
+}
+
+/// Types that every text has.
+pub(super) const TYPES: [&str; 8] = [
+    "boolean", "octet", "char", "string", "short", "long", "float", "double",
+];
+
+/// The constant that other languages call by another name.
+pub(super) fn constant_of(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "true" | "True" => "TRUE",
+        "false" | "False" => "FALSE",
+        _ => return None,
+    })
+}

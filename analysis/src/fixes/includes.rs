@@ -1,0 +1,45 @@
+//! Misspelt paths of included files.
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_syntax::near::nearest;
+
+use crate::host::Loader;
+
+/// Entries of a directory that are looked at.
+const MOST_ENTRIES: usize = 2000;
+
+/// The file that a path most likely stands for, in the first of the directories that has one.
+pub(crate) fn near_include<'d>(
+    loader: &dyn Loader,
+    directories: impl IntoIterator<Item = &'d Utf8Path>,
+    path: &str,
+) -> Option<String> {
+    directories
+        .into_iter()
+        .find_map(|it| below(loader, it, path))
+        .filter(|it| it != path)
+}
+
+/// A path below a directory, with the parts that are not there replaced by the nearest ones that are.
+fn below(loader: &dyn Loader, directory: &Utf8Path, path: &str) -> Option<String> {
+    let mut here: Utf8PathBuf = directory.to_owned();
+    let mut out: Vec<String> = Vec::new();
+    let parts: Vec<&str> = path.split('/').collect();
+    for (index, &part) in parts.iter().enumerate() {
+        let name = match part {
+            "." | ".." => part.to_owned(),
+            _ => {
+                let is_last = index + 1 == parts.len();
+                let mut entries = loader.list_dir(&here);
+                entries.truncate(MOST_ENTRIES);
+                entries.retain(|it| it.is_dir != is_last);
+                let names = || entries.iter().map(|it| it.name.as_str());
+                let exact = names().find(|it| *it == part);
+                exact.or_else(|| nearest(part, names()))?.to_owned()
+            }
+        };
+        here.push(&name);
+        out.push(name);
+    }
+    Some(out.join("/"))
+}

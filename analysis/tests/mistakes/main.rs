@@ -1,0 +1,163 @@
+//! Mistakes as people make them, seeded into real components: each is one error on its line, and the
+//! first fix restores the text. And what fixes must never do: make anything worse.
+//!
+//! `MISTAKES=report cargo test -p dotgen-analysis --test mistakes -- --nocapture` prints each of them and
+//! the numbers in `docs/fixes.md`.
+
+mod mutate;
+mod seed;
+
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::{
+    diagnostic::{Diagnostic, Fix, Severity},
+    host::{AnalysisHost, BatchInput, DirEntry, FileContent, Input, Loader, PackageFlags},
+};
+
+/// The disk, with one text in the place of a file; packages stand in a few folders.
+struct Overlay {
+    path: Utf8PathBuf,
+    text: String,
+    packages: Vec<Utf8PathBuf>,
+}
+
+impl Loader for Overlay {
+    fn read(&self, path: &Utf8Path) -> FileContent {
+        if *path == self.path {
+            return FileContent::Text(self.text.clone());
+        }
+        match std::fs::read_to_string(path) {
+            Ok(text) => FileContent::Text(text),
+            Err(_) => FileContent::Missing,
+        }
+    }
+
+    fn packages(&self, _: &[String]) -> Result<PackageFlags, String> {
+        Ok(PackageFlags {
+            include_dirs: self.packages.clone(),
+            ..PackageFlags::default()
+        })
+    }
+
+    fn list_dir(&self, path: &Utf8Path) -> Vec<DirEntry> {
+        let entries = std::fs::read_dir(path).into_iter().flatten().flatten();
+        let entry = |it: std::fs::DirEntry| DirEntry {
+            name: it.file_name().to_string_lossy().into_owned(),
+            is_dir: it.path().is_dir(),
+        };
+        entries.map(entry).collect()
+    }
+}
+
+/// A component that is right.
+struct Component {
+    path: Utf8PathBuf,
+    text: String,
+    includes: Vec<Utf8PathBuf>,
+}
+
+impl Component {
+    /// The errors of the component with another text.
+    fn errors(&self, text: &str) -> Vec<Diagnostic> {
+        let loader = Overlay {
+            path: self.path.clone(),
+            text: text.to_owned(),
+            packages: self.includes.clone(),
+        };
+        let input = BatchInput {
+            inputs: vec![Input::File(self.path.clone())],
+            include_dirs: self.includes.clone(),
+            ..BatchInput::default()
+        };
+        let host = AnalysisHost::new(Arc::new(loader));
+        let result = host.analysis().batch(&input).unwrap();
+        let errors = result.diagnostics.iter();
+        let errors = errors.filter(|it| it.severity == Severity::Error);
+        errors.cloned().collect()
+    }
+}
+
+/// A text after a fix. `None` if it changes other files.
+fn apply(path: &Utf8Path, text: &str, fix: &Fix) -> Option<String> {
+    let mut edits: Vec<_> = fix.edits.iter().collect();
+    edits.sort_by_key(|it| std::cmp::Reverse(it.range.start));
+    let mut text = text.to_owned();
+    for edit in edits {
+        if edit.path != path {
+            return None;
+        }
+        text.replace_range(edit.range.clone(), &edit.new_text);
+    }
+    Some(text)
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+/// Specifications below a folder that have no error.
+fn components(folder: &Path, includes: &[Utf8PathBuf]) -> Vec<Component> {
+    let mut paths = Vec::new();
+    collect(folder, &mut paths);
+    paths.sort();
+    let paths = paths.into_iter().filter_map(|it| it.canonicalize().ok());
+    let paths = paths.filter_map(|it| Utf8PathBuf::from_path_buf(it).ok());
+    let component = |path: Utf8PathBuf| {
+        let text = std::fs::read_to_string(&path).ok()?;
+        let around = path.ancestors().skip(1).take(2);
+        let own = around.flat_map(|it| [it.to_owned(), it.join("idl"), it.join("include")]);
+        let includes: Vec<Utf8PathBuf> = own.chain(includes.iter().cloned()).collect();
+        let it = Component {
+            path,
+            text,
+            includes,
+        };
+        it.errors(&it.text).is_empty().then_some(it)
+    };
+    paths.filter_map(component).collect()
+}
+
+fn collect(folder: &Path, out: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            collect(&path, out);
+        } else if path.extension().is_some_and(|it| it == "gen") {
+            out.push(path);
+        }
+    }
+}
+
+fn examples() -> Vec<Component> {
+    let all = components(&root().join("examples"), &[]);
+    assert!(all.len() >= 8, "only {} examples are read", all.len());
+    all
+}
+
+/// Published components, where they lie beside the project.
+fn published() -> Vec<Component> {
+    let corpus = root().join("../shared/corpus/components");
+    let mut folders = Vec::new();
+    let mut add = |it: PathBuf| folders.extend(Utf8PathBuf::from_path_buf(it));
+    for entry in std::fs::read_dir(&corpus).into_iter().flatten().flatten() {
+        add(entry.path());
+        for inner in std::fs::read_dir(entry.path())
+            .into_iter()
+            .flatten()
+            .flatten()
+        {
+            if inner.path().is_dir() {
+                add(inner.path());
+            }
+        }
+    }
+    let all = components(&corpus, &folders);
+    if all.is_empty() {
+        eprintln!("skipped: no published components in {}", corpus.display());
+    }
+    all
+}

@@ -1,0 +1,119 @@
+//! Random changes of tokens: no fix makes anything worse, and fixing ends.
+
+use super::*;
+
+/// Rounds of fixing after which a text has to be settled.
+const MOST_ROUNDS: usize = 40;
+
+/// Numbers that look random, the same each time (xorshift).
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, end: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 % end.max(1) as u64) as usize
+    }
+}
+
+/// The text with one token left out, written twice, exchanged with the next one, or misspelt.
+fn mutated(text: &str, random: &mut Random) -> String {
+    let parse = dotgen_syntax::parse_text(text);
+    let root = parse.syntax();
+    let tokens: Vec<_> = root
+        .descendants_with_tokens()
+        .filter_map(|it| it.into_token())
+        .filter(|it| !it.kind().is_trivia() && !it.text_range().is_empty())
+        .collect();
+    let index = random.below(tokens.len().saturating_sub(1));
+    let range = |it: usize| std::ops::Range::<usize>::from(tokens[it].text_range());
+    let (here, next) = (range(index), range((index + 1).min(tokens.len() - 1)));
+    let mut out = text.to_owned();
+    match random.below(4) {
+        0 => out.replace_range(here, ""),
+        1 => out.insert_str(here.end, &format!(" {}", &text[here.clone()])),
+        2 if next.start >= here.end => {
+            out.replace_range(next.clone(), &text[here.clone()]);
+            out.replace_range(here, &text[next]);
+        }
+        _ => {
+            let word = &text[here.clone()];
+            let cut = word.len() / 2;
+            if word.is_char_boundary(cut) && word.len() > 2 && word.is_ascii() {
+                out.replace_range(here.start + cut..here.start + cut + 1, "");
+            }
+        }
+    }
+    out
+}
+
+#[test]
+fn no_fix_makes_it_worse_and_fixing_ends() {
+    let count = std::env::var("MUTATIONS")
+        .ok()
+        .and_then(|it| it.parse().ok());
+    let count: usize = count.unwrap_or(150);
+    let components = examples();
+    let mut random = Random(0x9e37_79b9_7f4a_7c15);
+    let mut bad = Vec::new();
+    for _ in 0..count {
+        let component = &components[random.below(components.len())];
+        let mut text = mutated(&component.text, &mut random);
+        let first = text.clone();
+        let mut errors = component.errors(&text);
+        for fix in errors.iter().flat_map(|it| &it.fixes) {
+            let Some(after) = apply(&component.path, &text, fix) else {
+                continue;
+            };
+            let left = component.errors(&after);
+            if left.len() > errors.len() {
+                bad.push(format!(
+                    "{}: `{}` {} -> {} in\n{}",
+                    component.path,
+                    fix.title,
+                    errors.len(),
+                    left.len(),
+                    difference(&component.text, &first)
+                ));
+            }
+        }
+        let mut rounds = 0;
+        while let Some(after) = errors
+            .iter()
+            .filter_map(|it| it.fixes.first())
+            .find_map(|it| apply(&component.path, &text, it))
+        {
+            rounds += 1;
+            if rounds > MOST_ROUNDS - 2 {
+                let error = errors.iter().find(|it| !it.fixes.is_empty());
+                bad.extend(error.map(|it| format!("{}, {}", it.message, it.fixes[0].title)));
+            }
+            if rounds > MOST_ROUNDS {
+                bad.push(format!(
+                    "{}: fixing does not end\n{}",
+                    component.path,
+                    difference(&component.text, &first)
+                ));
+                break;
+            }
+            text = after;
+            errors = component.errors(&text);
+        }
+    }
+    assert!(
+        bad.is_empty(),
+        "{} of {count} texts:\n{}",
+        bad.len(),
+        bad[..bad.len().min(20)].join("\n")
+    );
+}
+
+/// The lines that differ.
+fn difference(a: &str, b: &str) -> String {
+    let lines = a.lines().zip(b.lines()).filter(|(a, b)| a != b);
+    lines
+        .take(2)
+        .map(|(a, b)| format!("  - {a}\n  + {b}"))
+        .collect()
+}

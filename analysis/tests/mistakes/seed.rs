@@ -1,0 +1,224 @@
+//! Mistakes of the kinds that people make.
+
+use super::*;
+
+/// A kind of mistake: what is right, and what is written instead. `$` stands for a word, which stays.
+const KINDS: &[(&str, &str, &str)] = &[
+    ("no semicolon", ";\n", "\n"),
+    ("no parenthesis", "$)\n", "$\n"),
+    ("no parenthesis before a body", "$) {", "$ {"),
+    ("no comma in parameters", "$, in $", "$ in $"),
+    ("no angle bracket", "codel<$> $", "codel<$ $"),
+    ("comma at the end of a yield", "yield $;", "yield $,;"),
+    ("comma at the end of parameters", "in $)", "in $,)"),
+    ("activity", "activity $", "activty $"),
+    ("function", "function $", "fucntion $"),
+    ("attribute", "attribute $", "atribute $"),
+    ("yield", "yield $", "yeild $"),
+    ("inout", "inout $", "inuot $"),
+    ("code", "codel<$", "code<$"),
+    ("codel", "codel $(", "cdoel $("),
+    ("struct", "struct $ {", "strcut $ {"),
+    ("exception", "exception $", "exeption $"),
+    ("period", "period $", "perid $"),
+    ("task", "task $ {", "tsak $ {"),
+    ("port", "port in ", "prot in "),
+    ("ids", "ids {", "idz {"),
+    ("version", "version \"", "verison \""),
+    ("throw", "throw $", "thorw $"),
+    ("typedef", "typedef ", "typdef "),
+    ("bool", "boolean $;", "bool $;"),
+    ("int", "\n  long $;", "\n  int $;"),
+    ("uint8_t", "octet $", "uint8_t $"),
+    ("unsigned int", "unsigned long $", "unsigned int $"),
+    ("hertz", "period 10 ms", "period 100 Hz"),
+    ("no comma in yields", "yield $, $;", "yield $ $;"),
+    ("a dot after pause", "pause::$", "pause.$"),
+    ("a single colon", " $::$ ", " $:$ "),
+    ("a shift", "> >", ">>"),
+    ("double", "double $", "duoble $"),
+    ("sequence", "sequence<", "sequnce<"),
+];
+
+/// What is seeded at each place where it fits: the text with the mistake, and where it is.
+fn places(text: &str, right: &str, wrong: &str) -> Vec<(String, usize)> {
+    let masked = mask(text);
+    let mut out = Vec::new();
+    for at in 0..text.len() {
+        let Some((length, words)) = fits(&masked[at..], right) else {
+            continue;
+        };
+        // Words begin and end where they do.
+        let is_word = |c: char| c.is_alphanumeric() || c == '_';
+        let first = right.chars().next().unwrap_or(' ');
+        if (is_word(first) || first == '$') && masked[..at].ends_with(is_word) {
+            continue;
+        }
+        let mut words = words.iter();
+        let instead: String = wrong
+            .split_inclusive('$')
+            .map(|part| match part.strip_suffix('$') {
+                Some(rest) => format!("{rest}{}", words.next().map_or("", |it| *it)),
+                None => part.to_owned(),
+            })
+            .collect();
+        let mut broken = text.to_owned();
+        broken.replace_range(at..at + length, &instead);
+        // The place is where the texts part.
+        let same = text.bytes().zip(broken.bytes());
+        let same = same.take_while(|(a, b)| a == b).count();
+        out.push((broken, same));
+    }
+    out
+}
+
+/// Length of the text that a pattern fits, and its words.
+fn fits<'t>(text: &'t str, pattern: &str) -> Option<(usize, Vec<&'t str>)> {
+    let (mut at, mut words) = (0, Vec::new());
+    for part in pattern.split_inclusive('$') {
+        let literal = part.strip_suffix('$').unwrap_or(part);
+        at += text
+            .get(at..)?
+            .strip_prefix(literal)
+            .map(|_| literal.len())?;
+        if part.ends_with('$') {
+            let rest = &text[at..];
+            let end = rest.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_'));
+            let end = end.unwrap_or(rest.len());
+            if end == 0 {
+                return None;
+            }
+            words.push(&rest[..end]);
+            at += end;
+        }
+    }
+    Some((at, words))
+}
+
+/// The text with comments, what is in strings, and directives blanked out; as many bytes, all ASCII.
+fn mask(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(first) = rest.chars().next() {
+        let length = if rest.starts_with("/*") {
+            rest.find("*/").map_or(rest.len(), |it| it + 2)
+        } else if rest.starts_with("//") || first == '#' {
+            rest.find('\n').unwrap_or(rest.len())
+        } else if first == '"' {
+            rest[1..].find('"').map_or(rest.len(), |it| it + 2)
+        } else {
+            first.len_utf8()
+        };
+        let (part, after) = rest.split_at(length);
+        let keep = length == 1 && first.is_ascii();
+        out.extend(part.bytes().map(|it| match it {
+            b'\n' | b'"' => char::from(it),
+            _ if keep => char::from(it),
+            _ => '\u{1}',
+        }));
+        rest = after;
+    }
+    out
+}
+
+/// A text without what formatting may change.
+fn bare(text: &str) -> String {
+    text.split_whitespace().collect()
+}
+
+#[derive(Default)]
+struct Score {
+    all: usize,
+    restored: usize,
+    on_line: usize,
+    alone: usize,
+}
+
+#[test]
+fn the_first_fix_restores_what_was_meant() {
+    let mut components = examples();
+    components.extend(published());
+    let print = std::env::var_os("MISTAKES").is_some();
+    let mut score = Score::default();
+    let mut notes = Vec::new();
+    for (name, right, wrong) in KINDS {
+        let all: Vec<(&Component, String, usize)> = components
+            .iter()
+            .flat_map(|it| {
+                let places = places(&it.text, right, wrong).into_iter();
+                places.map(move |(text, at)| (it, text, at))
+            })
+            .collect();
+        // The first and one further on, in another component as a rule.
+        let mut chosen = vec![0, all.len() / 2];
+        chosen.dedup();
+        for (component, broken, at) in chosen.iter().filter_map(|it| all.get(*it)) {
+            let errors = component.errors(broken);
+            let line = |at: usize| broken[..at.min(broken.len())].matches('\n').count();
+            let on_line = errors.iter().any(|it| {
+                it.path == component.path && line(it.range.start) == line(at.saturating_sub(0))
+            });
+            let fix = errors.iter().find_map(|it| it.fixes.first());
+            let fixed = fix.and_then(|it| apply(&component.path, broken, it));
+            let restored = fixed.is_some_and(|it| bare(&it) == bare(&component.text));
+            score.all += 1;
+            score.restored += usize::from(restored);
+            score.on_line += usize::from(on_line);
+            score.alone += usize::from(errors.len() == 1);
+            if !(restored && on_line && errors.len() == 1) {
+                notes.push(format!(
+                    "{name} in {} line {}: restored {restored}, on its line {on_line}, {} errors {:?}, fix {:?}",
+                    component.path.file_name().unwrap_or_default(),
+                    line(*at) + 1,
+                    errors.len(),
+                    errors.iter().take(2).map(|it| (line(it.range.start) + 1, &it.message)).collect::<Vec<_>>(),
+                    fix.map(|it| &it.title),
+                ));
+            }
+        }
+    }
+    let Score {
+        all,
+        restored,
+        on_line,
+        alone,
+    } = score;
+    if print {
+        notes.iter().for_each(|it| println!("{it}"));
+        println!(
+            "{all} mistakes: {restored} restored, {on_line} on their line, {alone} are one error"
+        );
+    }
+    assert!(all >= 60, "only {all} mistakes were seeded");
+    let enough = |count: usize, of_60: usize| count * 60 >= of_60 * all;
+    assert!(
+        enough(restored, 50) && enough(on_line, 58) && enough(alone, 52),
+        "{all} mistakes: {restored} restored, {on_line} on their line, {alone} are one error\n{}",
+        notes.join("\n")
+    );
+}
+
+#[test]
+fn a_misspelt_path_of_an_include_is_restored() {
+    let folder = root().join("examples/outdoor").canonicalize().unwrap();
+    let folder = Utf8PathBuf::from_path_buf(folder).unwrap();
+    let path = folder.join("misspelt.gen");
+    let component = Component {
+        text: String::new(),
+        includes: vec![folder.join("idl")],
+        path,
+    };
+    for (right, wrong) in [("rob.gen", "rbo.gen"), ("idl/rob.gen", "ild/rob.gen")] {
+        let text = |it: &str| format!("#include \"{it}\"\n");
+        assert!(component.errors(&text(right)).is_empty(), "{right}");
+        let broken = text(wrong);
+        let errors = component.errors(&broken);
+        assert_eq!(errors.len(), 1, "{errors:#?}");
+        let fix = errors[0].fixes.first().expect("it has a fix");
+        assert_eq!(
+            apply(&component.path, &broken, fix),
+            Some(text(right)),
+            "{wrong}"
+        );
+    }
+}

@@ -1,0 +1,36 @@
+//! `dotgen explain`
+
+use std::io::Write;
+
+use clap::Args;
+
+use super::Outcome;
+use crate::manual;
+
+/// Print the page of the manual about a diagnostic
+///
+/// Without a code, lists all codes. Exit status: 0; 2 if there is no such code.
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// The code, as diagnostics show it in brackets
+    #[arg(value_name = "CODE")]
+    code: Option<String>,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    let mut out = std::io::stdout().lock();
+    let Some(code) = &arguments.code else {
+        for code in manual::codes() {
+            writeln!(out, "{code}")?;
+        }
+        return Ok(Outcome::Fine);
+    };
+    let Some(text) = manual::text(code) else {
+        let near = dotgen_syntax::near::nearest(code, manual::codes());
+        let near = near.map(|it| format!("; did you mean `{it}`?"));
+        let near = near.unwrap_or_else(|| "; `dotgen explain` lists all codes".to_owned());
+        anyhow::bail!("there is no diagnostic `{code}`{near}");
+    };
+    out.write_all(text.as_bytes())?;
+    Ok(Outcome::Fine)
+}

@@ -1,0 +1,129 @@
+//! What makes a text fit the grammar, where the grammar can tell.
+
+use smol_str::SmolStr;
+
+use super::{Input, Parser, TokenSet};
+use crate::{
+    TextRange,
+    finding::parsing::Parsing,
+    kind::SyntaxKind::{self, *},
+    near::nearest,
+};
+
+/// A change of the text that makes it fit the grammar.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Repair {
+    /// What is replaced; empty to insert.
+    pub range: TextRange,
+    /// The new text; empty to remove.
+    pub text: SmolStr,
+    /// Nobody would mend it in another way.
+    pub plain: bool,
+}
+
+/// A [`Repair`] in terms of tokens.
+pub(super) struct RawRepair {
+    place: RepairPlace,
+    text: SmolStr,
+    plain: bool,
+}
+
+/// What a repair replaces.
+pub(super) enum RepairPlace {
+    /// Nothing: it inserts behind the token before this one.
+    Behind(usize),
+    /// Nothing: it inserts before this token.
+    Before(usize),
+    /// These tokens, with what is between them.
+    Tokens(std::ops::Range<usize>),
+}
+
+impl RawRepair {
+    /// `None` where a macro made the text.
+    pub(super) fn locate(self, input: &Input<'_>) -> Option<Repair> {
+        let real = |it: usize| input.macro_name(it).is_none();
+        let range = match self.place {
+            RepairPlace::Behind(token) => TextRange::empty(input.end_before(token)?),
+            RepairPlace::Before(token) if real(token) => {
+                TextRange::empty(input.range(token).start())
+            }
+            RepairPlace::Tokens(tokens) if tokens.clone().all(real) => {
+                let first = input.range(tokens.start);
+                first.cover(input.range(tokens.end.checked_sub(1)?))
+            }
+            _ => return None,
+        };
+        let RawRepair { text, plain, .. } = self;
+        Some(Repair { range, text, plain })
+    }
+}
+
+/// Repairs of the last error, and words that are misspelt.
+impl Parser<'_> {
+    /// Reads the current word as the one of these keywords that it is near to, provided that what follows
+    /// `fits` then, and reports it.
+    pub(crate) fn respell(
+        &mut self,
+        keywords: TokenSet,
+        fits: impl FnOnce(&Parser<'_>) -> bool,
+    ) -> bool {
+        let is_word = self.current_contextual() == IDENT;
+        if !is_word || self.is_reported() || self.respelt.is_some() {
+            return false;
+        }
+        let word = self.current_text();
+        let all = SyntaxKind::spellings();
+        let candidates = all.iter().filter(|it| keywords.contains(it.0));
+        let Some(spelling) = nearest(&word, candidates.map(|it| it.1)) else {
+            return false;
+        };
+        let Some(kind) = all.iter().find(|it| it.1 == spelling).map(|it| it.0) else {
+            return false;
+        };
+        self.respelt = Some((self.pos, kind));
+        if !fits(self) {
+            self.respelt = None;
+            return false;
+        }
+        let (word, keyword) = (word.into(), spelling.into());
+        self.push_error(self.pos, Parsing::Misspelt { word, keyword });
+        self.replace(self.pos..self.pos + 1, spelling, true);
+        true
+    }
+
+    /// Shows the last error right behind the token before it.
+    pub(crate) fn show_behind(&mut self) {
+        if let Some(last) = self.errors.last_mut() {
+            last.behind = true;
+        }
+    }
+
+    /// Has the last error mended by a text behind the token before the current one.
+    pub(crate) fn insert_behind(&mut self, text: &str, plain: bool) {
+        self.repair(RepairPlace::Behind(self.pos), text, plain);
+    }
+
+    /// Has the last error mended by a text before the current token.
+    pub(crate) fn insert_before(&mut self, text: &str, plain: bool) {
+        self.repair(RepairPlace::Before(self.pos), text, plain);
+    }
+
+    /// Has the last error mended by a text in the place of tokens.
+    pub(crate) fn replace(&mut self, tokens: std::ops::Range<usize>, text: &str, plain: bool) {
+        self.repair(RepairPlace::Tokens(tokens), text, plain);
+    }
+
+    fn repair(&mut self, place: RepairPlace, text: &str, plain: bool) {
+        let text = text.into();
+        if let Some(last) = self.errors.last_mut()
+            && last.kind != Parsing::TooMany
+        {
+            last.repair = Some(RawRepair { place, text, plain });
+        }
+    }
+
+    /// Whether a line ends between the token before and the current one.
+    pub(crate) fn starts_line(&self) -> bool {
+        self.pos > 0 && self.input.line_ends_before(self.pos)
+    }
+}
