@@ -17,7 +17,9 @@ use dotgen_diagram::system::Connection;
 
 use dotgen_analysis::ide::InlayConfig;
 pub use read::{Problem, ProblemKind, Read, from_editor, from_toml};
-pub use settings::{DefineValue, Generate, Level, Settings, Verification};
+pub use settings::{
+    DefineValue, Format, FormatAlign, FormatUnit, Generate, Level, Settings, Verification,
+};
 
 /// Name of the configuration file of a workspace folder.
 pub const FILE_NAME: &str = "dotgen.toml";
@@ -49,6 +51,8 @@ pub struct Config {
     pub code_lens: bool,
     /// Verification of open documents.
     pub verification: Verification,
+    /// The style of the formatter.
+    pub format: Format,
     /// Which files hold codels; `None` if specifications are not compared with them.
     pub codels: Option<FilesConfig>,
 }
@@ -106,6 +110,7 @@ impl Config {
             connections: connections(settings),
             verification: settings.verification.clone(),
             lints: settings.timing.lints(),
+            format: settings.format,
             codels: settings
                 .codels
                 .check
@@ -187,6 +192,7 @@ impl Config {
         }
         self.connections.extend(other.connections);
         self.verification = self.verification.over(other.verification);
+        self.format = self.format.over(other.format);
         if self.lints == LintConfig::default() {
             self.lints = other.lints;
         }

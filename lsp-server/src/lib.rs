@@ -28,6 +28,7 @@ mod publish;
 pub mod server;
 pub mod snapshot;
 mod state;
+mod style;
 mod templates;
 pub mod verification;
 pub mod verifier;
