@@ -376,6 +376,7 @@ fn published_components_change_little() {
         }
         let (all, touched, before, after) = changes(&text);
         println!("{touched:>4} of {all:>4} lines, over the width {before} to {after}: {path}");
+        assert!(after <= before, "{path}: longer lines than before");
         lines += all;
         changed += touched;
     }
