@@ -16,6 +16,7 @@ pub mod model;
 pub mod model_json;
 pub mod quantity;
 mod queries;
+pub mod release;
 mod report;
 pub mod source_map;
 mod suppress;

@@ -8,4 +8,5 @@ pub mod compiler;
 pub mod frontend;
 pub mod lang;
 pub mod process;
+pub mod release_diff;
 pub mod template;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
+use dotgen_analysis::release::{Release, ReleaseChoice, ReleaseOrigin};
 use dotgen_codegen::compiler::Compiler;
 use dotgen_codegen::template::console::Captured;
 use dotgen_codegen::template::discover::SearchPath;
@@ -66,13 +67,22 @@ fn run(
         tmpdir: None,
         limits,
         base: PathBuf::new(),
+        input_path: String::new(),
         processes: Arc::new(processes::Plain),
         confined: confined.as_ref(),
     };
-    let mut compiler = Compiler::new(Arc::new(disk::Disk), Vec::new(), Vec::new());
+    let mut compiler = Compiler::new(Arc::new(disk::Disk), Vec::new(), Vec::new(), release());
     let mut console = Captured::default();
     let outcome = run.execute(&mut compiler, &mut console, sink);
     Some((outcome, console))
+}
+
+/// The release that the expectations are of.
+fn release() -> ReleaseChoice {
+    ReleaseChoice {
+        release: Release::V2_99_39,
+        origin: ReleaseOrigin::CommandLine,
+    }
 }
 
 fn text(bytes: &[u8]) -> String {
@@ -449,10 +459,11 @@ fn a_preview_shows_what_a_run_writes() {
             tmpdir: None,
             limits: Limits::preview(),
             base: PathBuf::new(),
+            input_path: String::new(),
             processes: Arc::new(processes::Plain),
             confined: None,
         };
-        let mut compiler = Compiler::new(Arc::new(disk::Disk), Vec::new(), Vec::new());
+        let mut compiler = Compiler::new(Arc::new(disk::Disk), Vec::new(), Vec::new(), release());
         let mut console = Captured::default();
         let outcome = run.execute(&mut compiler, &mut console, sink);
         assert_eq!((outcome.status, console.err.as_str()), (0, ""));

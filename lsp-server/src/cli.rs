@@ -7,6 +7,7 @@ mod fmt;
 mod generate;
 mod lsp;
 mod model;
+mod release;
 mod report;
 mod session;
 mod tree;
@@ -15,6 +16,7 @@ mod verify;
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
+use dotgen_analysis::release::Release;
 use dotgen_syntax::preproc::MacroEnv;
 
 use crate::process;
@@ -36,6 +38,7 @@ enum Command {
     Fmt(fmt::Arguments),
     Tree(tree::Arguments),
     Model(model::Arguments),
+    Release(release::Arguments),
     Verify(verify::Arguments),
     Lsp(lsp::Arguments),
 }
@@ -50,6 +53,11 @@ struct Reading {
     /// Define a macro; its body is 1 when no VALUE is given
     #[arg(short = 'D', value_name = "NAME[=VALUE]", action = clap::ArgAction::Append, value_parser = definition)]
     defines: Vec<String>,
+
+    /// Read specifications as this release of GenoM3 does, for example 2.99.41; by default as dotgen.toml says, else as
+    /// the installed one, else as the greatest that they require
+    #[arg(long, value_name = "RELEASE")]
+    release: Option<Release>,
 }
 
 /// A definition of a macro that can be one.
@@ -81,6 +89,10 @@ pub fn main() -> ExitCode {
         return status;
     }
     let cli = Cli::parse();
+    if let Err(message) = crate::config::release_of_environment() {
+        report::failure(&anyhow::Error::msg(message));
+        return ExitCode::from(2);
+    }
     let result = match cli.command {
         Command::Check(arguments) => check::run(&arguments),
         Command::Codels(arguments) => codels::run(&arguments),
@@ -89,6 +101,7 @@ pub fn main() -> ExitCode {
         Command::Fmt(arguments) => fmt::run(&arguments),
         Command::Tree(arguments) => tree::run(&arguments),
         Command::Model(arguments) => model::run(&arguments),
+        Command::Release(arguments) => release::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Lsp(_) => lsp::run(),
     };

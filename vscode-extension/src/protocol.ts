@@ -50,6 +50,13 @@ export const includingRoots = new RequestType<
   void
 >('dotgen/includingRoots');
 
+/** The release of GenoM3 that a document is read as, and who chose it. */
+export const release = new RequestType<
+  { textDocument: TextDocumentIdentifier },
+  { release: string; verified: boolean; origin: string },
+  void
+>('dotgen/release');
+
 export type DiagramKind = 'fsm' | 'system' | 'locks';
 
 /** What a picture shows besides the essentials. */

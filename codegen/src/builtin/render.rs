@@ -22,7 +22,7 @@ use crate::frontend::Frontend;
 use crate::process::Processes;
 use crate::template::console::Console;
 use crate::template::output::Environment as Surroundings;
-use crate::template::{Failure, Modes, Output, OutputSink, VERSION, notice, reach, tcl};
+use crate::template::{Failure, Modes, Output, OutputSink, notice, reach, tcl};
 
 /// Options that all these templates take.
 struct Options {
@@ -343,7 +343,7 @@ impl Data {
             notice => all_notices,
             language => options.language.as_deref().unwrap_or("c"),
             terse => options.terse,
-            version => VERSION,
+            version => spec.release.to_string(),
             codel_files => Value::from_serialize(&names),
         };
         let components = regular

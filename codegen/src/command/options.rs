@@ -1,5 +1,7 @@
 //! General options, in the forms of GenoM3: those before the template's name.
 
+use dotgen_analysis::release::Release;
+
 use crate::template::discover::absolute_text;
 
 /// The general options and what follows them.
@@ -11,6 +13,10 @@ pub(crate) struct Options {
     pub(super) defines: Vec<(String, String)>,
     /// `-t`, as given.
     pub(super) templates: Option<String>,
+    /// `-C`: where the names of inputs start; several are joined.
+    pub(crate) directory: String,
+    /// `--release`.
+    pub(super) release: Option<Release>,
     /// `-T`.
     pub(super) tmpdir: Option<String>,
     /// `--confined`.
@@ -54,12 +60,14 @@ pub(super) enum OptionError {
 }
 
 const LONG: &[(&str, char)] = &[
-    ("confined", 'C'),
+    ("confined", 'F'),
     ("debug", 'd'),
+    ("directory", 'C'),
     ("dump", 'N'),
     ("help", 'h'),
     ("list", 'l'),
     ("parse-only", 'n'),
+    ("release", 'R'),
     ("sysdir", 's'),
     ("tmpdir", 'T'),
     ("tmpldir", 't'),
@@ -101,7 +109,7 @@ pub(super) fn parse(args: &[String]) -> Result<Options, OptionError> {
         // Letters may be joined; a value is the rest of the word or the next one.
         let letters = word.char_indices().skip(1);
         for (at, letter) in letters {
-            let known = "IDTtsElnNvdh".contains(letter);
+            let known = "CIDTtsElnNvdh".contains(letter);
             if !known {
                 return Err(OptionError::Usage(format!("invalid option -- '{letter}'")));
             }
@@ -120,6 +128,9 @@ pub(super) fn parse(args: &[String]) -> Result<Options, OptionError> {
         }
     }
     options.rest = args.cloned().collect();
+    if !options.directory.is_empty() {
+        options.cmdline += &format!(" -C {}", absolute_text(&options.directory));
+    }
     Ok(options)
 }
 
@@ -128,7 +139,7 @@ fn missing(word: &str) -> OptionError {
 }
 
 fn takes_value(option: char) -> bool {
-    "IDTts".contains(option)
+    "CIDTtsR".contains(option)
 }
 
 fn long_option(name: &str) -> Result<char, OptionError> {
@@ -169,6 +180,19 @@ impl Options {
                 self.tmpdir = Some(value);
                 return Ok(());
             }
+            'C' => {
+                if !self.directory.is_empty() {
+                    self.directory.push('/');
+                }
+                self.directory += &value;
+                return Ok(());
+            }
+            'R' => {
+                let release = value.parse::<Release>();
+                let release = release.map_err(|error| OptionError::Fatal(error.to_string()))?;
+                self.release = Some(release);
+                return Ok(());
+            }
             // The engine is part of this program: another one cannot be named.
             's' => {
                 self.cmdline += &format!(" -s {}", absolute_text(&value));
@@ -178,7 +202,7 @@ impl Options {
                 self.verbose = true;
                 return Ok(());
             }
-            'C' => {
+            'F' => {
                 self.confined = true;
                 return Ok(());
             }

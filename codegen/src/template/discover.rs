@@ -3,6 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use dotgen_analysis::release::Release;
+
 /// Where templates are looked for.
 #[derive(Debug, Clone, Default)]
 pub struct SearchPath {
@@ -101,6 +103,19 @@ impl SearchPath {
         }
         names.into_iter().collect()
     }
+}
+
+/// The release of the GenoM3 that one of these directories of templates belongs to, and the file that says so: the
+/// version file of the template engine, which is installed beside them.
+pub fn release_of(dirs: &[PathBuf]) -> Option<(Release, PathBuf)> {
+    dirs.iter().find_map(|dir| {
+        let file = dir.parent()?.join("engines/tcl/version.tcl");
+        let text = std::fs::read_to_string(&file).ok()?;
+        let provided = text
+            .lines()
+            .find_map(|it| it.trim().strip_prefix("package provide genom-engine"))?;
+        Some((provided.trim().parse().ok()?, file))
+    })
 }
 
 /// The path, made absolute by putting the current directory in front.

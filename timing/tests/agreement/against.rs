@@ -91,6 +91,7 @@ fn compare(seed: u64) -> Option<Result<(), String>> {
             states: 400_000,
             bytes: 1 << 28,
             threads: 1,
+            ..Limits::default()
         },
         ..Options::default()
     };
