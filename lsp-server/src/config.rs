@@ -18,7 +18,9 @@ use dotgen_diagram::system::Connection;
 
 use dotgen_analysis::ide::InlayConfig;
 pub use read::{Problem, ProblemKind, Read, from_editor, from_toml};
-pub use settings::{DefineValue, Generate, Level, Settings, Verification};
+pub use settings::{
+    DefineValue, Format, FormatAlign, FormatUnit, Generate, Level, Settings, Verification,
+};
 
 /// Name of the configuration file of a workspace folder.
 pub const FILE_NAME: &str = "dotgen.toml";
@@ -54,6 +56,8 @@ pub struct Config {
     pub code_lens: bool,
     /// Verification of open documents.
     pub verification: Verification,
+    /// The style of the formatter.
+    pub format: Format,
     /// Which files hold codels; `None` if specifications are not compared with them.
     pub codels: Option<FilesConfig>,
 }
@@ -118,6 +122,7 @@ impl Config {
             verification: settings.verification.clone(),
             lints: settings.timing.lints(),
             max_file_size: settings.max_file_size,
+            format: settings.format,
             codels: settings
                 .codels
                 .check
@@ -218,6 +223,7 @@ impl Config {
         self.connections.extend(other.connections);
         self.verification = self.verification.over(other.verification);
         self.max_file_size = self.max_file_size.or(other.max_file_size);
+        self.format = self.format.over(other.format);
         if self.lints == LintConfig::default() {
             self.lints = other.lints;
         }

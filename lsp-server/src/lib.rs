@@ -31,6 +31,7 @@ mod publish;
 pub mod server;
 pub mod snapshot;
 mod state;
+mod style;
 mod templates;
 mod transport;
 pub mod verification;

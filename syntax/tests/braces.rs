@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use dotgen_syntax::{
     Parse, SyntaxKind,
     ast::{AstNode, Name},
-    format::format,
+    format::{Options, format},
     parse_text,
 };
 
@@ -116,5 +116,8 @@ fn a_text_with_a_forgotten_brace_is_not_formatted() {
     let text = "component c {\n  task t {\n  period   5 ms;\n  port in n p;\n};\n";
     let parse = parse_text(text);
     let broken: Vec<_> = parse.errors.iter().map(|it| it.range).collect();
-    assert_eq!(format(&parse.syntax(), &broken, None), []);
+    assert_eq!(
+        format(&parse.syntax(), &broken, None, &Options::default()),
+        []
+    );
 }

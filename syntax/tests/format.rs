@@ -1,6 +1,6 @@
 //! The formatter: its style, and that it changes nothing but white space.
 
-use dotgen_syntax::format::{apply, format};
+use dotgen_syntax::format::{Align, Options, Unit, apply, format};
 use dotgen_syntax::lexer::lex;
 use dotgen_syntax::{SyntaxKind, parse_text};
 use expect_test::{Expect, expect};
@@ -8,15 +8,30 @@ use expect_test::{Expect, expect};
 fn formatted(text: &str) -> String {
     let parse = parse_text(text);
     let broken: Vec<_> = parse.errors.iter().map(|e| e.range).collect();
-    apply(text, &format(&parse.syntax(), &broken, None))
+    apply(
+        text,
+        &format(&parse.syntax(), &broken, None, &Options::default()),
+    )
 }
 
-/// Everything but blanks and line breaks.
+/// Everything but blanks and line breaks, and the indentation of lines of block comments.
 fn tokens(text: &str) -> Vec<(SyntaxKind, String)> {
     let raw = lex(text);
+    let token = |i: usize| {
+        let token = raw.text(text, i);
+        let lines = token.split('\n').enumerate();
+        let lines = lines.map(|(at, line)| match at {
+            0 => line,
+            _ => line.trim_start_matches([' ', '\t']),
+        });
+        match raw.kind(i) {
+            SyntaxKind::BLOCK_COMMENT => lines.collect::<Vec<_>>().join("\n"),
+            _ => token.to_owned(),
+        }
+    };
     (0..raw.len())
         .filter(|&i| !matches!(raw.kind(i), SyntaxKind::WHITESPACE | SyntaxKind::NEWLINE))
-        .map(|i| (raw.kind(i), raw.text(text, i).to_owned()))
+        .map(|i| (raw.kind(i), token(i)))
         .collect()
 }
 
@@ -41,28 +56,29 @@ fn component() {
   throw e_a; interrupts a; };};",
         expect![[r#"
             component demo {
-              version        "1.0";
-              lang           "c";
+              version "1.0";
+              lang	"c";
               codels-require "lib >= 1";
+
 
               port in or::state state;
               exception e_a, e_b { short code; string<128> what; };
               ids {
-                long x;                           // the x
-                struct s { double a[2]; } inner;  /* nested */
+                long x;  // the x
+                struct s { double a[2]; } inner; /* nested */
               };
               task t { period 5ms; codel<start> f(out ::ids) yield pause::main, ether wcet 2 ms; };
-              activity a(in long x = 3 : "count", in s y = { .a = 1, [2] = 2 }) {
-                doc  "one"
-                     "two";
+              activity a(in long x = 3:"count", in s y = { .a = 1, [2] = 2 }) {
+                doc "one"
+                  "two";
                 task t;
                 validate v(in x,
-                           inout inner.a[0]::q);
+                    inout inner.a[0]::q);
                 async codel<start,
                   main> g(in x,
-                          out inner)
+                    out inner)
                   yield ether;
-                throw      e_a;
+                throw e_a;
                 interrupts a;
               };
             };
@@ -117,12 +133,13 @@ fn comments_stay() {
             /* head */
 
             // one
-            component c {  // open
+            component c { // open
               // own line
 
-              task t;  // t
-              function long_name(in long a,  // first
-                                 in long b /* second */);  // f
+
+              task t; // t
+              function long_name(in long a, // first
+                  in long b /* second */);   // f
               /* last */
             };
             // end
@@ -154,10 +171,10 @@ fn a_comment_before_a_value_settles_at_once() {
         "component c {\n  doc// why\n\"one\"\n\"two\";\n  version \"1\"; // first\n};\n",
         expect![[r#"
             component c {
-              doc  // why
+              doc // why
                 "one"
                 "two";
-              version "1";  // first
+              version "1"; // first
             };
         "#]],
     );
@@ -170,7 +187,7 @@ fn comments_side_by_side_stay_there() {
         expect![[r#"
             component c {
               require "a",
-                      /* one */ /* two */ "b";
+                /* one */ /* two */ "b";
             };
         "#]],
     );
@@ -253,8 +270,8 @@ fn defaults_stay_in_their_column() {
                           in long n) { task t; };
               function f(in double x = 0.,
                          in double yaw = 1.);
-              attribute a(in x   = 1,
-                          in yaw = 2);
+              attribute a(in x    = 1,
+                          in yaw  = 2);
             };
         "#]],
     );
@@ -328,9 +345,168 @@ fn damaged_files_keep_their_tokens() {
             let twice = formatted(&once);
             assert!(
                 twice == once,
-                "not idempotent: {path}\n{}",
+                "not idempotent: {path}\n{damaged}\n{}",
                 first_difference(&once, &twice)
             );
         }
     }
+}
+
+/// Lines of a text that formatting changes, and lines over the width before and after.
+fn changes(text: &str) -> (usize, usize, usize, usize) {
+    let once = formatted(text);
+    let over = |text: &str| text.lines().filter(|it| it.chars().count() > 80).count();
+    let diff = similar::TextDiff::from_lines(text, &once);
+    let changed = diff.iter_all_changes();
+    let changed = changed
+        .filter(|it| it.tag() == similar::ChangeTag::Delete)
+        .count();
+    (text.lines().count(), changed, over(text), over(&once))
+}
+
+#[test]
+fn published_components_change_little() {
+    let root =
+        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/corpus/components");
+    let mut lines = 0;
+    let mut changed = 0;
+    for (path, text) in shared_files() {
+        if !std::path::Path::new(&path).starts_with(&root) {
+            continue;
+        }
+        let (all, touched, before, after) = changes(&text);
+        println!("{touched:>4} of {all:>4} lines, over the width {before} to {after}: {path}");
+        assert!(after <= before, "{path}: longer lines than before");
+        lines += all;
+        changed += touched;
+    }
+    println!("{changed} of {lines}");
+    assert!(changed * 10 <= lines, "{changed} of {lines} lines change");
+}
+
+fn with(options: Options, text: &str) -> String {
+    let parse = parse_text(text);
+    assert!(parse.errors.is_empty(), "{:?}", parse.errors);
+    apply(text, &format(&parse.syntax(), &[], None, &options))
+}
+
+#[test]
+fn the_files_own_unit_is_kept() {
+    let two = "component c {\n  task t {\n    period 5 ms;\n  };\n};\n";
+    let four = "component c {\n    task t {\n        period 5 ms;\n    };\n};\n";
+    let tabs = "component c {\n\ttask t {\n\t\tperiod 5 ms;\n\t};\n};\n";
+    for text in [two, four, tabs] {
+        assert_eq!(formatted(text), text);
+        let crlf = text.replace('\n', "\r\n");
+        assert_eq!(formatted(&crlf), crlf);
+    }
+    let to = |unit| Options {
+        unit: Some(unit),
+        ..Options::default()
+    };
+    for text in [two, four, tabs] {
+        assert_eq!(with(to(Unit::Spaces(2)), text), two);
+        assert_eq!(with(to(Unit::Spaces(4)), text), four);
+        assert_eq!(with(to(Unit::Tabs(8)), text), tabs);
+    }
+    let flat = "component c {\ntask t;\n};\n";
+    let new = Options {
+        otherwise: Unit::Spaces(4),
+        ..Options::default()
+    };
+    assert_eq!(with(new, flat), "component c {\n    task t;\n};\n");
+    assert_eq!(with(new, two), two);
+}
+
+#[test]
+fn a_line_that_was_short_enough_stays_so() {
+    let narrow = Options {
+        width: 40,
+        ..Options::default()
+    };
+    let text = "component c {
+function move(in double x,in double y,in double z) {
+codel f(in x,in y,in z);
+};
+};
+";
+    let expected = expect![[r#"
+        component c {
+          function move(in double x,
+              in double y, in double z) {
+            codel f(in x, in y, in z);
+          };
+        };
+    "#]];
+    // Its second line was over the width before.
+    expected.assert_eq(&with(narrow, text));
+    let expected = expect![[r#"
+        component c {
+          function move(in double x, in double y,
+              in double z) {
+            codel f(in x, in y, in z);
+          };
+        };
+    "#]];
+    let wide = Options {
+        width: 52,
+        ..Options::default()
+    };
+    let once = with(wide, text);
+    expected.assert_eq(&once);
+    assert_eq!(with(wide, &once), once);
+}
+
+#[test]
+fn what_an_author_lays_out_stays() {
+    let text = r#"component c {
+  version		"1.0";
+  lang			"c";
+  port in	or::state state;
+
+  attribute set(
+    in body.min =: "least",
+    in body.max = :"most") {
+    validate check(local in min,
+                   local in max);
+  };
+  activity log(in string<64> path = "/tmp/log": "file name",
+      in long decimation = 1: "one of so many")
+  {
+    task t;  throw e;
+    codel<start> f()
+      yield ether;
+  };
+};
+"#;
+    let expected = text.replace("task t;  throw e;", "task t;\n    throw e;");
+    assert_eq!(formatted(text), expected);
+    let plain = Options {
+        align: Align::None,
+        ..Options::default()
+    };
+    assert_eq!(
+        with(
+            plain,
+            "component c {\n  port in  t a;\n  port out t b; // one\n};\n"
+        ),
+        "component c {\n  port in t a;\n  port out t b; // one\n};\n"
+    );
+}
+
+#[test]
+fn block_comments_move_as_a_block() {
+    check(
+        "component c {\n  task u;\n      /* one\n       *   two\n\n   three */\n      task t;\n};\n",
+        expect![[r#"
+            component c {
+              task u;
+              /* one
+               *   two
+
+            three */
+              task t;
+            };
+        "#]],
+    );
 }

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_syntax::format::Options;
 
 use super::{Analysis, Cancellable};
 use crate::{
@@ -237,14 +238,20 @@ impl Analysis {
         &self,
         path: &Utf8Path,
         within: Option<Range<usize>>,
+        options: &Options,
     ) -> Cancellable<Vec<FileEdit>> {
-        self.list(path, |view| ide::formatting::format(view, within))
+        self.list(path, |view| ide::formatting::format(view, within, options))
     }
 
     /// The edits that follow from typing `;`, `}` or a line end just before the cursor.
-    pub fn format_on_type(&self, at: &FilePosition, typed: char) -> Cancellable<Vec<FileEdit>> {
+    pub fn format_on_type(
+        &self,
+        at: &FilePosition,
+        typed: char,
+        options: &Options,
+    ) -> Cancellable<Vec<FileEdit>> {
         self.list(&at.path, |view| {
-            ide::formatting::on_type(view, at.offset, typed)
+            ide::formatting::on_type(view, at.offset, typed, options)
         })
     }
 

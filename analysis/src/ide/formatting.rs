@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use dotgen_syntax::{SyntaxKind, TextRange, format};
+use dotgen_syntax::format::{self, Options, Unit};
+use dotgen_syntax::{SyntaxKind, TextRange};
 
 use super::{
     FileView,
@@ -13,17 +14,18 @@ use crate::{
     source_map::{bytes, offset, text_range},
 };
 
-/// Blanks a level.
-const INDENT: usize = 2;
-
 /// The edits that bring a file, or the part of it that touches a range, in shape.
-pub(crate) fn format(view: &FileView<'_>, within: Option<Range<usize>>) -> Vec<FileEdit> {
-    edits(view, within.map(|it| text_range(&it)))
+pub(crate) fn format(
+    view: &FileView<'_>,
+    within: Option<Range<usize>>,
+    options: &Options,
+) -> Vec<FileEdit> {
+    edits(view, within.map(|it| text_range(&it)), options)
 }
 
-fn edits(view: &FileView<'_>, within: Option<TextRange>) -> Vec<FileEdit> {
+fn edits(view: &FileView<'_>, within: Option<TextRange>, options: &Options) -> Vec<FileEdit> {
     let broken: Vec<TextRange> = view.parse().errors.iter().map(|it| it.range).collect();
-    let edits = format::format(&view.root(), &broken, within);
+    let edits = format::format(&view.root(), &broken, within, options);
     let edits = edits.into_iter().map(|it| FileEdit {
         path: view.file.path(view.db).clone(),
         range: bytes(it.range),
@@ -33,18 +35,23 @@ fn edits(view: &FileView<'_>, within: Option<TextRange>) -> Vec<FileEdit> {
 }
 
 /// The edits that follow from typing `;`, `}` or a line end, just before the cursor.
-pub(crate) fn on_type(view: &FileView<'_>, at: usize, typed: char) -> Vec<FileEdit> {
+pub(crate) fn on_type(
+    view: &FileView<'_>,
+    at: usize,
+    typed: char,
+    options: &Options,
+) -> Vec<FileEdit> {
     if at > view.text().len() || !view.text().is_char_boundary(at) {
         return Vec::new();
     }
     match typed {
-        '\n' => indentation(view, at).into_iter().collect(),
-        _ => statement(view, at, typed),
+        '\n' => indentation(view, at, options).into_iter().collect(),
+        _ => statement(view, at, typed, options),
     }
 }
 
 /// Formats the statement or body that was just closed, and nothing after the cursor.
-fn statement(view: &FileView<'_>, at: usize, typed: char) -> Vec<FileEdit> {
+fn statement(view: &FileView<'_>, at: usize, typed: char, options: &Options) -> Vec<FileEdit> {
     let root = view.root();
     let token = root.token_at_offset(offset(at)).left_biased();
     let closes = |it: &dotgen_syntax::SyntaxToken| {
@@ -72,13 +79,13 @@ fn statement(view: &FileView<'_>, at: usize, typed: char) -> Vec<FileEdit> {
         .map_or(0, |it| it + 1);
     let blank = view.text()[line..range.start].trim().is_empty();
     let start = if blank { line } else { range.start };
-    let mut out = edits(view, Some(text_range(&(start..at))));
+    let mut out = edits(view, Some(text_range(&(start..at))), options);
     out.retain(|it| line <= it.range.end && it.range.end <= at);
     out
 }
 
-/// Indents the line the cursor is on as its place asks for.
-fn indentation(view: &FileView<'_>, at: usize) -> Option<FileEdit> {
+/// Indents the line the cursor is on as the formatter would, or leave it.
+fn indentation(view: &FileView<'_>, at: usize, options: &Options) -> Option<FileEdit> {
     let text = view.text();
     if place(view, at) != Place::Code {
         return None;
@@ -90,28 +97,29 @@ fn indentation(view: &FileView<'_>, at: usize) -> Option<FileEdit> {
     if matches!(content, Some('#')) {
         return None;
     }
+    let own = format::unit_of(&view.root());
+    let unit = options.unit.or(own).unwrap_or(options.otherwise);
     let context = Context::new(view, line);
-    let bodies = context.frames.iter().skip(1);
-    let bodies =
-        bodies.filter(|it| matches!(it.kind, FrameKind::Body(_) | FrameKind::Initializers));
-    let mut depth = bodies.count();
     let top = context.top();
     let column = match top.kind {
         FrameKind::Paren | FrameKind::Bracket => {
             let open = context.tokens[top.open].range.end;
-            let start = text[..open].rfind('\n').map_or(0, |it| it + 1);
-            text[start..open].chars().count()
+            continuation(text, open, line, unit)
         }
         _ => {
+            let bodies = context.frames.iter().skip(1);
+            let bodies =
+                bodies.filter(|it| matches!(it.kind, FrameKind::Body(_) | FrameKind::Initializers));
+            let mut depth = bodies.count();
             if content == Some('}') {
                 depth = depth.saturating_sub(1);
             } else if !context.current().is_empty() {
                 depth += 1;
             }
-            depth * INDENT
+            depth * unit.columns()
         }
     };
-    let new_text = " ".repeat(column);
+    let new_text = unit.indentation(column);
     (rest[..blanks] != new_text).then(|| FileEdit {
         path: view.file.path(view.db).clone(),
         range: line..line + blanks,
@@ -119,8 +127,29 @@ fn indentation(view: &FileView<'_>, at: usize) -> Option<FileEdit> {
     })
 }
 
+/// Column of a line that continues a list: that of the line before, if that one does as well. A list that
+/// begins on the line of its name is told apart from the body by two units.
+fn continuation(text: &str, open: usize, line: usize, unit: Unit) -> usize {
+    let indentation = |start: usize| {
+        let rest = &text[start..];
+        let blanks = rest.len() - rest.trim_start_matches([' ', '\t']).len();
+        unit.column_of(&rest[..blanks])
+    };
+    let start_of = |at: usize| text[..at].rfind('\n').map_or(0, |it| it + 1);
+    let opens_on = start_of(open);
+    let before = start_of(line.saturating_sub(1));
+    if before > opens_on {
+        return indentation(before);
+    }
+    let goes_on = text[open..line].chars().any(|it| !it.is_whitespace());
+    let units = if goes_on { 2 } else { 1 };
+    indentation(opens_on) + units * unit.columns()
+}
+
 #[cfg(test)]
 mod tests {
+    use dotgen_syntax::format::Options;
+
     use crate::{ide::speculate::apply, test_support::Fixture};
 
     #[track_caller]
@@ -128,22 +157,28 @@ mod tests {
         let fixture = Fixture::new(text);
         let edits = fixture
             .analysis()
-            .format_on_type(&fixture.at(), what)
+            .format_on_type(&fixture.at(), what, &Options::default())
             .unwrap();
         assert_eq!(apply(&fixture.text("/main.gen"), &edits), expected);
     }
 
     #[test]
     fn files_and_ranges() {
-        let text = "struct  a { long x; };\nstruct  b { long x; };\n";
+        let text = "struct   a { long x; };\nstruct  b { long x; };\n";
         let fixture = Fixture::new(text);
         let path = camino::Utf8Path::new("/main.gen");
-        let all = fixture.analysis().format(path, None).unwrap();
+        let all = fixture
+            .analysis()
+            .format(path, None, &Options::default())
+            .unwrap();
         let all = apply(text, &all);
         assert!(all.starts_with("struct a {"), "{all}");
-        let second = fixture.analysis().format(path, Some(23..40)).unwrap();
+        let second = fixture
+            .analysis()
+            .format(path, Some(24..41), &Options::default())
+            .unwrap();
         let second = apply(text, &second);
-        assert!(second.starts_with("struct  a { long x; };\n"), "{second}");
+        assert!(second.starts_with("struct   a { long x; };\n"), "{second}");
         assert!(second.contains("struct b"), "{second}");
     }
 
@@ -153,7 +188,11 @@ mod tests {
         let fixture = Fixture::new(text);
         let edits = fixture
             .analysis()
-            .format(camino::Utf8Path::new("/main.gen"), None)
+            .format(
+                camino::Utf8Path::new("/main.gen"),
+                None,
+                &Options::default(),
+            )
             .unwrap();
         let out = apply(text, &edits);
         assert!(
@@ -193,7 +232,22 @@ mod tests {
         typed(
             "component c {\n  function f(in long a,\n$0",
             '\n',
-            "component c {\n  function f(in long a,\n             ",
+            "component c {\n  function f(in long a,\n      ",
+        );
+        typed(
+            "component c {\n  function f(in long a,\n             in long b,\n$0",
+            '\n',
+            "component c {\n  function f(in long a,\n             in long b,\n             ",
+        );
+        typed(
+            "component c {\n    task t;\n    function f(\n$0",
+            '\n',
+            "component c {\n    task t;\n    function f(\n        ",
+        );
+        typed(
+            "component c {\n\ttask t {\n$0\n\t};\n};\n",
+            '\n',
+            "component c {\n\ttask t {\n\t\t\n\t};\n};\n",
         );
         typed(
             "component c {\n  codel<start> f()\n$0",

@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_syntax::format::Options;
 
 use super::random_edits::FILES;
 use crate::{
@@ -62,7 +63,10 @@ fn ask(fixture: &Fixture, path: &Utf8Path, text: &str, offset: usize) {
         disjoint(&assist.edits);
     }
     for typed in [';', '}', '\n'] {
-        for it in analysis.format_on_type(&at, typed).unwrap() {
+        for it in analysis
+            .format_on_type(&at, typed, &Options::default())
+            .unwrap()
+        {
             fits(&it.range);
             assert!(text[it.range].trim().is_empty());
         }
@@ -83,7 +87,7 @@ fn ask_file(fixture: &Fixture, path: &Utf8Path, text: &str) {
         assert!(text.get(it.range.clone()).is_some());
         analysis.resolve_lens(path, &it.kind).unwrap();
     }
-    for it in analysis.format(path, None).unwrap() {
+    for it in analysis.format(path, None, &Options::default()).unwrap() {
         assert!(text[it.range].trim().is_empty());
     }
     analysis.organize_includes(path).unwrap();

@@ -13,6 +13,7 @@ use similar::TextDiff;
 use super::report;
 use super::session::{self, Session, SourceFile};
 use super::{Outcome, Reading};
+use crate::style;
 use crate::vfs;
 
 /// Lines shown around each change.
@@ -90,7 +91,8 @@ fn format_file(session: &Session, file: &SourceFile, check: bool) -> anyhow::Res
     let new = if file.is_scenario() {
         scn::format(&old).unwrap_or_else(|| left(path, &old))
     } else {
-        let edits = session.ask(path, |it| it.format(path, None))?;
+        let style = style::options(&session.format, path, None);
+        let edits = session.ask(path, |it| it.format(path, None, &style))?;
         if edits.is_empty() && lacks_brace(&old) {
             left(path, &old);
         }
@@ -146,7 +148,11 @@ fn standard_input(check: bool) -> anyhow::Result<Outcome> {
         .context("cannot read standard input as UTF-8 text")?;
     let parse = parse_text(&old);
     let broken: Vec<_> = parse.errors.iter().map(|it| it.range).collect();
-    let new = format::apply(&old, &format::format(&parse.syntax(), &broken, None));
+    let style = format::Options::default();
+    let new = format::apply(
+        &old,
+        &format::format(&parse.syntax(), &broken, None, &style),
+    );
     if !check {
         std::io::stdout().write_all(new.as_bytes())?;
     } else if old != new {

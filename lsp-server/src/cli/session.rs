@@ -29,6 +29,8 @@ pub(super) struct Session {
     host: AnalysisHost,
     connections: Vec<dotgen_diagram::system::Connection>,
     codels: FilesConfig,
+    /// The style of the formatter.
+    pub(super) format: config::Format,
     /// Severity by diagnostic code.
     pub(super) severity: BTreeMap<String, Level>,
 }
@@ -187,6 +189,7 @@ impl Session {
             host,
             connections: configuration.connections,
             codels: settings.codels.files(),
+            format: settings.format,
             severity: configuration.severity,
         }
     }

@@ -67,6 +67,9 @@ pub struct Settings {
     /// Real-time verification in the editor.
     #[serde(skip_serializing_if = "Verification::is_default")]
     pub verification: Verification,
+    /// The style of the formatter.
+    #[serde(skip_serializing_if = "Format::is_default")]
+    pub format: Format,
     /// Where the C and C++ sources of codels are.
     #[serde(skip_serializing_if = "Codels::is_default")]
     pub codels: Codels,
@@ -268,6 +271,66 @@ impl Timing {
     }
 }
 
+/// The style of the formatter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case", default)]
+pub struct Format {
+    /// White space of one level: a number of blanks, or `"tab"`. Without it: what `.editorconfig`
+    /// says, else what the file has, else what the editor is set to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<FormatUnit>,
+    /// Columns that a line should not exceed; 80 by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub width: Option<u16>,
+    /// What becomes of words that stand in a column with those of the lines around: `keep` (the
+    /// default) leaves them in it, `none` leaves one blank.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub align: Option<FormatAlign>,
+}
+
+/// White space of one level.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged)]
+pub enum FormatUnit {
+    /// So many blanks.
+    Blanks(u8),
+    /// One tabulator.
+    Word(Tabulator),
+}
+
+/// A tabulator.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Tabulator {
+    /// One for each level.
+    Tab,
+}
+
+/// What becomes of columns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum FormatAlign {
+    /// They stay.
+    Keep,
+    /// One blank is enough.
+    None,
+}
+
+impl Format {
+    fn is_default(&self) -> bool {
+        *self == Format::default()
+    }
+
+    /// These settings on top of `weaker` ones.
+    pub(super) fn over(self, weaker: Format) -> Format {
+        Format {
+            unit: self.unit.or(weaker.unit),
+            width: self.width.or(weaker.width),
+            align: self.align.or(weaker.align),
+        }
+    }
+}
+
 /// Settings of the sources of codels.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case", default)]
@@ -409,6 +472,7 @@ impl Settings {
         self.timing = self.timing.over(weaker.timing);
         self.verification = self.verification.over(weaker.verification);
         self.codels = self.codels.over(weaker.codels);
+        self.format = self.format.over(weaker.format);
         self
     }
 

@@ -6,16 +6,22 @@ use super::scenario;
 use crate::convert::edit::text_edits;
 use crate::proto::*;
 use crate::snapshot::{Snapshot, Subject};
+use crate::style;
 
 pub(crate) fn document(
     snapshot: &Snapshot,
     subject: &Subject,
-    _: &DocumentFormattingParams,
+    params: &DocumentFormattingParams,
 ) -> Cancellable<Option<Vec<TextEdit>>> {
     if scenario::is(&subject.path) {
         return scenario::format(snapshot, subject);
     }
-    let edits = snapshot.analysis.format(&subject.path, None)?;
+    let style = style::options(
+        &snapshot.config.format,
+        &subject.path,
+        Some(&params.options),
+    );
+    let edits = snapshot.analysis.format(&subject.path, None, &style)?;
     text_edits(snapshot, &subject.path, &edits)
 }
 
@@ -30,7 +36,14 @@ pub(crate) fn range(
     let Some(range) = lines.clamped(params.range) else {
         return Ok(None);
     };
-    let edits = snapshot.analysis.format(&subject.path, Some(range))?;
+    let style = style::options(
+        &snapshot.config.format,
+        &subject.path,
+        Some(&params.options),
+    );
+    let edits = snapshot
+        .analysis
+        .format(&subject.path, Some(range), &style)?;
     text_edits(snapshot, &subject.path, &edits)
 }
 
@@ -46,6 +59,11 @@ pub(crate) fn on_type(
     ) else {
         return Ok(None);
     };
-    let edits = snapshot.analysis.format_on_type(&at, typed)?;
+    let style = style::options(
+        &snapshot.config.format,
+        &subject.path,
+        Some(&params.options),
+    );
+    let edits = snapshot.analysis.format_on_type(&at, typed, &style)?;
     text_edits(snapshot, &subject.path, &edits)
 }

@@ -72,8 +72,8 @@ fn is_list(kind: SyntaxKind) -> bool {
     matches!(kind, PARAM_LIST | INITIALIZER_LIST)
 }
 
-/// Properties of the form keyword, value: their values are aligned.
-pub(super) fn is_valued_property(kind: SyntaxKind) -> bool {
+/// Properties of the form keyword, value: further lines may stand under the value.
+fn is_valued_property(kind: SyntaxKind) -> bool {
     matches!(
         kind,
         STRING_PROPERTY

@@ -3,8 +3,7 @@
 use crate::SyntaxKind::*;
 use crate::lexer::lex;
 
-use super::VALUE_GAP;
-use super::chunks::{Chunk, ChunkKind, is_valued_property};
+use super::chunks::{Chunk, ChunkKind};
 
 /// White space before a piece.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,14 +14,16 @@ pub(super) enum Gap {
     None,
     /// One blank.
     Space,
-    /// Blanks that align the values of properties.
-    Value,
-    /// A new line at the level of the piece, after a blank line if there was one.
+    /// A blank if the author has one.
+    Author,
+    /// One blank, or a new line where the line would be too long.
+    Break,
+    /// A new line at the level of the piece.
     Line {
-        /// With a blank line before it.
+        /// After empty lines, if there were any.
         blank: bool,
     },
-    /// A new line inside a list or statement, aligned.
+    /// A new line inside a list or statement.
     Continue,
     /// Before a trailing comment.
     Comment,
@@ -95,12 +96,13 @@ fn within_line(before: &Chunk, chunk: &Chunk) -> Gap {
         };
     };
     // The author's line breaks stay where a list or statement may be broken.
-    let breakable = if chunk.newlines > 0 && !chunk.flat {
-        Gap::Continue
-    } else {
-        Gap::Space
+    let breakable = match () {
+        _ if chunk.flat => Gap::Space,
+        _ if chunk.newlines > 0 => Gap::Continue,
+        _ => Gap::Break,
     };
     match (last, kind) {
+        (_, R_PAREN) if chunk.newlines > 0 && chunk.parent == PARAM_LIST => Gap::Continue,
         (_, SEMICOLON | COMMA | R_PAREN | R_BRACK) => Gap::None,
         (L_PAREN | L_BRACK, _) if chunk.newlines > 0 && before.parent == PARAM_LIST => {
             Gap::Continue
@@ -133,13 +135,41 @@ fn within_line(before: &Chunk, chunk: &Chunk) -> Gap {
         (_, COLON) if chunk.parent == CASE_LABEL => Gap::None,
         (L_CURLY, R_CURLY) => Gap::Space,
         (_, L_CURLY) if chunk.parent == INITIALIZER_LIST => breakable,
+        // A brace on a line of its own stays there.
+        (_, L_CURLY) if chunk.newlines > 0 && !chunk.flat => Gap::Line { blank: false },
         (_, L_CURLY) => Gap::Space,
+        // The colon before a documentation: `=: "x"`, `= : "x"`, `1: "x"`.
+        (_, COLON) | (COLON, _) if is_documentation(before, chunk) => match breakable {
+            Gap::Continue => Gap::Continue,
+            _ => Gap::Author,
+        },
         (_, YIELDS_KW | WCET_KW) => breakable,
         (COMMA, _) | (_, EQ) | (EQ, _) | (STRING, STRING) => breakable,
         (L_CURLY, _) | (_, R_CURLY) => breakable,
-        (_, _) if chunk.opens_hang.is_some() && is_valued_property(before.parent) => Gap::Value,
         _ => Gap::Space,
     }
+}
+
+/// Whether a colon between two pieces stands before the documentation of a parameter or value.
+fn is_documentation(before: &Chunk, chunk: &Chunk) -> bool {
+    let colon = if chunk.is(COLON) { chunk } else { before };
+    !matches!(colon.parent, CASE_LABEL)
+}
+
+/// Whether a line may be broken before a piece, by the author or because it is too long.
+pub(super) fn may_break(text: &str, before: &Chunk, chunk: &Chunk) -> bool {
+    matches!(
+        gap(text, Some(before), chunk),
+        Gap::Break | Gap::Continue | Gap::Line { .. }
+    )
+}
+
+/// Whether the author may have padded the white space before a piece to put it in a column.
+pub(super) fn may_pad(text: &str, before: &Chunk, chunk: &Chunk) -> bool {
+    matches!(
+        gap(text, Some(before), chunk),
+        Gap::Space | Gap::Break | Gap::Comment
+    )
 }
 
 fn is_direction(chunk: &Chunk) -> bool {
@@ -152,43 +182,4 @@ fn glues(text: &str, before: &Chunk, chunk: &Chunk) -> bool {
     let joined = format!("{a}{b}");
     let tokens = lex(&joined);
     tokens.len() != 2 || tokens.range(0).end != a.len()
-}
-
-/// Blanks before the values of properties, aligned in runs of lines: by chunk.
-pub(super) fn value_columns(chunks: &[Chunk]) -> Vec<Option<usize>> {
-    let mut out = vec![None; chunks.len()];
-    let mut run: Vec<(usize, usize)> = Vec::new();
-    let mut flush = |run: &mut Vec<(usize, usize)>| {
-        let widest = run.iter().map(|&(_, width)| width).max().unwrap_or(0);
-        for &(value, width) in run.iter() {
-            out[value] = Some(widest - width + VALUE_GAP);
-        }
-        run.clear();
-    };
-    for (i, chunk) in chunks.iter().enumerate() {
-        let is_value = chunk.opens_hang.is_some() && i > 0 && !chunk.frozen && !chunk.flat;
-        if is_value {
-            let keyword = &chunks[i - 1];
-            // Runs join properties of one body on consecutive lines.
-            let same_level = run
-                .last()
-                .is_none_or(|&(last, _)| chunks[last].indent == chunk.indent);
-            if !same_level || keyword.newlines > 1 {
-                flush(&mut run);
-            }
-            run.push((i, keyword.span().len()));
-        } else if chunk.is(R_CURLY) || (chunk.first_of_item && !is_keyword_of_property(chunks, i)) {
-            flush(&mut run);
-        }
-    }
-    flush(&mut run);
-    out
-}
-
-/// Whether a chunk is the keyword of a property whose value is aligned.
-fn is_keyword_of_property(chunks: &[Chunk], i: usize) -> bool {
-    is_valued_property(chunks[i].parent)
-        && chunks
-            .get(i + 1)
-            .is_some_and(|next| next.opens_hang.is_some())
 }

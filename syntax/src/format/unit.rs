@@ -1,0 +1,105 @@
+//! The unit of indentation, and columns of text.
+
+use super::TAB;
+use super::chunks::{self, Chunk};
+use crate::SyntaxNode;
+
+/// White space of one level of indentation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Unit {
+    /// So many blanks.
+    Spaces(usize),
+    /// A tabulator of so many columns.
+    Tabs(usize),
+}
+
+impl Unit {
+    /// Columns of one level.
+    pub fn columns(self) -> usize {
+        match self {
+            Unit::Spaces(columns) | Unit::Tabs(columns) => columns.max(1),
+        }
+    }
+
+    /// Columns of a tabulator in a text that is indented by this unit.
+    pub(super) fn tab(self) -> usize {
+        match self {
+            Unit::Spaces(_) => TAB,
+            Unit::Tabs(columns) => columns.max(1),
+        }
+    }
+
+    /// The column after white space at the beginning of a line.
+    pub fn column_of(self, blanks: &str) -> usize {
+        advance(0, blanks, self.tab())
+    }
+
+    /// White space from the beginning of a line up to a column.
+    pub fn indentation(self, column: usize) -> String {
+        match self {
+            Unit::Spaces(_) => " ".repeat(column),
+            Unit::Tabs(_) => {
+                let tab = self.columns();
+                format!("{}{}", "\t".repeat(column / tab), " ".repeat(column % tab))
+            }
+        }
+    }
+}
+
+/// The unit that most declarations of a file are indented by; `None` where nothing is.
+pub fn unit_of(root: &SyntaxNode) -> Option<Unit> {
+    let text = root.text().to_string();
+    of(&text, &chunks::chunks(root, &[]))
+}
+
+pub(super) fn of(text: &str, chunks: &[Chunk]) -> Option<Unit> {
+    // Others are what hurried typing leaves.
+    const USUAL: [usize; 3] = [2, 4, 8];
+    let mut spaces = [0; USUAL.len()];
+    let mut tabs = 0;
+    for chunk in chunks {
+        let level = chunk.indent;
+        if !chunk.first_of_item || chunk.newlines == 0 || chunk.flat || level == 0 {
+            continue;
+        }
+        let start = chunk.span().start;
+        let line = &text[line_start(text, start)..start];
+        if line.len() == level && line.bytes().all(|it| it == b'\t') {
+            tabs += 1;
+            continue;
+        }
+        let columns = column(text, start, TAB);
+        if let Some(at) = USUAL.iter().position(|it| it * level == columns) {
+            spaces[at] += 1;
+        }
+    }
+    let best = (0..USUAL.len()).rev().max_by_key(|&it| spaces[it])?;
+    match spaces[best] {
+        0 if tabs == 0 => None,
+        votes if votes >= tabs => Some(Unit::Spaces(USUAL[best])),
+        _ => Some(Unit::Tabs(TAB)),
+    }
+}
+
+/// Where the line that an offset is on begins.
+pub(super) fn line_start(text: &str, at: usize) -> usize {
+    text[..at].rfind('\n').map_or(0, |it| it + 1)
+}
+
+/// Column of an offset.
+pub(super) fn column(text: &str, at: usize, tab: usize) -> usize {
+    advance(0, &text[line_start(text, at)..at], tab)
+}
+
+/// The column after a text that begins at a column.
+pub(super) fn advance(column: usize, text: &str, tab: usize) -> usize {
+    let (start, line) = match text.rfind('\n') {
+        Some(at) => (0, &text[at + 1..]),
+        None => (column, text),
+    };
+    line.chars().fold(start, |column, it| match it {
+        '\t' => column / tab * tab + tab,
+        '\r' => column,
+        _ => column + 1,
+    })
+}
