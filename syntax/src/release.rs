@@ -41,8 +41,8 @@ impl Release {
         }
     }
 
-    /// Whether what this release does was compared with it, run by run. What is said of the others follows from their
-    /// lists of changes and from what they generated.
+    /// Whether what this release does was compared with it, run by run. What is said of the others follows
+    /// from their lists of changes and from what they generated.
     pub fn is_verified(self) -> bool {
         matches!(self, Release::V2_99_39 | Release::V2_99_41)
     }
@@ -59,8 +59,8 @@ impl Release {
             .filter(move |it| self.has(it.change) != other.has(it.change))
     }
 
-    /// The least release that a requirement on the package `genom3` admits: `genom3 >= 2.99.41`. `None` if the text
-    /// requires something else, or has no lower bound.
+    /// The least release that a requirement on the package `genom3` admits: `genom3 >= 2.99.41`. `None` if
+    /// the text requires something else, or has no lower bound.
     pub fn lower_bound(requirement: &str) -> Option<Release> {
         let rest = requirement.trim_start().strip_prefix("genom3")?;
         let rest = rest.trim_start();
