@@ -544,3 +544,19 @@ fn without_execution_times_nothing_was_verified() {
     );
     assert!(!text.contains('%'), "{text}");
 }
+
+#[test]
+fn each_step_names_its_rule() {
+    let it = lift("17 ms");
+    let check = ["--check", "schedulable lift.sense", "--explain"];
+    let arguments = [&["verify"][..], &check, &["scenarios/ride.scn"]].concat();
+    let text = stdout(&it.run(&arguments));
+    for step in [
+        "lift.sense.start begins  [begin]",
+        "released  [release]",
+        "lift.sense.start waits for lift.move.start  [wait]",
+        "tick before the job has ended  [tick]",
+    ] {
+        assert!(text.contains(step), "{step}: {text}");
+    }
+}

@@ -22,7 +22,7 @@ pub(super) fn print(answers: &[Answer], explained: bool) -> anyhow::Result<()> {
         if i > 0 {
             writeln!(out)?;
         }
-        print_one(&mut out, answer)?;
+        print_one(&mut out, answer, explained)?;
         if explained {
             explain::print(&mut out, &answer.report.reductions)?;
         }
@@ -30,7 +30,7 @@ pub(super) fn print(answers: &[Answer], explained: bool) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
+fn print_one(out: &mut impl Write, answer: &Answer, explained: bool) -> anyhow::Result<()> {
     let settings = answer.settings();
     let scale = Scale::of(&settings);
     let report = &answer.report;
@@ -72,7 +72,7 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
         let style = style(it.outcome);
         let word = it.outcome.word();
         writeln!(out, "\n{style}{word}{style:#} {}{remark}", it.title())?;
-        run(out, events, check.cycle, scale)?;
+        run(out, events, check.cycle, scale, explained)?;
         let requests = events.iter().filter(|it| it.kind == MomentKind::Request);
         let requests: Vec<&str> = requests.map(|it| it.what.as_str()).collect();
         if !requests.is_empty() {
@@ -290,6 +290,7 @@ fn run(
     events: &[Event],
     cycle: Option<usize>,
     scale: Scale,
+    explained: bool,
 ) -> std::io::Result<()> {
     let who = |it: &Event| match &it.task {
         Some(task) => format!("{}.{task}", it.component),
@@ -354,12 +355,23 @@ fn run(
             MomentKind::Tick | MomentKind::Release | MomentKind::Grant => FAINT,
             _ => Style::new(),
         };
+        let rule = match explained {
+            true => format!("  {FAINT}[{}]{FAINT:#}", rule(it.kind)),
+            false => String::new(),
+        };
         writeln!(
             out,
-            "  {at:>time_width$}  {:<who_width$}  {style}{}{style:#}",
+            "  {at:>time_width$}  {:<who_width$}  {style}{}{style:#}{rule}",
             who(it),
             it.what
         )?;
     }
     Ok(())
+}
+
+/// The rule that acted in a step, as JSON and `docs/verification.md` call it.
+fn rule(kind: MomentKind) -> String {
+    let word = serde_json::to_value(kind).ok();
+    let word = word.as_ref().and_then(|it| it.as_str());
+    word.unwrap_or_default().to_owned()
 }
