@@ -1,7 +1,7 @@
 //! Which release of GenoM3 a specification is read as, and why.
 //!
-//! What the user says counts first, then what is installed, then what the specifications require, and
-//! else it is the newest release that dotgen was compared with. What a specification requires is read from its
+//! What the user says counts first, then what is installed, then what the specifications require, and else it
+//! is the newest release that dotgen was compared with. What a specification requires is read from its
 //! tokens: what they mean depends on the release.
 
 use std::fmt;
@@ -86,8 +86,8 @@ impl fmt::Display for ReleaseChoice {
 }
 
 impl ReleaseChoice {
-    /// The choice where the user says nothing and nothing is installed: by what the specifications require. Nothing
-    /// older than the oldest release known is chosen.
+    /// The choice where the user says nothing and nothing is installed: by what the specifications require.
+    /// Nothing older than the oldest release known is chosen.
     pub fn required(bound: Option<Release>) -> ReleaseChoice {
         match bound {
             Some(bound) => ReleaseChoice {
@@ -109,8 +109,8 @@ pub struct Requirement {
 }
 
 impl Requirement {
-    /// Reads a text. Specifications are many, and all of them are asked: only what may be inside a comment is read
-    /// token by token.
+    /// Reads a text. Specifications are many, and all of them are asked: only what may be inside a comment is
+    /// read token by token.
     pub fn of(text: &str) -> Requirement {
         let mut found = Requirement::default();
         let named = text.match_indices(PACKAGE).map(|it| it.0);
@@ -237,8 +237,8 @@ pub(crate) fn of_path(db: &dyn Db, path: &camino::Utf8Path) -> ReleaseChoice {
     of_project(db, db.workspace(), directory).clone()
 }
 
-/// The release of a unit: that of the project of its first file, or what its own files require when that is more and
-/// nobody says otherwise.
+/// The release of a unit: that of the project of its first file, or what its own files require when that is
+/// more and nobody says otherwise.
 pub(crate) fn of_unit(db: &dyn Db, unit: UnitKey<'_>) -> ReleaseChoice {
     let inputs = unit.inputs(db);
     let Some(first) = inputs.first() else {

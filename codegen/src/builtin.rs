@@ -147,8 +147,8 @@ pub(crate) fn run(
     Some(finish(name, result, env))
 }
 
-/// Runs the Tcl template of a folder without Tcl, where it is known to be that of the release in force and is called in
-/// a way that ours answers with the same bytes; `None` otherwise.
+/// Runs the Tcl template of a folder without Tcl, where it is known to be that of the release in force and is
+/// called in a way that ours answers with the same bytes; `None` otherwise.
 pub(crate) fn run_known(
     dir: &Path,
     args: &[String],

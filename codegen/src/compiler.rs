@@ -149,8 +149,9 @@ impl Compiler {
     }
 }
 
-/// In GenoM3 a service or task that comes from an interface shares its list of exceptions with it, so that what one of
-/// its importers adds is thrown by all of them. Templates write these lists into comments and manuals.
+/// In GenoM3 a service or task that comes from an interface shares its list of exceptions with it, so that
+/// what one of its importers adds is thrown by all of them. Templates write these lists into comments and
+/// manuals.
 fn share_throws(spec: &mut Arc<Spec>) {
     let mut additions = Vec::new();
     for component in &spec.components {

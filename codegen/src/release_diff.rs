@@ -1,5 +1,6 @@
-//! What changes for a specification when it is read as another release of GenoM3: digests, and with them whether
-//! clients and servers fit each other, mapped types, prototypes of codels, and the stubs that `skeleton` writes.
+//! What changes for a specification when it is read as another release of GenoM3: digests, and with them
+//! whether clients and servers fit each other, mapped types, prototypes of codels, and the stubs that
+//! `skeleton` writes.
 
 use dotgen_analysis::model::{Component, ComponentKind, Spec, TypeId, TypeKind};
 use dotgen_analysis::release::{Change, Release};
@@ -13,7 +14,8 @@ use crate::template::component_digests;
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct ReleaseDiff {
-    /// Components and services whose digest changes: programs built for the one do not fit those of the other.
+    /// Components and services whose digest changes: programs built for the one do not fit those of the
+    /// other.
     pub digests: Vec<DigestChange>,
     /// Named types whose definition changes in C or C++.
     pub types: Vec<TextChange>,

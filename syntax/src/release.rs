@@ -41,8 +41,8 @@ impl Release {
         }
     }
 
-    /// Whether what this release does was compared with it, run by run. What is said of the others follows from their
-    /// lists of changes and from what they generated.
+    /// Whether what this release does was compared with it, run by run. What is said of the others follows
+    /// from their lists of changes and from what they generated.
     pub fn is_verified(self) -> bool {
         matches!(self, Release::V2_99_39 | Release::V2_99_41)
     }
@@ -59,8 +59,8 @@ impl Release {
             .filter(move |it| self.has(it.change) != other.has(it.change))
     }
 
-    /// The least release that a requirement on the package `genom3` admits: `genom3 >= 2.99.41`. `None` if the text
-    /// requires something else, or has no lower bound.
+    /// The least release that a requirement on the package `genom3` admits: `genom3 >= 2.99.41`. `None` if
+    /// the text requires something else, or has no lower bound.
     pub fn lower_bound(requirement: &str) -> Option<Release> {
         let rest = requirement.trim_start().strip_prefix("genom3")?;
         let rest = rest.trim_start();
@@ -246,8 +246,7 @@ changes! {
     DigestsOfExceptions: V2_99_41, Digest,
         "digests contain the names of thrown exceptions, and no local variables";
     PerComponentSkeletons: V2_99_41, Templates,
-        "`skeleton` writes only what a component declares itself, for interfaces too, and takes names of components; \
-         its build files differ";
+        "`skeleton` writes stubs only for codels that the component declares itself";
     SignaturesOfInterfaces: V2_99_41, Templates,
         "`mappings --signature` lists the codels of interfaces, each codel once";
     ConstExceptionDetails: V2_99_42, Mapping,
@@ -258,8 +257,6 @@ changes! {
         "the `doc` of a provided interface does not join that of the component";
     NoLeadingBlankLine: V3, Templates,
         "generated files do not begin with a blank line";
-    SeparatePackageChecks: V3, Templates,
-        "`skeleton` checks for the required packages and those of the codels separately, and always writes `bootstrap.sh` with `autoreconf`";
 }
 
 #[cfg(test)]

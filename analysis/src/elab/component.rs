@@ -413,8 +413,8 @@ impl<'a> Elaborator<'a> {
         self.add_port(index, port, false, def, at);
     }
 
-    /// Adds a port to a component, with its type object. `used`: it is that of a used interface, turned around, so that
-    /// it has a type of its own.
+    /// Adds a port to a component, with its type object. `used`: it is that of a used interface, turned
+    /// around, so that it has a type of its own.
     pub(super) fn add_port(
         &mut self,
         index: u32,

@@ -1,4 +1,5 @@
-//! What only newer releases of GenoM3 accept: said as long as the specifications claim to work with older ones.
+//! What only newer releases of GenoM3 accept: said as long as the specifications claim to work with older
+//! ones.
 
 use super::context::Elaborator;
 use crate::{
@@ -31,7 +32,8 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    /// Notes the same where the release in force accepts it; where it does not, reports what is to be said there.
+    /// Notes the same where the release in force accepts it; where it does not, reports what is to be said
+    /// there.
     pub(super) fn newer_or(
         &mut self,
         change: Change,

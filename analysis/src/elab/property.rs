@@ -189,7 +189,8 @@ impl<'a> Elaborator<'a> {
         self.once_in_component(index, word, at)
     }
 
-    /// Whether a property of a component is given already and may be repeated: languages must then be the same.
+    /// Whether a property of a component is given already and may be repeated: languages must then be the
+    /// same.
     pub(super) fn repeats_first(&self, index: u32, word: &'static str, value: &str) -> bool {
         let merges = match word {
             "version" | "email" => true,

@@ -5,8 +5,8 @@ use std::path::Path;
 use dotgen_analysis::release::Release;
 use md5::{Digest, Md5};
 
-/// Name, release, and the digest of the folder's files: for each, in order of names, its name, its text and a zero after
-/// either.
+/// Name, release, and the digest of the folder's files: for each, in order of names, its name, its text and a
+/// zero after either.
 const KNOWN: &[(&str, Release, &str)] = &[
     (
         "mappings",

@@ -22,8 +22,9 @@ Options:
   -MT=TARGET           for this target
   -h, --help           print this help";
 
-/// Whether a call has nothing but a language, `--signature` and files: then the Tcl template of this name gives the same
-/// bytes. It reads an option written with `=` in a way of its own, and has other words for its help.
+/// Whether a call has nothing but a language, `--signature` and files: then the Tcl template of this name
+/// gives the same bytes. It reads an option written with `=` in a way of its own, and has other words for its
+/// help.
 pub(super) fn is_plain(args: &[String]) -> bool {
     let mut words = args.iter().map(String::as_str);
     loop {
@@ -136,8 +137,8 @@ pub(super) fn run(
     Ok(0)
 }
 
-/// The codels whose prototypes are printed: those of components, with what these import. Newer releases print each
-/// once, with the component or interface in whose body it stands, those of components first.
+/// The codels whose prototypes are printed: those of components, with what these import. Newer releases print
+/// each once, with the component or interface in whose body it stands, those of components first.
 fn codels(spec: &Spec) -> Vec<MapObject> {
     let of_interfaces = spec.release.has(Change::SignaturesOfInterfaces);
     let mut all = Vec::new();

@@ -148,8 +148,8 @@ impl<'a> Expected<'a> {
         }
     }
 
-    /// Whether the component declares something itself, so that its skeleton has it. Older releases write what comes
-    /// from interfaces too.
+    /// Whether the component declares something itself, so that its skeleton has it. Older releases write
+    /// what comes from interfaces too.
     pub(crate) fn is_own(&self, src: Src) -> bool {
         let per_component = self.spec.release.has(Change::PerComponentSkeletons);
         let body = || self.spec.body_of(src);
@@ -170,8 +170,8 @@ impl<'a> Expected<'a> {
         self.is_own(it.src) || local_codels && own_codels()
     }
 
-    /// Whether the skeleton has a stub for a codel. If not, the function is expected elsewhere: interfaces have
-    /// sources of their own.
+    /// Whether the skeleton has a stub for a codel. If not, the function is expected elsewhere: interfaces
+    /// have sources of their own.
     pub(crate) fn has_stub(&self, at: CodelRef) -> bool {
         let component = self.component();
         self.is_own(component.codel(at).src)

@@ -134,8 +134,8 @@ impl<'a> Model<'a> {
         Some(Answer::pure(tcl::list(elements(&place))))
     }
 
-    /// `loc ?file|line|column|context?`: where something was written, and in which component or interface. Releases
-    /// before contexts leave that element out of the list.
+    /// `loc ?file|line|column|context?`: where something was written, and in which component or interface.
+    /// Releases before contexts leave that element out of the list.
     fn place(
         &self,
         place: Option<Place>,

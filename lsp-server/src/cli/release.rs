@@ -34,7 +34,8 @@ struct Diff {
     #[arg(value_name = "PATH", required = true)]
     paths: Vec<Utf8PathBuf>,
 
-    /// The first release; by default the one the specifications are read as, or the oldest known one if that is the second
+    /// The first release; by default the one the specifications are read as, or the oldest known one if that
+    /// is the second
     #[arg(long, value_name = "RELEASE")]
     from: Option<Release>,
 
