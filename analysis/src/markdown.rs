@@ -1,10 +1,10 @@
-//! Markdown around what somebody else wrote: names, file names, comments, `doc` texts. They are data, and are shown as
-//! they are, whatever Markdown would make of them.
+//! Markdown around what somebody else wrote: names, file names, comments, `doc` texts. They are data, and
+//! are shown as they are, whatever Markdown would make of them.
 
 use std::borrow::Cow;
 
-/// A text that stands for itself. Its line ends and blank lines remain, its indentation does not: four blanks would
-/// make it code.
+/// A text that stands for itself. Its line ends and blank lines remain, its indentation does not: four
+/// blanks would make it code.
 pub fn text(text: &str) -> String {
     let mut out = String::with_capacity(text.len() + 8);
     for (index, line) in text.lines().enumerate() {
@@ -84,8 +84,8 @@ fn ticks(text: &str, least: usize) -> String {
     "`".repeat(count)
 }
 
-/// Control characters become U+FFFD: a viewer does not show them, or does what they say. So do those that change the
-/// direction of the text, which could show it as another one.
+/// Control characters become U+FFFD: a viewer does not show them, or does what they say. So do those that
+/// change the direction of the text, which could show it as another one.
 fn visible(c: char) -> char {
     match c {
         '\t' => ' ',

@@ -89,15 +89,15 @@ pub trait Processes: Send + Sync {
     /// As the system tells them.
     fn start(&self, program: &Program) -> io::Result<Process>;
 
-    /// Starts the renderer of MiniJinja texts ([`crate::builtin::serve_renderer`]), confined, in a process of its own;
-    /// `None` where there is no program that could be it.
+    /// Starts the renderer of MiniJinja texts ([`crate::builtin::serve_renderer`]), confined, in a
+    /// process of its own; `None` where there is no program that could be it.
     ///
     /// # Errors
     /// As the system tells them.
     fn renderer(&self, resources: Resources) -> Option<io::Result<Process>>;
 
-    /// Makes a temporary folder in a directory (by default that of the system). It is removed with what is returned,
-    /// or with this process, however that ends.
+    /// Makes a temporary folder in a directory (by default that of the system). It is removed with what
+    /// is returned, or with this process, however that ends.
     ///
     /// # Errors
     /// As the system tells them.
@@ -137,8 +137,8 @@ impl Process {
         let _ = self.child.wait();
     }
 
-    /// Waits for the end of the program, with nothing to read for it. What it has printed, if there are pipes: on both
-    /// outputs, the error output behind.
+    /// Waits for the end of the program, with nothing to read for it. What it has printed, if there are
+    /// pipes: on both outputs, the error output behind.
     ///
     /// # Errors
     /// As the system tells them.

@@ -1,12 +1,12 @@
 //! Every program that dotgen starts, and every temporary folder it makes: none outlives it.
 //!
 //! A process that is killed cleans up nothing, so three things hold for what it has started:
-//! - the program `dotgen` starts itself again (`dotgen confined`, [`launch`]), which binds its life to that of its
-//!   parent, limits and confines itself, and only then becomes the program that was wanted. So no code has to run
-//!   between `fork` and `exec`, where little is safe;
+//! - the program `dotgen` starts itself again (`dotgen confined`, [`launch`]), which binds its life to
+//!   that of its parent, limits and confines itself, and only then becomes the program that was wanted.
+//!   So no code has to run between `fork` and `exec`, where little is safe;
 //! - a program has a process group of its own, with all that it starts;
-//! - a helper ([`watcher`]) holds a pipe to this process and knows groups and temporary folders: when the pipe breaks,
-//!   it ends the ones and removes the others.
+//! - a helper ([`watcher`]) holds a pipe to this process and knows groups and temporary folders: when the
+//!   pipe breaks, it ends the ones and removes the others.
 
 pub(crate) mod confine;
 pub(crate) mod folders;
@@ -29,8 +29,8 @@ use watcher::Watcher;
 /// This program, where it can be started again.
 static OWN: OnceLock<PathBuf> = OnceLock::new();
 
-/// Says that this process is `dotgen` itself. Otherwise (in a test of the library) it cannot be started again: then
-/// nothing is limited or confined, and [`Processes::gaps`] says so.
+/// Says that this process is `dotgen` itself. Otherwise (in a test of the library) it cannot be started
+/// again: then nothing is limited or confined, and [`Processes::gaps`] says so.
 pub(crate) fn is_dotgen() {
     // The file may be replaced while it runs: this name still means what runs.
     let own = PathBuf::from("/proc/self/exe");
@@ -159,10 +159,10 @@ fn run(mut command: Command, channels: Channels) -> io::Result<Process> {
         // Who talks to the terminal stays in its group: a group of its own could not read from it.
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
     }
+    // The helper first: it must not have to be started while the program runs already.
+    let watcher = Watcher::get().filter(|_| own_group);
     let child = start(command)?;
-    let group = own_group
-        .then(|| Watcher::get().map(|it| it.group(child.id())))
-        .flatten();
+    let group = watcher.map(|it| it.group(child.id()));
     let group = Started {
         own_group,
         _watched: group,
@@ -175,8 +175,8 @@ fn run(mut command: Command, channels: Channels) -> io::Result<Process> {
 
 /// Starts a command on a thread that lives as long as this process.
 ///
-/// The system binds the life of a child to the *thread* that has started it, not to its process. Threads of a pool end
-/// when they have nothing to do, and their children would end with them.
+/// The system binds the life of a child to the *thread* that has started it, not to its process. Threads
+/// of a pool end when they have nothing to do, and their children would end with them.
 fn start(command: Command) -> io::Result<Child> {
     type Order = (Command, Sender<io::Result<Child>>);
     static ORDERS: LazyLock<Option<Sender<Order>>> = LazyLock::new(|| {

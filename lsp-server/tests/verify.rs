@@ -29,7 +29,7 @@ component lift {
 
 const SCENARIO: &str = "\
 scenario ride {
-  use \"../spec/lift.gen\";
+  use \"../spec/lift.gen\"; semantics published;
   unit 1 ms;
   cores 2;
   policy edf;
@@ -157,7 +157,7 @@ fn what_repeats_itself_is_told_once() {
         ),
         (
             "busy.scn",
-            "scenario busy {\n  use \"busy.gen\";\n  durations fixed;\n  check schedulable *;\n}\n",
+            "scenario busy {\n  use \"busy.gen\"; semantics published;\n  durations fixed;\n  check schedulable *;\n}\n",
         ),
     ]);
     let output = it.run(&["verify", "busy.scn"]);
@@ -173,7 +173,7 @@ fn of_a_long_run_the_beginning_and_the_end_are_shown() {
     let it = lift("9 ms");
     it.write(
         "scenarios/long.scn",
-        b"scenario long {\n  use \"../spec/lift.gen\";\n  durations fixed;\n  client late { delay 200 ms; send lift.f; }\n  check always not lift.f;\n}\n",
+        b"scenario long {\n  use \"../spec/lift.gen\"; semantics published;\n  durations fixed;\n  client late { delay 200 ms; send lift.f; }\n  check always not lift.f;\n}\n",
     );
     it.write(
         "spec/lift.gen",
@@ -277,7 +277,7 @@ fn what_cannot_be_verified_is_explained() {
     let it = lift("5 ms");
     it.write(
         "broken.scn",
-        b"scenario s {\n  use \"lost.gen\";\n  coers 4;\n}\n",
+        b"scenario s {\n  use \"lost.gen\"; semantics published;\n  coers 4;\n}\n",
     );
     it.write(
         "bad.gen",
@@ -285,7 +285,7 @@ fn what_cannot_be_verified_is_explained() {
     );
     it.write(
         "bad.scn",
-        b"scenario s { use \"bad.gen\"; check schedulable *; }\n",
+        b"scenario s { use \"bad.gen\"; semantics published; check schedulable *; }\n",
     );
     let mut told = String::new();
     for arguments in [
@@ -336,15 +336,15 @@ fn what_is_assumed_is_told_once_where_it_stands() {
         ("vague.gen", VAGUE),
         (
             "vague.scn",
-            "scenario vague {\n  use \"vague.gen\";\n  loop free vague.spin;\n  duration vague.poll.start [0,1] ms;\n  check always not vague.spin.d;\n}\n",
+            "scenario vague {\n  use \"vague.gen\"; semantics published;\n  loop free vague.spin;\n  duration vague.poll.start [0,1] ms;\n  check always not vague.spin.d;\n}\n",
         ),
         (
             "stuck.scn",
-            "scenario stuck {\n  use \"vague.gen\";\n  loop 2;\n  check schedulable *;\n}\n",
+            "scenario stuck {\n  use \"vague.gen\"; semantics published;\n  loop 2;\n  check schedulable *;\n}\n",
         ),
         (
             "long.scn",
-            "scenario long {\n  use \"vague.gen\";\n  duration vague.poll.start [1,9000000000] s;\n  duration vague.spin.b [1,1] us;\n  check schedulable *;\n}\n",
+            "scenario long {\n  use \"vague.gen\"; semantics published;\n  duration vague.poll.start [1,9000000000] s;\n  duration vague.spin.b [1,1] us;\n  check schedulable *;\n}\n",
         ),
     ]);
     it.write("zero.gen", VAGUE.replace("20 ms", "0 ms").as_bytes());

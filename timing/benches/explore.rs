@@ -12,6 +12,7 @@ use dotgen_analysis::host::{
 };
 use dotgen_timing::scn::ast::{Durations, Item, Scenario};
 use dotgen_timing::scn::parse;
+use dotgen_timing::scn::semantics::Preset;
 use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 
 fn main() {
@@ -61,6 +62,7 @@ fn bench(bencher: Bencher, path: &str, cores: u32, durations: Durations) {
     let options = Options {
         cores: Some(Some(cores)),
         durations: Some(durations),
+        semantics: Some(Preset::Published),
         ..Options::default()
     };
     bencher.bench(|| {

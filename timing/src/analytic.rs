@@ -26,6 +26,7 @@
 mod cores;
 mod demand;
 mod instances;
+mod queue;
 mod rivals;
 mod ways;
 
@@ -34,10 +35,20 @@ use std::cell::OnceCell;
 use self::demand::{Demand, Jobs, Kind};
 use self::rivals::{Rivals, excluded};
 use self::ways::{Ways, resumed};
+use crate::scn::semantics::Semantics;
 use crate::system::{CodelSet, FOREVER, Ticks, TimedSystem};
 
-/// A bound on the response time of every task; `None` where this method finds none.
+/// A bound on the response time of every task; `None` where this method finds none. Under the semantics of the
+/// servers it has a method of its own (see `queue`), as other things delay a job there; with single points of the
+/// semantics changed it finds none.
 pub fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
+    if !system.platform.semantics.is_published() {
+        let queued = system.platform.semantics == Semantics::SERVERS;
+        return match queued {
+            true => queue::response_bounds(system),
+            false => vec![None; system.tasks.len()],
+        };
+    }
     let mut analysis = Analysis::new(system);
     let mut round = 0;
     while let growing = analysis.improve()

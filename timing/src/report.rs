@@ -19,6 +19,8 @@ pub const FORMAT: u32 = 1;
 pub struct Report {
     /// Name of the scenario.
     pub scenario: String,
+    /// What the model follows: `servers` or `published`, with single points that differ.
+    pub semantics: String,
     /// Unit of all times: `ms`, `10 us`, …
     pub unit: String,
     /// One per check, in order of the scenario; `*` gives one per task.

@@ -13,6 +13,7 @@ pub mod lexer;
 pub mod names;
 pub mod outline;
 mod parser;
+pub mod semantics;
 mod words;
 
 use std::ops::Range;
@@ -21,7 +22,7 @@ use dotgen_analysis::model::Src;
 
 use crate::remark::Remark;
 
-pub use default::{default_text, default_text_on};
+pub use default::{Platform, default_text, default_text_on};
 pub use format::format;
 pub use parser::{Parse, parse, parse_check};
 

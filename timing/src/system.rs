@@ -15,6 +15,8 @@ pub(crate) mod units;
 
 use dotgen_analysis::model::{CodelRef, Seconds, Src};
 
+use crate::scn::semantics::Semantics;
+
 pub use locks::SharedPorts;
 pub use loops::{loop_contradictions, pauseless_cycles};
 
@@ -56,6 +58,8 @@ pub struct Platform {
     pub policy: Policy,
     /// Order in which waiting codels get locks.
     pub locks: LockOrder,
+    /// What the model follows. (Its `locks` are those above.)
+    pub semantics: Semantics,
     /// Asynchronous codels are executed by a separate thread and need no core.
     pub async_free: bool,
     /// Aperiodic tasks need a core.
@@ -72,6 +76,10 @@ pub enum Policy {
     Edf,
     /// Any waiting task.
     Any,
+    /// The ready tasks of highest priority, preempting others.
+    Priority,
+    /// Any ready tasks, preempting others, as long as no core idles.
+    Fair,
 }
 
 /// Order in which codels that wait for a common lock get it.
@@ -81,6 +89,8 @@ pub enum LockOrder {
     Free,
     /// In order of arrival, among codels that exclude each other.
     Fifo,
+    /// One queue per component; who is behind its head waits, conflicting or not.
+    Queue,
 }
 
 /// A component: its tasks are started one after the other.
@@ -109,8 +119,15 @@ pub struct Task {
     pub keep_idle_tick: bool,
     /// The automaton of the permanent activity (one that has a `start` codel).
     pub permanent: Option<usize>,
-    /// Automata of its slots, in slot order.
+    /// Automata of its slots, in slot order. (Under the semantics of the servers: one per activity, whatever the number of
+    /// instances.)
     pub slots: Vec<usize>,
+    /// How many activities it can have at the same time, the permanent one included (servers).
+    pub places: u32,
+    /// Its `priority`; the lower number goes first.
+    pub priority: Option<u32>,
+    /// The core it is tied to, from 0.
+    pub affinity: Option<u32>,
     /// Where it was declared: component of the specification and name.
     pub src: Option<(usize, Src)>,
 }
@@ -186,8 +203,11 @@ pub struct Codel {
     pub lower: Ticks,
     /// Greatest such time, or [`FOREVER`].
     pub upper: Ticks,
-    /// Codels that must not be executing when this one begins; symmetric. May hold the codel itself.
+    /// Codels that must not be executing when this one begins. May hold the codel itself. Symmetric in the published
+    /// models; in the servers a codel does not wait for those of an activity that interrupts its own.
     pub conflicts: CodelSet,
+    /// It may throw an exception instead of each of its yields.
+    pub throws: bool,
     /// Component of the specification and codel it stands for.
     pub site: Option<(usize, CodelRef)>,
     /// Where it was declared.
@@ -251,6 +271,10 @@ pub struct Service {
     pub activity: bool,
     /// Services it interrupts.
     pub interrupts: Vec<usize>,
+    /// Services that must have succeeded before it is accepted.
+    pub after: Vec<usize>,
+    /// Services that must not have succeeded when it is accepted.
+    pub before: Vec<usize>,
     /// Where it was declared.
     pub src: Option<Src>,
 }
@@ -272,6 +296,21 @@ impl Client {
     /// The position after the last step.
     pub fn done(&self) -> usize {
         self.steps.len()
+    }
+
+    /// Whether it can come to a step more than once.
+    pub(crate) fn comes_again(&self, step: usize) -> bool {
+        let mut seen = vec![false; self.steps.len()];
+        let mut stack = self.steps[step].next.clone();
+        while let Some(at) = stack.pop() {
+            if at == step {
+                return true;
+            }
+            if at < seen.len() && !std::mem::replace(&mut seen[at], true) {
+                stack.extend(&self.steps[at].next);
+            }
+        }
+        false
     }
 }
 

@@ -28,6 +28,7 @@ use crate::report::Report;
 use crate::scn::Diagnostic;
 use crate::scn::ast::{Check, Durations, Policy, Scenario, Unit};
 use crate::scn::names::Names;
+use crate::scn::semantics::Preset;
 use crate::system::build::{Built, build};
 use crate::system::settings::Settings;
 
@@ -43,6 +44,8 @@ pub struct SystemInput<'a> {
 pub struct Options {
     /// Number of cores; `Some(None)`: no limit.
     pub cores: Option<Option<u32>>,
+    /// What the model follows, single points of the scenario apart.
+    pub semantics: Option<Preset>,
     /// Order of grants.
     pub policy: Option<Policy>,
     /// How long codels take.
@@ -85,7 +88,8 @@ pub fn settings(scenario: &Scenario, options: &Options) -> Settings {
     if let Some(cores) = options.cores {
         settings.cores = cores;
     }
-    settings.policy = options.policy.unwrap_or(settings.policy);
+    settings.preset = options.semantics.unwrap_or(settings.preset);
+    settings.stated_policy = options.policy.or(settings.stated_policy);
     settings.durations = options.durations.unwrap_or(settings.durations);
     if !options.checks.is_empty() {
         settings.checks.clone_from(&options.checks);
@@ -104,6 +108,7 @@ fn verify_settings(
     let (count, unit) = settings.unit.unwrap_or((1, Unit::Milliseconds));
     let mut report = Report {
         scenario: settings.name.clone(),
+        semantics: settings.semantics().text(),
         unit: if count == 1 {
             unit.name().to_owned()
         } else {

@@ -190,9 +190,9 @@ findings! {
             => "state cycle without pause in {owner}: {round}",
                "{cost}; yield `pause::{closing}` if each round may wait";
         "fsm/pause-in-aperiodic-task" AperiodicPause { task: Name, state: Name }
-            => "task `{task}` has no period: `pause::{state}` waits for no tick, the task continues with \
-                `{state}` as soon as the other activities have had their turn",
-               "give the task a `period` if it should wait";
+            => "task `{task}` has no period, and nothing ends `pause::{state}`: there is no other activity, \
+                attribute or function in its component",
+               "give the task a `period`, or yield the state without `pause::`";
         "fsm/dead-end" DeadEnd { codel: Name, states: Names }
             => "the machine is stuck after `{codel}`: none of the states it yields ({states}) has a codel";
         "fsm/missing-stop" MissingStop { name: Name, by: Name, what: &'static str, param: Name }

@@ -68,9 +68,9 @@ pub const CODES: &[LintCode] = &[
         on: true,
         absence: false,
         unnecessary: false,
-        meaning: "`pause::` in a task without period",
-        why: "`pause::` waits for the next period. A task without period has none: it goes on as soon as it has \
-              something to do, that is at once.",
+        meaning: "`pause::` in a task without period where nothing can end the pause",
+        why: "In a task without period `pause::` waits for an internal event: a transition of another activity, or a \
+              request for an activity, attribute or function. In a component with nothing of the kind it waits for ever.",
         example: "component c {\n  task t {\n    codel<start> f() yield pause::start, ether;\n  };\n};\n",
         fix: "Give the task a `period`, or yield the state without `pause::`.",
     },

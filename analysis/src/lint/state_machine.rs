@@ -5,7 +5,7 @@ use crate::finding::{
     lints::{Names, Noticing, Round},
 };
 use crate::model::fsm::Machine;
-use crate::model::{Name, Owner, ParamDir, ParamSource, Service, ServiceKind, State};
+use crate::model::{Name, Owner, ParamDir, ParamSource, ServiceKind, State};
 
 use super::Lint;
 
@@ -89,26 +89,20 @@ fn loops(lint: &mut Lint, owner: Owner, machine: &Machine) {
     }
 }
 
-/// `fsm/pause-in-aperiodic-task`: once for each task.
+/// `fsm/pause-in-aperiodic-task`: once for each task, where nothing ever ends the pause. What does is an internal event: a
+/// request for a service, or a transition of another task.
 fn pause_in_aperiodic_task(lint: &mut Lint) {
-    for (index, task) in lint.component.tasks.iter().enumerate() {
+    let with_codels = lint.component.tasks.iter();
+    let with_codels = with_codels.filter(|it| !it.codels.is_empty()).count();
+    if !lint.component.services.is_empty() || with_codels > 1 {
+        return;
+    }
+    for task in &lint.component.tasks {
         if task.period.is_some() {
             continue;
         }
-        let here = |s: &&Service| s.task == Some(index as u32);
-        let services = lint
-            .component
-            .services
-            .iter()
-            .filter(here)
-            .flat_map(|s| &s.codels);
-        let paused: Vec<&State> = task
-            .codels
-            .iter()
-            .chain(services)
-            .flat_map(|c| &c.yields)
-            .filter(|s| s.paused)
-            .collect();
+        let yields = task.codels.iter().flat_map(|c| &c.yields);
+        let paused: Vec<&State> = yields.filter(|s| s.paused).collect();
         let Some(&first) = paused.first() else {
             continue;
         };

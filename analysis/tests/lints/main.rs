@@ -339,15 +339,12 @@ fn real_specifications_are_healthy() {
     if !report.is_empty() {
         // Reviewed: each line must be something its author would want to know.
         expect![[r#"
-            arucotag.gen:89: information fsm/pause-in-aperiodic-task: task `detect` has no period: `pause::wait` waits for no tick, the task continues with `wait` as soon as the other activities have had their turn; give the task a `period` if it should wait
             arucotag.gen:91: hint fsm/busy-loop: state cycle without pause in task `detect`: poll → poll; the task can be kept busy by it for any time; yield `pause::poll` if each round may wait
             d435.gen:47: hint unused/exception: exception `e_mem` is never thrown
             d435.gen:69: hint fsm/busy-loop: state cycle without pause in task `main`: poll → pub → poll; the task can be kept busy by it for any time; yield `pause::poll` if each round may wait
             d435.gen:69: information lock/self-blocking: codel `d435_main_poll` of task `main` runs asynchronously with `info.started` of the ids and `pipe` of the ids, which codel `d435_connect` of activity `connect` of the same task `main` also uses: the task goes on meanwhile and must wait for it, or both touch the data at once; copy what the asynchronous codel needs into a `local` variable
-            d435.gen:70: information fsm/pause-in-aperiodic-task: task `main` has no period: `pause::poll` waits for no tick, the task continues with `poll` as soon as the other activities have had their turn; give the task a `period` if it should wait
             maneuver.gen:45: hint unused/type: type `motion` is never used
             maneuver.gen:135: hint fsm/missing-stop: activity `take_off` can be interrupted (by `take_off`) and writes the ids `trajectory`, but has no `codel<stop>` to leave it in a consistent state
-            maneuver.gen:149: information fsm/pause-in-aperiodic-task: task `plan` has no period: `pause::wait` waits for no tick, the task continues with `wait` as soon as the other activities have had their turn; give the task a `period` if it should wait
             maneuver.gen:155: hint fsm/missing-stop: activity `goto` can be interrupted (by `take_off`) and writes the ids `trajectory`, but has no `codel<stop>` to leave it in a consistent state
             maneuver.gen:219: hint fsm/missing-stop: activity `replay` can be interrupted (by `take_off`) and writes the ids `trajectory`, but has no `codel<stop>` to leave it in a consistent state
             maneuver.gen:247: hint fsm/missing-stop: activity `stop` can be interrupted (by `take_off`) and writes the ids `trajectory`, but has no `codel<stop>` to leave it in a consistent state
@@ -357,11 +354,8 @@ fn real_specifications_are_healthy() {
             nhfc.gen:258: hint fsm/missing-stop: activity `set_wo_zero` can be interrupted (by `set_wo_zero`) and writes the ids `bias`, but has no `codel<stop>` to leave it in a consistent state
             realsense.gen:48: hint unused/exception: exception `e_mem` is never thrown
             realsense.gen:107: hint fsm/busy-loop: state cycle without pause in task `visual`: sleep → poll → sleep; the task can be kept busy by it for any time; yield `pause::sleep` if each round may wait
-            realsense.gen:108: information fsm/pause-in-aperiodic-task: task `visual` has no period: `pause::sleep` waits for no tick, the task continues with `sleep` as soon as the other activities have had their turn; give the task a `period` if it should wait
             realsense.gen:121: hint fsm/busy-loop: state cycle without pause in task `inertial`: sleep → poll → sleep; the task can be kept busy by it for any time; yield `pause::sleep` if each round may wait
-            realsense.gen:122: information fsm/pause-in-aperiodic-task: task `inertial` has no period: `pause::sleep` waits for no tick, the task continues with `sleep` as soon as the other activities have had their turn; give the task a `period` if it should wait
             realsense.gen:135: hint fsm/busy-loop: state cycle without pause in task `depth`: sleep → poll → sleep; the task can be kept busy by it for any time; yield `pause::sleep` if each round may wait
-            realsense.gen:136: information fsm/pause-in-aperiodic-task: task `depth` has no period: `pause::sleep` waits for no tick, the task continues with `sleep` as soon as the other activities have had their turn; give the task a `period` if it should wait
             maneuver.gen:33: hint unused/exception: exception `e_sys` is never thrown
             maneuver.gen:152: hint fsm/missing-stop: activity `waypoint` can be interrupted (by `waypoint`) and writes the ids `start`, but has no `codel<stop>` to leave it in a consistent state
             maneuver.gen:190: information fsm/busy-loop: state cycle without pause in task `exec`: wait → main → wait; within one period it can go round any number of times, so its execution time has no bound; yield `pause::wait` if each round may wait

@@ -1,7 +1,8 @@
 //! MiniJinja texts, expanded: here, or in a process of their own that can be limited.
 //!
-//! Steps of a text are counted, but one step can double a string. So the texts of users are expanded by another
-//! process ([`Remote`], [`serve`]), which the system confines and limits. The two talk in lines of JSON.
+//! Steps of a text are counted, but one step can double a string. So the texts of users are expanded by
+//! another process ([`Remote`], [`serve`]), which the system confines and limits. The two talk in lines
+//! of JSON.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::ChildStdout;
@@ -183,7 +184,8 @@ impl Remote {
             .wait()
             .map_or_else(|error| error.to_string(), |it| it.to_string());
         format!(
-            "stopped: rendering took more than {} MiB of memory, or failed in a way that it could not tell ({status})",
+            "stopped: rendering took more than {} MiB of memory, or failed in a way that it could not tell \
+             ({status})",
             self.memory >> 20
         )
     }
@@ -241,8 +243,8 @@ impl Channel {
     }
 }
 
-/// Expands the texts that arrive on one channel and answers on the other, until there are no more: the other end of
-/// the renderer that [`Processes::renderer`] starts.
+/// Expands the texts that arrive on one channel and answers on the other, until there are no more: the
+/// other end of the renderer that [`Processes::renderer`] starts.
 ///
 /// # Errors
 /// What cannot be read or written.

@@ -176,7 +176,7 @@ fn check_result(path: &str, texts: &Texts, output: &Output) -> Result<(), String
         &output.dir
     });
     let linked = matches!(texts, Texts::Folder(_))
-        && !reach::is_below(&folder.join(path), &[folder.clone()]);
+        && !reach::is_below(&folder.join(path), std::slice::from_ref(&folder));
     match plain && !linked {
         true => Ok(()),
         false => Err(format!(

@@ -101,8 +101,8 @@ pub(crate) struct Host {
 }
 
 impl Host {
-    /// Starts the interpreter in a directory (empty: the current one). With `capture`, its error channel is kept for
-    /// [`Host::take_errors`]; else it is ours.
+    /// Starts the interpreter in a directory (empty: the current one). With `capture`, its error channel
+    /// is kept for [`Host::take_errors`]; else it is ours.
     pub(crate) fn start(
         processes: &dyn Processes,
         limits: &Limits,

@@ -281,8 +281,8 @@ impl Output {
     pub(crate) fn set_merge_tool(&mut self, tool: &str) -> Result<(), Failure> {
         if self.confined.is_some() && !matches!(tool, "interactive" | "auto") {
             return Err(Failure::Error(format!(
-                "the merge tool `{tool}` is a program, and a preview or a confined template starts none: choose \
-                 `auto`, which leaves conflict markers, or run the template from the command line"
+                "the merge tool `{tool}` is a program, and a preview or a confined template starts none: \
+                 choose `auto`, which leaves conflict markers, or run the template from the command line"
             )));
         }
         tool.clone_into(&mut self.merge_tool);
@@ -451,7 +451,7 @@ impl Output {
         };
         let channels = match env.console().is_terminal() {
             true => Channels::Shared,
-            // Who asks over pipes keeps them for himself: a tool that reads or writes there would break in on it.
+            // Who asks over pipes keeps them for himself: a tool that reads or writes there would break in.
             false => Channels::Pipes,
         };
         let process = env.processes().start(&Program {

@@ -1,7 +1,7 @@
 //! What a confined run reaches: the one place that compares paths with what is allowed.
 //!
-//! The interpreter is confined by the system. What the engine reads and writes for it is checked here, by the same
-//! folders.
+//! The interpreter is confined by the system. What the engine reads and writes for it is checked here, by
+//! the same folders.
 
 use std::path::{Path, PathBuf};
 
@@ -17,8 +17,8 @@ pub(crate) struct Reach {
 }
 
 impl Reach {
-    /// Of a template in `dir` that is told `words`: its own folder and those beside it, the files that words name, and
-    /// the temporary folder.
+    /// Of a template in `dir` that is told `words`: its own folder and those beside it, the files that
+    /// words name, and the temporary folder.
     pub(crate) fn new(
         dir: &Path,
         search: &SearchPath,
@@ -52,7 +52,8 @@ impl Reach {
         match path.canonicalize() {
             Ok(path) if !self.read.iter().any(|it| path.starts_with(it)) => {
                 Err(Failure::Error(format!(
-                    "\"{}\" is not to be read by a confined template: it is neither a file of a template nor an input",
+                    "\"{}\" is not to be read by a confined template: it is neither a file of a template \
+                     nor an input",
                     path.display()
                 )))
             }
@@ -71,8 +72,8 @@ pub(crate) fn is_below(path: &Path, folders: &[PathBuf]) -> bool {
         .any(|it| resolve(it).is_some_and(|it| path.starts_with(it)))
 }
 
-/// The path without links, of which the last parts need not exist. `None` for a link that leads nowhere: a file that is
-/// written there would come to be where it points.
+/// The path without links, of which the last parts need not exist. `None` for a link that leads nowhere:
+/// a file that is written there would come to be where it points.
 fn resolve(path: &Path) -> Option<PathBuf> {
     let path = super::output::plain(path);
     for ancestor in path.ancestors() {

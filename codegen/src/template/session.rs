@@ -67,8 +67,8 @@ pub(super) fn run(
         if !gaps.is_empty() {
             let gaps: Vec<String> = gaps.iter().map(ToString::to_string).collect();
             console.err(&format!(
-                "{name}: this system does not confine templates: nothing but the engine's own checks keeps this one from \
-                 {}",
+                "{name}: this system does not confine templates: nothing but the engine's own checks \
+                 keeps this one from {}",
                 gaps.join(", ")
             ));
         }

@@ -20,6 +20,7 @@ use dotgen_timing::report::Report;
 use dotgen_timing::scn;
 use dotgen_timing::scn::ast::{Check, Durations, Policy};
 use dotgen_timing::scn::parse_check;
+use dotgen_timing::scn::semantics::Preset;
 use dotgen_timing::verify::{Cancel, Options, settings};
 
 use self::progress::Doing;
@@ -50,7 +51,11 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "N|free", value_parser = cores)]
     cores: Option<Cores>,
 
-    /// Order in which waiting tasks get a core
+    /// What the model follows
+    #[arg(long, value_enum)]
+    semantics: Option<SemanticsName>,
+
+    /// Order in which tasks get a core
     #[arg(long, value_enum)]
     policy: Option<PolicyName>,
 
@@ -111,6 +116,14 @@ enum Format {
 struct Cores(Option<u32>);
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
+enum SemanticsName {
+    /// The servers that run on robots
+    Servers,
+    /// The published formal models
+    Published,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
 enum PolicyName {
     /// In order of release
     Fifo,
@@ -118,6 +131,10 @@ enum PolicyName {
     Edf,
     /// Any waiting task
     Any,
+    /// The ready tasks of highest priority, preempting others
+    Priority,
+    /// Any ready tasks, preempting others
+    Fair,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -315,6 +332,12 @@ impl Arguments {
                 PolicyName::Fifo => Policy::Fifo,
                 PolicyName::Edf => Policy::Edf,
                 PolicyName::Any => Policy::Any,
+                PolicyName::Priority => Policy::Priority,
+                PolicyName::Fair => Policy::Fair,
+            }),
+            semantics: self.semantics.map(|it| match it {
+                SemanticsName::Servers => Preset::Servers,
+                SemanticsName::Published => Preset::Published,
             }),
             durations: self.durations.map(|it| match it {
                 DurationsName::Interval => Durations::Interval,

@@ -11,6 +11,7 @@ use dotgen_analysis::release::{Release, ReleaseOrigin};
 use dotgen_codegen::codels::files::FilesConfig;
 use dotgen_timing::explore::Limits;
 use dotgen_timing::scn::ast::Policy;
+use dotgen_timing::scn::semantics::Preset;
 use dotgen_timing::verify::Options;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -118,10 +119,24 @@ pub struct Verification {
     /// Give a verification up at so many megabytes for its states; 1024 by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_memory: Option<u32>,
-    /// Who gets a free core when no scenario says it: `fifo` (the default), `edf` or `any`. The number
+    /// Who gets a core when no scenario says it: `priority` (the default), `fair`, `fifo`, `edf` or `any`. The number
     /// of cores is `timing.cores`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub policy: Option<CorePolicy>,
+    /// What the model follows when no scenario says it: the `servers` that run on robots (the default), or the `published`
+    /// formal models.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub semantics: Option<VerificationSemantics>,
+}
+
+/// What the timed model follows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum VerificationSemantics {
+    /// The servers that run on robots.
+    Servers,
+    /// The published formal models.
+    Published,
 }
 
 /// Order in which waiting tasks get a core.
@@ -134,6 +149,10 @@ pub enum CorePolicy {
     Edf,
     /// Any waiting task.
     Any,
+    /// The ready tasks of highest priority, preempting others.
+    Priority,
+    /// Any ready tasks, preempting others.
+    Fair,
 }
 
 impl Eq for Verification {}
@@ -151,6 +170,7 @@ impl Verification {
             max_states: self.max_states.or(weaker.max_states),
             max_memory: self.max_memory.or(weaker.max_memory),
             policy: self.policy.or(weaker.policy),
+            semantics: self.semantics.or(weaker.semantics),
         }
     }
 
@@ -179,12 +199,22 @@ impl Verification {
     }
 
     /// The policy of the default scenario.
-    pub fn policy(&self) -> Policy {
-        match self.policy {
-            None | Some(CorePolicy::Fifo) => Policy::Fifo,
-            Some(CorePolicy::Edf) => Policy::Edf,
-            Some(CorePolicy::Any) => Policy::Any,
-        }
+    pub fn policy(&self) -> Option<Policy> {
+        self.policy.map(|it| match it {
+            CorePolicy::Fifo => Policy::Fifo,
+            CorePolicy::Edf => Policy::Edf,
+            CorePolicy::Any => Policy::Any,
+            CorePolicy::Priority => Policy::Priority,
+            CorePolicy::Fair => Policy::Fair,
+        })
+    }
+
+    /// What the default scenario follows.
+    pub fn semantics(&self) -> Option<Preset> {
+        self.semantics.map(|it| match it {
+            VerificationSemantics::Servers => Preset::Servers,
+            VerificationSemantics::Published => Preset::Published,
+        })
     }
 }
 

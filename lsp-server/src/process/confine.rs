@@ -1,7 +1,8 @@
 //! What this process gives up for ever: the system keeps it, and what it becomes, from the rest.
 //!
-//! On Linux, Landlock limits files (and connections over TCP), seccomp refuses calls by which a program would start
-//! others, open connections, or change what Landlock does not look at. Neither needs privileges.
+//! On Linux, Landlock limits files (and connections over TCP), seccomp refuses calls by which a program
+//! would start others, open connections, or change what Landlock does not look at. Neither needs
+//! privileges.
 
 use std::io;
 use std::path::Path;
@@ -213,8 +214,8 @@ mod linux {
         calls.iter().map(|it| (*it, Vec::new())).collect()
     }
 
-    /// Changes of permissions and dates, which Landlock does not look at. They succeed and do nothing: Tcl copies them
-    /// with a file, and would take a refusal for a failure to copy.
+    /// Changes of permissions and dates, which Landlock does not look at. They succeed and do nothing:
+    /// Tcl copies them with a file, and would take a refusal for a failure to copy.
     fn emulated() -> Rules {
         #[cfg_attr(
             not(target_arch = "x86_64"),
@@ -274,7 +275,8 @@ mod linux {
         Ok(rules)
     }
 
-    /// Calls that no template needs: connections, other processes, the system itself, and owners and attributes of files.
+    /// Calls that no template needs: connections, other processes, the system itself, and owners and
+    /// attributes of files.
     const REFUSED: &[i64] = &[
         libc::SYS_socket,
         libc::SYS_socketpair,

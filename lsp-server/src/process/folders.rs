@@ -60,7 +60,11 @@ pub(super) fn create(parent: Option<&Path>) -> io::Result<Box<dyn Folder>> {
 
 /// Removes what processes have left that were killed together with their helpers.
 pub(crate) fn clean_up() {
-    let entries = std::fs::read_dir(std::env::temp_dir());
+    clean_up_in(&std::env::temp_dir());
+}
+
+fn clean_up_in(parent: &Path) {
+    let entries = std::fs::read_dir(parent);
     for entry in entries.into_iter().flatten().flatten() {
         let name = entry.file_name();
         let is_ours = name.as_encoded_bytes().starts_with(PREFIX.as_bytes());
@@ -101,6 +105,28 @@ fn lock(_: &Path, _: bool) -> Option<File> {
 #[cfg(all(test, unix))]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_nobody_uses_is_removed_some_time_later() {
+        let parent = tempfile::tempdir().expect("a directory");
+        let old = SystemTime::now() - 2 * YOUNG;
+        let make = |name: &str, changed: SystemTime| {
+            let path = parent.path().join(name);
+            std::fs::create_dir(&path).expect("a folder");
+            std::fs::write(path.join("file"), "x").expect("a file");
+            let folder = File::open(&path).expect("a folder");
+            folder.set_modified(changed).expect("its date changes");
+            path
+        };
+        let left = make("dotgen-left", old);
+        let young = make("dotgen-young", SystemTime::now());
+        let other = make("other", old);
+        let used = make("dotgen-used", old);
+        let _lock = lock(&used, false).expect("a lock");
+        clean_up_in(parent.path());
+        let there = [&left, &young, &other, &used].map(|it| it.exists());
+        assert_eq!(there, [false, true, true, true]);
+    }
 
     #[test]
     fn a_folder_in_use_is_locked() {

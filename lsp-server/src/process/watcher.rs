@@ -1,7 +1,7 @@
 //! The helper that cleans up after a process that was killed: `dotgen confined watch`.
 //!
-//! It reads, from a pipe that only its process holds, which process groups and temporary folders there are. When the
-//! pipe breaks, that process is gone, however it ended.
+//! It reads, from a pipe that only its process holds, which process groups and temporary folders there
+//! are. When the pipe breaks, that process is gone, however it ended.
 
 use std::ffi::OsStr;
 use std::io::{Read, Write};

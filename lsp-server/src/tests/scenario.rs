@@ -85,7 +85,7 @@ async fn completion_knows_the_place() {
         ("$0", "scenario"),
         (
             "scenario a {\n $0",
-            "use unit cores policy durations duration loop idle locks async aperiodic connect slots client check",
+            "use unit semantics cores policy affinity durations duration loop idle ticks turns locks ports pause exceptions order async aperiodic connect slots client check",
         ),
         ("scenario a { policy $0", "fifo edf any"),
         ("scenario a { policy f$0", "fifo edf any"),

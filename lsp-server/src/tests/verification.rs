@@ -13,7 +13,7 @@ fn pump(slow: &str) -> String {
     )
 }
 
-const SCENARIO: &str = "scenario tank {\n  use \"pump.gen\";\n  cores 2;\n  check schedulable *;\n  check limit: response pump.t <= 8 ms;\n}\n";
+const SCENARIO: &str = "scenario tank {\n  use \"pump.gen\"; semantics published;\n  cores 2;\n  check schedulable *;\n  check limit: response pump.t <= 8 ms;\n}\n";
 
 fn telling(folder: &Folder) -> Value {
     let mut params = folder.params(pulling());
@@ -247,7 +247,7 @@ fn lamp(wcet: &str) -> String {
 fn lamp_and_pump() -> String {
     let send: Vec<String> = (0..8).map(|i| format!("{{ send pump.a{i}; }}")).collect();
     format!(
-        "scenario tank {{\n  use \"lamp.gen\";\n  client any {{ repeat * {{ delay [0,*] ms; choice {} }} }}\n  check schedulable lamp.blink;\n  check response lamp.blink;\n  check wrong: always not lamp.blink;\n  check limit: within pump.a0.run => pump.a0.void <= 1 s;\n}}\n",
+        "scenario tank {{\n  use \"lamp.gen\"; semantics published;\n  client any {{ repeat * {{ delay [0,*] ms; choice {} }} }}\n  check schedulable lamp.blink;\n  check response lamp.blink;\n  check wrong: always not lamp.blink;\n  check limit: within pump.a0.run => pump.a0.void <= 1 s;\n}}\n",
         send.join(" or ")
     )
 }
@@ -451,7 +451,7 @@ async fn the_default_scenario_can_be_written_out() {
     assert_eq!(edits[0]["kind"], "create");
     let text = edits[1]["edits"][0]["newText"].as_str().expect("text");
     assert!(
-        text.starts_with("scenario pump {\n  use \"pump.gen\";\n"),
+        text.starts_with("scenario pump {\n  use \"pump.gen\"; semantics published;\n"),
         "{text}"
     );
     let scn = folder.uri("pump.scn");

@@ -195,8 +195,8 @@ fn find_header(bytes: &[u8]) -> Option<Range<usize>> {
     None
 }
 
-/// Where a header begins that a body without meaning ends in: its length was too large, and the next message begins in
-/// it.
+/// Where a header begins that a body without meaning ends in: its length was too large, and the next
+/// message begins in it.
 pub(super) fn header_at_end(body: &[u8]) -> Option<usize> {
     let from = body.len().saturating_sub(NAME.len() + 24);
     (from..body.len()).find(|at| {

@@ -9,8 +9,8 @@ use dotgen_analysis::model::{Component, ComponentKind, Spec, Src};
 use dotgen_analysis::source_map::Locations;
 use dotgen_timing::derive::{Progress, Sensitivity, sensitivity};
 use dotgen_timing::report::Report;
-use dotgen_timing::scn::ast::{Item, Policy, Scenario, Spanned};
-use dotgen_timing::scn::{self, default_text_on};
+use dotgen_timing::scn::ast::{Item, Scenario, Spanned};
+use dotgen_timing::scn::{self, Platform, default_text_on};
 use dotgen_timing::verify::{Cancel, Options, SystemInput, verify_telling};
 
 use crate::vfs;
@@ -35,15 +35,6 @@ pub struct Problem {
     /// What prevents a verification: errors of syntax, files that cannot be read, errors in the
     /// specifications. Warnings are left to the specifications' own reports.
     pub errors: Vec<Diagnostic>,
-}
-
-/// What the default scenario runs on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Platform {
-    /// Number of cores; `None`: as many as there are tasks.
-    pub cores: Option<u32>,
-    /// Order in which waiting tasks get one.
-    pub policy: Policy,
 }
 
 /// A file that a scenario uses.
@@ -174,7 +165,7 @@ impl Problem {
         let mut errors = Vec::new();
         units.iter().for_each(|it| add_errors_of(it, &mut errors));
         let members: Vec<&Component> = units.iter().flat_map(|it| components(&it.spec)).collect();
-        let text = default_text_on(&members, files, platform.cores, platform.policy);
+        let text = default_text_on(&members, files, platform);
         if members.is_empty() && errors.is_empty() {
             let message = "this specification has no component, so there is nothing to verify";
             errors.push(error("scn-no-component", path, 0..0, message.to_owned()));

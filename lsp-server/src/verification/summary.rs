@@ -5,7 +5,7 @@ use dotgen_analysis::quantity;
 pub use dotgen_analysis::quantity::percent;
 use dotgen_timing::derive::Extreme;
 use dotgen_timing::report::Value;
-use dotgen_timing::scn::ast::{Durations, Policy, Unit};
+use dotgen_timing::scn::ast::{Durations, Unit};
 use dotgen_timing::system::settings::Settings;
 
 /// The unit of a report.
@@ -48,21 +48,19 @@ fn to_f64(it: Seconds) -> f64 {
 
 /// `4 cores, edf, durations interval`
 pub fn platform(settings: &Settings) -> String {
-    let policy = match settings.policy {
-        Policy::Fifo => "fifo",
-        Policy::Edf => "edf",
-        Policy::Any => "any",
-    };
+    let policy = settings.policy().name();
     let durations = match settings.durations {
         Durations::Interval => "interval",
         Durations::Fixed => "fixed",
         Durations::Open => "open",
     };
-    match settings.cores {
-        None => format!("any number of cores, durations {durations}"),
-        Some(1) => format!("1 core, policy {policy}, durations {durations}"),
-        Some(n) => format!("{n} cores, policy {policy}, durations {durations}"),
-    }
+    let semantics = settings.semantics().text();
+    let cores = match settings.cores {
+        None => "any number of cores".to_owned(),
+        Some(1) => format!("1 core, policy {policy}"),
+        Some(n) => format!("{n} cores, policy {policy}"),
+    };
+    format!("{cores}, durations {durations}, semantics {semantics}")
 }
 
 /// How far a value can go, in words, and what that is worth if it is not exact.

@@ -51,11 +51,10 @@ impl WhatIf {
                 ));
             }
         };
-        let policies = [Policy::Fifo, Policy::Edf, Policy::Any].map(|it| (it.name(), it));
         let modes = [Durations::Interval, Durations::Fixed, Durations::Open];
         Ok(Options {
             cores,
-            policy: choose(self.policy.as_deref(), &policies)?.or(options.policy),
+            policy: choose(self.policy.as_deref(), Policy::ALL)?.or(options.policy),
             durations: choose(self.durations.as_deref(), &modes.map(|it| (it.name(), it)))?
                 .or(options.durations),
             ..options

@@ -7,7 +7,7 @@ use dotgen_timing::scn;
 
 use crate::snapshot::Snapshot;
 use crate::verification::Problem;
-use crate::verification::problem::{self, EXTENSION, Platform};
+use crate::verification::problem::{self, EXTENSION};
 use crate::vfs;
 
 /// More scenarios than this that use an open specification, without being open, are not verified.
@@ -90,9 +90,10 @@ pub(crate) fn problem_of(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Op
         Some("gen") => {
             let unit = snapshot.analysis.root_unit(path)?;
             let name = path.file_name().unwrap_or_default().to_owned();
-            let platform = Platform {
+            let platform = scn::Platform {
                 cores: snapshot.config.lints.cores.filter(|&it| it > 0),
                 policy: snapshot.config.verification.policy(),
+                semantics: snapshot.config.verification.semantics(),
             };
             Ok(Some(Problem::by_default_on(
                 platform,

@@ -45,7 +45,7 @@ impl Analysis<'_> {
         let queue = left(held_for_ever).map(|left| ahead / left);
         match system.platform.policy {
             Policy::Fifo => busy.into_iter().chain(queue).min(),
-            Policy::Edf | Policy::Any => busy,
+            Policy::Edf | Policy::Any | Policy::Priority | Policy::Fair => busy,
         }
     }
 

@@ -14,6 +14,7 @@ mod kind;
 mod lazy;
 mod overtake;
 mod published;
+mod servers;
 mod symmetry;
 
 use smallvec::SmallVec;
@@ -21,6 +22,7 @@ use smallvec::SmallVec;
 use self::facts::Facts;
 pub use self::kind::{Activity, Kind, Kinds, Reason};
 pub(crate) use self::published::OfPublished;
+pub(crate) use self::servers::OfServers;
 pub(crate) use self::symmetry::{Label, Orbits, Renaming};
 use super::rules::{Action, Enabled, Rules};
 use super::state::State;

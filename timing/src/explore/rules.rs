@@ -47,6 +47,7 @@
 //! 3. A line in `with_rules!`, which chooses the rules of a system.
 
 pub(crate) mod published;
+pub(crate) mod servers;
 
 use super::reductions::Reductions;
 use super::run::Moment;
@@ -92,6 +93,33 @@ pub enum Action {
         /// For automata the index of the yield; for control tasks 0 is "accepted" (or done), 1
         /// "refused"; for clients the step after the delay.
         outcome: usize,
+    },
+    /// A task begins a pass (servers).
+    Begin {
+        /// The task.
+        task: usize,
+    },
+    /// An executor takes a ticket for its next codel (servers).
+    Ticket {
+        /// The executor.
+        executor: usize,
+    },
+    /// A task wakes the other tasks of its component (servers).
+    Wake {
+        /// The task.
+        task: usize,
+    },
+    /// A thread takes the core of another (servers, policy `fair`).
+    Preempt {
+        /// Who had it.
+        executor: usize,
+        /// Who takes it.
+        by: usize,
+    },
+    /// The control task has executed its codels: it replies, and looks at all activities (servers).
+    Reply {
+        /// Its component.
+        component: usize,
     },
     /// The control task handles the end of activities.
     Signal {
@@ -205,10 +233,17 @@ pub(crate) trait Rules: Sized {
 macro_rules! with_rules {
     ($system:expr, $function:ident ( $($argument:expr),* $(,)? )) => {{
         let system: &$crate::system::TimedSystem = $system;
-        $function(
-            &$crate::explore::rules::published::Published::new(system),
-            $($argument),*
-        )
+        if system.platform.semantics.is_published() {
+            $function(
+                &$crate::explore::rules::published::Published::new(system),
+                $($argument),*
+            )
+        } else {
+            $function(
+                &$crate::explore::rules::servers::Servers::new(system),
+                $($argument),*
+            )
+        }
     }};
 }
 

@@ -122,7 +122,12 @@ impl Places {
     }
 
     /// Adds places for windows, observers and clocks. Nothing is handed out after that.
-    pub(crate) fn frame(mut self, clocks: &Clocks) -> Frame {
+    pub(crate) fn frame(self, clocks: &Clocks) -> Frame {
+        self.frame_with(clocks, 0).0
+    }
+
+    /// The same, with clocks of the rules' own: also returns the place of the first.
+    pub(crate) fn frame_with(mut self, clocks: &Clocks, own: usize) -> (Frame, usize) {
         let observer_base = self.discrete(clocks.within.len());
         let (executors, phase_base) = self.executors;
         let window_base = self.times(2 * executors);
@@ -130,7 +135,8 @@ impl Places {
         let mut clock = |wanted: &bool| wanted.then(|| self.times(1));
         let response = clocks.response.iter().map(&mut clock).collect();
         let observer_clock = clocks.within.iter().map(&mut clock).collect();
-        Frame {
+        let first_own = self.times(own);
+        let frame = Frame {
             executors,
             phase_base,
             observer_base,
@@ -140,7 +146,8 @@ impl Places {
             t_len: self.t,
             response,
             observer_clock,
-        }
+        };
+        (frame, first_own)
     }
 }
 

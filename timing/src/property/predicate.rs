@@ -36,6 +36,8 @@ pub enum Atom {
     Handling {
         /// The service.
         service: usize,
+        /// One of its codels; `None`: any of them.
+        codel: Option<usize>,
         /// Waiting for locks, executing, or either.
         phase: StatePhase,
     },

@@ -1,6 +1,6 @@
 //! Predicates of scenarios, looked up in a built system.
 
-use dotgen_analysis::model::{Owner, ServiceKind};
+use dotgen_analysis::model::{CodelRef, Owner, ServiceKind};
 
 use super::{Atom, Predicate, SlotStatus, StatePhase, TaskState};
 use crate::scn::Diagnostic;
@@ -120,7 +120,11 @@ fn atom(names: &Names, built: &Built, path: &Path) -> Result<Predicate, Diagnost
                     Some(phase) => phase,
                     None => return wrong(),
                 };
-                Atom::Handling { service, phase }
+                Atom::Handling {
+                    service,
+                    codel: None,
+                    phase,
+                }
             }
         }
         Target::State(c, owner, _, state) => {
@@ -141,12 +145,21 @@ fn atom(names: &Names, built: &Built, path: &Path) -> Result<Predicate, Diagnost
                 phase,
             }
         }
-        Target::Codel(c, s, _) => {
+        &Target::Codel(c, s, index) => {
             let Some(phase) = phase(word) else {
                 return wrong();
             };
+            let site = CodelRef {
+                owner: Owner::Service(s),
+                index,
+            };
             Atom::Handling {
-                service: built.services[&(*c, *s)],
+                service: built.services[&(c, s)],
+                codel: built
+                    .system
+                    .codels
+                    .iter()
+                    .position(|it| it.site == Some((c, site))),
                 phase,
             }
         }

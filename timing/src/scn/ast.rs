@@ -4,10 +4,15 @@ use std::ops::{Range, RangeInclusive};
 
 use dotgen_analysis::model::Seconds;
 
-/// How many slots an activity can be given. Each one more multiplies what has to be explored.
-pub const SLOTS: RangeInclusive<u32> = 1..=16;
+use super::semantics::{LockRule, PauseRule, PortRule, Preset, TickRule, TurnRule};
 
-/// Slots of an activity unless a scenario says otherwise.
+/// How many slots an activity can be given. Each one more multiplies what has to be explored.
+pub const SLOTS: RangeInclusive<u32> = 1..=32;
+
+/// Activities of a task at the same time in the servers, unless a scenario says otherwise.
+pub const DEFAULT_PLACES: u32 = 16;
+
+/// Slots of an activity in the published models unless a scenario says otherwise.
 pub const DEFAULT_SLOTS: u32 = 2;
 
 /// Something and its bytes in the text.
@@ -129,15 +134,30 @@ pub enum Policy {
     Edf,
     /// Any waiting task.
     Any,
+    /// The ready tasks of highest priority, preempting others.
+    Priority,
+    /// Any ready tasks, preempting others, as long as no core idles.
+    Fair,
 }
 
 impl Policy {
+    /// All of them, with their words.
+    pub const ALL: &[(&str, Policy)] = &[
+        ("fifo", Policy::Fifo),
+        ("edf", Policy::Edf),
+        ("any", Policy::Any),
+        ("priority", Policy::Priority),
+        ("fair", Policy::Fair),
+    ];
+
     /// As written.
     pub fn name(self) -> &'static str {
         match self {
             Policy::Fifo => "fifo",
             Policy::Edf => "edf",
             Policy::Any => "any",
+            Policy::Priority => "priority",
+            Policy::Fair => "fair",
         }
     }
 }
@@ -172,8 +192,24 @@ pub enum Item {
     Loop(Option<u32>, Option<Path>, Range<usize>),
     /// `idle keep [PATH];` (`true`) or `idle drop [PATH];`
     Idle(bool, Option<Path>),
-    /// `locks fifo;` (`true`) or `locks free;`
-    LocksFifo(bool),
+    /// `semantics servers;`
+    Semantics(Preset),
+    /// `ticks component;`
+    Ticks(TickRule),
+    /// `turns codel;`
+    Turns(TurnRule),
+    /// `locks queue;`
+    Locks(LockRule),
+    /// `ports copy;`
+    Ports(PortRule),
+    /// `pause events;`
+    Pause(PauseRule),
+    /// `exceptions on [PATH];` (`true`) or `exceptions off [PATH];`
+    Exceptions(bool, Option<Path>),
+    /// `order on;` (`true`) or `order off;`
+    Order(bool),
+    /// `affinity PATH INT;`
+    Affinity(Path, u32),
     /// `async free;` (`true`) or `async held;`
     AsyncFree(bool),
     /// `aperiodic core;` (`true`) or `aperiodic free;`

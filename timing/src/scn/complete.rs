@@ -5,10 +5,11 @@ use std::ops::Range;
 
 use dotgen_analysis::model::PortDir;
 
-use super::ast::{Item, Path, Scenario, Spanned, Step, StepKind};
+use super::ast::{Item, Path, Policy, Scenario, Spanned, Step, StepKind};
 use super::lexer::{Kind, Token, lex};
 use super::names::{Names, Target};
 use super::parser::{CHECKS, ITEMS, STEPS};
+use super::semantics::{LockRule, PauseRule, PortRule, Preset, TickRule, TurnRule};
 use super::words;
 
 /// Something that may be written.
@@ -73,7 +74,7 @@ enum Wanted {
     Task,
     TaskOrService,
     Service,
-    Activity,
+    TaskOrActivity,
     Codel,
     Input,
     Output,
@@ -208,9 +209,21 @@ impl<'f> Finder<'f> {
         let begun = !rest.is_empty();
         match first {
             "cores" if !begun => self.words(&["free"]),
-            "policy" if !begun => self.words(&["fifo", "edf", "any"]),
+            "policy" if !begun => self.rules(Policy::ALL),
+            "semantics" if !begun => self.rules(Preset::ALL),
+            "ticks" if !begun => self.rules(TickRule::ALL),
+            "turns" if !begun => self.rules(TurnRule::ALL),
+            "ports" if !begun => self.rules(PortRule::ALL),
+            "pause" if !begun => self.rules(PauseRule::ALL),
+            "exceptions" | "order" if !begun => self.words(&["on", "off"]),
+            "exceptions" => {
+                self.path(Wanted::TaskOrService, &rest[1..]);
+            }
+            "affinity" => {
+                self.path(Wanted::Task, rest);
+            }
             "durations" if !begun => self.words(&["interval", "fixed", "open"]),
-            "locks" if !begun => self.words(&["free", "fifo"]),
+            "locks" if !begun => self.rules(LockRule::ALL),
             "async" if !begun => self.words(&["held", "free"]),
             "aperiodic" if !begun => self.words(&["core", "free"]),
             "idle" if !begun => self.words(&["drop", "keep"]),
@@ -228,7 +241,7 @@ impl<'f> Finder<'f> {
                 let _ = self.path(Wanted::Codel, rest) || self.unit(rest);
             }
             "slots" => {
-                self.path(Wanted::Activity, rest);
+                self.path(Wanted::TaskOrActivity, rest);
             }
             "connect" => {
                 let to = rest.iter().position(|it| word(self.text, Some(it)) == "to");
@@ -307,6 +320,11 @@ impl<'f> Finder<'f> {
                 detail: known.map_or(String::new(), |it| it.meaning.to_owned()),
             });
         }
+    }
+
+    fn rules<T>(&mut self, rules: &[(&str, T)]) {
+        let words: Vec<&str> = rules.iter().map(|it| it.0).collect();
+        self.words(&words);
     }
 
     fn all(&mut self) {
@@ -402,9 +420,14 @@ impl<'f> Finder<'f> {
             for (name, member) in self.names.after(Some(&target)) {
                 let path = format!("{component}.{name}");
                 let fits = match (wanted, &member) {
-                    (Wanted::Task | Wanted::TaskOrService, Target::Task(..))
+                    (
+                        Wanted::Task | Wanted::TaskOrService | Wanted::TaskOrActivity,
+                        Target::Task(..),
+                    )
                     | (Wanted::Service | Wanted::TaskOrService, Target::Service(..)) => true,
-                    (Wanted::Activity, &Target::Service(c, s)) => self.names.is_activity(c, s),
+                    (Wanted::TaskOrActivity, &Target::Service(c, s)) => {
+                        self.names.is_activity(c, s)
+                    }
                     (Wanted::Input | Wanted::Output, &Target::Port(c, p)) => {
                         let port = &self.names.components[c].component.ports[p as usize];
                         (port.dir == PortDir::In) == (wanted == Wanted::Input)

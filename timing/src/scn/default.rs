@@ -5,20 +5,27 @@ use std::fmt::Write;
 use dotgen_analysis::model::{Component, ServiceKind};
 
 use super::ast::Policy;
+use super::semantics::Preset;
 
 /// The scenario that stands for none: permanent activities, and a client that may send any request
 /// at any time, one after the other.
 pub fn default_text(components: &[&Component], files: &[String]) -> String {
-    default_text_on(components, files, None, Policy::default())
+    default_text_on(components, files, Platform::default())
 }
 
-/// Likewise, on a number of cores (`None`: no limit).
-pub fn default_text_on(
-    components: &[&Component],
-    files: &[String],
-    cores: Option<u32>,
-    policy: Policy,
-) -> String {
+/// What the scenario that stands for none runs on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Platform {
+    /// Number of cores; `None`: as many as there are tasks.
+    pub cores: Option<u32>,
+    /// Order in which tasks get one, where it is said.
+    pub policy: Option<Policy>,
+    /// What the model follows, where it is said.
+    pub semantics: Option<Preset>,
+}
+
+/// Likewise, on a platform.
+pub fn default_text_on(components: &[&Component], files: &[String], platform: Platform) -> String {
     let name = match components {
         [it] => it.name.to_string(),
         _ => "all".to_owned(),
@@ -27,10 +34,16 @@ pub fn default_text_on(
     for file in files {
         let _ = writeln!(out, "  use \"{file}\";");
     }
-    let _ = match cores {
+    if let Some(semantics) = platform.semantics {
+        let _ = writeln!(out, "  semantics {};", semantics.name());
+    }
+    let _ = match platform.cores {
         None => writeln!(out, "  cores free;"),
-        Some(cores) => writeln!(out, "  cores {cores};\n  policy {};", policy.name()),
+        Some(cores) => writeln!(out, "  cores {cores};"),
     };
+    if let (Some(_), Some(policy)) = (platform.cores, platform.policy) {
+        let _ = writeln!(out, "  policy {};", policy.name());
+    }
     out.push_str("  durations interval;\n\n");
     let services: Vec<String> = components
         .iter()

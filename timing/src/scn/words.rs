@@ -44,9 +44,51 @@ const WORDS: &[Word] = &[
         "Number of cores; `free` (default): as many as there are tasks.",
     ),
     word(
+        "semantics",
+        "semantics servers;  semantics published;",
+        "What the model follows: the servers that run on robots (default), or the published formal models.",
+    ),
+    word(
         "policy",
-        "policy fifo;  edf;  any;",
-        "Who gets a free core: the task that waits longest (default), the one with the earliest deadline, or any.",
+        "policy priority;  fair;  fifo;  edf;  any;",
+        "Who gets a core. Preempting others: the ready tasks of highest priority (default), or any ready tasks. To the end \
+         of the cycle: the task that waits longest (default with `semantics published`), the one with the earliest \
+         deadline, or any.",
+    ),
+    word(
+        "affinity",
+        "affinity component.task 1;",
+        "Ties a task to one core; cores are numbered from 1.",
+    ),
+    word(
+        "ticks",
+        "ticks component;  ticks task;",
+        "Where ticks come from: one clock per component, from its start, or one timer per task, from the start of the task.",
+    ),
+    word(
+        "turns",
+        "turns codel;  turns pause;",
+        "How automata of one task take turns: after each codel, or when one pauses or ends.",
+    ),
+    word(
+        "ports",
+        "ports copy;  ports lock;",
+        "Ports are copied and lock nothing between components, or an output is one lock for all codels that use it.",
+    ),
+    word(
+        "pause",
+        "pause events;  pause turns;",
+        "What resumes a paused automaton of an aperiodic task: an internal event, or the next cycle.",
+    ),
+    word(
+        "exceptions",
+        "exceptions on;  exceptions off component.service;",
+        "Whether codels whose service or task declares exceptions may throw one.",
+    ),
+    word(
+        "order",
+        "order on;  order off;",
+        "Whether requests are refused that come against `before` and `after`.",
     ),
     word(
         "durations",
@@ -70,8 +112,9 @@ const WORDS: &[Word] = &[
     ),
     word(
         "locks",
-        "locks free;  locks fifo;",
-        "Which of several waiting codels gets a lock: any (default), or the first.",
+        "locks queue;  locks free;  locks fifo;",
+        "Which of several waiting codels begins: in one queue per component whoever came first, so that everybody waits \
+         behind the head; any; or the first of those that exclude each other.",
     ),
     word(
         "async",
@@ -90,8 +133,9 @@ const WORDS: &[Word] = &[
     ),
     word(
         "slots",
-        "slots component.activity 3;",
-        "How many instances of an activity there may be: 1 to 16 (default 2).",
+        "slots component.task 3;  slots component.activity 3;",
+        "How many activities a task can have at the same time, its permanent one included (default 16); with \
+         `semantics published`, how many instances of an activity there may be (default 2).",
     ),
     word(
         "client",

@@ -19,6 +19,7 @@ use super::settings::Settings;
 use super::{LockOrder, Platform, Policy, TimedSystem};
 use crate::scn::ast::{self, Path};
 use crate::scn::names::Names;
+use crate::scn::semantics::LockRule;
 use crate::scn::{Diagnostic, Place, Severity};
 
 /// A system, and how to find things in it.
@@ -63,6 +64,8 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
         durations: HashMap::new(),
         loop_rules: HashMap::new(),
         slots: HashMap::new(),
+        places: HashMap::new(),
+        affinity: HashMap::new(),
         requested: Vec::new(),
         out: Built {
             system: TimedSystem {
@@ -76,16 +79,19 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
                 clients: Vec::new(),
                 platform: Platform {
                     cores: settings.cores,
-                    policy: match settings.policy {
+                    policy: match settings.policy() {
                         ast::Policy::Fifo => Policy::Fifo,
                         ast::Policy::Edf => Policy::Edf,
                         ast::Policy::Any => Policy::Any,
+                        ast::Policy::Priority => Policy::Priority,
+                        ast::Policy::Fair => Policy::Fair,
                     },
-                    locks: if settings.locks_fifo {
-                        LockOrder::Fifo
-                    } else {
-                        LockOrder::Free
+                    locks: match settings.semantics().locks {
+                        LockRule::Free => LockOrder::Free,
+                        LockRule::Fifo => LockOrder::Fifo,
+                        LockRule::Queue => LockOrder::Queue,
                     },
+                    semantics: settings.semantics(),
                     async_free: settings.async_free,
                     aperiodic_core: settings.aperiodic_core,
                 },
@@ -103,21 +109,31 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
     let included: Vec<usize> = (0..names.components.len())
         .filter(|&it| include(it))
         .collect();
+    builder.choose_rules();
     builder.override_durations();
     builder.number_slots();
+    builder.tie_to_cores();
     builder.find_requested();
     builder.whole_periods(&included);
     builder.choose_unit(&included);
     for &c in &included {
         builder.component(c);
     }
-    builder.interrupts(&included);
+    builder.order(&included);
     builder.clients();
     let out = &mut builder.out;
     exclude_codels(names, settings, &included, out);
-    let needing = (0..out.system.tasks.len())
-        .filter(|&it| out.system.needs_core(it))
-        .count();
+    let preempts = matches!(settings.policy(), ast::Policy::Priority | ast::Policy::Fair);
+    // Where an operating system gives them, control tasks need cores as well.
+    let control_tasks = if preempts {
+        out.system.components.len()
+    } else {
+        0
+    };
+    let needing = control_tasks
+        + (0..out.system.tasks.len())
+            .filter(|&it| out.system.needs_core(it))
+            .count();
     if out
         .system
         .platform
@@ -141,6 +157,10 @@ struct Builder<'b> {
     loop_rules: HashMap<usize, Range<usize>>,
     /// Numbers of slots of activities that the scenario gives.
     slots: HashMap<(usize, u32), u32>,
+    /// Numbers of activities of tasks that it gives.
+    places: HashMap<(usize, u32), u32>,
+    /// Cores of tasks that it gives, from 1.
+    affinity: HashMap<(usize, u32), u32>,
     /// Services that some client requests.
     requested: Vec<(usize, u32)>,
     out: Built,

@@ -7,6 +7,7 @@ use super::build::{Built, not_a};
 use super::settings::Settings;
 use crate::scn::Diagnostic;
 use crate::scn::names::{Names, Target};
+use crate::scn::semantics::PortRule;
 
 /// An output port: component and index.
 type Port = (usize, u32);
@@ -19,8 +20,19 @@ pub(crate) fn exclude_codels(
     out: &mut Built,
 ) {
     let live = live_codels(out);
-    for &c in included {
-        exclude_data(names, c, &live, out);
+    let semantics = settings.semantics();
+    if semantics.is_published() {
+        for &c in included {
+            exclude_data(names, c, &live, out);
+        }
+    } else {
+        for &c in included {
+            tickets(names, c, out);
+        }
+        if semantics.ports == PortRule::Copy {
+            connections(names, settings, &mut out.diagnostics);
+            return;
+        }
     }
     let connections = connections(names, settings, &mut out.diagnostics);
     let mut users: Vec<(Port, usize)> = Vec::new();
@@ -37,7 +49,11 @@ pub(crate) fn exclude_codels(
     }
     for &(port, one) in &users {
         for &(other_port, other) in &users {
-            if port == other_port && one < other && !same_automaton(out, one, other) {
+            let fits = match semantics.is_published() {
+                true => !same_automaton(out, one, other),
+                false => out.system.codels[one].component != out.system.codels[other].component,
+            };
+            if port == other_port && one < other && fits {
                 out.system.exclude(one, other);
             }
         }
@@ -178,6 +194,57 @@ fn exclude_data(names: &Names, c: usize, live: &[bool], out: &mut Built) {
             for other in ids(other, out) {
                 out.system.exclude(access, other);
             }
+        }
+    }
+}
+
+/// What each codel of a component waits for in the servers: the `mutex` lists of the front end, which are not symmetric,
+/// compared with the function that a task executes, wherever else the same task uses that function.
+fn tickets(names: &Names, c: usize, out: &mut Built) {
+    let member = names.components[c];
+    let component = member.component;
+    let number = out.components[&c];
+    let own: Vec<usize> = (0..out.system.codels.len())
+        .filter(|&id| out.system.codels[id].component == number)
+        .collect();
+    // Who executes a codel (`None`: the control task), and the function it is.
+    let function = |id: usize, out: &Built| {
+        let (_, it) = out.system.codels[id].site?;
+        Some((component.task_of(it), &component.codel(it).name))
+    };
+    let copy_of = |s: u32, out: &Built| -> Option<usize> {
+        let service = &out.system.services[*out.services.get(&(c, s))?];
+        let mut simple = service.simple.iter().copied();
+        simple.find(|&it| out.system.codels[it].site.is_none())
+    };
+    for &id in &own {
+        let Some((_, it)) = out.system.codels[id].site else {
+            continue;
+        };
+        for exclusion in mutex::exclusions(member.spec, component, it) {
+            let others: Vec<usize> = match exclusion.with {
+                Excluded::Codel(other) => {
+                    let what = Some((component.task_of(other), &component.codel(other).name));
+                    let same = own.iter().copied();
+                    same.filter(|&it| function(it, out) == what).collect()
+                }
+                Excluded::Service(s) => copy_of(s, out).into_iter().collect(),
+            };
+            let conflicts = &mut out.system.codels[id].conflicts;
+            others.into_iter().for_each(|it| conflicts.insert(it));
+        }
+    }
+    for s in 0..component.services.len() as u32 {
+        let Some(copy) = copy_of(s, out) else {
+            continue;
+        };
+        for other in mutex::service_exclusions(member.spec, component, s) {
+            let what = Some((component.task_of(other), &component.codel(other).name));
+            let same: Vec<usize> = (own.iter().copied())
+                .filter(|&it| function(it, out) == what)
+                .collect();
+            let conflicts = &mut out.system.codels[copy].conflicts;
+            same.into_iter().for_each(|it| conflicts.insert(it));
         }
     }
 }

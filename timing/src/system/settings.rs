@@ -5,6 +5,7 @@ use std::ops::Range;
 use dotgen_analysis::model::Seconds;
 
 use crate::scn::ast::{Check, Client, Durations, Interval, Item, Path, Policy, Scenario, Unit};
+use crate::scn::semantics::{Points, Preset, Semantics};
 
 /// What a scenario, and options that override it, say.
 #[derive(Debug, Clone)]
@@ -15,8 +16,18 @@ pub struct Settings {
     pub unit: Option<(u64, Unit)>,
     /// Number of cores; `None`: no limit.
     pub cores: Option<u32>,
-    /// Order in which cores are granted.
-    pub policy: Policy,
+    /// What the model follows, as a whole.
+    pub preset: Preset,
+    /// Single points of it.
+    pub points: Points,
+    /// Order in which cores are granted, where it is said.
+    pub stated_policy: Option<Policy>,
+    /// Cores that tasks are tied to, from 1.
+    pub affinity: Vec<(Path, u32)>,
+    /// Whether codels throw, the most general first.
+    pub exceptions: Vec<(bool, Option<Path>)>,
+    /// Whether `before` and `after` count, where it is said.
+    pub stated_order: Option<bool>,
     /// How long codels take.
     pub durations: Durations,
     /// Durations of single codels.
@@ -25,8 +36,6 @@ pub struct Settings {
     pub loops: Vec<(Option<u32>, Option<Path>, Range<usize>)>,
     /// Rules for idle ticks, likewise.
     pub idle: Vec<(bool, Option<Path>)>,
-    /// Locks in order of arrival.
-    pub locks_fifo: bool,
     /// Asynchronous codels need no core.
     pub async_free: bool,
     /// Aperiodic tasks need a core.
@@ -52,12 +61,16 @@ impl Settings {
             name: scenario.name.clone(),
             unit: None,
             cores: None,
-            policy: Policy::default(),
+            preset: Preset::Servers,
+            points: Points::default(),
+            stated_policy: None,
+            affinity: Vec::new(),
+            exceptions: Vec::new(),
+            stated_order: None,
             durations: Durations::default(),
             duration: Vec::new(),
             loops: Vec::new(),
             idle: Vec::new(),
-            locks_fifo: false,
             async_free: false,
             aperiodic_core: true,
             connect: Vec::new(),
@@ -72,12 +85,20 @@ impl Settings {
                 Item::Use(_) => {}
                 Item::Unit(count, unit) => out.unit = Some((count, unit)),
                 Item::Cores(cores) => out.cores = cores,
-                Item::Policy(policy) => out.policy = policy,
+                Item::Semantics(preset) => out.preset = preset,
+                Item::Ticks(it) => out.points.ticks = Some(it),
+                Item::Turns(it) => out.points.turns = Some(it),
+                Item::Locks(it) => out.points.locks = Some(it),
+                Item::Ports(it) => out.points.ports = Some(it),
+                Item::Pause(it) => out.points.pause = Some(it),
+                Item::Exceptions(on, path) => out.exceptions.push((on, path)),
+                Item::Order(on) => out.stated_order = Some(on),
+                Item::Affinity(path, core) => out.affinity.push((path, core)),
+                Item::Policy(policy) => out.stated_policy = Some(policy),
                 Item::Durations(durations) => out.durations = durations,
                 Item::Duration(path, interval, unit) => out.duration.push((path, interval, unit)),
                 Item::Loop(limit, path, range) => out.loops.push((limit, path, range)),
                 Item::Idle(keep, path) => out.idle.push((keep, path)),
-                Item::LocksFifo(fifo) => out.locks_fifo = fifo,
                 Item::AsyncFree(free) => out.async_free = free,
                 Item::AperiodicCore(core) => out.aperiodic_core = core,
                 Item::Connect(from, to) => out.connect.push((from, to)),
@@ -89,6 +110,27 @@ impl Settings {
         // What is said about one thing wins over what is said about all, whatever the order.
         out.loops.sort_by_key(|(_, path, _)| path.is_some());
         out.idle.sort_by_key(|(_, path)| path.is_some());
+        out.exceptions.sort_by_key(|(_, path)| path.is_some());
         out
+    }
+
+    /// What the model follows, all points decided.
+    pub fn semantics(&self) -> Semantics {
+        self.points.over(self.preset)
+    }
+
+    /// Whether `before` and `after` count.
+    pub fn order(&self) -> bool {
+        self.stated_order
+            .unwrap_or(!self.semantics().is_published())
+    }
+
+    /// Order in which cores are granted.
+    pub fn policy(&self) -> Policy {
+        let usual = match self.semantics().is_published() {
+            true => Policy::Fifo,
+            false => Policy::Priority,
+        };
+        self.stated_policy.unwrap_or(usual)
     }
 }

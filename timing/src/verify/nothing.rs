@@ -35,18 +35,19 @@ impl Group<'_> {
             })
             .map(|it| it.path.as_str())
             .collect();
+        if executed.is_empty() {
+            // No time is missing: its jobs take none.
+            return None;
+        }
         let mut names = executed[..executed.len().min(NAMED)].join(", ");
         if executed.len() > NAMED {
             names += &format!(" and {} more", executed.len() - NAMED);
         }
         let name = &component.name;
-        let note = match executed.is_empty() {
-            true => format!("`{name}` executes no codel"),
-            false => format!(
-                "no codel of `{name}` has an execution time: {names}; measure the longest one of each and write it as \
-                 `wcet`, or as `duration` in a scenario"
-            ),
-        };
+        let note = format!(
+            "no codel of `{name}` has an execution time: {names}; measure the longest one of each and write it as \
+             `wcet`, or as `duration` in a scenario"
+        );
         Some(CheckReport {
             verdict: Verdict::Nothing,
             limit: None,

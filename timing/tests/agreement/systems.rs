@@ -4,6 +4,7 @@ pub(crate) mod alike;
 pub(crate) mod requests;
 
 use dotgen_timing::property::{Atom, Predicate, StatePhase, TaskState};
+use dotgen_timing::scn::semantics::Semantics;
 use dotgen_timing::system::{
     Automaton, Client, ClientAction, ClientStep, Codel, CodelSet, Component, FOREVER, LockOrder,
     Machine, Platform, Policy, Service, State, Task, TimedSystem, Yield, loop_contradictions,
@@ -49,6 +50,7 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
             cores: dice.pick(&[None, Some(1), Some(1), Some(2)]),
             policy: dice.pick(&[Policy::Fifo, Policy::Edf, Policy::Any]),
             locks: dice.pick(&[LockOrder::Free, LockOrder::Free, LockOrder::Fifo]),
+            semantics: Semantics::PUBLISHED,
             async_free: dice.in_ten(3),
             aperiodic_core: dice.in_ten(7),
         },
@@ -73,6 +75,9 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
             });
             let aperiodic = dice.in_ten(1);
             system.tasks.push(Task {
+                places: 16,
+                priority: None,
+                affinity: None,
                 name: format!("t{t}"),
                 component: c,
                 period: (!aperiodic).then(|| 3 + dice.below(5)),
@@ -178,6 +183,9 @@ pub(crate) fn competing(dice: &mut Dice) -> TimedSystem {
             automaton(&mut system, t, machine, None)
         });
         system.tasks.push(Task {
+            places: 16,
+            priority: None,
+            affinity: None,
             name: format!("t{t}"),
             component,
             period: (!dice.in_ten(1)).then(|| dice.pick(&[2, 3, 4, 4, 6])),
@@ -252,6 +260,9 @@ pub(crate) fn polling(dice: &mut Dice) -> TimedSystem {
         let machine = system.machines.len() - 1;
         let permanent = automaton(&mut system, t, machine, None);
         system.tasks.push(Task {
+            places: 16,
+            priority: None,
+            affinity: None,
             name: format!("t{t}"),
             component,
             period: (t > 0).then(|| 4 + dice.below(5)),
@@ -303,6 +314,7 @@ fn empty(dice: &mut Dice) -> TimedSystem {
             cores: dice.pick(&[None, Some(1), Some(2), Some(2), Some(3)]),
             policy: Policy::Fifo,
             locks: LockOrder::Free,
+            semantics: Semantics::PUBLISHED,
             async_free: false,
             aperiodic_core: dice.in_ten(7),
         },
@@ -332,6 +344,7 @@ fn codel(system: &mut TimedSystem, dice: &mut Dice, component: usize, path: Stri
     };
     let forever = dice.below(40) == 0;
     system.codels.push(Codel {
+        throws: false,
         path,
         component,
         lower,
@@ -407,6 +420,8 @@ fn service(system: &mut TimedSystem, dice: &mut Dice, v: usize) {
     }
     system.components[component].services.push(v);
     system.services.push(Service {
+        after: Vec::new(),
+        before: Vec::new(),
         name,
         component,
         validate,

@@ -1,5 +1,6 @@
 //! Long times: what is proved in zones takes as much whether something lasts milliseconds or minutes.
 
+use super::published;
 use dotgen_timing::explore::Limits;
 use dotgen_timing::report::{Report, Verdict};
 use dotgen_timing::scn::parse;
@@ -48,7 +49,7 @@ fn asked(within: u32, wait: u32) -> (String, String) {
 }
 
 fn answer(within: u32, wait: u32) -> (Report, usize) {
-    answer_all(within, wait, "", &Options::default())
+    answer_all(within, wait, "", &published())
 }
 
 /// The same with more checks.
@@ -81,7 +82,7 @@ fn what_is_proved_in_zones_stays_proved_when_the_rest_is_given_up() {
             states: 40_000,
             ..Limits::default()
         },
-        ..Options::default()
+        ..published()
     };
     let checks = "check deadlock; check reachable house.look1 and house.look1.idle;
       check within tenant1.ask1 => house.use1.void <= 1 s;";

@@ -18,8 +18,17 @@ use dotgen_timing::report::{Value, Verdict};
 use dotgen_timing::scn::ast::{Path, Scenario};
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::scn::parse;
+use dotgen_timing::scn::semantics::Preset;
 use dotgen_timing::system::build::build;
 use dotgen_timing::verify::{Cancel, Options, SystemInput, settings, verify};
+
+/// What these tests say is about the published models.
+fn published() -> Options {
+    Options {
+        semantics: Some(Preset::Published),
+        ..Options::default()
+    }
+}
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
@@ -119,7 +128,7 @@ fn limited(bytes: usize) -> Options {
             bytes,
             ..Limits::default()
         },
-        ..Options::default()
+        ..published()
     }
 }
 
@@ -163,7 +172,7 @@ fn a_search_looks_every_few_steps_and_ends_when_cancelled() {
     with("", |input, scenario| {
         let run = |look| {
             let (cancel, looks) = raised_at(look);
-            let report = verify(input, scenario, &Options::default(), &cancel);
+            let report = verify(input, scenario, &published(), &cancel);
             (report, looks.seen())
         };
         let (whole, looks) = run(u64::MAX);
@@ -213,13 +222,13 @@ fn cancelled_anywhere(more: &str, ask: impl Fn(&SystemInput, &Scenario, &Cancel)
 #[test]
 fn checks_of_all_kinds_end_when_cancelled() {
     cancelled_anywhere(MORE, |input, scenario, cancel| {
-        verify(input, scenario, &Options::default(), cancel);
+        verify(input, scenario, &published(), cancel);
     });
 }
 
 #[test]
 fn derived_questions_end_when_cancelled() {
-    let options = Options::default();
+    let options = published();
     cancelled_anywhere("", |input, scenario, cancel| {
         minimum_cores(input, scenario, &options, cancel).unwrap();
     });
@@ -249,7 +258,7 @@ fn a_machine_with_very_many_turns_is_built_quickly() {
     ));
     let names = Names::new(&[&unit.spec]);
     let scenario = parse("scenario x { loop 3; }").scenario;
-    let settings = settings(&scenario, &Options::default());
+    let settings = settings(&scenario, &published());
     counting::mark();
     assert!(!build(&names, &settings, &|_| true).has_errors());
     assert!(counting::since_mark() < 2_000_000);
@@ -264,7 +273,7 @@ const FIXED: usize = 200_000;
 fn bytes_are_counted_truly() {
     for more in ["", MORE] {
         with(more, |input, scenario| {
-            let ask = || verify(input, scenario, &Options::default(), &Cancel::default());
+            let ask = || verify(input, scenario, &published(), &Cancel::default());
             let (report, peak) = counting::peak(ask);
             let counted = report.memory;
             assert!(
@@ -282,7 +291,7 @@ fn bytes_are_counted_truly() {
 #[test]
 fn a_search_without_memory_gives_up_honestly() {
     let whole = with(MORE, |input, scenario| {
-        verify(input, scenario, &Options::default(), &Cancel::default())
+        verify(input, scenario, &published(), &Cancel::default())
     });
     for bytes in [50_000, 200_000, 400_000, 800_000, 1_200_000] {
         let (report, peak) = counting::peak(|| {
@@ -337,7 +346,7 @@ fn by_threads<T>(threads: usize, ask: impl Fn(&Options, &Cancel) -> T) -> (T, us
             threads,
             ..Limits::default()
         },
-        ..Options::default()
+        ..published()
     };
     let answer = ask(&options, &cancel);
     let looked = seen.lock().unwrap().len();

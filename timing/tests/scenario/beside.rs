@@ -50,7 +50,7 @@ fn what_fails_at_a_crowded_moment_is_found_soon_and_in_few_steps() {
             specs: vec![&unit.spec],
         };
         // In order of time there are far more states than that before the failure.
-        let mut options = Options::default();
+        let mut options = published();
         options.limits.states = 12_000;
         let parsed = parse(&text);
         assert_eq!(parsed.errors, []);
@@ -79,7 +79,7 @@ fn a_number_of_cores_is_refuted_at_a_crowded_moment() {
     let (text, _) = text.split_once("check").unwrap();
     let parsed = parse(&format!("{text} aperiodic free; check schedulable *; }}"));
     assert_eq!(parsed.errors, []);
-    let mut options = Options::default();
+    let mut options = published();
     options.limits.states = 20_000;
     let found = minimum_cores(&input, &parsed.scenario, &options, &Cancel::default()).unwrap();
     assert_eq!(found.tried[0], (1, Verdict::Refuted), "{found:?}");
@@ -112,7 +112,7 @@ fn that_a_task_can_starve_is_found_long_before_everything_is_known() {
     };
     let parsed = parse(&text);
     assert_eq!(parsed.errors, []);
-    let mut options = Options::default();
+    let mut options = published();
     options.limits.states = 200_000;
     let report = verify(&input, &parsed.scenario, &options, &Cancel::default());
     for it in &report.checks {

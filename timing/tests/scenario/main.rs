@@ -16,11 +16,20 @@ use dotgen_timing::explore::Stop;
 use dotgen_timing::report::{CheckReport, Report, Soundness, Value, Verdict};
 use dotgen_timing::scn::ast::{Path, Spanned};
 use dotgen_timing::scn::names::{Names, Target};
+use dotgen_timing::scn::semantics::Preset;
 use dotgen_timing::scn::{default_text, format, parse, parse_check};
 use dotgen_timing::system::SharedPorts;
 use dotgen_timing::system::build::build;
 use dotgen_timing::system::settings::Settings;
 use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
+
+/// What these tests say is about the published models.
+fn published() -> Options {
+    Options {
+        semantics: Some(Preset::Published),
+        ..Options::default()
+    }
+}
 
 struct Nothing;
 
@@ -95,12 +104,7 @@ fn robot(items: &str) -> Report {
     let input = SystemInput {
         specs: vec![&unit.spec],
     };
-    verify(
-        &input,
-        &parsed.scenario,
-        &Options::default(),
-        &Cancel::default(),
-    )
+    verify(&input, &parsed.scenario, &published(), &Cancel::default())
 }
 
 fn summary(report: &Report) -> String {
@@ -182,12 +186,7 @@ fn excess(check: &str) -> (f64, Option<Value>) {
     let input = SystemInput {
         specs: vec![&unit.spec],
     };
-    let report = verify(
-        &input,
-        &parsed.scenario,
-        &Options::default(),
-        &Cancel::default(),
-    );
+    let report = verify(&input, &parsed.scenario, &published(), &Cancel::default());
     let check = &report.checks[0];
     assert_eq!(
         check.verdict,
@@ -244,7 +243,7 @@ fn a_loop_limit_that_cannot_be_kept_is_explained() {
     };
     let said = |items: &str| {
         let scenario = parse(&format!("scenario x {{ {items} check schedulable *; }}")).scenario;
-        let report = verify(&input, &scenario, &Options::default(), &Cancel::default());
+        let report = verify(&input, &scenario, &published(), &Cancel::default());
         summary(&report)
     };
     insta::assert_snapshot!(format!(
@@ -270,8 +269,8 @@ fn slots_are_some_and_not_too_many() {
     for (number, allowed) in [
         ("0", false),
         ("1", true),
-        ("16", true),
-        ("17", false),
+        ("32", true),
+        ("33", false),
         ("40", false),
         ("4294967298", false),
     ] {
@@ -288,7 +287,7 @@ fn slots_are_some_and_not_too_many() {
         assert_eq!(parsed.scenario.items.len(), 2 + usize::from(allowed));
     }
     let told = &parse("scenario s { slots sensor.record 40; }").errors[0].message;
-    insta::assert_snapshot!(told, @"an activity can have 1 to 16 slots, not 40: without one it never runs, and each one more multiplies what has to be explored");
+    insta::assert_snapshot!(told, @"a task or an activity can have 1 to 32 slots, not 40: without one it never runs, and each one more multiplies what has to be explored");
 }
 
 #[test]
@@ -299,11 +298,10 @@ fn slots_are_for_activities_whether_requested_or_not() {
     );
     insta::assert_snapshot!(summary(&report), @"
     scn-unknown-name: `sensor` has nothing called `recrod`; did you mean `record`?
-    scn-wrong-kind: `sensor.reset` is no activity, and nothing else has slots; name an activity, or remove this line
-    scn-wrong-kind: `sensor.acquire` is no activity, and nothing else has slots; name an activity, or remove this line
-    ");
+    scn-wrong-kind: `sensor.reset` is neither a task nor an activity, and nothing else has slots; name one, or remove this line
+        ");
     let wrong = report.diagnostics.iter().map(|it| it.range.len());
-    let names = ["recrod", "sensor.reset", "sensor.acquire"];
+    let names = ["recrod", "sensor.reset"];
     assert_eq!(Vec::from_iter(wrong), names.map(str::len));
 }
 
@@ -323,7 +321,7 @@ fn orders_of_services_that_are_not_kept_are_an_assumption() {
         let report = verify(
             &input,
             &parse(&text).scenario,
-            &Options::default(),
+            &published(),
             &Cancel::default(),
         );
         let mut all = report.assumptions.into_iter();
@@ -370,12 +368,7 @@ fn the_default_scenario_is_one() {
     let parsed = parse(&text);
     assert_eq!(parsed.errors, []);
     assert_eq!(format(&text).as_ref(), Some(&text));
-    let report = verify(
-        &input,
-        &parsed.scenario,
-        &Options::default(),
-        &Cancel::default(),
-    );
+    let report = verify(&input, &parsed.scenario, &published(), &Cancel::default());
     insta::assert_snapshot!(format!("{text}\n{}", summary(&report)));
 }
 
@@ -413,7 +406,7 @@ fn derived_questions() {
         specs: vec![&unit.spec],
     };
     let scenario = parse("scenario x { check schedulable *; }").scenario;
-    let options = Options::default();
+    let options = published();
     let cancel = Cancel::default();
     let cores = minimum_cores(&input, &scenario, &options, &cancel).unwrap();
     assert_eq!(cores.cores, Some(2));
@@ -491,7 +484,7 @@ fn analysis_answers_what_exploration_has_to_give_up() {
     let text = "scenario x { client k { repeat * { delay [0, *] ms; send calm.work; } }
       check schedulable *; check no-overdue *; check response calm.t; check response calm.t <= 2 ms; }";
     let scenario = parse(text).scenario;
-    let mut options = Options::default();
+    let mut options = published();
     options.limits.states = 1;
     let report = verify(&input, &scenario, &options, &Cancel::default());
     insta::assert_snapshot!(checks_in_words(&report));
@@ -515,7 +508,7 @@ fn what_fails_without_requests_is_found_whatever_clients_may_do() {
     let text = "scenario x { client k { repeat * { delay [0, *] ms; send calm.work; } }
       check schedulable calm.t; }";
     // Every order of requests would be followed first.
-    let mut options = Options::default();
+    let mut options = published();
     options.limits.states = 500;
     let report = verify(&input, &parse(text).scenario, &options, &Cancel::default());
     assert_eq!(report.checks[0].verdict, Verdict::Refuted);
@@ -547,7 +540,7 @@ fn what_fails_after_one_request_is_found_whatever_clients_may_do() {
           check schedulable calm.t; check response calm.t; }}",
         choice.join(" or ")
     );
-    let mut options = Options::default();
+    let mut options = published();
     options.limits.states = 5_000;
     let report = verify(&input, &parse(&text).scenario, &options, &Cancel::default());
     let [schedulable, response] = &report.checks[..] else {
@@ -586,7 +579,7 @@ fn a_task_that_takes_no_time_needs_no_exploration_to_the_end() {
     let report = verify(
         &input,
         &parse(&text).scenario,
-        &Options::default(),
+        &published(),
         &Cancel::default(),
     );
     assert_eq!(checks_in_words(&report), "response idle.t: Proved Exact 0 ");
@@ -615,7 +608,7 @@ fn giving_up_is_said() {
     };
     let text = "scenario x { client k { repeat * { delay [0, *] ms; send sensor.reset; } } check deadlock; }";
     let scenario = parse(text).scenario;
-    let mut options = Options::default();
+    let mut options = published();
     options.limits.states = 1;
     let report = verify(&input, &scenario, &options, &Cancel::default());
     assert!(
@@ -630,12 +623,12 @@ fn giving_up_is_said() {
     assert_eq!(reason, Some(Stop::States));
     let out_of_time = Cancel::default();
     out_of_time.limit(Duration::ZERO);
-    let report = verify(&input, &scenario, &Options::default(), &out_of_time);
+    let report = verify(&input, &scenario, &published(), &out_of_time);
     let gave_up = report.checks[0].gave_up.expect("time is up");
     assert_eq!((gave_up.reason, gave_up.seconds), (Stop::Time, Some(0.0)));
     let cancelled = Cancel::default();
     cancelled.abandon();
-    let report = verify(&input, &scenario, &Options::default(), &cancelled);
+    let report = verify(&input, &scenario, &published(), &cancelled);
     assert!(
         report
             .checks
@@ -652,7 +645,7 @@ fn a_verification_tells_how_far_it_is() {
     };
     let text = "scenario x { client k { send sensor.record; } check deadlock; check eventually sensor.record; }";
     let cancel = Cancel::default();
-    let report = verify(&input, &parse(text).scenario, &Options::default(), &cancel);
+    let report = verify(&input, &parse(text).scenario, &published(), &cancel);
     assert!(report.states > 0);
     assert_eq!(cancel.effort().states, report.states);
 }
@@ -696,7 +689,7 @@ fn of_two(items: &str) -> Report {
     let input = SystemInput {
         specs: vec![&unit.spec],
     };
-    let (options, cancel) = (Options::default(), Cancel::default());
+    let (options, cancel) = (published(), Cancel::default());
     verify(&input, &parsed.scenario, &options, &cancel)
 }
 
@@ -755,12 +748,7 @@ fn without_execution_times_nothing_is_proved() {
     let input = SystemInput {
         specs: vec![&unit.spec],
     };
-    let report = verify(
-        &input,
-        &parsed.scenario,
-        &Options::default(),
-        &Cancel::default(),
-    );
+    let report = verify(&input, &parsed.scenario, &published(), &Cancel::default());
     let (tasks, predicate) = report.checks.split_at(4);
     for it in tasks {
         assert_eq!(

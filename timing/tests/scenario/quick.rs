@@ -3,6 +3,7 @@
 use dotgen_timing::analytic::response_bounds;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::scn::parse;
+use dotgen_timing::scn::semantics::Preset;
 use dotgen_timing::system::build::build;
 use dotgen_timing::system::settings::Settings;
 
@@ -14,7 +15,9 @@ fn bounds(specification: &str, scenario: &str) -> String {
     let names = Names::new(&[&unit.spec]);
     let parsed = parse(&format!("scenario x {{ {scenario} }}"));
     assert_eq!(parsed.errors, []);
-    let built = build(&names, &Settings::new(&parsed.scenario), &|_| true);
+    let mut settings = Settings::new(&parsed.scenario);
+    settings.preset = Preset::Published;
+    let built = build(&names, &settings, &|_| true);
     let bounds = response_bounds(&built.system);
     let lines = bounds.iter().enumerate().map(|(task, bound)| {
         let bound = bound.map_or("-".to_owned(), |it| it.to_string());

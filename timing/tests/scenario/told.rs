@@ -44,9 +44,9 @@ fn whole(it: &CheckReport) -> String {
 
 #[test]
 fn an_answer_that_was_told_is_final_and_the_same_as_without_telling() {
-    let mut few = Options::default();
+    let mut few = published();
     few.limits.states = 50;
-    for options in [Options::default(), few] {
+    for options in [published(), few] {
         let (told, last) = told(ALL, &options, &Cancel::default());
         let untold = {
             let unit = load(&format!("{ROBOT}{LAMP}"));
@@ -93,7 +93,7 @@ fn an_answer_that_was_told_is_final_and_the_same_as_without_telling() {
 
 #[test]
 fn what_takes_little_is_answered_first_whatever_it_belongs_to() {
-    let (told, _) = told(ALL, &Options::default(), &Cancel::default());
+    let (told, _) = told(ALL, &published(), &Cancel::default());
     let mut known = vec![false; told[0].checks.len()];
     let mut new = |report: &Report| -> Vec<String> {
         let all = report.checks.iter().zip(&mut known);
@@ -119,7 +119,7 @@ fn nothing_is_told_to_those_who_do_not_want_it_any_more() {
         *times.lock().unwrap() += 1;
         cancel.abandon();
     };
-    let options = Options::default();
+    let options = published();
     verify_telling(&input, &scenario.scenario, &options, &cancel, &tell);
     assert_eq!(times.into_inner().unwrap(), 1);
 }
@@ -129,7 +129,7 @@ fn what_was_interrupted_says_so_and_the_rest_stands() {
     let interrupt = Interrupt::default();
     let cancel = Cancel::interrupted_by(&interrupt);
     interrupt.raise();
-    let (_, report) = told(ALL, &Options::default(), &cancel);
+    let (_, report) = told(ALL, &published(), &cancel);
     let answer = |check, of| {
         let mut all = report.checks.iter();
         all.find(|it| it.kind.word() == check && it.of == of)
@@ -146,11 +146,11 @@ fn what_was_interrupted_says_so_and_the_rest_stands() {
 fn a_run_that_there_is_no_time_for_is_left_out() {
     // This is seen before the first look at the clock, and then it is too late.
     let check = "check reachable control.move.idle; check always not control.move.idle;";
-    let (_, report) = told(check, &Options::default(), &Cancel::default());
+    let (_, report) = told(check, &published(), &Cancel::default());
     assert!(report.checks.iter().all(|it| it.note.is_none()));
     let cancel = Cancel::default();
     cancel.limit(Duration::ZERO);
-    let (_, report) = told(check, &Options::default(), &cancel);
+    let (_, report) = told(check, &published(), &cancel);
     let [reachable, always] = &report.checks[..] else {
         panic!("{}", checks_in_words(&report));
     };
@@ -169,7 +169,7 @@ fn a_run_that_there_is_no_time_for_is_left_out() {
 fn what_is_seen_in_an_exploration_is_told_while_it_goes_on() {
     let items = "client k { repeat * { delay [0, *] ms; choice { send sensor.record; } or { send sensor.reset; } } }
       check within control.move => control.move.idle; check reachable sensor.record.stop;";
-    let mut some = Options::default();
+    let mut some = published();
     some.limits.states = 20_000;
     let (told, last) = told(items, &some, &Cancel::default());
     let verdicts = |it: &Report| it.checks.iter().map(|it| it.verdict).collect::<Vec<_>>();
@@ -194,7 +194,7 @@ fn what_was_caught_beside_an_exploration_is_told_while_it_goes_on() {
     let text = text.replace("check always", holds);
     let parsed = parse(&text);
     assert_eq!(parsed.errors, []);
-    let mut some = Options::default();
+    let mut some = published();
     some.limits.states = 150_000;
     let told = Mutex::new(Vec::new());
     let tell = |it: &Report| told.lock().unwrap().push(it.clone());

@@ -39,8 +39,9 @@ pub(crate) fn dotgen(n: usize, times: Times) -> (String, String) {
     let mut genom = String::from(
         "component fischer {\n  version \"1.0\";\n  lang \"c\";\n  ids { long id; };\n",
     );
-    let mut scenario =
-        String::from("scenario fischer {\n  use \"fischer.gen\";\n  unit 1 ms;\n  cores free;\n");
+    let mut scenario = String::from(
+        "scenario fischer {\n  use \"fischer.gen\"; semantics published;\n  unit 1 ms;\n  cores free;\n",
+    );
     let hold = wait + section;
     for i in 1..=n {
         let others = (1..=n).filter(|&j| j != i).map(|j| format!("claim{j}"));

@@ -206,7 +206,7 @@ fn stages(kind: &Kind, n: usize) -> (String, String) {
         );
     }
     let scenario = format!(
-        "scenario growth {{\n  use \"growth.gen\";\n  unit 1 ms;\n  {}\n  durations interval;\n  \
+        "scenario growth {{\n  use \"growth.gen\"; semantics published;\n  unit 1 ms;\n  {}\n  durations interval;\n  \
          check schedulable *;\n  check response *;\n}}\n",
         kind.platform
     );

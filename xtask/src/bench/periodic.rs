@@ -36,7 +36,7 @@ const HYPERPERIOD: u64 = 240;
 pub(crate) fn dotgen(tasks: &[Task], responses: bool) -> (String, String) {
     let mut genom = String::new();
     let mut scenario = String::from(
-        "scenario periodic {\n  use \"periodic.gen\";\n  unit 1 ms;\n  cores 1;\n  policy edf;\n",
+        "scenario periodic {\n  use \"periodic.gen\"; semantics published;\n  unit 1 ms;\n  cores 1;\n  policy edf;\n",
     );
     for (i, task) in tasks.iter().enumerate() {
         let Task { period, bcet, wcet } = task;

@@ -393,7 +393,7 @@ pub(crate) fn present(
         written: prepared.problem.is_written(),
         platform: summary::platform(&settings),
         cores: settings.cores,
-        policy: settings.policy.name().to_owned(),
+        policy: settings.policy().name().to_owned(),
         durations: settings.durations.name().to_owned(),
         errors: errors.clone(),
         bounds: (prepared.bounds.iter())

@@ -20,7 +20,7 @@
 //! something that a predicate is about are therefore not lazy. And there has to be a next hard moment: some task
 //! is periodic.
 
-mod rest;
+pub(super) mod rest;
 
 use rustc_hash::FxHashSet;
 use smallvec::SmallVec;
@@ -258,6 +258,12 @@ impl Lazy {
                         waiters.can_wait(rules.system, rules.layout.client_executor(client))
                     }
                     Action::Tick { .. } => false,
+                    // Steps of other rules.
+                    Action::Begin { .. }
+                    | Action::Preempt { .. }
+                    | Action::Ticket { .. }
+                    | Action::Wake { .. }
+                    | Action::Reply { .. } => false,
                 };
                 if !follow {
                     continue;

@@ -406,6 +406,22 @@ impl Renaming {
                 executor: self.executor(executor),
                 outcome,
             },
+            Action::Preempt { executor, by } => Action::Preempt {
+                executor: self.executor(executor),
+                by: self.executor(by),
+            },
+            Action::Begin { task } => Action::Begin {
+                task: self.tasks[task],
+            },
+            Action::Wake { task } => Action::Wake {
+                task: self.tasks[task],
+            },
+            Action::Ticket { executor } => Action::Ticket {
+                executor: self.executor(executor),
+            },
+            Action::Reply { component } => Action::Reply {
+                component: self.components[component],
+            },
             Action::Signal { component } => Action::Signal {
                 component: self.components[component],
             },

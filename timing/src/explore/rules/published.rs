@@ -166,6 +166,12 @@ impl Rules for Published<'_> {
                 self.system.automata.get(executor).map(|it| it.task)
             }
             Action::Proceed { .. } | Action::Signal { .. } | Action::Request { .. } => None,
+            // Steps of other rules.
+            Action::Begin { .. }
+            | Action::Preempt { .. }
+            | Action::Ticket { .. }
+            | Action::Wake { .. }
+            | Action::Reply { .. } => None,
         }
     }
 

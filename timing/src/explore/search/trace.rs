@@ -279,7 +279,9 @@ impl<R: Rules> Search<'_, R> {
             Goal::Lasts(Timing::Response(task), value) => {
                 some_task(task, &|it| lasts(Timing::Response(it), value))
             }
-            Goal::Lasts(of, value) => lasts(of, value).then(Hit::default),
+            Goal::Lasts(of, value) => (lasts(of, value)
+                || value == 0 && self.is_answered_at_once(before, s, of))
+            .then(Hit::default),
             Goal::Calm(key, dims) => {
                 if enabled.committed || enabled.urgent {
                     return None;

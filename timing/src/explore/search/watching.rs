@@ -91,12 +91,29 @@ impl<R: Rules> Search<'_, R> {
             }
         }
         for (i, gauge) in self.gauges.iter().enumerate() {
-            if self.longest[i].is_none() && gauge.of.runs(&self.rules, s) {
+            if self.longest[i].is_none()
+                && (gauge.of.runs(&self.rules, s) || self.is_answered_at_once(before, s, gauge.of))
+            {
                 for it in self.alike(i) {
                     self.longest[it] = Some(Longest { value: 0, at });
                 }
             }
         }
+    }
+
+    /// Whether what a time is measured from has just happened, and what it is measured to holds: no time at all.
+    pub(super) fn is_answered_at_once(
+        &self,
+        before: Option<&State>,
+        s: &State,
+        of: Timing,
+    ) -> bool {
+        let Timing::Within(observer) = of else {
+            return false;
+        };
+        let trigger = &self.observers[observer].trigger;
+        let was = before.is_some_and(|it| trigger.eval_still(&|a| self.rules.atom(it, a)));
+        !was && observe::predicate(&self.rules, before, s, trigger)
     }
 
     /// Gauges of what is not told apart, itself included.

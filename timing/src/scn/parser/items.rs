@@ -4,18 +4,27 @@ use super::Parser;
 use crate::scn::Diagnostic;
 use crate::scn::ast::{Check, Client, Durations, Item, Policy, SLOTS, Scenario, Spanned};
 use crate::scn::lexer::Kind;
+use crate::scn::semantics::{LockRule, PauseRule, PortRule, Preset, TickRule, TurnRule};
 
 /// Words that begin an item.
 pub(in crate::scn) const ITEMS: &[&str] = &[
     "use",
     "unit",
+    "semantics",
     "cores",
     "policy",
+    "affinity",
     "durations",
     "duration",
     "loop",
     "idle",
+    "ticks",
+    "turns",
     "locks",
+    "ports",
+    "pause",
+    "exceptions",
+    "order",
     "async",
     "aperiodic",
     "connect",
@@ -110,11 +119,30 @@ impl Parser<'_> {
                 }
                 Item::Cores(Some(count))
             }
-            "policy" => Item::Policy(self.choose(&[
-                ("fifo", Policy::Fifo),
-                ("edf", Policy::Edf),
-                ("any", Policy::Any),
-            ])?),
+            "policy" => Item::Policy(self.choose(Policy::ALL)?),
+            "affinity" => {
+                let path = self.path()?;
+                let range = self.range();
+                let core = self.small()?;
+                if core == 0 {
+                    let message = "cores are numbered from 1".to_owned();
+                    self.errors
+                        .push(Diagnostic::error("scn-affinity", range, message));
+                    return None;
+                }
+                Item::Affinity(path, core)
+            }
+            "semantics" => Item::Semantics(self.choose(Preset::ALL)?),
+            "ticks" => Item::Ticks(self.choose(TickRule::ALL)?),
+            "turns" => Item::Turns(self.choose(TurnRule::ALL)?),
+            "locks" => Item::Locks(self.choose(LockRule::ALL)?),
+            "ports" => Item::Ports(self.choose(PortRule::ALL)?),
+            "pause" => Item::Pause(self.choose(PauseRule::ALL)?),
+            "exceptions" => {
+                let on = self.choose(&[("on", true), ("off", false)])?;
+                Item::Exceptions(on, self.optional_path()?)
+            }
+            "order" => Item::Order(self.choose(&[("on", true), ("off", false)])?),
             "durations" => Item::Durations(self.choose(&[
                 ("interval", Durations::Interval),
                 ("fixed", Durations::Fixed),
@@ -146,7 +174,6 @@ impl Parser<'_> {
                 let keep = self.choose(&[("drop", false), ("keep", true)])?;
                 Item::Idle(keep, self.optional_path()?)
             }
-            "locks" => Item::LocksFifo(self.choose(&[("free", false), ("fifo", true)])?),
             "async" => Item::AsyncFree(self.choose(&[("held", false), ("free", true)])?),
             "aperiodic" => Item::AperiodicCore(self.choose(&[("core", true), ("free", false)])?),
             "connect" => {
@@ -168,7 +195,7 @@ impl Parser<'_> {
                 let count = self.number()?;
                 let Some(count) = u32::try_from(count).ok().filter(|it| SLOTS.contains(it)) else {
                     let message = format!(
-                        "an activity can have {} to {} slots, not {count}: without one it never runs, and each one more multiplies what has to be explored",
+                        "a task or an activity can have {} to {} slots, not {count}: without one it never runs, and each one more multiplies what has to be explored",
                         SLOTS.start(),
                         SLOTS.end()
                     );

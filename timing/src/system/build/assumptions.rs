@@ -2,11 +2,14 @@
 
 use super::Builder;
 use crate::scn::ast::{self, Durations};
+use crate::scn::semantics::LockRule;
 
 impl Builder<'_> {
     pub(super) fn assumptions(&mut self) {
         let settings = self.settings;
-        let mut say = |text: String| self.out.assumptions.push(text);
+        let assumptions = &mut self.out.assumptions;
+        let mut say = |text: String| assumptions.push(text);
+        say(format!("semantics: {}", settings.semantics().text()));
         match settings.durations {
             Durations::Interval => say(
                 "durations: every codel takes any time from 0, or its stated lower bound, to its upper bound".to_owned(),
@@ -20,25 +23,47 @@ impl Builder<'_> {
         }
         match settings.cores {
             None => say("cores: no limit".to_owned()),
-            Some(cores) => say(format!(
-                "cores: {cores}, granted {}, held from the grant to the end of the cycle, also while waiting for a lock",
-                match settings.policy {
-                    ast::Policy::Fifo => "in order of release",
-                    ast::Policy::Edf => "by earliest deadline",
-                    ast::Policy::Any => "to any waiting task",
-                }
-            )),
+            Some(cores) => say(match settings.policy() {
+                ast::Policy::Priority => format!(
+                    "cores: {cores}, at each moment for the ready tasks of highest priority, control tasks included{}",
+                    match self.out.system.tasks.iter().any(|it| it.priority.is_some()) {
+                        true => "",
+                        false => "; no task has a `priority`: the shorter period goes first",
+                    }
+                ),
+                ast::Policy::Fair => format!(
+                    "cores: {cores}, at each moment for any ready tasks, control tasks included, as long as no core idles"
+                ),
+                ast::Policy::Fifo | ast::Policy::Edf | ast::Policy::Any => format!(
+                    "cores: {cores}, granted {}, held from the grant to the end of the cycle, also while waiting for a lock",
+                    match settings.policy() {
+                        ast::Policy::Fifo => "in order of release",
+                        ast::Policy::Edf => "by earliest deadline",
+                        _ => "to any waiting task",
+                    }
+                ),
+            }),
         }
-        say(if settings.locks_fifo {
-            "locks: in order of arrival among codels that exclude each other".to_owned()
-        } else {
-            "locks: any waiting codel may win, also repeatedly".to_owned()
-        });
+        let locks = match settings.semantics().locks {
+            LockRule::Queue => "in one queue per component; everybody waits behind its head",
+            LockRule::Fifo => "in order of arrival among codels that exclude each other",
+            LockRule::Free => "any waiting codel may win, also repeatedly",
+        };
+        say(format!("locks: {locks}"));
         if settings.clients.is_empty() {
             say("clients: none; only permanent activities run".to_owned());
         }
-        say("any declared yield may be taken; exceptions are left out".to_owned());
-        if !settings.async_free {
+        let throws = self.out.system.codels.iter().any(|it| it.throws);
+        let published = settings.semantics().is_published();
+        say(match (throws, published) {
+            (true, _) => {
+                "any declared yield may be taken, or an exception thrown where some are declared"
+            }
+            (false, true) => "any declared yield may be taken; exceptions are left out",
+            (false, false) => "any declared yield may be taken",
+        }
+        .to_owned());
+        if !settings.async_free || !published {
             let any = self.out.system.machines.iter().flat_map(|it| &it.states);
             if any.clone().any(|it| it.is_async) {
                 self.out.assumptions.push(
@@ -65,7 +90,7 @@ impl Builder<'_> {
                 ordered.push(path);
             }
         }
-        if !ordered.is_empty() {
+        if !ordered.is_empty() && !settings.order() {
             self.out.assumptions.push(format!(
                 "requests: `before` and `after` of {} are not looked at; they are accepted at any time",
                 ordered.join(", ")
@@ -81,7 +106,7 @@ impl Builder<'_> {
                 .assumptions
                 .push("codels without `wcet` take no time".to_owned());
         }
-        if self.out.system.tasks.iter().any(|it| it.delay > 0) {
+        if published && self.out.system.tasks.iter().any(|it| it.delay > 0) {
             self.out.assumptions.push(
                 "delay: the first tick of a task comes one period and its delay after its start"
                     .to_owned(),

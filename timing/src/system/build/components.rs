@@ -1,11 +1,13 @@
 //! Components: their tasks, their services, and what interrupts what.
 
-use dotgen_analysis::model::{CodelKind, Owner, ServiceKind};
+use dotgen_analysis::model::{
+    CodelKind, Owner, Param, ParamSource, Seconds, ServiceKind, ServiceList,
+};
 use num_rational::Ratio;
 
 use super::Builder;
 use super::times::TimeOf;
-use crate::scn::ast::DEFAULT_SLOTS;
+use crate::scn::ast::{DEFAULT_PLACES, DEFAULT_SLOTS};
 use crate::scn::{Diagnostic, Place};
 use crate::system::{Automaton, Component, Service, Task};
 
@@ -39,6 +41,7 @@ impl Builder<'_> {
             let delay_of = self.time_of_task("delay", &path, self.place(c, src, "the delay"));
             let delay = task.delay.as_ref().map_or(Ratio::new(0, 1), |it| it.value);
             let delay = self.ticks(delay, &delay_of);
+            self.check_ticks(c, t, &path);
             let id = self.out.system.tasks.len();
             let permanent = self
                 .machine(c, number, Owner::Task(t), &path)
@@ -61,8 +64,40 @@ impl Builder<'_> {
                 keep_idle_tick: keep,
                 permanent,
                 slots: Vec::new(),
+                places: self.places.get(&(c, t)).copied().unwrap_or(DEFAULT_PLACES),
+                priority: (task.priority.as_ref())
+                    .and_then(|it| u32::try_from(it.value.to_integer()).ok()),
+                affinity: self.affinity.get(&(c, t)).map(|core| core - 1),
                 src: Some((c, task.src)),
             });
+        }
+    }
+
+    /// The ROS server divides times by the clock-rate in floating point and cuts off the result.
+    fn check_ticks(&mut self, c: usize, t: u32, path: &str) {
+        let component = self.names.components[c].component;
+        let task = &component.tasks[t as usize];
+        let Some(rate) = &component.clock_rate else {
+            return;
+        };
+        if self.settings.semantics().is_published() {
+            return;
+        }
+        let to_f64 = |it: Seconds| *it.numer() as f64 / *it.denom() as f64;
+        let times = [("period", &task.period), ("delay", &task.delay)];
+        for (what, time) in times {
+            let Some(time) = time else { continue };
+            let exact = time.value / rate.value;
+            let cut_off = (to_f64(time.value) / to_f64(rate.value)).trunc();
+            if exact.is_integer() && cut_off != to_f64(exact) {
+                let message = format!(
+                    "the {what} of {path} is {exact} ticks of the component's clock, but {cut_off} in the ROS server, which \
+                     cuts off a quotient in floating point; choose another `clock-rate` or {what}"
+                );
+                let warning = Diagnostic::warning("timing-inexact-ticks", 0..0, message);
+                let place = self.place(c, time.src, "this time");
+                self.report(warning.about(place));
+            }
         }
     }
 
@@ -94,8 +129,14 @@ impl Builder<'_> {
                     }
                 }
             }
-            if service.kind == ServiceKind::Attribute {
-                simple.push(self.attribute(c, number, s, &path));
+            // The servers copy values of the ids before they execute codels, for any kind of service.
+            let copies = |it: &Param| it.source == ParamSource::Ids;
+            if self.settings.semantics().is_published() {
+                if service.kind == ServiceKind::Attribute {
+                    simple.push(self.attribute(c, number, s, &path));
+                }
+            } else if service.params.iter().any(copies) {
+                simple.insert(0, self.attribute(c, number, s, &path));
             }
             let mut slots = Vec::new();
             if activity
@@ -105,8 +146,11 @@ impl Builder<'_> {
                     .and_then(|t| self.out.tasks.get(&(c, t)).copied())
                 && self.requested.contains(&(c, s))
             {
-                let count = self.slots.get(&(c, s)).copied();
-                for _ in 0..count.unwrap_or(DEFAULT_SLOTS) {
+                let count = match self.settings.semantics().is_published() {
+                    false => 1,
+                    true => self.slots.get(&(c, s)).copied().unwrap_or(DEFAULT_SLOTS),
+                };
+                for _ in 0..count {
                     self.out.system.automata.push(Automaton {
                         task,
                         machine,
@@ -126,26 +170,41 @@ impl Builder<'_> {
                 slots,
                 activity,
                 interrupts: Vec::new(),
+                after: Vec::new(),
+                before: Vec::new(),
                 src: Some(service.src),
             });
         }
     }
 
-    pub(super) fn interrupts(&mut self, included: &[usize]) {
+    /// What interrupts what, and what comes before and after what.
+    pub(super) fn order(&mut self, included: &[usize]) {
+        let counts = self.settings.order();
         for &c in included {
             let component = self.names.components[c].component;
             for (s, service) in (0..).zip(&component.services) {
-                let all = 0..component.services.len() as u32;
-                let list: Vec<u32> = if service.interrupts.all {
-                    all.collect()
-                } else {
-                    service.interrupts.services.clone()
+                let listed = |list: &ServiceList, itself: bool| -> Vec<usize> {
+                    let all = (0..component.services.len() as u32).filter(|&it| itself || it != s);
+                    let list: Vec<u32> = match list.all {
+                        true => all.collect(),
+                        false => list.services.clone(),
+                    };
+                    let known = list
+                        .iter()
+                        .filter_map(|it| self.out.services.get(&(c, *it)));
+                    known.copied().collect()
+                };
+                let interrupts = listed(&service.interrupts, true);
+                let (after, before) = match counts {
+                    true => (
+                        listed(&service.after, false),
+                        listed(&service.before, false),
+                    ),
+                    false => (Vec::new(), Vec::new()),
                 };
                 let id = self.out.services[&(c, s)];
-                self.out.system.services[id].interrupts = list
-                    .iter()
-                    .filter_map(|it| self.out.services.get(&(c, *it)).copied())
-                    .collect();
+                let out = &mut self.out.system.services[id];
+                (out.interrupts, out.after, out.before) = (interrupts, after, before);
             }
         }
     }

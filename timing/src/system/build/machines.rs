@@ -46,9 +46,17 @@ impl Builder<'_> {
                 if yields.is_empty() {
                     yields.push(Yield::End);
                 }
+                let codel_id = self.codel(c, number, owner, *index, name, path, codel);
+                // In the published models an exception is an end like any other.
+                if self.settings.semantics().is_published()
+                    && self.out.system.codels[codel_id].throws
+                    && !yields.contains(&Yield::End)
+                {
+                    yields.push(Yield::End);
+                }
                 State {
                     name: name.clone(),
-                    codel: self.codel(c, number, owner, *index, name, path, codel),
+                    codel: codel_id,
                     yields,
                     is_async: codel.is_async,
                 }
@@ -106,7 +114,10 @@ impl Builder<'_> {
         let site = Some((c, CodelRef { owner, index }));
         self.note_rounding((c, owner, index, state), Some(codel), &path);
         let times = self.duration(c, owner, index, state, Some(codel));
-        self.push_codel(number, path, times, site, &time_of)
+        let throws = codel.kind != CodelKind::Validate && self.may_throw(c, owner);
+        let id = self.push_codel(number, path, times, site, &time_of);
+        self.out.system.codels[id].throws = throws;
+        id
     }
 
     pub(super) fn attribute(&mut self, c: usize, number: usize, s: u32, path: &str) -> usize {
@@ -141,6 +152,7 @@ impl Builder<'_> {
             lower,
             upper,
             conflicts: CodelSet::default(),
+            throws: false,
             site,
             src: Some(time_of.place.src),
         });

@@ -6,9 +6,24 @@ use dotgen_analysis::model::Owner;
 
 use super::{Builder, not_a};
 use crate::scn::Diagnostic;
+use crate::scn::ast::Policy;
 use crate::scn::names::Target;
 
 impl Builder<'_> {
+    /// What there are rules for.
+    pub(super) fn choose_rules(&mut self) {
+        let semantics = self.settings.semantics();
+        let preempts = matches!(self.settings.policy(), Policy::Priority | Policy::Fair);
+        if preempts && semantics.is_published() {
+            let message = format!(
+                "`semantics {}` with `policy {}` go not together; write `semantics servers;`, or another policy",
+                semantics.text(),
+                self.settings.policy().name()
+            );
+            self.report(Diagnostic::error("scn-semantics", 0..0, message));
+        }
+    }
+
     pub(super) fn idle_rule(&mut self, c: usize, t: u32) -> bool {
         let mut keep = false;
         for (rule, path) in &self.settings.idle {
@@ -51,6 +66,64 @@ impl Builder<'_> {
         limit
     }
 
+    /// Whether the codels of an owner may throw, where they declare exceptions.
+    pub(super) fn may_throw(&mut self, c: usize, owner: Owner) -> bool {
+        let mut on = !self.settings.semantics().is_published();
+        for (rule, path) in &self.settings.exceptions {
+            let Some(path) = path else {
+                on = *rule;
+                continue;
+            };
+            match self.names.resolve(path) {
+                Ok(Target::Task(a, t)) if (a, Owner::Task(t)) == (c, owner) => on = *rule,
+                Ok(Target::Service(a, s)) if (a, Owner::Service(s)) == (c, owner) => on = *rule,
+                Ok(Target::Component(a)) if a == c => on = *rule,
+                Ok(Target::Task(..) | Target::Service(..) | Target::Component(_)) => {}
+                Ok(_) => self.report(not_a("task or service", path)),
+                Err(error) => self.report(error),
+            }
+        }
+        on && self.declares_exceptions(c, owner)
+    }
+
+    /// Whether an owner of codels, its task or its component declares exceptions.
+    fn declares_exceptions(&self, c: usize, owner: Owner) -> bool {
+        let component = self.names.components[c].component;
+        let of_task = |t: u32| !component.tasks[t as usize].throws.is_empty();
+        let own = match owner {
+            Owner::Task(t) => of_task(t),
+            Owner::Service(s) => {
+                let service = &component.services[s as usize];
+                !service.throws.is_empty() || service.task.is_some_and(of_task)
+            }
+        };
+        own || !component.throws.is_empty()
+    }
+
+    pub(super) fn tie_to_cores(&mut self) {
+        for (path, core) in &self.settings.affinity {
+            let error = match self.names.resolve(path) {
+                Ok(Target::Task(c, t)) => {
+                    self.affinity.insert((c, t), *core);
+                    match self.settings.cores {
+                        Some(cores) if *core <= cores => continue,
+                        Some(cores) => {
+                            let message = format!("there is no core {core}; `cores` is {cores}");
+                            Diagnostic::error("scn-affinity", path.range(), message)
+                        }
+                        None => {
+                            let message = "with `cores free` no task is tied to a core; give a number of cores";
+                            Diagnostic::error("scn-affinity", path.range(), message.to_owned())
+                        }
+                    }
+                }
+                Ok(_) => not_a("task", path),
+                Err(error) => error,
+            };
+            self.report(error);
+        }
+    }
+
     pub(super) fn number_slots(&mut self) {
         for (path, count) in &self.settings.slots {
             let error = match self.names.resolve(path) {
@@ -58,9 +131,13 @@ impl Builder<'_> {
                     self.slots.insert((c, s), *count);
                     continue;
                 }
+                Ok(Target::Task(c, t)) => {
+                    self.places.insert((c, t), *count);
+                    continue;
+                }
                 Ok(_) => {
                     let message = format!(
-                        "`{}` is no activity, and nothing else has slots; name an activity, or remove this line",
+                        "`{}` is neither a task nor an activity, and nothing else has slots; name one, or remove this line",
                         path.text()
                     );
                     Diagnostic::error("scn-wrong-kind", path.range(), message)

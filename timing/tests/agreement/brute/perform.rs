@@ -85,6 +85,8 @@ impl Brute<'_> {
                     self.accepted(&mut n, c, service, client, results);
                 }
             }
+            // Steps of other rules.
+            _ => unreachable!("{action:?}"),
         }
         self.watch(Some(s), &mut n);
         n

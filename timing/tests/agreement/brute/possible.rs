@@ -56,7 +56,10 @@ impl Brute<'_> {
         if !s.queue.is_empty() && busy < sys.platform.cores.unwrap() as usize {
             match sys.platform.policy {
                 Policy::Fifo => out.push(Action::Grant { task: s.queue[0] }),
-                Policy::Any => out.extend(s.queue.iter().map(|&task| Action::Grant { task })),
+                // The other policies are those of other rules.
+                Policy::Any | Policy::Priority | Policy::Fair => {
+                    out.extend(s.queue.iter().map(|&task| Action::Grant { task }))
+                }
                 Policy::Edf => {
                     // The queue is in order of release; the first least deadline wins.
                     let deadline = |t: usize| match sys.tasks[t].period {

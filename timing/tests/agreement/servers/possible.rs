@@ -197,6 +197,8 @@ impl Interpreter<'_> {
             Policy::Any => out.extend(s.queue.iter().map(grant)),
             // The first of equals.
             Policy::Edf => out.extend(s.queue.iter().min_by_key(|it| deadline(it)).map(grant)),
+            // Preemption is not among what is interpreted here.
+            Policy::Priority | Policy::Fair => {}
         }
     }
 

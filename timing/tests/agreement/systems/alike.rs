@@ -72,6 +72,9 @@ fn part(dice: &mut Dice) -> TimedSystem {
         automaton(&mut system, 0, machine, None)
     });
     system.tasks.push(Task {
+        places: 16,
+        priority: None,
+        affinity: None,
         name: "t".to_owned(),
         component: 0,
         period: dice.in_ten(6).then(|| 3 + dice.below(4)),

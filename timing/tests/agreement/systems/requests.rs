@@ -28,6 +28,9 @@ pub(crate) fn requests(dice: &mut Dice) -> TimedSystem {
             automaton(&mut system, t, machine, None)
         });
         system.tasks.push(Task {
+            places: 16,
+            priority: None,
+            affinity: None,
             name: format!("t{t}"),
             component,
             period: dice.in_ten(8).then(|| 2 + dice.below(4)),

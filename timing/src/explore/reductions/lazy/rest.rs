@@ -20,7 +20,11 @@ use crate::system::{FOREVER, Machine, TimedSystem, Yield};
 const COMBINATIONS: usize = 10_000;
 
 /// The resting place of the machine of an automaton. `owner` tells who executes each codel.
-pub(super) fn place(system: &TimedSystem, automaton: usize, owner: &[usize]) -> Option<usize> {
+pub(in super::super) fn place(
+    system: &TimedSystem,
+    automaton: usize,
+    owner: &[usize],
+) -> Option<usize> {
     let machine = system.machine_of(automaton);
     let mut slow = machine
         .states

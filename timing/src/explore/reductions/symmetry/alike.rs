@@ -450,7 +450,12 @@ impl<'s> Exchange<'s> {
                 phase,
             },
             Atom::Slot(service, status) => Atom::Slot(self.services[service], status),
-            Atom::Handling { service, phase } => Atom::Handling {
+            Atom::Handling {
+                service,
+                codel,
+                phase,
+            } => Atom::Handling {
+                codel: codel.map(|it| self.codels[it]),
                 service: self.services[service],
                 phase,
             },

@@ -39,10 +39,16 @@ impl Published<'_> {
                     SlotStatus::Active => modes.any(|it| it != slot::VOID),
                 }
             }
-            Atom::Handling { service, phase } => {
+            Atom::Handling {
+                service,
+                codel,
+                phase,
+            } => {
                 let component = self.system.services[service].component;
                 matches!(l.control(s, component), control::VALIDATE | control::SIMPLE)
                     && l.handled(s, component) as usize == service
+                    && codel
+                        .is_none_or(|it| self.codel(s, l.control_executor(component)) == Some(it))
                     && in_phase(l.phase(s, l.control_executor(component)), phase)
             }
             Atom::ControlBusy(component) => l.control(s, component) != control::READY,

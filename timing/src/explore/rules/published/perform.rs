@@ -41,6 +41,12 @@ impl Published<'_> {
                 self.finish_message(s, component);
             }
             Action::Request { client, next } => self.request(s, client, next),
+            // Never enabled: steps of other rules.
+            Action::Begin { .. }
+            | Action::Preempt { .. }
+            | Action::Ticket { .. }
+            | Action::Wake { .. }
+            | Action::Reply { .. } => {}
         }
     }
 

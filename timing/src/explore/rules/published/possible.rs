@@ -80,7 +80,8 @@ impl Published<'_> {
             Policy::Fifo | Policy::Edf => out.push(Action::Grant {
                 task: queue[0] as usize,
             }),
-            Policy::Any => {
+            // Preemptive policies are those of the servers alone.
+            Policy::Any | Policy::Priority | Policy::Fair => {
                 out.extend(queue.iter().map(|&task| Action::Grant {
                     task: task as usize,
                 }));

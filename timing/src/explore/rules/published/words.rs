@@ -144,6 +144,12 @@ impl Published<'_> {
                 }
             }
             Action::Proceed { .. } | Action::Acquire { .. } => {}
+            // Steps of other rules.
+            Action::Begin { .. }
+            | Action::Preempt { .. }
+            | Action::Ticket { .. }
+            | Action::Wake { .. }
+            | Action::Reply { .. } => {}
         }
     }
 

@@ -1,0 +1,165 @@
+//! Bounds under the semantics of the servers, where no core is waited for.
+//!
+//! A cycle is a sequence of codels, and before each of them its task takes a ticket. When it does, every other thread of the
+//! component is ahead of it with at most one codel, in the queue or executing; whatever they take a ticket for later comes
+//! behind. The head waits for codels that execute, the next one for the head to begin, and so on: until the task
+//! has its turn, at most one codel of each other thread has ended that somebody waited for. So a cycle takes at most the sum,
+//! over its codels, of their times and of the longest such codel of each other thread.
+//!
+//! If that is less than the period, no tick comes during a cycle, and every job that counts is one cycle from its tick on. The
+//! first cycle of a later task of a component may begin between two ticks, with one that was kept. Then a tick may come in
+//! it, and the next cycle begins late; it ends before the tick after that if twice the length is less than the period.
+
+use crate::system::loops::pauseless_cycles;
+use crate::system::{ClientAction, FOREVER, Machine, Ticks, TimedSystem, Yield};
+
+/// A bound on the response time of every task; `None` where there is none.
+pub(super) fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
+    let bound = |task: usize| {
+        let length = cycle(system, task, &requests(system))?;
+        let it = &system.tasks[task];
+        let first = system.components[it.component].tasks.first() == Some(&task);
+        let most = if first {
+            length
+        } else {
+            length.checked_mul(2)?
+        };
+        (most < it.period?).then_some(length)
+    };
+    let simple = system.platform.cores.is_none() && is_within_components(system);
+    (0..system.tasks.len())
+        .map(|task| bound(task).filter(|_| simple))
+        .collect()
+}
+
+/// Whether codels wait only for codels of their component, as they do where ports are copied.
+fn is_within_components(system: &TimedSystem) -> bool {
+    system.codels.iter().all(|codel| {
+        let mut others = codel.conflicts.iter();
+        others.all(|it| system.codels[it].component == codel.component)
+    })
+}
+
+/// How often each service is requested at most; `None`: there is no limit.
+fn requests(system: &TimedSystem) -> Vec<Option<u32>> {
+    let mut out = vec![Some(0u32); system.services.len()];
+    for client in &system.clients {
+        for (at, step) in client.steps.iter().enumerate() {
+            if let ClientAction::Send { service, .. } = step.action {
+                let again = client.comes_again(at);
+                out[service] = out[service].filter(|_| !again).map(|it| it + 1);
+            }
+        }
+    }
+    out
+}
+
+/// The longest time of a cycle.
+fn cycle(system: &TimedSystem, task: usize, requests: &[Option<u32>]) -> Option<Ticks> {
+    let it = &system.tasks[task];
+    let component = &system.components[it.component];
+    let mut blocking: Ticks = 0;
+    for &other in component.tasks.iter().filter(|&&other| other != task) {
+        blocking = blocking.checked_add(longest_waited_for(system, &codels_of(system, other))?)?;
+    }
+    let control: Vec<usize> = (component.services.iter())
+        .filter(|&&service| requests[service] != Some(0))
+        .flat_map(|&service| {
+            let it = &system.services[service];
+            it.validate.iter().chain(&it.simple).copied()
+        })
+        .collect();
+    blocking = blocking.checked_add(longest_waited_for(system, &control)?)?;
+    let mut length: Ticks = 0;
+    if let Some(permanent) = it.permanent {
+        length = turn(system, system.machine_of(permanent), blocking)?;
+    }
+    // No more instances than places, and of each service no more than are requested.
+    let mut instances: Vec<(Ticks, u32)> = Vec::new();
+    for &a in &it.slots {
+        let most = system.automata[a].service.and_then(|it| requests[it]);
+        let time = turn(system, system.machine_of(a), blocking)?;
+        instances.push((time, most.unwrap_or(it.places).min(it.places)));
+    }
+    instances.sort_unstable_by_key(|it| std::cmp::Reverse(it.0));
+    let mut left = it.places;
+    for (time, most) in instances {
+        let count = most.min(left);
+        length = length.checked_add(time.checked_mul(count)?)?;
+        left -= count;
+    }
+    (length < FOREVER / 4).then_some(length)
+}
+
+fn codels_of(system: &TimedSystem, task: usize) -> Vec<usize> {
+    let it = &system.tasks[task];
+    let machines = it.permanent.iter().chain(&it.slots);
+    let states = machines.flat_map(|&a| &system.machine_of(a).states);
+    states.map(|it| it.codel).collect()
+}
+
+/// The longest of some codels among those that some codel waits for.
+fn longest_waited_for(system: &TimedSystem, codels: &[usize]) -> Option<Ticks> {
+    let waited_for = |it: usize| {
+        system
+            .codels
+            .iter()
+            .any(|codel| codel.conflicts.contains(it))
+    };
+    let times = codels.iter().filter(|&&it| waited_for(it));
+    let longest = times.map(|&it| system.codels[it].upper).max().unwrap_or(0);
+    (longest != FOREVER).then_some(longest)
+}
+
+/// The longest turn of a machine, from wherever it was resumed to a pause or its end, with so much blocking for each codel.
+fn turn(system: &TimedSystem, machine: &Machine, blocking: Ticks) -> Option<Ticks> {
+    let time = |state: usize| {
+        let upper = system.codels[machine.states[state].codel].upper;
+        (upper != FOREVER)
+            .then(|| upper.checked_add(blocking))
+            .flatten()
+    };
+    let times: Vec<Ticks> = (0..machine.states.len()).map(time).collect::<Option<_>>()?;
+    if !pauseless_cycles(machine).is_empty() {
+        // A turn enters every state so often at most; after an interruption another one begins.
+        let limit = machine.loop_limit.filter(|_| !machine.rounds)?;
+        let once = times
+            .iter()
+            .try_fold(0u32, |sum, &it| sum.checked_add(it))?;
+        return once.checked_mul(2)?.checked_mul(u32::from(limit));
+    }
+    // An interruption makes it go on with `stop` between two codels.
+    let mut longest = vec![None; machine.states.len()];
+    let of_stop = match machine.stop {
+        Some(stop) => way(machine, &times, 0, stop, &mut longest.clone())?,
+        None => 0,
+    };
+    let mut most = 0;
+    for state in 0..machine.states.len() {
+        most = most.max(way(machine, &times, of_stop, state, &mut longest)?);
+    }
+    Some(most)
+}
+
+/// The longest way from a state on; after each codel that goes on, `stop` may come instead.
+fn way(
+    machine: &Machine,
+    times: &[Ticks],
+    of_stop: Ticks,
+    state: usize,
+    known: &mut [Option<Ticks>],
+) -> Option<Ticks> {
+    if let Some(it) = known[state] {
+        return Some(it);
+    }
+    // An automaton that has paused may have to execute `stop` in a later pass of the same cycle.
+    let mut rest = of_stop;
+    for it in &machine.states[state].yields {
+        if let Yield::Next(next) = *it {
+            rest = rest.max(way(machine, times, of_stop, next, known)?);
+        }
+    }
+    let out = times[state].checked_add(rest)?;
+    known[state] = Some(out);
+    Some(out)
+}

@@ -1,0 +1,387 @@
+//! What is known to be sound under the rules of the servers.
+//!
+//! *Independent components.* Where ports are copied, components meet only through clients and at cores. At one moment it
+//! is enough to follow all actions of one *group* of components that has to act before time passes: nothing that others do
+//! first can prevent, enable or delay them (a persistent set). Components are of one group if a client that is not done
+//! addresses both, or if what is asked is about both. On cores that are given without preemption actions that end a
+//! cycle, or begin one, are followed in every order, as the order of the queue depends on it; so are those of a group
+//! of which a task waits for a core.
+//!
+//! *Ends that can wait.* As for the published rules (see [`super::lazy`]): with durations from 0 on, an end
+//! that nobody sees gains nothing before the next tick or end of a window, as everything that follows it can follow
+//! there, in the same order and in no time: tickets are taken in that order, so that the queue is the same, and codels begun later have wider
+//! windows. A group is *lazy* if all its codels and delays have lower bound 0, no predicate is about it, and the response
+//! time of none of its aperiodic tasks is measured. Nothing waits while a first cycle has a tick that is kept: the next job
+//! is measured from the end of that cycle. Because of the queue for cores either all groups are lazy or, with limited cores,
+//! none is. A polling loop may rest, as for the published rules, where no other aperiodic task of its component could be
+//! woken by its rounds.
+//!
+//! Both are off under preemption, which lets threads wait for each other across components, and with locks on ports.
+
+use rustc_hash::FxHashSet;
+use smallvec::SmallVec;
+
+use super::lazy::rest;
+use super::{Activity, Asked, Held, Kind, Kinds, Orbits, Reason, Reductions, Renaming, Waiters};
+use crate::explore::rules::servers::Servers;
+use crate::explore::rules::{Action, Enabled, Rules};
+use crate::explore::state::State;
+use crate::explore::store::{Encoded, encode};
+use crate::property::{Atom, Predicate};
+use crate::scn::semantics::{PauseRule, PortRule, TickRule};
+use crate::system::{ClientAction, Ticks, TimedSystem};
+
+/// Lazy closures larger than this are not followed to their end; fewer states are dropped then.
+const CLOSURE: usize = 1024;
+
+/// The reductions for the rules of the servers.
+#[derive(Debug)]
+pub(crate) struct OfServers {
+    orbits: Orbits,
+    /// One group after the other is followed.
+    apart: bool,
+    activities: Vec<Activity>,
+    /// Components that something asked is about, if those are several or clients.
+    asked: Vec<bool>,
+    /// Components that each client addresses.
+    addressed: Vec<Vec<usize>>,
+    /// By executor: whether it belongs to a lazy group.
+    lazy: Vec<bool>,
+    /// Tasks with a polling loop that may rest, and the place.
+    rest: Vec<(usize, usize)>,
+}
+
+/// Something about each component.
+type Groups = SmallVec<[usize; 16]>;
+
+impl OfServers {
+    fn group_of(groups: &mut Groups, members: impl Iterator<Item = usize>) {
+        let mut members = members;
+        let Some(first) = members.next() else { return };
+        for member in members {
+            let (from, to) = (groups[member], groups[first]);
+            groups
+                .iter_mut()
+                .filter(|it| **it == from)
+                .for_each(|it| *it = to);
+        }
+    }
+
+    /// The groups that components form in a state.
+    fn groups(&self, rules: &Servers, s: &State) -> Groups {
+        let mut groups: Groups = (0..self.asked.len()).collect();
+        let asked = self.asked.iter().enumerate().filter(|it| *it.1);
+        Self::group_of(&mut groups, asked.map(|it| it.0));
+        for (client, addressed) in self.addressed.iter().enumerate() {
+            if rules.is_active(s, client) {
+                Self::group_of(&mut groups, addressed.iter().copied());
+            }
+        }
+        groups
+    }
+
+    /// Writes the actions of a group that can be followed alone; whether there is one.
+    fn one_group(
+        &self,
+        rules: &Servers,
+        s: &State,
+        enabled: &Enabled,
+        out: &mut Vec<Action>,
+    ) -> bool {
+        if !self.apart || enabled.committed || enabled.is_calm() {
+            return false;
+        }
+        let groups = self.groups(rules, s);
+        let group = |it: Action| rules.component_of_action(s, it).map(|it| groups[it]);
+        let mut tried: SmallVec<[usize; 16]> = SmallVec::new();
+        for &action in &enabled.actions {
+            let Some(own) = group(action).filter(|it| !tried.contains(it)) else {
+                continue;
+            };
+            tried.push(own);
+            out.clear();
+            out.extend(enabled.actions.iter().filter(|&&it| group(it) == Some(own)));
+            let acts = out.iter().any(|&it| rules.has_to_act(s, it));
+            let at_cores = rules.waits_for_core(s, |component| groups[component] == own)
+                || out.iter().any(|&it| rules.is_about_cores(s, it));
+            if acts && !at_cores && out.len() < enabled.actions.len() {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// By executor, whose ends can be put off in a calm state.
+    fn put_off(&self, rules: &Servers, s: &State) -> bool {
+        self.lazy.contains(&true)
+            && !rules.keeps_first_tick(s, |task| self.lazy[task])
+            && (self.rest.iter()).all(|&(task, state)| rules.rests(s, task, state))
+    }
+}
+
+impl Reductions<Servers<'_>> for OfServers {
+    fn new(rules: &Servers, asked: &Asked, without: Kinds) -> Self {
+        let system = rules.system();
+        let apart = system.platform.semantics.ports == PortRule::Copy && !rules.preempts();
+        let mut about = vec![false; system.components.len()];
+        for predicate in &asked.predicates {
+            mark(system, predicate, &mut about);
+        }
+        let addressed: Vec<Vec<usize>> = (system.clients.iter())
+            .map(|it| {
+                let sends = it.steps.iter().filter_map(|it| match it.action {
+                    ClientAction::Send { service, .. } => Some(system.services[service].component),
+                    _ => None,
+                });
+                sends.collect()
+            })
+            .collect();
+        let off = |kind: Kind| without.contains(kind).then_some(Reason::SwitchedOff);
+        let unknown = |known: bool| (!known).then_some(Reason::RulesUnknown);
+        let (mut lazy, rest) = match apart && off(Kind::Deferral).is_none() {
+            true => lazy_groups(system, asked, &about, &addressed),
+            false => (vec![false; rules.frame().executors()], Vec::new()),
+        };
+        if !rest.is_empty() && off(Kind::RestingLoops).is_some() {
+            lazy.fill(false);
+        }
+        let nothing = (!lazy.contains(&true)).then_some(Reason::NothingToPutOff);
+        let deferral = off(Kind::Deferral).or(unknown(apart)).or(nothing);
+        let resting = match deferral {
+            Some(_) => Some(Reason::Without(Kind::Deferral)),
+            None => rest.is_empty().then_some(Reason::NothingRests),
+        };
+        let persistent = off(Kind::PersistentSets).or(unknown(apart));
+        let note = |kind, off| Activity { kind, off };
+        let activities = vec![
+            note(Kind::PersistentSets, persistent),
+            note(Kind::PersistentRequests, Some(Reason::RulesUnknown)),
+            note(Kind::SleepSets, Some(Reason::RulesUnknown)),
+            note(Kind::Deferral, deferral),
+            note(Kind::RestingLoops, off(Kind::RestingLoops).or(resting)),
+            note(Kind::Symmetry, Some(Reason::RulesUnknown)),
+        ];
+        OfServers {
+            orbits: Orbits::none(system),
+            apart: persistent.is_none(),
+            activities,
+            asked: about,
+            addressed,
+            lazy,
+            rest,
+        }
+    }
+
+    fn activities(&self) -> &[Activity] {
+        &self.activities
+    }
+
+    fn persistent(&self, rules: &Servers, s: &State, enabled: &Enabled, out: &mut Vec<Action>) {
+        if !self.one_group(rules, s, enabled, out) {
+            out.clone_from(&enabled.actions);
+        }
+    }
+
+    fn follow(
+        &self,
+        rules: &Servers,
+        (s, held): (&State, Held),
+        enabled: &Enabled,
+        first: &mut Vec<Action>,
+        out: &mut Vec<(Action, Held)>,
+    ) {
+        self.persistent(rules, s, enabled, first);
+        out.clear();
+        out.extend(first.iter().map(|&it| (it, held)));
+        if enabled.is_calm() && self.put_off(rules, s) {
+            out.retain(
+                |it| !matches!(it.0, Action::Finish { executor, .. } if self.lazy[executor]),
+            );
+        }
+    }
+
+    fn held_after(&self, _: &Servers, _: &State, _: Action, _: &State, _: Held) -> Held {
+        0
+    }
+
+    fn waiters(&self, _: &Servers, _: &State) -> Option<Waiters> {
+        None
+    }
+
+    fn closure(
+        &self,
+        rules: &Servers,
+        s: &State,
+        budget: &mut usize,
+        mut found: impl FnMut(&Encoded),
+    ) {
+        if !self.put_off(rules, s) {
+            return;
+        }
+        let mut seen: FxHashSet<Encoded> = FxHashSet::default();
+        let mut stack = vec![s.clone()];
+        let mut enabled = Enabled::default();
+        let mut it = Encoded::default();
+        while let Some(s) = stack.pop() {
+            rules.enabled(&s, &mut enabled);
+            *budget = budget.saturating_sub(1);
+            if seen.len() > CLOSURE || *budget == 0 {
+                break;
+            }
+            for &action in &enabled.actions {
+                let follows = match action {
+                    Action::Tick { .. } => false,
+                    Action::Release { task }
+                    | Action::Grant { task }
+                    | Action::Begin { task }
+                    | Action::Wake { task } => self.lazy[task],
+                    Action::Finish { executor, .. }
+                    | Action::Acquire { executor }
+                    | Action::Ticket { executor }
+                    | Action::Preempt { executor, .. } => self.lazy[executor],
+                    Action::Signal { component } | Action::Reply { component } => {
+                        self.lazy[system_executor(rules, component)]
+                    }
+                    Action::Request { client, .. } | Action::Proceed { client, .. } => {
+                        self.lazy[client_executor(rules, client)]
+                    }
+                };
+                if !follows {
+                    continue;
+                }
+                let mut next = s.clone();
+                rules.apply(&mut next, action);
+                encode(rules.frame(), &next, &mut it);
+                if seen.insert(it.clone()) {
+                    found(&it);
+                    stack.push(next);
+                }
+            }
+        }
+    }
+
+    fn order(&self, _: &Servers, _: &mut State) -> Option<Renaming> {
+        None
+    }
+
+    fn orbits(&self) -> &Orbits {
+        &self.orbits
+    }
+
+    fn next_moment(&self, rules: &Servers, s: &State) -> Option<Ticks> {
+        let put_off = self.put_off(rules, s);
+        rules.next_moment(s, &|executor| put_off && self.lazy[executor])
+    }
+}
+
+fn system_executor(rules: &Servers, component: usize) -> usize {
+    rules.system().tasks.len() + component
+}
+
+fn client_executor(rules: &Servers, client: usize) -> usize {
+    system_executor(rules, rules.system().components.len()) + client
+}
+
+/// Marks the components that a predicate is about.
+fn mark(system: &TimedSystem, predicate: &Predicate, about: &mut [bool]) {
+    predicate.atoms(&mut |atom| match *atom {
+        Atom::Task(task, _) => about[system.tasks[task].component] = true,
+        Atom::State { machine, .. } => {
+            for it in system.automata.iter().filter(|it| it.machine == machine) {
+                about[system.tasks[it.task].component] = true;
+            }
+        }
+        Atom::Slot(service, _) | Atom::Handling { service, .. } => {
+            about[system.services[service].component] = true;
+        }
+        Atom::ControlBusy(component) => about[component] = true,
+        Atom::Client(..) => about.fill(true),
+    });
+}
+
+/// The executors of lazy groups, and the polling loops that may rest: task and state.
+fn lazy_groups(
+    system: &TimedSystem,
+    asked: &Asked,
+    about: &[bool],
+    addressed: &[Vec<usize>],
+) -> (Vec<bool>, Vec<(usize, usize)>) {
+    let (tasks, components) = (system.tasks.len(), system.components.len());
+    let executors = tasks + components + system.clients.len();
+    let none = || (vec![false; executors], Vec::new());
+    let periodic = system.tasks.iter().any(|it| it.period.is_some());
+    let semantics = system.platform.semantics;
+    // With timers that start when another task has been started, an end that waits moves all ticks.
+    if !periodic || semantics.pause == PauseRule::Turns || semantics.ticks == TickRule::Task {
+        return none();
+    }
+    let mut groups: Groups = (0..components).collect();
+    for it in addressed {
+        OfServers::group_of(&mut groups, it.iter().copied());
+    }
+    let requested = system.requested();
+    let mut lazy: Vec<bool> = about.iter().map(|it| !it).collect();
+    let mut resting = Vec::new();
+    let mut owner = vec![usize::MAX; system.codels.len()];
+    for automaton in &system.automata {
+        for state in &system.machines[automaton.machine].states {
+            owner[state.codel] = automaton.task;
+        }
+    }
+    for (number, component) in system.components.iter().enumerate() {
+        for &task in &component.tasks {
+            let it = &system.tasks[task];
+            lazy[number] &= it.period.is_some() || !asked.measured[task];
+            for &a in it.permanent.iter().chain(&it.slots) {
+                let machine = system.machine_of(a);
+                let slow = |codel: usize| system.codels[codel].lower > 0;
+                if !machine.states.iter().any(|it| slow(it.codel)) {
+                    continue;
+                }
+                // Its rounds are events: nobody must be there to be woken.
+                let others = component.tasks.iter().filter(|&&other| other != task);
+                let alone = others.clone().all(|&it| system.tasks[it].period.is_some())
+                    && it.slots.is_empty()
+                    && it.period.is_none()
+                    && machine.is_endless()
+                    && !component.services.iter().any(|&it| requested[it]);
+                let unwaited = |&state: &usize| {
+                    let codel = machine.states[state].codel;
+                    !system.codels.iter().any(|it| it.conflicts.contains(codel))
+                };
+                match rest::place(system, a, &owner).filter(|it| alone && unwaited(it)) {
+                    Some(place) => resting.push((number, task, place)),
+                    None => lazy[number] = false,
+                }
+            }
+        }
+        for &service in component.services.iter().filter(|&&it| requested[it]) {
+            let it = &system.services[service];
+            let mut codels = it.validate.iter().chain(&it.simple);
+            lazy[number] &= codels.all(|&it| system.codels[it].lower == 0);
+        }
+    }
+    for (client, addressed) in system.clients.iter().zip(addressed) {
+        let slow = |it: &ClientAction| matches!(*it, ClientAction::Delay(lower, _) if lower > 0);
+        if client.steps.iter().any(|it| slow(&it.action)) {
+            addressed.iter().for_each(|&it| lazy[it] = false);
+        }
+    }
+    let of_group: Vec<bool> = (0..components)
+        .map(|it| (0..components).all(|other| groups[other] != groups[it] || lazy[other]))
+        .collect();
+    if system.platform.cores.is_some() && of_group.contains(&false) {
+        return none();
+    }
+    let mut out: Vec<bool> = (system.tasks.iter())
+        .map(|it| of_group[it.component])
+        .collect();
+    out.extend(&of_group);
+    let clients = addressed.iter();
+    out.extend(clients.map(|it| it.iter().all(|&it| of_group[it])));
+    let resting = (resting.into_iter())
+        .filter(|it| of_group[it.0])
+        .map(|(_, task, place)| (task, place))
+        .collect();
+    (out, resting)
+}

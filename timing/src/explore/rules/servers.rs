@@ -1,0 +1,292 @@
+//! The rules of the servers that run on robots (section 21 of the timed semantics).
+//!
+//! Every *atomic step* of that section is one action: a tick for one task; the beginning of a pass up to its first
+//! codel; taking a ticket; leaving the queue; the end of a codel; waking the other tasks; taking a request; the end of a
+//! control codel; the rest of the handling. Between them anything else may happen. Executors are the threads: tasks,
+//! control tasks, and clients, in this order. Ranks are those of the published rules: clients that move on, tasks that ask for
+//! a core, granting cores, and everything else.
+//!
+//! Single points of the semantics can be those of the published models; where they differ is said at each.
+
+mod control_task;
+mod cores;
+mod layout;
+mod pass;
+mod perform;
+mod possible;
+mod reach;
+mod see;
+mod time;
+mod words;
+
+use std::cell::Cell;
+
+use self::layout::{Layout, control, flag, slot, thread};
+use super::{Action, Enabled, Rules};
+use crate::explore::reductions::OfServers;
+use crate::explore::run::Moment;
+use crate::explore::state::{Clocks, Frame, State, TaskStatus};
+use crate::property::Atom;
+use crate::scn::semantics::{Semantics, TickRule};
+use crate::system::{ClientAction, Codel, Machine, State as MachineState, Ticks, TimedSystem};
+
+/// The rules applied to one system.
+#[derive(Debug)]
+pub(crate) struct Servers<'s> {
+    system: &'s TimedSystem,
+    semantics: Semantics,
+    layout: Layout,
+    /// The priority of every executor that needs a core; the lower number goes first.
+    priorities: Vec<u64>,
+    /// Services of which a request was rejected for want of a slot.
+    rejected: Vec<Cell<bool>>,
+}
+
+impl<'s> Servers<'s> {
+    /// The rules for a system.
+    pub(crate) fn new(system: &'s TimedSystem) -> Self {
+        Servers::with(system, &Clocks::none(system.tasks.len()))
+    }
+
+    fn with(system: &'s TimedSystem, clocks: &Clocks) -> Self {
+        let semantics = system.platform.semantics;
+        Servers {
+            layout: Layout::new(system, semantics, clocks),
+            priorities: cores::priorities(system),
+            rejected: vec![Cell::new(false); system.services.len()],
+            semantics,
+            system,
+        }
+    }
+
+    /// The component of an executor; `None` for clients.
+    fn component_of(&self, executor: usize) -> Option<usize> {
+        if executor < self.layout.tasks {
+            Some(self.system.tasks[executor].component)
+        } else {
+            let component = executor - self.layout.tasks;
+            (component < self.layout.components).then_some(component)
+        }
+    }
+
+    fn is_periodic(&self, task: usize) -> bool {
+        self.system.tasks[task].period.is_some()
+    }
+
+    /// The machine of a slot; `None` for a permanent activity without codels.
+    fn machine(&self, s: &State, slot: usize) -> Option<&'s Machine> {
+        let automaton = self.layout.automaton(s, slot).checked_sub(1)?;
+        Some(self.system.machine_of(automaton as usize))
+    }
+
+    /// The state of its machine that a slot is in; `None` where nothing is executed: the default `start` and `stop`.
+    fn machine_state(&self, s: &State, slot: usize) -> Option<&'s MachineState> {
+        (self.machine(s, slot)?.states).get(self.layout.at(s, slot) as usize)
+    }
+
+    /// The service of a slot; `None` for a permanent activity.
+    fn service(&self, s: &State, slot: usize) -> Option<usize> {
+        let automaton = self.layout.automaton(s, slot).checked_sub(1)?;
+        self.system.automata[automaton as usize].service
+    }
+
+    /// The codel an executor takes a ticket for, waits for or executes.
+    fn codel(&self, s: &State, executor: usize) -> Option<usize> {
+        let l = &self.layout;
+        if executor < l.tasks {
+            let at_codel = thread::TICKET..=thread::EXECUTING;
+            if !at_codel.contains(&l.thread_of(s, executor)) {
+                return None;
+            }
+            let state = self.machine_state(s, l.turn(s, executor) as usize)?;
+            return Some(state.codel);
+        }
+        let component = executor - l.tasks;
+        if component >= l.components {
+            return None;
+        }
+        let at_codel = control::TICKET..=control::EXECUTING;
+        if !at_codel.contains(&l.control(s, component)) {
+            return None;
+        }
+        let service = &self.system.services[l.handled(s, component) as usize];
+        let mut codels = service.validate.iter().chain(&service.simple);
+        codels.nth(l.codel_number(s, component) as usize).copied()
+    }
+
+    /// Whether an executor executes a codel that another one has to wait for.
+    fn holds_up(&self, s: &State, waiting: &Codel, executor: usize) -> bool {
+        (self.codel(s, executor)).is_some_and(|it| waiting.conflicts.contains(it))
+    }
+
+    /// Whether a task has a job that is measured: not in the first cycle.
+    fn in_cycle(&self, s: &State, task: usize) -> bool {
+        (thread::WAITING..=thread::EXECUTING).contains(&self.layout.thread_of(s, task))
+    }
+
+    /// The state at time 0, with the first task of every component started.
+    fn at_start(&self) -> State {
+        let l = &self.layout;
+        let mut s = l.blank();
+        for (task, it) in self.system.tasks.iter().enumerate() {
+            l.raise(&mut s, task, flag::FIRST);
+            if it.period.is_none() {
+                l.raise(&mut s, task, flag::RUNNABLE);
+            } else if self.semantics.ticks == TickRule::Component {
+                l.set_timer(&mut s, task, self.first_tick(task));
+            }
+            let first = l.slots(task).start;
+            l.set_mode(&mut s, first, slot::INIT | slot::START | slot::PERMANENT);
+            l.set_automaton(&mut s, first, it.permanent.map_or(0, |a| a as u16 + 1));
+        }
+        for component in 0..l.components {
+            l.set_starting(&mut s, component, u16::MAX);
+            self.start_next(&mut s, component);
+        }
+        for (k, client) in self.system.clients.iter().enumerate() {
+            l.set_position(&mut s, k, client.done() as u16 + 1);
+        }
+        self.list_ready(&mut s);
+        s
+    }
+
+    /// The time from the start of a clock to the first tick: the delay, or else the period.
+    fn first_tick(&self, task: usize) -> Ticks {
+        let it = &self.system.tasks[task];
+        match (self.semantics.ticks, it.delay) {
+            (TickRule::Component, 0) => it.period.unwrap_or(0),
+            (TickRule::Component, delay) => delay,
+            (TickRule::Task, delay) => it.period.unwrap_or(0) + delay,
+        }
+    }
+
+    /// Starts the next task of a component, or its control task when all are started.
+    fn start_next(&self, s: &mut State, component: usize) {
+        let l = &self.layout;
+        let next = l.starting(s, component).wrapping_add(1);
+        l.set_starting(s, component, next);
+        let Some(&task) = self.system.components[component].tasks.get(next as usize) else {
+            l.set_control(s, component, control::READY);
+            return;
+        };
+        l.set_thread(s, task, thread::IDLE);
+        if self.semantics.ticks == TickRule::Task && self.is_periodic(task) {
+            // Its timer starts now, and its first pass needs no tick.
+            l.set_timer(s, task, self.first_tick(task));
+            l.raise(s, task, flag::TICK);
+        }
+    }
+}
+
+impl Rules for Servers<'_> {
+    type Reductions = OfServers;
+
+    fn with_clocks(&self, clocks: &Clocks) -> Self {
+        Servers::with(self.system, clocks)
+    }
+
+    fn system(&self) -> &TimedSystem {
+        self.system
+    }
+
+    fn frame(&self) -> &Frame {
+        &self.layout
+    }
+
+    fn initial(&self) -> State {
+        self.at_start()
+    }
+
+    fn enabled(&self, s: &State, out: &mut Enabled) {
+        self.list_enabled(s, out);
+    }
+
+    fn apply(&self, s: &mut State, action: Action) {
+        self.perform(s, action);
+        self.list_ready(s);
+    }
+
+    fn next_moment(&self, s: &State, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks> {
+        self.until_next(s, can_wait)
+    }
+
+    fn elapse(&self, s: &mut State, time: Ticks) {
+        self.let_pass(s, time);
+    }
+
+    fn job(&self, s: &State, task: usize) -> TaskStatus {
+        let l = &self.layout;
+        if l.has(s, task, flag::FIRST) {
+            return TaskStatus::Idle;
+        }
+        match l.thread_of(s, task) {
+            thread::WAITING => TaskStatus::Waiting,
+            thread::AGAIN..=thread::EXECUTING => TaskStatus::Running,
+            // A job begins with its tick.
+            thread::IDLE if l.has(s, task, flag::TICK) => TaskStatus::Running,
+            _ => TaskStatus::Idle,
+        }
+    }
+
+    fn missed(&self, s: &State, task: usize) -> bool {
+        let l = &self.layout;
+        self.is_periodic(task)
+            && self.in_cycle(s, task)
+            && l.has(s, task, flag::TICK)
+            && !l.has(s, task, flag::FIRST)
+    }
+
+    fn atom(&self, s: &State, atom: &Atom) -> bool {
+        self.holds(s, atom)
+    }
+
+    fn has_refused(&self, service: usize) -> bool {
+        self.rejected[service].get()
+    }
+
+    fn task_of(&self, action: Action) -> Option<usize> {
+        let of_executor = |executor: usize| (executor < self.layout.tasks).then_some(executor);
+        match action {
+            Action::Release { task }
+            | Action::Grant { task }
+            | Action::Tick { task }
+            | Action::Begin { task }
+            | Action::Wake { task } => Some(task),
+            Action::Ticket { executor }
+            | Action::Acquire { executor }
+            | Action::Finish { executor, .. } => of_executor(executor),
+            Action::Preempt { by, .. } => of_executor(by),
+            Action::Signal { .. }
+            | Action::Request { .. }
+            | Action::Reply { .. }
+            | Action::Proceed { .. } => None,
+        }
+    }
+
+    fn duration(&self, s: &State, executor: usize) -> (Ticks, Ticks) {
+        if let Some(codel) = self.codel(s, executor) {
+            let codel = &self.system.codels[codel];
+            return (codel.lower, codel.upper);
+        }
+        let l = &self.layout;
+        let Some(client) = executor.checked_sub(l.tasks + l.components) else {
+            return (0, 0);
+        };
+        let steps = &self.system.clients[client].steps;
+        let step = steps.get(l.position(s, client) as usize);
+        match step.map(|it| &it.action) {
+            Some(&ClientAction::Delay(lower, upper)) => (lower, upper),
+            _ => (0, 0),
+        }
+    }
+
+    fn tell(
+        &self,
+        change: (&State, &State),
+        action: Option<Action>,
+        time: u64,
+        out: &mut Vec<Moment>,
+    ) {
+        self.moments(change, action, time, out);
+    }
+}

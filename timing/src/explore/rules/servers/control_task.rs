@@ -1,0 +1,206 @@
+//! The control task: requests, and what becomes of activities.
+
+use super::Servers;
+use super::layout::{control, slot, tracker};
+use crate::explore::state::{State, phase};
+use crate::system::ClientAction;
+
+impl Servers<'_> {
+    /// The control task takes a request: a slot for an activity, then `after` and `before`.
+    pub(super) fn request(&self, s: &mut State, client: usize, next: usize) {
+        let l = &self.layout;
+        let at = l.position(s, client) as usize;
+        let step = &self.system.clients[client].steps[at];
+        let ClientAction::Send {
+            service,
+            ref trackers,
+        } = step.action
+        else {
+            return;
+        };
+        for &t in trackers {
+            l.set_tracker(s, client, t, tracker::HANDLED);
+        }
+        self.client_to(s, client, next);
+        l.set_outstanding(s, client, 1);
+        let it = &self.system.services[service];
+        let component = it.component;
+        l.set_handled(s, component, service as u16);
+        l.set_sender(s, component, client as u16 + 1);
+        l.set_codel_number(s, component, 0);
+        if let Some(&automaton) = it.slots.first() {
+            let task = self.system.automata[automaton].task;
+            let free = l.slots(task).find(|&it| l.status(s, it) == slot::VOID);
+            let Some(free) = free else {
+                // Rejected: nothing is validated, and nothing is woken.
+                self.rejected[service].set(true);
+                l.set_refused(s, component, 1);
+                l.set_control(s, component, control::REST);
+                return;
+            };
+            l.set_mode(s, free, slot::INIT);
+            l.set_automaton(s, free, automaton as u16 + 1);
+            l.set_at(s, free, 0);
+            l.set_given(s, component, free as u16 + 1);
+        }
+        let succeeded = |it: &usize| l.success[*it].is_some_and(|place| s.d[place] != 0);
+        let allowed = it.after.iter().all(succeeded) && !it.before.iter().any(succeeded);
+        if allowed {
+            self.next_codel(s, component);
+        } else {
+            self.refuse(s, component);
+        }
+    }
+
+    fn refuse(&self, s: &mut State, component: usize) {
+        self.layout.set_refused(s, component, 1);
+        self.codels_done(s, component);
+    }
+
+    /// Goes on to the control codel with the present number, if there is one.
+    fn next_codel(&self, s: &mut State, component: usize) {
+        let l = &self.layout;
+        let service = &self.system.services[l.handled(s, component) as usize];
+        let count = usize::from(service.validate.is_some()) + service.simple.len();
+        if (l.codel_number(s, component) as usize) < count {
+            l.set_control(s, component, control::TICKET);
+        } else {
+            self.codels_done(s, component);
+        }
+    }
+
+    /// A control codel has ended, by an exception (or a refusal) if the outcome is 1.
+    pub(super) fn finish_control(&self, s: &mut State, component: usize, outcome: usize) {
+        let l = &self.layout;
+        if outcome == 1 {
+            return self.refuse(s, component);
+        }
+        let number = l.codel_number(s, component);
+        l.set_codel_number(s, component, number + 1);
+        self.next_codel(s, component);
+    }
+
+    /// After the last control codel all tasks are made runnable, also for a refused request.
+    fn codels_done(&self, s: &mut State, component: usize) {
+        for &task in &self.system.components[component].tasks {
+            self.make_runnable(s, task);
+        }
+        self.layout.set_codel_number(s, component, 0);
+        self.layout.set_control(s, component, control::REST);
+    }
+
+    /// The rest of the handling: a function interrupts and has succeeded; the reply; then all activities are looked at.
+    pub(super) fn reply(&self, s: &mut State, component: usize) {
+        let l = &self.layout;
+        let service = l.handled(s, component) as usize;
+        let client = l.sender(s, component) as usize - 1;
+        let refused = l.refused(s, component) != 0;
+        let given = (l.given(s, component) as usize).checked_sub(1);
+        let mut tracked = tracker::NONE;
+        match given {
+            Some(it) if refused => self.make_void(s, it),
+            Some(it) => tracked = tracker::SLOT + it as u16,
+            None if refused => {}
+            None => {
+                if !self.system.services[service].activity {
+                    self.interrupt(s, service, usize::MAX);
+                }
+                self.has_succeeded(s, service);
+            }
+        }
+        for t in 0..self.system.clients[client].trackers {
+            if l.tracker(s, client, t) == tracker::HANDLED {
+                l.set_tracker(s, client, t, tracked);
+            }
+        }
+        l.set_outstanding(s, client, 0);
+        l.set_handled(s, component, 0);
+        l.set_sender(s, component, 0);
+        l.set_given(s, component, 0);
+        l.set_refused(s, component, 0);
+        l.set_phase(s, l.control_executor(component), phase::REST);
+        l.set_control(s, component, control::READY);
+        self.look_at_all(s, component);
+    }
+
+    fn has_succeeded(&self, s: &mut State, service: usize) {
+        if let Some(place) = self.layout.success[service] {
+            s.d[place] = 1;
+        }
+    }
+
+    /// Marks all other instances of the services that a service interrupts; whether some of them still run.
+    fn interrupt(&self, s: &mut State, service: usize, itself: usize) -> bool {
+        let l = &self.layout;
+        let it = &self.system.services[service];
+        let mut delay = false;
+        for &task in &self.system.components[it.component].tasks {
+            for other in l.slots(task) {
+                let listed = || {
+                    let of = self.service(s, other);
+                    of.is_some_and(|of| it.interrupts.contains(&of))
+                };
+                if other == itself || l.status(s, other) == slot::VOID || !listed() {
+                    continue;
+                }
+                let mode = l.mode(s, other);
+                match mode & slot::STATUS {
+                    slot::INIT => l.set_mode(s, other, mode | slot::MARK),
+                    slot::RUN => {
+                        l.set_mode(s, other, mode | slot::MARK);
+                        self.make_runnable(s, task);
+                        delay = true;
+                    }
+                    slot::STOP => delay = true,
+                    _ => {}
+                }
+            }
+        }
+        delay
+    }
+
+    /// Reports the activities that have ended, and releases those that have nothing to wait for any more.
+    pub(super) fn look_at_all(&self, s: &mut State, component: usize) {
+        let l = &self.layout;
+        l.set_signal(s, component, 0);
+        for &task in &self.system.components[component].tasks {
+            for it in l.slots(task) {
+                let mode = l.mode(s, it);
+                match mode & slot::STATUS {
+                    slot::INIT if mode & slot::START == 0 => {
+                        let service = self.service(s, it);
+                        let delay = service.is_some_and(|of| self.interrupt(s, of, it));
+                        if !delay {
+                            let mode = l.mode(s, it);
+                            l.set_mode(s, it, mode | slot::START);
+                            self.make_runnable(s, task);
+                        }
+                    }
+                    slot::ETHER => {
+                        if let (Some(of), true) = (self.service(s, it), mode & slot::SUCCESS != 0) {
+                            self.has_succeeded(s, of);
+                        }
+                        self.make_void(s, it);
+                    }
+                    _ => {}
+                }
+            }
+        }
+    }
+
+    /// Frees a slot; whoever awaits its end goes on.
+    fn make_void(&self, s: &mut State, it: usize) {
+        let l = &self.layout;
+        self.clear_visits(s, it);
+        l.set_mode(s, it, slot::VOID);
+        l.set_automaton(s, it, 0);
+        l.set_at(s, it, 0);
+        for (k, client) in self.system.clients.iter().enumerate() {
+            for t in 0..client.trackers {
+                if l.tracker(s, k, t) == tracker::SLOT + it as u16 {
+                    l.set_tracker(s, k, t, tracker::NONE);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,205 @@
+//! Cores as an operating system gives them (section 22): preemptive policies.
+//!
+//! A thread is *ready* if it can do something: it is neither idle nor waits in the lock queue for somebody else. The ready
+//! threads are listed in the state, in the order in which they became ready; those that do not fit on the cores neither act
+//! nor execute, and what remains of their codels stays. A codel that has come to its end ends, whoever comes at that moment.
+//!
+//! * `priority`: at each moment the ready threads of highest priority have the cores; ties in order of the list. A control
+//!   task has the highest priority of its component.
+//! * `fair`: any of them, as long as no core idles. The list begins with those that have a core; a swap with
+//!   another one is an action, which is possible at any moment. ([`Action::Preempt`])
+
+use super::layout::{control, flag, thread};
+use super::{Action, Enabled, Servers};
+use crate::explore::state::{State, phase};
+use crate::system::{ClientAction, Policy, TimedSystem};
+
+/// Executors as bits.
+pub(super) type Threads = u128;
+
+/// Tasks without a stated priority, where others have one.
+const UNSTATED: u32 = 255;
+
+/// The priority of every executor that needs a core; the lower number goes first.
+pub(super) fn priorities(system: &TimedSystem) -> Vec<u64> {
+    let stated = system.tasks.iter().any(|it| it.priority.is_some());
+    let of_task = |task: usize| {
+        let it = &system.tasks[task];
+        match stated {
+            true => u64::from(it.priority.unwrap_or(UNSTATED)),
+            // Rate-monotonic: the shorter period goes first, and what has none last.
+            false => it.period.map_or(u64::MAX, u64::from),
+        }
+    };
+    let tasks = (0..system.tasks.len()).map(of_task);
+    let controls = system.components.iter().map(|it| {
+        let own = it.tasks.iter().map(|&task| of_task(task));
+        own.min().unwrap_or(0)
+    });
+    tasks.chain(controls).collect()
+}
+
+impl Servers<'_> {
+    /// Whether cores are given and taken away by an operating system.
+    pub(crate) fn preempts(&self) -> bool {
+        let platform = &self.system.platform;
+        platform.cores.is_some() && matches!(platform.policy, Policy::Priority | Policy::Fair)
+    }
+
+    fn uses_core(&self, executor: usize) -> bool {
+        executor >= self.layout.tasks || self.system.needs_core(executor)
+    }
+
+    /// Whether a thread can do something, given a core.
+    fn is_ready(&self, s: &State, executor: usize) -> bool {
+        let l = &self.layout;
+        if executor < l.tasks {
+            return match l.thread_of(s, executor) {
+                thread::AGAIN | thread::TICKET | thread::EXECUTING => true,
+                thread::QUEUED => self.may_leave(s, executor),
+                thread::IDLE => l.has(s, executor, flag::WAKE) || self.begins(s, executor),
+                _ => false,
+            };
+        }
+        let component = executor - l.tasks;
+        match l.control(s, component) {
+            control::TICKET | control::EXECUTING | control::REST => true,
+            control::QUEUED => self.may_leave(s, executor),
+            control::READY => {
+                l.signal(s, component) != 0
+                    || (0..self.system.clients.len()).any(|it| self.asks(s, it, component))
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether a client has a request for a component that is not taken.
+    fn asks(&self, s: &State, client: usize, component: usize) -> bool {
+        let l = &self.layout;
+        let steps = &self.system.clients[client].steps;
+        let step = steps.get(l.position(s, client) as usize);
+        l.outstanding(s, client) == 0
+            && step.is_some_and(|it| {
+                matches!(it.action, ClientAction::Send { service, .. }
+                    if self.system.services[service].component == component)
+            })
+    }
+
+    /// The threads that have a core, or need none. All, unless the policy preempts.
+    pub(super) fn running(&self, s: &State) -> Threads {
+        if !self.preempts() {
+            return Threads::MAX;
+        }
+        let l = &self.layout;
+        let mut order: Vec<usize> = (l.core_queue(s).iter()).map(|&it| it as usize).collect();
+        if self.system.platform.policy == Policy::Priority {
+            order.sort_by_key(|&it| self.priorities[it]);
+        }
+        let mut out = Threads::MAX;
+        let chosen = self.chosen(&order);
+        for executor in order {
+            if !chosen.contains(&executor) {
+                out &= !(1 << executor);
+            }
+        }
+        out
+    }
+
+    /// The first of a list that fit on the cores.
+    fn chosen(&self, order: &[usize]) -> Vec<usize> {
+        let cores = self.system.platform.cores.unwrap_or(u32::MAX) as usize;
+        let core = |it: usize| (self.system.tasks.get(it)).and_then(|task| task.affinity);
+        let mut chosen: Vec<usize> = Vec::new();
+        for &executor in order {
+            let tied = core(executor);
+            let taken = tied.is_some() && chosen.iter().any(|&it| core(it) == tied);
+            if chosen.len() < cores && !taken {
+                chosen.push(executor);
+            }
+        }
+        chosen
+    }
+
+    /// After a step: who is ready no more leaves the list, who has become ready is added.
+    pub(super) fn list_ready(&self, s: &mut State) {
+        if !self.preempts() {
+            return;
+        }
+        let l = &self.layout;
+        for executor in 0..l.tasks + l.components {
+            if !self.uses_core(executor) {
+                continue;
+            }
+            let listed = l.core_queue(s).contains(&(executor as u16));
+            match (listed, self.is_ready(s, executor)) {
+                (false, true) => l.core_queue_push(s, executor, false),
+                (true, false) => l.core_queue_remove(s, executor),
+                _ => {}
+            }
+        }
+        self.normalize(s);
+    }
+
+    /// Puts the list in an order that depends on nothing that does not matter.
+    fn normalize(&self, s: &mut State) {
+        let l = &self.layout;
+        let mut order: Vec<usize> = (l.core_queue(s).iter()).map(|&it| it as usize).collect();
+        if self.system.platform.policy == Policy::Fair {
+            let chosen = self.chosen(&order);
+            order.sort_by_key(|&it| (!chosen.contains(&it), it));
+        } else {
+            // Between different priorities the order means nothing.
+            order.sort_by_key(|&it| self.priorities[it]);
+        }
+        order.iter().for_each(|&it| l.core_queue_remove(s, it));
+        order.iter().for_each(|&it| l.core_queue_push(s, it, false));
+    }
+
+    /// The swaps that the policy `fair` allows.
+    pub(super) fn swaps(&self, s: &State, running: Threads, out: &mut Enabled) {
+        if !self.preempts() || self.system.platform.policy != Policy::Fair {
+            return;
+        }
+        let list = self.layout.core_queue(s);
+        let has_core = |it: u16| running >> it & 1 == 1;
+        for &by in list.iter().filter(|&&it| !has_core(it)) {
+            for &executor in list.iter().filter(|&&it| has_core(it)) {
+                out.actions.push(Action::Preempt {
+                    executor: executor as usize,
+                    by: by as usize,
+                });
+            }
+        }
+    }
+
+    /// One thread takes the core of another.
+    pub(super) fn preempt(&self, s: &mut State, executor: usize, by: usize) {
+        let l = &self.layout;
+        let order: Vec<usize> = (l.core_queue(s).iter())
+            .map(|&it| it as usize)
+            .filter(|&it| it != by && it != executor)
+            .collect();
+        l.core_queue_remove(s, by);
+        l.core_queue_remove(s, executor);
+        order.iter().for_each(|&it| l.core_queue_remove(s, it));
+        let others = order.iter().copied();
+        for it in std::iter::once(by).chain(others).chain([executor]) {
+            l.core_queue_push(s, it, false);
+        }
+        self.normalize(s);
+    }
+
+    /// Whether a thread that is ready has no core: then everything may change at any moment with `fair`.
+    pub(super) fn may_swap(&self, s: &State, running: Threads) -> bool {
+        self.system.platform.policy == Policy::Fair
+            && self.preempts()
+            && (self.layout.core_queue(s).iter()).any(|&it| running >> it & 1 == 0)
+    }
+
+    /// Whether an executor gets on with its codel.
+    pub(super) fn gets_on(&self, s: &State, running: Threads, executor: usize) -> bool {
+        let client = executor >= self.layout.tasks + self.layout.components;
+        self.layout.phase(s, executor) == phase::EXECUTING
+            && (client || running >> executor & 1 == 1)
+    }
+}

@@ -1,0 +1,398 @@
+//! Where everything is in a [`State`] of the servers.
+
+use std::ops::Deref;
+
+use crate::explore::state::{Clocks, Frame, Places, State};
+use crate::scn::semantics::{LockRule, Semantics};
+use crate::system::{ClientAction, Policy, Ticks, TimedSystem};
+
+/// Where the thread of a task is.
+pub(super) mod thread {
+    /// Not started.
+    pub(in super::super) const OFF: u16 = 0;
+    /// Between cycles.
+    pub(in super::super) const IDLE: u16 = 1;
+    /// Has cleared its flag and waits for a core.
+    pub(in super::super) const WAITING: u16 = 2;
+    /// Before the next pass of its cycle.
+    pub(in super::super) const AGAIN: u16 = 3;
+    /// Before it takes a ticket for the next codel of its pass.
+    pub(in super::super) const TICKET: u16 = 4;
+    /// Waits in the lock queue.
+    pub(in super::super) const QUEUED: u16 = 5;
+    /// Executes a codel.
+    pub(in super::super) const EXECUTING: u16 = 6;
+}
+
+/// Flags of a task.
+pub(super) mod flag {
+    /// A tick has come since the last cycle began.
+    pub(in super::super) const TICK: u16 = 1;
+    /// Paused automata are to be resumed (aperiodic tasks).
+    pub(in super::super) const RUNNABLE: u16 = 2;
+    /// The other tasks are to be woken before anything else.
+    pub(in super::super) const WAKE: u16 = 4;
+    /// The first cycle is not over.
+    pub(in super::super) const FIRST: u16 = 8;
+    /// In this pass some automaton goes on without a pause.
+    pub(in super::super) const GOES_ON: u16 = 16;
+    /// In this pass an activity has ended, and is to be signalled.
+    pub(in super::super) const ENDED: u16 = 32;
+    /// In this pass there was an event.
+    pub(in super::super) const EVENT: u16 = 64;
+    /// In this pass the permanent activity has failed.
+    pub(in super::super) const FAILED: u16 = 128;
+    /// What a pass leaves behind.
+    pub(in super::super) const OF_PASS: u16 = GOES_ON | ENDED | EVENT | FAILED;
+}
+
+/// Status of an activity, and its flags.
+pub(super) mod slot {
+    pub(in super::super) const VOID: u16 = 0;
+    /// Accepted, has not begun.
+    pub(in super::super) const INIT: u16 = 1;
+    pub(in super::super) const RUN: u16 = 2;
+    pub(in super::super) const STOP: u16 = 3;
+    /// Ended, not reported.
+    pub(in super::super) const ETHER: u16 = 4;
+    /// The status.
+    pub(in super::super) const STATUS: u16 = 7;
+    /// Released: it may begin.
+    pub(in super::super) const START: u16 = 8;
+    /// Interrupted, and has not noticed yet.
+    pub(in super::super) const MARK: u16 = 16;
+    pub(in super::super) const PAUSED: u16 = 32;
+    /// Ended without exception.
+    pub(in super::super) const SUCCESS: u16 = 64;
+    /// The permanent activity.
+    pub(in super::super) const PERMANENT: u16 = 128;
+}
+
+/// Steps of a control task.
+pub(super) mod control {
+    /// Its component is starting, or has failed to.
+    pub(in super::super) const OFF: u16 = 0;
+    pub(in super::super) const READY: u16 = 1;
+    /// Before it takes a ticket.
+    pub(in super::super) const TICKET: u16 = 2;
+    pub(in super::super) const QUEUED: u16 = 3;
+    pub(in super::super) const EXECUTING: u16 = 4;
+    /// Codels are done: before it replies and looks at all activities.
+    pub(in super::super) const REST: u16 = 5;
+}
+
+/// Values of trackers other than "slot" (which is [`tracker::SLOT`] plus its number among all).
+pub(super) mod tracker {
+    pub(in super::super) const NONE: u16 = 0;
+    /// Sent, not accepted yet.
+    pub(in super::super) const HANDLED: u16 = 1;
+    pub(in super::super) const SLOT: u16 = 2;
+}
+
+/// Numbers per slot.
+const OF_SLOT: usize = 3;
+
+/// Numbers per component.
+const OF_COMPONENT: usize = 8;
+
+/// The places. What all rules have in common is in the [`Frame`].
+#[derive(Debug, Clone)]
+pub(super) struct Layout {
+    frame: Frame,
+    pub(super) tasks: usize,
+    pub(super) components: usize,
+    /// Per task three: thread, flags, slot of its pass.
+    task_base: usize,
+    /// First of the slots of each task, among all; then their number.
+    pub(super) first_slot: Vec<usize>,
+    slot_base: usize,
+    /// Of each slot, how often states were entered; the first place, and how many.
+    pub(super) visits: Vec<(usize, usize)>,
+    component_base: usize,
+    client_base: Vec<usize>,
+    core_queue: Option<usize>,
+    /// Length, then executors, of each component.
+    lock_queue: Vec<Option<usize>>,
+    /// Whether a service has succeeded, where it matters.
+    pub(super) success: Vec<Option<usize>>,
+    /// Time since the tick of a waiting task, then since the tick kept, for each; with EDF.
+    pub(super) ages: Option<usize>,
+    /// Clock of the time since a tick that is kept in a cycle.
+    kept: Vec<Option<usize>>,
+}
+
+impl Deref for Layout {
+    type Target = Frame;
+
+    fn deref(&self) -> &Frame {
+        &self.frame
+    }
+}
+
+impl Layout {
+    pub(super) fn new(system: &TimedSystem, semantics: Semantics, clocks: &Clocks) -> Layout {
+        let mut places = Places::default();
+        let tasks = system.tasks.len();
+        let components = system.components.len();
+        let task_base = places.discrete(3 * tasks);
+        places.executors(tasks + components + system.clients.len());
+        let mut first_slot = vec![0];
+        for task in 0..tasks {
+            first_slot.push(first_slot[task] + most_slots(system, task));
+        }
+        let slots = first_slot[tasks];
+        let slot_base = places.discrete(OF_SLOT * slots);
+        let mut visits = Vec::new();
+        for task in 0..tasks {
+            let it = &system.tasks[task];
+            let automata = it.permanent.iter().chain(&it.slots);
+            let counted = automata.map(|&a| system.machine_of(a));
+            let counted = counted.filter(|it| it.loop_limit.is_some());
+            let most = counted.map(|it| it.states.len()).max().unwrap_or(0);
+            for _ in first_slot[task]..first_slot[task + 1] {
+                visits.push((places.discrete(most), most));
+            }
+        }
+        let component_base = places.discrete(OF_COMPONENT * components);
+        let client_base = (system.clients.iter())
+            .map(|it| places.discrete(2 + it.trackers))
+            .collect();
+        let core_queue = (system.platform.cores).map(|_| places.discrete(1 + tasks + components));
+        let lock_queue = (system.components.iter())
+            .map(|it| {
+                let queued = semantics.locks != LockRule::Free;
+                queued.then(|| places.discrete(2 + it.tasks.len()))
+            })
+            .collect();
+        let requested = system.requested();
+        let success = (0..system.services.len())
+            .map(|service| {
+                let lists = system.services.iter().zip(&requested);
+                let mut lists = lists.filter(|it| *it.1).map(|it| it.0);
+                let matters =
+                    lists.any(|it| it.after.contains(&service) || it.before.contains(&service));
+                (matters && requested[service]).then(|| places.discrete(1))
+            })
+            .collect();
+        let timers = places.times(tasks);
+        debug_assert_eq!(timers, 0, "timers come first");
+        let edf = system.platform.cores.is_some() && system.platform.policy == Policy::Edf;
+        let ages = edf.then(|| places.times(2 * tasks));
+        let measured = clocks.response.iter().filter(|it| **it).count();
+        let (frame, first_kept) = places.frame_with(clocks, measured);
+        let mut next = first_kept;
+        let kept = (clocks.response.iter())
+            .map(|&measured| {
+                measured.then(|| {
+                    next += 1;
+                    next - 1
+                })
+            })
+            .collect();
+        Layout {
+            frame,
+            tasks,
+            components,
+            task_base,
+            first_slot,
+            slot_base,
+            visits,
+            component_base,
+            client_base,
+            core_queue,
+            lock_queue,
+            success,
+            ages,
+            kept,
+        }
+    }
+
+    /// Numbers of the slots of a task, among all.
+    pub(super) fn slots(&self, task: usize) -> std::ops::Range<usize> {
+        self.first_slot[task]..self.first_slot[task + 1]
+    }
+
+    pub(super) fn control_executor(&self, component: usize) -> usize {
+        self.tasks + component
+    }
+
+    pub(super) fn client_executor(&self, client: usize) -> usize {
+        self.tasks + self.components + client
+    }
+
+    pub(super) fn tracker(&self, s: &State, client: usize, tracker: usize) -> u16 {
+        s.d[self.client_base[client] + 2 + tracker]
+    }
+
+    pub(super) fn set_tracker(&self, s: &mut State, client: usize, tracker: usize, value: u16) {
+        s.d[self.client_base[client] + 2 + tracker] = value;
+    }
+
+    pub(super) fn timer(&self, s: &State, task: usize) -> Ticks {
+        s.t[task]
+    }
+
+    pub(super) fn set_timer(&self, s: &mut State, task: usize, value: Ticks) {
+        s.t[task] = value;
+    }
+
+    /// The clock of a tick kept, if the task is measured.
+    pub(super) fn kept(&self, task: usize) -> Option<usize> {
+        self.kept.get(task).copied().flatten()
+    }
+
+    /// Whether a task has a flag.
+    pub(super) fn has(&self, s: &State, task: usize, flag: u16) -> bool {
+        self.flags(s, task) & flag != 0
+    }
+
+    pub(super) fn raise(&self, s: &mut State, task: usize, flag: u16) {
+        let flags = self.flags(s, task);
+        self.set_flags(s, task, flags | flag);
+    }
+
+    pub(super) fn lower(&self, s: &mut State, task: usize, flag: u16) {
+        let flags = self.flags(s, task);
+        self.set_flags(s, task, flags & !flag);
+    }
+
+    /// The status of a slot.
+    pub(super) fn status(&self, s: &State, slot: usize) -> u16 {
+        self.mode(s, slot) & slot::STATUS
+    }
+
+    /// Tasks that wait for a core, in order.
+    pub(super) fn core_queue<'s>(&self, s: &'s State) -> &'s [u16] {
+        self.core_queue.map_or(&[], |base| list(s, base))
+    }
+
+    pub(super) fn core_queue_push(&self, s: &mut State, task: usize, sorted: bool) {
+        let base = self
+            .core_queue
+            .expect("tasks wait only for cores that are limited");
+        push(s, base, task as u16, sorted);
+    }
+
+    pub(super) fn core_queue_remove(&self, s: &mut State, task: usize) {
+        if let Some(base) = self.core_queue {
+            remove(s, base, task as u16);
+        }
+    }
+
+    /// Executors that wait for their turn in a component, in order.
+    pub(super) fn lock_queue<'s>(&self, s: &'s State, component: usize) -> &'s [u16] {
+        self.lock_queue[component].map_or(&[], |base| list(s, base))
+    }
+
+    pub(super) fn lock_queue_push(&self, s: &mut State, component: usize, executor: usize) {
+        if let Some(base) = self.lock_queue[component] {
+            push(s, base, executor as u16, false);
+        }
+    }
+
+    pub(super) fn lock_queue_remove(&self, s: &mut State, component: usize, executor: usize) {
+        if let Some(base) = self.lock_queue[component] {
+            remove(s, base, executor as u16);
+        }
+    }
+}
+
+/// How many activities a task can have at the same time: as many as it has places, and no more than are requested.
+fn most_slots(system: &TimedSystem, task: usize) -> usize {
+    let places = system.tasks[task].places as usize;
+    let of_task = |service: usize| {
+        let mut slots = system.services[service].slots.iter();
+        slots.any(|&a| system.automata[a].task == task)
+    };
+    let mut most = 1;
+    for client in &system.clients {
+        for (at, step) in client.steps.iter().enumerate() {
+            let ClientAction::Send { service, .. } = step.action else {
+                continue;
+            };
+            if of_task(service) {
+                if client.comes_again(at) {
+                    return places;
+                }
+                most += 1;
+            }
+        }
+    }
+    most.min(places)
+}
+
+fn list(s: &State, base: usize) -> &[u16] {
+    &s.d[base + 1..base + 1 + s.d[base] as usize]
+}
+
+/// Adds to a list, at its end or in order of number.
+fn push(s: &mut State, base: usize, it: u16, sorted: bool) {
+    let length = s.d[base] as usize;
+    let at = match sorted {
+        true => list(s, base).partition_point(|&other| other < it),
+        false => length,
+    };
+    s.d[base + 1..=base + 1 + length][at..].rotate_right(1);
+    s.d[base + 1 + at] = it;
+    s.d[base] += 1;
+}
+
+fn remove(s: &mut State, base: usize, it: u16) {
+    let length = s.d[base] as usize;
+    let Some(at) = list(s, base).iter().position(|&other| other == it) else {
+        return;
+    };
+    s.d[base + 1..base + 1 + length][at..].rotate_left(1);
+    s.d[base + length] = 0;
+    s.d[base] -= 1;
+}
+
+/// Named access to the numbers.
+macro_rules! fields {
+    ($($(#[$doc:meta])* $get:ident $set:ident ($self:ident, $i:ident) $at:expr;)*) => {
+        impl Layout {
+            $(
+                $(#[$doc])*
+                #[inline]
+                pub(super) fn $get(&$self, s: &State, $i: usize) -> u16 { s.d[$at] }
+                #[inline]
+                pub(super) fn $set(&$self, s: &mut State, $i: usize, value: u16) { s.d[$at] = value; }
+            )*
+        }
+    };
+}
+
+fields! {
+    /// Where a task is, see [`thread`].
+    thread_of set_thread (self, task) self.task_base + 3 * task;
+    /// See [`flag`].
+    flags set_flags (self, task) self.task_base + 3 * task + 1;
+    /// The slot whose codel is executed, among all; only while there is one.
+    turn set_turn (self, task) self.task_base + 3 * task + 2;
+    /// See [`slot`].
+    mode set_mode (self, slot) self.slot_base + OF_SLOT * slot;
+    /// Automaton, plus one; 0 for a permanent activity without codels.
+    automaton set_automaton (self, slot) self.slot_base + OF_SLOT * slot + 1;
+    /// State of its machine; the number of states for the default `stop`.
+    at set_at (self, slot) self.slot_base + OF_SLOT * slot + 2;
+    /// Number of the task being started, among those of the component.
+    starting set_starting (self, component) self.component_base + OF_COMPONENT * component;
+    /// See [`control`].
+    control set_control (self, component) self.component_base + OF_COMPONENT * component + 1;
+    /// Service being handled.
+    handled set_handled (self, component) self.component_base + OF_COMPONENT * component + 2;
+    /// Number of its control codel.
+    codel_number set_codel_number (self, component) self.component_base + OF_COMPONENT * component + 3;
+    /// Client that sent it, plus one.
+    sender set_sender (self, component) self.component_base + OF_COMPONENT * component + 4;
+    /// Slot that it was given, plus one.
+    given set_given (self, component) self.component_base + OF_COMPONENT * component + 5;
+    /// The request is refused.
+    refused set_refused (self, component) self.component_base + OF_COMPONENT * component + 6;
+    /// The end of some activity was signalled.
+    signal set_signal (self, component) self.component_base + OF_COMPONENT * component + 7;
+    /// Step of a client; one past the end: before the first.
+    position set_position (self, client) self.client_base[client];
+    /// Whether a client has a request that was not answered.
+    outstanding set_outstanding (self, client) self.client_base[client] + 1;
+}

@@ -1,0 +1,211 @@
+//! Passes: in each, every automaton that runs and is not paused executes one codel, in the order of the slots.
+
+use super::Servers;
+use super::layout::{flag, slot, thread};
+use crate::explore::state::State;
+use crate::scn::semantics::{PauseRule, TurnRule};
+use crate::system::{Machine, Yield};
+
+impl Servers<'_> {
+    /// Begins a pass, up to its first codel. `first`: of its cycle. Only that of a periodic task begins activities and resumes
+    /// paused automata.
+    pub(super) fn begin_pass(&self, s: &mut State, task: usize, first: bool) {
+        let l = &self.layout;
+        let runnable = match self.is_periodic(task) {
+            true => first,
+            false => l.has(s, task, flag::RUNNABLE),
+        };
+        l.lower(s, task, flag::RUNNABLE);
+        l.set_thread(s, task, thread::AGAIN);
+        for it in l.slots(task) {
+            self.notice(s, task, it, runnable);
+        }
+        self.go_on(s, task, l.slots(task).start);
+    }
+
+    /// What happened to an activity since the last pass: it was released, interrupted, or is to be resumed.
+    fn notice(&self, s: &mut State, task: usize, it: usize, runnable: bool) {
+        let l = &self.layout;
+        let mode = l.mode(s, it);
+        let flags = mode & !slot::STATUS;
+        let marked = mode & slot::MARK != 0;
+        let stop = self
+            .machine(s, it)
+            .and_then(|it| it.stop.or(Some(it.states.len())));
+        let to_stop = |s: &mut State| {
+            l.set_at(s, it, stop.unwrap_or(1) as u16);
+            self.begin_turn(s, it);
+            l.set_mode(s, it, slot::STOP | flags & slot::PERMANENT);
+        };
+        match mode & slot::STATUS {
+            slot::INIT if marked && flags & slot::PERMANENT != 0 => to_stop(s),
+            slot::INIT if marked => {
+                // Ends with the exception "interrupted": no codel is executed, and it is no event.
+                self.clear_visits(s, it);
+                l.set_at(s, it, 0);
+                l.set_mode(s, it, slot::ETHER);
+                l.raise(s, task, flag::ENDED);
+            }
+            slot::INIT if runnable && flags & slot::START != 0 => {
+                let start = self.machine(s, it).map_or(0, |it| it.start);
+                l.set_at(s, it, start as u16);
+                self.begin_turn(s, it);
+                l.set_mode(s, it, slot::RUN | flags & slot::PERMANENT);
+            }
+            slot::RUN if marked => to_stop(s),
+            slot::RUN | slot::STOP if runnable && flags & slot::PAUSED != 0 => {
+                self.begin_turn(s, it);
+                l.set_mode(s, it, mode & !slot::PAUSED);
+            }
+            _ => {}
+        }
+    }
+
+    /// Goes on with the first automaton of a pass from a slot on; ends the pass if there is none.
+    fn go_on(&self, s: &mut State, task: usize, from: usize) {
+        let l = &self.layout;
+        for it in from..l.slots(task).end {
+            let mode = l.mode(s, it);
+            let runs = matches!(mode & slot::STATUS, slot::RUN | slot::STOP);
+            if !runs || mode & slot::PAUSED != 0 {
+                continue;
+            }
+            if self.machine_state(s, it).is_some() {
+                l.set_turn(s, task, it as u16);
+                l.set_thread(s, task, thread::TICKET);
+                return;
+            }
+            // The default `start` and `stop` take no time and no ticket. An activity without `stop` ends with the
+            // exception "interrupted".
+            self.end_activity(s, task, it, mode & slot::PERMANENT != 0);
+        }
+        self.end_pass(s, task);
+    }
+
+    fn end_activity(&self, s: &mut State, task: usize, it: usize, success: bool) {
+        let l = &self.layout;
+        self.clear_visits(s, it);
+        l.set_at(s, it, 0);
+        let permanent = l.mode(s, it) & slot::PERMANENT;
+        let success = if success { slot::SUCCESS } else { 0 };
+        l.set_mode(s, it, slot::ETHER | permanent | success);
+        l.raise(s, task, flag::ENDED | flag::EVENT);
+        if permanent != 0 && success == 0 {
+            l.raise(s, task, flag::FAILED);
+        }
+    }
+
+    /// A codel has ended: its automaton moves on, and the pass with it.
+    pub(super) fn finish_codel(&self, s: &mut State, task: usize, outcome: usize) {
+        let l = &self.layout;
+        let it = l.turn(s, task) as usize;
+        let Some(state) = self.machine_state(s, it) else {
+            return;
+        };
+        match state.yields.get(outcome) {
+            Some(&Yield::Next(to)) => {
+                self.enter(s, it, to, &state.yields[outcome]);
+                l.raise(s, task, flag::EVENT);
+                if self.semantics.turns == TurnRule::Pause {
+                    l.set_thread(s, task, thread::TICKET);
+                    return;
+                }
+                l.raise(s, task, flag::GOES_ON);
+            }
+            Some(&Yield::Pause(to)) => {
+                self.clear_visits(s, it);
+                l.set_at(s, it, to as u16);
+                let mode = l.mode(s, it);
+                l.set_mode(s, it, mode | slot::PAUSED);
+            }
+            Some(Yield::End) => self.end_activity(s, task, it, true),
+            None => self.end_activity(s, task, it, false),
+        }
+        self.go_on(s, task, it + 1);
+    }
+
+    /// The end of a pass: the flag of the task itself, and the signal to the control task.
+    fn end_pass(&self, s: &mut State, task: usize) {
+        let l = &self.layout;
+        let component = self.system.tasks[task].component;
+        let pass = l.flags(s, task) & flag::OF_PASS;
+        l.lower(s, task, flag::OF_PASS);
+        l.set_turn(s, task, 0);
+        if pass & flag::EVENT != 0 {
+            self.make_runnable(s, task);
+            let mut others = self.system.components[component].tasks.iter();
+            if others.any(|&it| it != task && !self.is_periodic(it)) {
+                l.raise(s, task, flag::WAKE);
+            }
+        }
+        if self.semantics.pause == PauseRule::Turns {
+            let paused = |it: usize| l.mode(s, it) & slot::PAUSED != 0;
+            if l.slots(task).any(paused) {
+                self.make_runnable(s, task);
+            }
+        }
+        if pass & flag::ENDED != 0 {
+            l.set_signal(s, component, 1);
+        }
+        if pass & flag::GOES_ON != 0 {
+            l.set_thread(s, task, thread::AGAIN);
+        } else {
+            self.end_cycle(s, task);
+        }
+        let starting = l.starting(s, component) as usize;
+        let tasks = &self.system.components[component].tasks;
+        let first = l.mode(s, l.slots(task).start);
+        let begun = first & slot::STATUS != slot::INIT || first & slot::PERMANENT == 0;
+        if tasks.get(starting) == Some(&task) && begun && pass & flag::FAILED == 0 {
+            self.start_next(s, component);
+        }
+    }
+
+    fn end_cycle(&self, s: &mut State, task: usize) {
+        let l = &self.layout;
+        l.set_thread(s, task, thread::IDLE);
+        let first = l.has(s, task, flag::FIRST);
+        l.lower(s, task, flag::FIRST);
+        if let (Some(clock), Some(kept)) = (l.response[task], l.kept(task)) {
+            // A tick kept begins the next job; one kept from the first cycle counts from now.
+            s.t[clock] = if first { 0 } else { s.t[kept] };
+            s.t[kept] = 0;
+        }
+    }
+
+    fn begin_turn(&self, s: &mut State, it: usize) {
+        self.clear_visits(s, it);
+        let (base, most) = self.layout.visits[it];
+        let limited = self
+            .machine(s, it)
+            .is_some_and(|it| it.loop_limit.is_some());
+        let at = self.layout.at(s, it) as usize;
+        // How often it was entered means nothing where it is never entered from another state.
+        let entered = |it: &Machine| {
+            let mut yields = it.states.iter().flat_map(|it| &it.yields);
+            yields.any(|it| *it == Yield::Next(at))
+        };
+        if limited && at < most && self.machine(s, it).is_some_and(entered) {
+            s.d[base + at] = 1;
+        }
+    }
+
+    fn enter(&self, s: &mut State, it: usize, to: usize, by: &Yield) {
+        let within = self.within_limit(s, it, by);
+        self.layout.set_at(s, it, to as u16);
+        if !within {
+            return self.begin_turn(s, it);
+        }
+        let limited = self
+            .machine(s, it)
+            .is_some_and(|it| it.loop_limit.is_some());
+        if limited {
+            s.d[self.layout.visits[it].0 + to] += 1;
+        }
+    }
+
+    pub(super) fn clear_visits(&self, s: &mut State, it: usize) {
+        let (base, most) = self.layout.visits[it];
+        s.d[base..base + most].fill(0);
+    }
+}

@@ -1,0 +1,141 @@
+//! What an action does, as far as it is a matter neither of passes nor of the control task.
+
+use super::layout::{control, flag, thread};
+use super::{Action, Servers};
+use crate::explore::state::{State, phase};
+use crate::system::ClientAction;
+
+impl Servers<'_> {
+    /// Performs an action that is enabled.
+    pub(super) fn perform(&self, s: &mut State, action: Action) {
+        let l = &self.layout;
+        match action {
+            Action::Proceed { client, next } => self.client_to(s, client, next),
+            Action::Tick { task } => self.tick(s, task),
+            Action::Release { task } => self.release(s, task),
+            Action::Grant { task } => {
+                l.core_queue_remove(s, task);
+                if let Some(base) = l.ages {
+                    s.t[base + task] = 0;
+                }
+                self.begin_pass(s, task, true);
+            }
+            Action::Begin { task } => {
+                let first = l.thread_of(s, task) == thread::IDLE;
+                if first {
+                    self.take_flag(s, task);
+                }
+                self.begin_pass(s, task, first);
+            }
+            Action::Ticket { executor } => self.take_ticket(s, executor),
+            Action::Acquire { executor } => self.execute(s, executor),
+            Action::Finish { executor, outcome } => {
+                l.set_window(s, executor, (0, 0));
+                l.set_phase(s, executor, phase::REST);
+                if executor < l.tasks {
+                    self.finish_codel(s, executor, outcome);
+                } else if executor < l.tasks + l.components {
+                    self.finish_control(s, executor - l.tasks, outcome);
+                } else {
+                    self.client_to(s, executor - l.tasks - l.components, outcome);
+                }
+            }
+            Action::Wake { task } => {
+                l.lower(s, task, flag::WAKE);
+                let component = self.system.tasks[task].component;
+                for &other in &self.system.components[component].tasks {
+                    if other != task {
+                        self.make_runnable(s, other);
+                    }
+                }
+            }
+            Action::Preempt { executor, by } => self.preempt(s, executor, by),
+            Action::Signal { component } => self.look_at_all(s, component),
+            Action::Request { client, next } => self.request(s, client, next),
+            Action::Reply { component } => self.reply(s, component),
+        }
+    }
+
+    /// The clock raises the flag of a task, whatever the task does; several ticks while busy are one.
+    fn tick(&self, s: &mut State, task: usize) {
+        let l = &self.layout;
+        l.set_timer(s, task, self.system.tasks[task].period.unwrap_or(0));
+        l.raise(s, task, flag::TICK);
+    }
+
+    /// A task clears its flag.
+    fn take_flag(&self, s: &mut State, task: usize) {
+        let l = &self.layout;
+        if self.is_periodic(task) {
+            l.lower(s, task, flag::TICK);
+        }
+        if let Some(base) = l.ages {
+            // The tick that was kept is the one of this cycle.
+            let kept = base + l.tasks + task;
+            s.t[base + task] = s.t[kept];
+            s.t[kept] = 0;
+        }
+    }
+
+    /// A task clears its flag and asks for a core. (An aperiodic one is still runnable when it gets it.)
+    fn release(&self, s: &mut State, task: usize) {
+        let l = &self.layout;
+        self.take_flag(s, task);
+        l.set_thread(s, task, thread::WAITING);
+        // In which order tasks wait means nothing where any of them may be next.
+        let sorted = self.system.platform.policy == crate::system::Policy::Any;
+        l.core_queue_push(s, task, sorted);
+    }
+
+    /// Paused automata of an aperiodic task are to be resumed. (To those of a periodic one only ticks do that.)
+    pub(super) fn make_runnable(&self, s: &mut State, task: usize) {
+        if !self.is_periodic(task) {
+            self.layout.raise(s, task, flag::RUNNABLE);
+        }
+    }
+
+    fn take_ticket(&self, s: &mut State, executor: usize) {
+        let l = &self.layout;
+        let Some(component) = self.component_of(executor) else {
+            return;
+        };
+        if executor < l.tasks {
+            l.set_thread(s, executor, thread::QUEUED);
+        } else {
+            l.set_control(s, component, control::QUEUED);
+        }
+        l.set_phase(s, executor, phase::LOCKING);
+        l.lock_queue_push(s, component, executor);
+    }
+
+    /// An executor leaves the queue and executes its codel.
+    fn execute(&self, s: &mut State, executor: usize) {
+        let l = &self.layout;
+        let (Some(component), Some(codel)) = (self.component_of(executor), self.codel(s, executor))
+        else {
+            return;
+        };
+        l.lock_queue_remove(s, component, executor);
+        if executor < l.tasks {
+            l.set_thread(s, executor, thread::EXECUTING);
+        } else {
+            l.set_control(s, component, control::EXECUTING);
+        }
+        let codel = &self.system.codels[codel];
+        l.set_phase(s, executor, phase::EXECUTING);
+        l.set_window(s, executor, (codel.lower, codel.upper));
+    }
+
+    pub(super) fn client_to(&self, s: &mut State, client: usize, position: usize) {
+        let l = &self.layout;
+        let executor = l.client_executor(client);
+        l.set_position(s, client, position as u16);
+        l.set_phase(s, executor, phase::REST);
+        if let Some(step) = self.system.clients[client].steps.get(position)
+            && let ClientAction::Delay(lower, upper) = step.action
+        {
+            l.set_phase(s, executor, phase::EXECUTING);
+            l.set_window(s, executor, (lower, upper));
+        }
+    }
+}

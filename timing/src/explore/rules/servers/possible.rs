@@ -1,0 +1,353 @@
+//! What is possible in a state.
+
+use super::layout::{control, flag, slot, thread, tracker};
+use super::{Action, Enabled, Servers};
+use crate::explore::state::{State, phase};
+use crate::scn::semantics::{LockRule, TickRule};
+use crate::system::{ClientAction, Policy, Yield};
+
+impl Servers<'_> {
+    /// Lists the actions of the best rank present.
+    pub(super) fn list_enabled(&self, s: &State, out: &mut Enabled) {
+        out.actions.clear();
+        out.urgent = true;
+        out.committed = true;
+        out.forced = false;
+        self.proceeding_clients(s, out);
+        if !out.actions.is_empty() {
+            return;
+        }
+        let preempts = self.preempts();
+        if self.system.platform.cores.is_some() && !preempts {
+            for task in 0..self.layout.tasks {
+                if self.begins(s, task) && self.asks_for_core(s, task) {
+                    out.actions.push(Action::Release { task });
+                }
+            }
+            if !out.actions.is_empty() {
+                return;
+            }
+            self.grants(s, out);
+            if !out.actions.is_empty() {
+                return;
+            }
+        }
+        out.committed = false;
+        out.urgent = false;
+        self.ordinary(s, out);
+        if preempts {
+            self.without_core(s, out);
+        }
+    }
+
+    /// Leaves out what threads without a core cannot do.
+    fn without_core(&self, s: &State, out: &mut Enabled) {
+        let l = &self.layout;
+        let running = self.running(s);
+        let has_core = |executor: usize| running >> executor & 1 == 1;
+        out.actions.retain(|it| match *it {
+            Action::Begin { task } | Action::Wake { task } => has_core(task),
+            Action::Ticket { executor } | Action::Acquire { executor } => has_core(executor),
+            Action::Finish { executor, .. } => {
+                let threads = l.tasks + l.components;
+                executor >= threads || has_core(executor) || l.window(s, executor).1 == 0
+            }
+            Action::Signal { component } | Action::Reply { component } => {
+                has_core(l.control_executor(component))
+            }
+            Action::Request { client, .. } => {
+                let steps = &self.system.clients[client].steps;
+                match steps[l.position(s, client) as usize].action {
+                    ClientAction::Send { service, .. } => {
+                        let component = self.system.services[service].component;
+                        has_core(l.control_executor(component))
+                    }
+                    _ => true,
+                }
+            }
+            _ => true,
+        });
+        let takes_time = |it: &Action| matches!(it, Action::Finish { .. });
+        out.urgent = !out.actions.iter().all(takes_time);
+        self.swaps(s, running, out);
+    }
+
+    fn proceeding_clients(&self, s: &State, out: &mut Enabled) {
+        let l = &self.layout;
+        for (k, client) in self.system.clients.iter().enumerate() {
+            let position = l.position(s, k) as usize;
+            let next = if position > client.done() {
+                &client.first
+            } else if position == client.done() {
+                continue;
+            } else {
+                let step = &client.steps[position];
+                let satisfied = match step.action {
+                    ClientAction::AwaitAccepted => l.outstanding(s, k) == 0,
+                    ClientAction::AwaitEnded(t) => l.tracker(s, k, t) == tracker::NONE,
+                    ClientAction::Send { .. } | ClientAction::Delay(..) => false,
+                };
+                if !satisfied {
+                    continue;
+                }
+                &step.next
+            };
+            let proceed = |&next: &usize| Action::Proceed { client: k, next };
+            out.actions.extend(next.iter().map(proceed));
+        }
+    }
+
+    /// Whether the thread of a task goes on by beginning a cycle.
+    pub(super) fn begins(&self, s: &State, task: usize) -> bool {
+        let l = &self.layout;
+        let wanted = match self.is_periodic(task) {
+            true => flag::TICK,
+            false => flag::RUNNABLE,
+        };
+        l.thread_of(s, task) == thread::IDLE
+            && l.has(s, task, wanted)
+            && !l.has(s, task, flag::WAKE)
+    }
+
+    /// Whether a cycle needs a core: unless nothing could run in it.
+    pub(super) fn asks_for_core(&self, s: &State, task: usize) -> bool {
+        let l = &self.layout;
+        // With a timer of its own a task is started without a core.
+        let start_up = self.semantics.ticks == TickRule::Task && l.has(s, task, flag::FIRST);
+        let could_run = |it: usize| {
+            let mode = l.mode(s, it);
+            match mode & slot::STATUS {
+                slot::INIT => mode & (slot::START | slot::MARK) != 0,
+                slot::RUN | slot::STOP => true,
+                _ => false,
+            }
+        };
+        self.system.needs_core(task)
+            && !self.preempts()
+            && !start_up
+            && l.slots(task).any(could_run)
+    }
+
+    fn grants(&self, s: &State, out: &mut Enabled) {
+        let l = &self.layout;
+        let queue = l.core_queue(s);
+        if queue.is_empty() || !self.core_free(s) {
+            return;
+        }
+        let grant = |task: u16| Action::Grant {
+            task: task as usize,
+        };
+        match self.system.platform.policy {
+            Policy::Any => out.actions.extend(queue.iter().map(|&it| grant(it))),
+            Policy::Edf => {
+                let deadline = |task: usize| {
+                    let age = l.ages.map_or(0, |base| s.t[base + task]);
+                    let period = self.system.tasks[task].period;
+                    period.map_or(i64::MAX, |it| i64::from(it) - i64::from(age))
+                };
+                let first = queue.iter().min_by_key(|&&it| deadline(it as usize));
+                out.actions.extend(first.map(|&it| grant(it)));
+            }
+            Policy::Fifo => out.actions.push(grant(queue[0])),
+            // Those give cores in another way.
+            Policy::Priority | Policy::Fair => {}
+        }
+    }
+
+    fn core_free(&self, s: &State) -> bool {
+        let Some(cores) = self.system.platform.cores else {
+            return true;
+        };
+        let busy = |&task: &usize| {
+            let holds = thread::AGAIN..=thread::EXECUTING;
+            let start_up =
+                self.semantics.ticks == TickRule::Task && self.layout.has(s, task, flag::FIRST);
+            holds.contains(&self.layout.thread_of(s, task))
+                && self.system.needs_core(task)
+                && !start_up
+        };
+        (0..self.layout.tasks).filter(busy).count() < cores as usize
+    }
+
+    fn ordinary(&self, s: &State, out: &mut Enabled) {
+        let l = &self.layout;
+        for (task, it) in self.system.tasks.iter().enumerate() {
+            let ticks = match self.semantics.ticks {
+                TickRule::Component => true,
+                TickRule::Task => l.thread_of(s, task) != thread::OFF,
+            };
+            if it.period.is_some() && ticks && l.timer(s, task) == 0 {
+                out.actions.push(Action::Tick { task });
+            }
+            let thread = l.thread_of(s, task);
+            if l.has(s, task, flag::WAKE) {
+                out.actions.push(Action::Wake { task });
+            } else if thread == thread::AGAIN || self.begins(s, task) {
+                out.actions.push(Action::Begin { task });
+            }
+            if thread == thread::TICKET {
+                out.actions.push(Action::Ticket { executor: task });
+            }
+        }
+        for component in 0..l.components {
+            self.list_component(s, component, out);
+        }
+        self.requests(s, out);
+        // All so far must happen before time passes.
+        out.urgent = !out.actions.is_empty();
+        for (executor, &phase) in l.phases(s).iter().enumerate() {
+            if phase == phase::EXECUTING {
+                let (a, b) = l.window(s, executor);
+                if a == 0 {
+                    self.outcomes(s, executor, out);
+                    out.forced |= b == 0;
+                }
+            }
+        }
+    }
+
+    fn list_component(&self, s: &State, component: usize, out: &mut Enabled) {
+        let l = &self.layout;
+        let executor = l.control_executor(component);
+        match l.control(s, component) {
+            control::TICKET => out.actions.push(Action::Ticket { executor }),
+            control::REST => out.actions.push(Action::Reply { component }),
+            control::READY if l.signal(s, component) != 0 => {
+                out.actions.push(Action::Signal { component });
+            }
+            _ => {}
+        }
+        match self.semantics.locks {
+            LockRule::Queue => {
+                let head = l.lock_queue(s, component).first().map(|&it| it as usize);
+                let head = head.filter(|&it| self.is_free(s, it));
+                let acquire = head.map(|executor| Action::Acquire { executor });
+                out.actions.extend(acquire);
+            }
+            LockRule::Fifo => {
+                for &executor in l.lock_queue(s, component) {
+                    let executor = executor as usize;
+                    if self.may_leave(s, executor) {
+                        out.actions.push(Action::Acquire { executor });
+                    }
+                }
+            }
+            LockRule::Free => {
+                let tasks = self.system.components[component].tasks.iter().copied();
+                for executor in tasks.chain([executor]) {
+                    if l.phase(s, executor) == phase::LOCKING && self.is_free(s, executor) {
+                        out.actions.push(Action::Acquire { executor });
+                    }
+                }
+            }
+        }
+    }
+
+    /// Whether an executor that waits for its turn has it.
+    pub(super) fn may_leave(&self, s: &State, executor: usize) -> bool {
+        let Some(component) = self.component_of(executor) else {
+            return false;
+        };
+        let queue = self.layout.lock_queue(s, component);
+        let mut ahead = (queue.iter())
+            .map(|&it| it as usize)
+            .take_while(|&it| it != executor);
+        let turn = match self.semantics.locks {
+            LockRule::Queue => ahead.next().is_none(),
+            LockRule::Fifo => {
+                let codel = self.codel(s, executor).map(|it| &self.system.codels[it]);
+                !codel.is_some_and(|codel| ahead.any(|it| self.holds_up(s, codel, it)))
+            }
+            LockRule::Free => true,
+        };
+        turn && self.is_free(s, executor)
+    }
+
+    /// Whether nothing executes that the codel of an executor has to wait for.
+    fn is_free(&self, s: &State, executor: usize) -> bool {
+        let Some(codel) = self.codel(s, executor) else {
+            return true;
+        };
+        let codel = &self.system.codels[codel];
+        !(self.layout.executing(s)).any(|other| other != executor && self.holds_up(s, codel, other))
+    }
+
+    fn requests(&self, s: &State, out: &mut Enabled) {
+        let l = &self.layout;
+        for (k, client) in self.system.clients.iter().enumerate() {
+            let Some(step) = client.steps.get(l.position(s, k) as usize) else {
+                continue;
+            };
+            let ClientAction::Send { service, .. } = step.action else {
+                continue;
+            };
+            let component = self.system.services[service].component;
+            if l.outstanding(s, k) == 0 && l.control(s, component) == control::READY {
+                let request = |&next: &usize| Action::Request { client: k, next };
+                out.actions.extend(step.next.iter().map(request));
+            }
+        }
+    }
+
+    /// The ways in which an executing codel, or a delay, may end.
+    fn outcomes(&self, s: &State, executor: usize, out: &mut Enabled) {
+        let l = &self.layout;
+        let mut push = |outcome| out.actions.push(Action::Finish { executor, outcome });
+        if executor < l.tasks {
+            let slot = l.turn(s, executor) as usize;
+            let (Some(machine), Some(state)) = (self.machine(s, slot), self.machine_state(s, slot))
+            else {
+                return;
+            };
+            let mut any = false;
+            for (outcome, it) in state.yields.iter().enumerate() {
+                if self.within_limit(s, slot, it) {
+                    push(outcome);
+                    any = true;
+                }
+            }
+            if !any && machine.rounds {
+                for (outcome, it) in state.yields.iter().enumerate() {
+                    if *it != Yield::Next(l.at(s, slot) as usize) {
+                        push(outcome);
+                    }
+                }
+            }
+            if self.system.codels[state.codel].throws && self.tells_throwing(s, slot, &state.yields)
+            {
+                push(state.yields.len());
+            }
+        } else if executor < l.tasks + l.components {
+            let component = executor - l.tasks;
+            push(0);
+            let service = &self.system.services[l.handled(s, component) as usize];
+            let validates = service.validate.is_some() && l.codel_number(s, component) == 0;
+            let codel = self.codel(s, executor).map(|it| &self.system.codels[it]);
+            if validates || codel.is_some_and(|it| it.throws) {
+                push(1);
+            }
+        } else {
+            let client = executor - l.tasks - l.components;
+            let step = &self.system.clients[client].steps[l.position(s, client) as usize];
+            step.next.iter().for_each(|&next| push(next));
+        }
+    }
+
+    /// Whether an exception makes a difference: not where the activity may end as well and nobody asks how it ended.
+    fn tells_throwing(&self, s: &State, slot: usize, yields: &[Yield]) -> bool {
+        match self.service(s, slot) {
+            Some(service) => {
+                !yields.contains(&Yield::End) || self.layout.success[service].is_some()
+            }
+            None => true,
+        }
+    }
+
+    pub(super) fn within_limit(&self, s: &State, slot: usize, it: &Yield) -> bool {
+        let limit = self.machine(s, slot).and_then(|it| it.loop_limit);
+        match (it, limit) {
+            (&Yield::Next(state), Some(limit)) => s.d[self.layout.visits[slot].0 + state] < limit,
+            _ => true,
+        }
+    }
+}

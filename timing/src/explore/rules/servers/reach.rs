@@ -1,0 +1,96 @@
+//! How far actions reach: what reductions have to know.
+
+use super::layout::{control, flag, slot, thread};
+use super::{Action, Servers};
+use crate::explore::rules::Rules;
+use crate::explore::state::{State, phase};
+use crate::system::ClientAction;
+
+impl Servers<'_> {
+    /// The component an action is one of; `None` for those of clients alone.
+    pub(crate) fn component_of_action(&self, s: &State, action: Action) -> Option<usize> {
+        match action {
+            Action::Signal { component } | Action::Reply { component } => Some(component),
+            Action::Request { client, .. } => {
+                let steps = &self.system.clients[client].steps;
+                match steps.get(self.layout.position(s, client) as usize)?.action {
+                    ClientAction::Send { service, .. } => {
+                        Some(self.system.services[service].component)
+                    }
+                    _ => None,
+                }
+            }
+            Action::Ticket { executor }
+            | Action::Acquire { executor }
+            | Action::Finish { executor, .. } => self.component_of(executor),
+            _ => Some(self.system.tasks[self.task_of(action)?].component),
+        }
+    }
+
+    /// Whether an action must be performed before time passes.
+    pub(crate) fn has_to_act(&self, s: &State, action: Action) -> bool {
+        match action {
+            Action::Finish { executor, .. } => self.layout.window(s, executor).1 == 0,
+            Action::Preempt { .. } => false,
+            _ => true,
+        }
+    }
+
+    /// Whether a client may still have something to do with components.
+    pub(crate) fn is_active(&self, s: &State, client: usize) -> bool {
+        let l = &self.layout;
+        let it = &self.system.clients[client];
+        l.outstanding(s, client) != 0
+            || l.position(s, client) as usize != it.done()
+            || (0..it.trackers).any(|t| l.tracker(s, client, t) != 0)
+    }
+
+    /// Whether some task of these components waits for a core.
+    pub(crate) fn waits_for_core(&self, s: &State, of: impl Fn(usize) -> bool) -> bool {
+        let mut queue = self.layout.core_queue(s).iter();
+        queue.any(|&task| of(self.system.tasks[task as usize].component))
+    }
+
+    /// Whether an action frees a core, or lets a task ask for one.
+    pub(crate) fn is_about_cores(&self, s: &State, action: Action) -> bool {
+        if self.system.platform.cores.is_none() {
+            return false;
+        }
+        let Some(component) = self.component_of_action(s, action) else {
+            return true;
+        };
+        let tasks = &self.system.components[component].tasks;
+        let at_cores = |s: &State| -> Vec<(bool, bool)> {
+            let of = |&task: &usize| {
+                let asks = self.begins(s, task) && self.asks_for_core(s, task);
+                (self.in_cycle(s, task), asks)
+            };
+            tasks.iter().map(of).collect()
+        };
+        let before = at_cores(s);
+        let mut next = s.clone();
+        self.perform(&mut next, action);
+        at_cores(&next) != before
+    }
+
+    /// Whether one of these tasks has a tick that is kept from its first cycle.
+    pub(crate) fn keeps_first_tick(&self, s: &State, of: impl Fn(usize) -> bool) -> bool {
+        let both = |task: usize| {
+            let flags = self.layout.flags(s, task);
+            flags & flag::FIRST != 0 && flags & flag::TICK != 0 && self.in_cycle(s, task)
+        };
+        (0..self.layout.tasks).any(|task| of(task) && both(task))
+    }
+
+    /// Whether the permanent activity of a task executes the codel of a state, and its component is up.
+    pub(crate) fn rests(&self, s: &State, task: usize, state: usize) -> bool {
+        let l = &self.layout;
+        let first = l.slots(task).start;
+        l.thread_of(s, task) == thread::EXECUTING
+            && l.phase(s, task) == phase::EXECUTING
+            && l.turn(s, task) as usize == first
+            && l.mode(s, first) & slot::STATUS == slot::RUN
+            && l.at(s, first) as usize == state
+            && l.control(s, self.system.tasks[task].component) != control::OFF
+    }
+}

@@ -1,0 +1,78 @@
+//! What can be seen of a state: atoms of predicates.
+
+use super::Servers;
+use super::layout::{control, slot, thread};
+use crate::explore::state::State;
+use crate::property::{Atom, SlotStatus, StatePhase, TaskState};
+
+impl Servers<'_> {
+    /// The value of an atom.
+    pub(super) fn holds(&self, s: &State, atom: &Atom) -> bool {
+        let l = &self.layout;
+        match *atom {
+            Atom::Task(task, state) => {
+                let (waiting, active) = match l.thread_of(s, task) {
+                    thread::WAITING => (true, true),
+                    thread::AGAIN..=thread::EXECUTING => (false, true),
+                    _ => (false, false),
+                };
+                match state {
+                    TaskState::Idle => !active,
+                    TaskState::Waiting => waiting,
+                    TaskState::Running => active && !waiting,
+                    TaskState::Active => active,
+                }
+            }
+            Atom::State {
+                machine,
+                state,
+                phase,
+            } => (0..l.tasks).any(|task| {
+                let now = match l.thread_of(s, task) {
+                    thread::TICKET | thread::QUEUED => StatePhase::Lock,
+                    thread::EXECUTING => StatePhase::Exec,
+                    _ => return false,
+                };
+                let slot = l.turn(s, task) as usize;
+                let automaton = l.automaton(s, slot).checked_sub(1);
+                let same = automaton
+                    .is_some_and(|it| self.system.automata[it as usize].machine == machine);
+                same && l.at(s, slot) as usize == state
+                    && (phase == StatePhase::Any || phase == now)
+            }),
+            Atom::Slot(service, status) => {
+                let tasks = &self.system.components[self.system.services[service].component].tasks;
+                let mut modes = tasks
+                    .iter()
+                    .flat_map(|&task| l.slots(task))
+                    .filter(|&it| self.service(s, it) == Some(service))
+                    .map(|it| l.mode(s, it) & slot::STATUS);
+                match status {
+                    SlotStatus::Void => modes.next().is_none(),
+                    SlotStatus::Wait => modes.any(|it| it == slot::INIT),
+                    SlotStatus::Run => modes.any(|it| it == slot::RUN),
+                    SlotStatus::Stop => modes.any(|it| it == slot::STOP),
+                    SlotStatus::Active => modes.next().is_some(),
+                }
+            }
+            Atom::Handling {
+                service,
+                codel,
+                phase,
+            } => {
+                let component = self.system.services[service].component;
+                let now = match l.control(s, component) {
+                    control::TICKET | control::QUEUED => StatePhase::Lock,
+                    control::EXECUTING => StatePhase::Exec,
+                    _ => return false,
+                };
+                l.handled(s, component) as usize == service
+                    && codel
+                        .is_none_or(|it| self.codel(s, l.control_executor(component)) == Some(it))
+                    && (phase == StatePhase::Any || phase == now)
+            }
+            Atom::ControlBusy(component) => l.control(s, component) != control::READY,
+            Atom::Client(client, ref steps) => steps.contains(&(l.position(s, client) as usize)),
+        }
+    }
+}

@@ -1,0 +1,336 @@
+//! Steps under the rules of the servers, for readers.
+
+use super::layout::{flag, slot, thread};
+use super::{Action, Servers};
+use crate::explore::run::{Moment, MomentKind};
+use crate::explore::state::{State, phase};
+use crate::system::{ClientAction, Yield};
+
+impl Servers<'_> {
+    /// What an action did; without one, what goes on at the beginning.
+    pub(super) fn moments(
+        &self,
+        (before, after): (&State, &State),
+        action: Option<Action>,
+        time: u64,
+        out: &mut Vec<Moment>,
+    ) {
+        if let Some(action) = action {
+            self.action_in_words(before, after, action, time, out);
+        }
+        let l = &self.layout;
+        for executor in 0..l.tasks + l.components {
+            self.executor_in_words((before, after), executor, time, out);
+        }
+        for task in 0..l.tasks {
+            // A pass in which nothing is executed begins and ends in one step.
+            let begun = self.in_cycle(before, task)
+                || (matches!(action, Some(Action::Begin { task: it }) if it == task)
+                    && self.is_periodic(task));
+            if begun && !self.in_cycle(after, task) {
+                let what = match l.has(before, task, flag::FIRST) {
+                    true => "start-up complete",
+                    false => "job complete",
+                };
+                out.push(self.of_task(task, MomentKind::Complete, time, what.to_owned()));
+            }
+        }
+    }
+
+    fn of_task(&self, task: usize, kind: MomentKind, time: u64, what: String) -> Moment {
+        let component = self.system.tasks[task].component;
+        Moment {
+            time,
+            component: self.system.components[component].name.clone(),
+            task: Some(task),
+            codel: None,
+            what,
+            kind,
+        }
+    }
+
+    fn of_component(&self, component: usize, time: u64, what: String) -> Moment {
+        Moment {
+            time,
+            component: self.system.components[component].name.clone(),
+            task: None,
+            codel: None,
+            what,
+            kind: MomentKind::Request,
+        }
+    }
+
+    fn of_codel(
+        &self,
+        codel: usize,
+        executor: usize,
+        time: u64,
+        kind: MomentKind,
+        what: String,
+    ) -> Moment {
+        let component = self.system.codels[codel].component;
+        Moment {
+            time,
+            component: self.system.components[component].name.clone(),
+            task: (executor < self.layout.tasks).then_some(executor),
+            codel: Some(codel),
+            what,
+            kind,
+        }
+    }
+
+    fn action_in_words(
+        &self,
+        before: &State,
+        after: &State,
+        action: Action,
+        time: u64,
+        out: &mut Vec<Moment>,
+    ) {
+        let l = &self.layout;
+        match action {
+            Action::Tick { task } => {
+                let what = if l.thread_of(before, task) == thread::OFF {
+                    "tick before the task is started: kept"
+                } else if l.has(before, task, flag::TICK) {
+                    "tick, the previous one is still kept"
+                } else if l.thread_of(before, task) == thread::WAITING {
+                    "tick while waiting for a core: kept"
+                } else if self.in_cycle(before, task) {
+                    match l.has(before, task, flag::FIRST) {
+                        true => "tick during start-up: kept",
+                        false => "tick before the job has ended: kept",
+                    }
+                } else {
+                    "tick"
+                };
+                out.push(self.of_task(task, MomentKind::Tick, time, what.to_owned()));
+            }
+            Action::Release { task } => {
+                let what = "released, asks for a core".to_owned();
+                out.push(self.of_task(task, MomentKind::Release, time, what));
+            }
+            Action::Grant { task } => {
+                let what = "gets a core".to_owned();
+                out.push(self.of_task(task, MomentKind::Grant, time, what));
+                self.passing(before, after, task, time, out);
+            }
+            Action::Begin { task } => {
+                if l.thread_of(before, task) == thread::IDLE {
+                    let what = match self.is_periodic(task) {
+                        true => "begins a cycle",
+                        false => "wakes up",
+                    };
+                    out.push(self.of_task(task, MomentKind::Release, time, what.to_owned()));
+                }
+                self.passing(before, after, task, time, out);
+            }
+            Action::Finish { executor, outcome } => {
+                self.end_in_words(before, executor, outcome, time, out)
+            }
+            Action::Signal { component } => {
+                let what = "reports ended activities".to_owned();
+                out.push(self.of_component(component, time, what));
+                self.reported(before, after, component, time, out);
+            }
+            Action::Request { client: k, .. } => {
+                let client = &self.system.clients[k];
+                let step = &client.steps[l.position(before, k) as usize];
+                if let ClientAction::Send { service, .. } = step.action {
+                    let component = self.system.services[service].component;
+                    let mut what = format!(
+                        "takes the request {} of client {}",
+                        self.system.service_path(service),
+                        client.name
+                    );
+                    if l.refused(after, component) != 0 {
+                        let allowed = l.given(after, component) != 0
+                            || !self.system.services[service].activity;
+                        what.push_str(match allowed {
+                            true => ": refused, because of `after` or `before`",
+                            false => ": rejected, because its task has no free slot",
+                        });
+                    }
+                    out.push(self.of_component(component, time, what));
+                }
+            }
+            Action::Reply { component } => {
+                let service = l.handled(before, component) as usize;
+                let path = self.system.service_path(service);
+                let what = match (
+                    l.refused(before, component) != 0,
+                    l.given(before, component),
+                ) {
+                    (true, _) => format!("refuses {path}"),
+                    (false, 0) => format!("{path} has succeeded"),
+                    (false, _) => format!("accepts {path}"),
+                };
+                out.push(self.of_component(component, time, what));
+                self.reported(before, after, component, time, out);
+            }
+            Action::Preempt { executor, by } => {
+                let name = |it: usize| match it < l.tasks {
+                    true => self.system.task_path(it),
+                    false => self.system.components[it - l.tasks].name.clone(),
+                };
+                let what = format!("takes the core of {}", name(executor));
+                if by < l.tasks {
+                    out.push(self.of_task(by, MomentKind::Grant, time, what));
+                } else {
+                    out.push(self.of_component(by - l.tasks, time, what));
+                }
+            }
+            Action::Proceed { .. }
+            | Action::Acquire { .. }
+            | Action::Ticket { .. }
+            | Action::Wake { .. } => {}
+        }
+    }
+
+    fn slot_name(&self, s: &State, task: usize, it: usize) -> String {
+        match self.machine(s, it) {
+            Some(machine) => machine.name.clone(),
+            None => self.system.task_path(task),
+        }
+    }
+
+    /// What the beginning of a pass did to activities without executing anything.
+    fn passing(
+        &self,
+        before: &State,
+        after: &State,
+        task: usize,
+        time: u64,
+        out: &mut Vec<Moment>,
+    ) {
+        let l = &self.layout;
+        for it in l.slots(task) {
+            let (was, now) = (l.status(before, it), l.status(after, it));
+            let marked = l.mode(before, it) & slot::MARK != 0;
+            let what = match (was, now) {
+                (slot::INIT, slot::ETHER) if marked => "ends before its first codel: interrupted",
+                (slot::RUN, slot::STOP) => "notices the interruption",
+                (slot::RUN, slot::ETHER) if marked => "ends: interrupted",
+                _ => continue,
+            };
+            let what = format!("{} {what}", self.slot_name(before, task, it));
+            out.push(self.of_task(task, MomentKind::Release, time, what));
+        }
+    }
+
+    /// Activities that are interrupted, released or reported while all are looked at.
+    fn reported(
+        &self,
+        before: &State,
+        after: &State,
+        component: usize,
+        time: u64,
+        out: &mut Vec<Moment>,
+    ) {
+        let l = &self.layout;
+        for &task in &self.system.components[component].tasks {
+            for it in l.slots(task) {
+                let (was, now) = (l.mode(before, it), l.mode(after, it));
+                let new = now & !was;
+                let name = || self.slot_name(before, task, it);
+                if new & slot::MARK != 0 && now & slot::STATUS != slot::VOID {
+                    out.push(self.of_component(component, time, format!("interrupts {}", name())));
+                }
+                if new & slot::START != 0 {
+                    out.push(self.of_component(component, time, format!("releases {}", name())));
+                }
+                if was & slot::STATUS == slot::ETHER && now & slot::STATUS == slot::VOID {
+                    out.push(self.of_component(component, time, format!("reports {}", name())));
+                }
+            }
+        }
+    }
+
+    fn end_in_words(
+        &self,
+        before: &State,
+        executor: usize,
+        outcome: usize,
+        time: u64,
+        out: &mut Vec<Moment>,
+    ) {
+        let l = &self.layout;
+        let Some(codel) = self.codel(before, executor) else {
+            return;
+        };
+        let path = &self.system.codels[codel].path;
+        let what = if executor < l.tasks {
+            let slot = l.turn(before, executor) as usize;
+            let (Some(machine), Some(state)) =
+                (self.machine(before, slot), self.machine_state(before, slot))
+            else {
+                return;
+            };
+            match state.yields.get(outcome) {
+                Some(&Yield::Next(to)) => {
+                    format!("{path} ends, yields {}", machine.states[to].name)
+                }
+                Some(&Yield::Pause(to)) => {
+                    format!("{path} ends, yields pause::{}", machine.states[to].name)
+                }
+                Some(Yield::End) => format!("{path} ends, yields ether"),
+                None => format!("{path} ends by an exception"),
+            }
+        } else {
+            let component = executor - l.tasks;
+            let service = &self.system.services[l.handled(before, component) as usize];
+            match (service.validate == Some(codel), outcome) {
+                (true, 0) => format!("{path} accepts"),
+                (true, _) => format!("{path} refuses"),
+                (false, 0) => format!("{path} ends"),
+                (false, _) => format!("{path} ends by an exception"),
+            }
+        };
+        out.push(self.of_codel(codel, executor, time, MomentKind::End, what));
+    }
+
+    /// A codel begins, or begins to wait.
+    fn executor_in_words(
+        &self,
+        (before, after): (&State, &State),
+        executor: usize,
+        time: u64,
+        out: &mut Vec<Moment>,
+    ) {
+        let l = &self.layout;
+        let (was, now) = (l.phase(before, executor), l.phase(after, executor));
+        if was == now || now == phase::REST {
+            return;
+        }
+        let Some(codel) = self.codel(after, executor) else {
+            return;
+        };
+        let path = &self.system.codels[codel].path;
+        if now == phase::EXECUTING {
+            let what = format!("{path} begins");
+            out.push(self.of_codel(codel, executor, time, MomentKind::Begin, what));
+            return;
+        }
+        // Whoever need not wait leaves the queue in a step of its own at the same moment: not worth a line.
+        let holders = (l.executing(after))
+            .filter(|&it| self.holds_up(after, &self.system.codels[codel], it))
+            .filter_map(|it| self.codel(after, it));
+        let mut reasons: Vec<String> = holders
+            .map(|it| self.system.codels[it].path.clone())
+            .collect();
+        if let Some(component) = self.component_of(executor) {
+            let ahead = l.lock_queue(after, component).iter();
+            let ahead = ahead
+                .map(|&it| it as usize)
+                .take_while(|&it| it != executor);
+            let ahead = ahead.filter_map(|it| self.codel(after, it));
+            reasons.extend(
+                ahead.map(|it| format!("{} (ahead in the queue)", self.system.codels[it].path)),
+            );
+        }
+        if !reasons.is_empty() {
+            let what = format!("{path} waits for {}", reasons.join(", "));
+            out.push(self.of_codel(codel, executor, time, MomentKind::Wait, what));
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! The words for what the model follows: the servers that run on robots, or the published formal models, as a whole or
+//! point by point (section 21 of the timed semantics).
+
+/// Declares the rules of one point: what each is, and its word.
+macro_rules! point {
+    ($(#[$doc:meta])* $name:ident { $($(#[$of:meta])* $rule:ident = $word:literal,)* }) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        pub enum $name { $($(#[$of])* $rule,)* }
+
+        impl $name {
+            /// All of them, with their words.
+            pub const ALL: &[(&str, $name)] = &[$(($word, $name::$rule),)*];
+
+            /// As written.
+            pub fn name(self) -> &'static str {
+                match self { $($name::$rule => $word,)* }
+            }
+        }
+    };
+}
+
+point! {
+    /// `semantics`
+    Preset {
+        /// What the servers do that run on robots.
+        Servers = "servers",
+        /// The published formal models.
+        Published = "published",
+    }
+}
+
+point! {
+    /// `ticks`
+    TickRule {
+        /// One clock per component, from its start.
+        Component = "component",
+        /// One timer per task, from the start of the task.
+        Task = "task",
+    }
+}
+
+point! {
+    /// `turns`
+    TurnRule {
+        /// One codel of each automaton, then of each again: passes.
+        Codel = "codel",
+        /// An automaton executes until it pauses or ends, then the next.
+        Pause = "pause",
+    }
+}
+
+point! {
+    /// `locks`
+    LockRule {
+        /// Any waiting codel may win, also repeatedly.
+        Free = "free",
+        /// In order of arrival, among codels that exclude each other.
+        Fifo = "fifo",
+        /// One queue per component; who is behind the head waits, conflicting or not.
+        Queue = "queue",
+    }
+}
+
+point! {
+    /// `ports`
+    PortRule {
+        /// Copied: no lock between components.
+        Copy = "copy",
+        /// An exclusive lock for the whole codel, across components.
+        Lock = "lock",
+    }
+}
+
+point! {
+    /// `pause`: what resumes an automaton of an aperiodic task that has paused.
+    PauseRule {
+        /// An internal event.
+        Events = "events",
+        /// The next cycle.
+        Turns = "turns",
+    }
+}
+
+/// What a model follows, all points decided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Semantics {
+    /// Decides every point without a word of its own.
+    pub preset: Preset,
+    /// Where ticks come from, and with them how tasks are started.
+    pub ticks: TickRule,
+    /// How automata of a task take turns.
+    pub turns: TurnRule,
+    /// Who gets a lock.
+    pub locks: LockRule,
+    /// What ports lock.
+    pub ports: PortRule,
+    /// What resumes paused automata of aperiodic tasks.
+    pub pause: PauseRule,
+}
+
+impl Semantics {
+    /// The servers that run on robots.
+    pub const SERVERS: Semantics = Semantics {
+        preset: Preset::Servers,
+        ticks: TickRule::Component,
+        turns: TurnRule::Codel,
+        locks: LockRule::Queue,
+        ports: PortRule::Copy,
+        pause: PauseRule::Events,
+    };
+
+    /// The published formal models.
+    pub const PUBLISHED: Semantics = Semantics {
+        preset: Preset::Published,
+        ticks: TickRule::Task,
+        turns: TurnRule::Pause,
+        locks: LockRule::Free,
+        ports: PortRule::Lock,
+        pause: PauseRule::Turns,
+    };
+
+    /// All points as a preset has them.
+    pub fn of(preset: Preset) -> Semantics {
+        match preset {
+            Preset::Servers => Semantics::SERVERS,
+            Preset::Published => Semantics::PUBLISHED,
+        }
+    }
+
+    /// Whether all points are those of the published models, which have rules of their own, for either order of locks that
+    /// these know.
+    pub fn is_published(self) -> bool {
+        let locks = self.locks;
+        locks != LockRule::Queue
+            && self
+                == Semantics {
+                    locks,
+                    ..Semantics::PUBLISHED
+                }
+    }
+
+    /// In words: the preset, then the points that differ from it, as they are written in scenarios.
+    pub fn text(self) -> String {
+        let preset = Semantics::of(self.preset);
+        let points = [
+            ("ticks", self.ticks.name(), preset.ticks.name()),
+            ("turns", self.turns.name(), preset.turns.name()),
+            ("locks", self.locks.name(), preset.locks.name()),
+            ("ports", self.ports.name(), preset.ports.name()),
+            ("pause", self.pause.name(), preset.pause.name()),
+        ];
+        let others = points.iter().filter(|(_, this, usual)| this != usual);
+        let others: Vec<String> = others
+            .map(|(point, this, _)| format!("{point} {this}"))
+            .collect();
+        match others.is_empty() {
+            true => self.preset.name().to_owned(),
+            false => format!("{} with {}", self.preset.name(), others.join(", ")),
+        }
+    }
+}
+
+/// What a scenario says of single points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Points {
+    /// `ticks`
+    pub ticks: Option<TickRule>,
+    /// `turns`
+    pub turns: Option<TurnRule>,
+    /// `locks`
+    pub locks: Option<LockRule>,
+    /// `ports`
+    pub ports: Option<PortRule>,
+    /// `pause`
+    pub pause: Option<PauseRule>,
+}
+
+impl Points {
+    /// The preset, with these points instead of its own.
+    pub fn over(&self, preset: Preset) -> Semantics {
+        let of = Semantics::of(preset);
+        Semantics {
+            preset,
+            ticks: self.ticks.unwrap_or(of.ticks),
+            turns: self.turns.unwrap_or(of.turns),
+            locks: self.locks.unwrap_or(of.locks),
+            ports: self.ports.unwrap_or(of.ports),
+            pause: self.pause.unwrap_or(of.pause),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_names_what_differs_from_the_preset() {
+        assert_eq!(Semantics::SERVERS.text(), "servers");
+        let points = Points {
+            locks: Some(LockRule::Fifo),
+            ports: Some(PortRule::Copy),
+            ..Points::default()
+        };
+        assert_eq!(
+            points.over(Preset::Servers).text(),
+            "servers with locks fifo"
+        );
+        assert_eq!(
+            points.over(Preset::Published).text(),
+            "published with locks fifo, ports copy"
+        );
+    }
+}
