@@ -3,7 +3,7 @@
 use dotgen_analysis::diagnostic::{FileEdit, Fix};
 
 /// The edits of fixes, leaving out those that touch the edits of one before.
-pub fn together<'f>(fixes: impl IntoIterator<Item = &'f Fix>) -> Vec<FileEdit> {
+pub(crate) fn together<'f>(fixes: impl IntoIterator<Item = &'f Fix>) -> Vec<FileEdit> {
     let apart = |a: &FileEdit, b: &FileEdit| {
         a.path != b.path || a.range.end < b.range.start || b.range.end < a.range.start
     };

@@ -159,10 +159,10 @@ fn run(mut command: Command, channels: Channels) -> io::Result<Process> {
         // Who talks to the terminal stays in its group: a group of its own could not read from it.
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
     }
+    // The helper first: it must not have to be started while the program runs already.
+    let watcher = Watcher::get().filter(|_| own_group);
     let child = start(command)?;
-    let group = own_group
-        .then(|| Watcher::get().map(|it| it.group(child.id())))
-        .flatten();
+    let group = watcher.map(|it| it.group(child.id()));
     let group = Started {
         own_group,
         _watched: group,

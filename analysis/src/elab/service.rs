@@ -386,9 +386,8 @@ impl<'a> Elaborator<'a> {
         let said_at = self.src(service.ptr);
         let at = codel.name.as_ref().map_or(property, |it| self.src(it.ptr));
         self.report(
-            Finding::new(kind, at)
-                .related(said_at, "the service")
-                .said_at(said_at),
+            // The reference compiler sees it at the service.
+            Finding::new(kind, said_at).related(at, "this codel"),
         );
     }
 

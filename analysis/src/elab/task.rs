@@ -147,11 +147,8 @@ impl<'a> Elaborator<'a> {
                     codel,
                     task: name.text.clone(),
                 };
-                self.report(
-                    Finding::new(kind, at)
-                        .related(said_at, "the task")
-                        .said_at(said_at),
-                );
+                // The reference compiler sees it at the task.
+                self.report(Finding::new(kind, said_at).related(at, "this codel"));
                 self.misplaced_params(index, Owner::Task(task), decl, CodelKind::Fsm);
             }
             PropertyKind::Local { ty, .. } => {

@@ -21,10 +21,11 @@ impl Place<'_> {
         }
     }
 
-    /// The state `start` for a codel without one, which is at the place.
+    /// The state `start` for a codel without one, the name of which is related.
     pub(crate) fn add_first_state(&self) -> Option<TextFix> {
-        let codel: ast::CodelProperty = self.node(self.range)?;
-        let name = self.token_at(self.range)?;
+        let at = *self.related.first()?;
+        let codel: ast::CodelProperty = self.node(at)?;
+        let name = self.token_at(at)?;
         let keyword = token_before(self.root, name.text_range().start())?;
         let inside = codel.syntax().text_range();
         inside

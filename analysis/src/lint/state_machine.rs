@@ -102,7 +102,7 @@ fn pause_in_aperiodic_task(lint: &mut Lint) {
     if !lint.component.services.is_empty() || with_codels > 1 {
         return;
     }
-    for (index, task) in lint.component.tasks.iter().enumerate() {
+    for task in &lint.component.tasks {
         if task.period.is_some() {
             continue;
         }

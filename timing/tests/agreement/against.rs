@@ -77,7 +77,8 @@ fn compare(seed: u64) -> Option<Result<(), String>> {
         specifications.iter().map(|it| load(&host, it)).collect();
     let units = match units {
         Ok(it) => it,
-        Err(why) => return Some(Err(format!("{why}: {}", shown()))),
+        // Machines are drawn at random: not every one of them is a legal specification.
+        Err(_) => return None,
     };
     let specs: Vec<_> = units.iter().map(|it| &*it.spec).collect();
     let parsed = parse(&scenario);
