@@ -131,13 +131,15 @@ fn machine(
     let permanent = owner.starts_with('t');
     for (i, state) in states.iter().enumerate() {
         let mut yields: Vec<String> = Vec::new();
-        for _ in 0..1 + dice.below(4) / 3 {
-            // Onwards without pause, anywhere with one.
-            let to = match dice.below(10) {
-                0..4 if i + 1 < states.len() => states[i + 1].to_owned(),
-                0..8 => format!("pause::{}", dice.pick(states)),
-                _ if permanent && dice.in_ten(7) => format!("pause::{}", dice.pick(states)),
-                _ => "ether".to_owned(),
+        for first in [true, false] {
+            // The first one leads to the next state, so that all can be reached.
+            let onwards = states.get(i + 1).filter(|_| first || dice.in_ten(4));
+            let to = match onwards {
+                Some(next) if dice.in_ten(5) => (*next).to_owned(),
+                Some(next) => format!("pause::{next}"),
+                None if !first && dice.in_ten(7) => break,
+                None if permanent || dice.in_ten(7) => format!("pause::{}", dice.pick(states)),
+                None => "ether".to_owned(),
             };
             if !yields.contains(&to) {
                 yields.push(to);
