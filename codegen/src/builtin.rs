@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 
 use crate::command::{Environment, Options};
 use crate::compiler::Compiler;
+use crate::disk::Disk;
 
 pub use manifest::{Each, FileRule, Manifest};
 
@@ -64,12 +65,12 @@ pub(crate) enum Texts {
 }
 
 impl Texts {
-    fn manifest(&self) -> Result<Manifest, String> {
-        toml::from_str(&self.read("template.toml")?)
+    fn manifest(&self, disk: &dyn Disk) -> Result<Manifest, String> {
+        toml::from_str(&self.read(disk, "template.toml")?)
             .map_err(|error| format!("template.toml: {}", error.message()))
     }
 
-    fn read(&self, name: &str) -> Result<String, String> {
+    fn read(&self, disk: &dyn Disk, name: &str) -> Result<String, String> {
         match self {
             Texts::Embedded(files) => files
                 .iter()
@@ -78,7 +79,8 @@ impl Texts {
                 .ok_or_else(|| format!("no text {name}")),
             Texts::Folder(dir) => {
                 let path = dir.join(name);
-                std::fs::read_to_string(&path)
+                disk.read(&path)
+                    .and_then(|it| String::from_utf8(it).map_err(std::io::Error::other))
                     .map_err(|error| format!("cannot read {}: {error}", path.display()))
             }
         }
@@ -94,18 +96,18 @@ pub fn names() -> Vec<&'static str> {
 }
 
 /// What a template of dotgen is for.
-pub(crate) fn about(name: &str) -> String {
+pub(crate) fn about(disk: &dyn Disk, name: &str) -> String {
     if name == "mappings" {
         return mappings::ABOUT.to_owned();
     }
     let found = EMBEDDED.iter().find(|it| it.name == name);
-    let manifest = found.and_then(|it| Texts::Embedded(it.files).manifest().ok());
+    let manifest = found.and_then(|it| Texts::Embedded(it.files).manifest(disk).ok());
     manifest.map(|it| it.about).unwrap_or_default()
 }
 
 /// What the template of a folder is for.
-pub(crate) fn about_folder(dir: &Path) -> Option<String> {
-    let manifest = Texts::Folder(dir.to_owned()).manifest();
+pub(crate) fn about_folder(disk: &dyn Disk, dir: &Path) -> Option<String> {
+    let manifest = Texts::Folder(dir.to_owned()).manifest(disk);
     manifest.ok().map(|it| it.about)
 }
 
@@ -145,7 +147,7 @@ pub(crate) fn run_folder(
     let texts = Texts::Folder(dir.to_owned());
     let result = render::run(&name, &texts, args, options, compiler, env);
     if let Err(message) = &result {
-        env.failed_at = crate::template::place(dir, message, "");
+        env.failed_at = crate::template::place(&*env.disk, dir, message, "");
     }
     finish(&name, result, env)
 }

@@ -12,6 +12,7 @@ use dotgen_analysis::host::Loader;
 use dotgen_analysis::model::Spec;
 
 use crate::compiler::Compiler;
+use crate::disk::{Disk, NewContent};
 use crate::frontend::Frontend;
 use crate::template::console::Console;
 use crate::template::discover::{FindError, SearchPath};
@@ -28,6 +29,8 @@ pub struct Environment<'a> {
     pub program: PathBuf,
     /// Environment variables.
     pub variables: &'a dyn Fn(&str) -> Option<String>,
+    /// All access to files but those of specifications.
+    pub disk: Arc<dyn Disk>,
     /// Reads specifications and asks about packages.
     pub loader: Arc<dyn Loader>,
     /// What built-in templates and those of users have drawn.
@@ -56,7 +59,7 @@ pub type Pictures = dyn Fn(&Spec, &str, &str, &str) -> Result<String, String> + 
 /// status: 0; 1 for wrong options; 2 for what cannot be found or done, and for a failing template;
 /// that of a template's `exit`; and the number of errors when only parsing.
 pub fn generate(args: &[String], env: &mut Environment<'_>) -> i32 {
-    let options = match options::parse(args) {
+    let options = match options::parse(args, &env.disk.current_dir()) {
         Ok(options) => options,
         Err(OptionError::Usage(message)) => {
             env.warn(&message);
@@ -118,22 +121,34 @@ impl Environment<'_> {
             .or_else(home)?
             .join("dotgen")
             .join(concat!("templates-", env!("CARGO_PKG_VERSION")));
-        for (name, text) in crate::builtin::SUPPORT {
-            let path = dir.join(name);
-            if std::fs::read_to_string(&path).is_ok_and(|it| it == *text) {
-                continue;
-            }
-            std::fs::create_dir_all(path.parent()?).ok()?;
-            std::fs::write(path, text).ok()?;
-        }
+        let all = crate::builtin::SUPPORT
+            .iter()
+            .map(|(name, text)| NewContent {
+                path: dir.join(name),
+                bytes: text.as_bytes().to_vec(),
+                mode: None,
+            });
+        let there = |it: &NewContent| {
+            self.disk
+                .read(&it.path)
+                .is_ok_and(|there| there == it.bytes)
+        };
+        let missing: Vec<NewContent> = all.filter(|it| !there(it)).collect();
+        self.disk.write(&missing).ok()?;
         Some(dir)
     }
 
+    /// The current directory.
+    fn here(&self) -> Utf8PathBuf {
+        Utf8PathBuf::from_path_buf(self.disk.current_dir()).unwrap_or_default()
+    }
+
     fn compiler(&self, options: &Options) -> Compiler {
-        let here = camino::absolute_utf8(".").unwrap_or_default();
+        let here = self.here();
         let include_dirs = options.include_dirs.iter();
         let defines = options.defines.iter();
         let mut compiler = Compiler::new(
+            Arc::clone(&self.disk),
             Arc::clone(&self.loader),
             include_dirs
                 .map(|dir| here.join(Utf8PathBuf::from(dir)))
@@ -165,7 +180,7 @@ fn list(options: &Options, env: &mut Environment<'_>) -> i32 {
         return 2;
     }
     let search = env.search_path(options);
-    let mut names = search.list();
+    let mut names = search.list(&*env.disk);
     // An installation of GenoM3 brings its own.
     if search.builtin.is_none() {
         names.extend(crate::builtin::names().into_iter().map(str::to_owned));
@@ -189,10 +204,10 @@ fn template(options: &Options, env: &mut Environment<'_>) -> i32 {
         None => return 1,
     };
     let mut compiler = env.compiler(options);
-    if let Some(dir) = search.find_manifest(name) {
+    if let Some(dir) = search.find_manifest(&*env.disk, name) {
         return crate::builtin::run_folder(&dir, arguments, options, &mut compiler, env);
     }
-    let dir = match search.find(name) {
+    let dir = match search.find(&*env.disk, name) {
         Ok(dir) => dir,
         Err(FindError::NotFound(_)) if crate::builtin::names().contains(&name.as_str()) => {
             let status = crate::builtin::run(name, arguments, options, &mut compiler, env);
@@ -213,6 +228,7 @@ fn template(options: &Options, env: &mut Environment<'_>) -> i32 {
         search.builtin = env.support_dir();
     }
     let run = Run {
+        disk: Arc::clone(&env.disk),
         dir,
         args: arguments.to_vec(),
         search: &search,
@@ -255,7 +271,7 @@ fn parse_only(options: &Options, env: &mut Environment<'_>) -> i32 {
 }
 
 fn preprocess_only(options: &Options, env: &mut Environment<'_>) -> i32 {
-    let here = camino::absolute_utf8(".").unwrap_or_default();
+    let here = env.here();
     let dirs = options.include_dirs.iter().map(|dir| here.join(dir));
     let mut preprocessor = preprocess::Preprocessor::new(Arc::clone(&env.loader), dirs.collect());
     for (name, value) in &options.defines {

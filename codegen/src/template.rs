@@ -26,7 +26,9 @@ pub(crate) mod tcl;
 pub(crate) mod throws;
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
+use crate::disk::Disk;
 use crate::frontend::Frontend;
 use console::Console;
 use discover::SearchPath;
@@ -34,7 +36,8 @@ use discover::SearchPath;
 pub(crate) use blame::place;
 pub use host::{Limits, find_tclsh};
 pub use notice::notice;
-pub use output::{Modes, Output, OutputSink, PreviewFile};
+pub(crate) use output::Output;
+pub use output::{Modes, OutputSink, PreviewFile};
 
 /// The version of GenoM3 whose templates run: `__GENOM__` and `dotgen genom version`.
 pub const VERSION: &str = "2.99.39";
@@ -53,6 +56,8 @@ pub(crate) enum Failure {
 /// What to run and how.
 #[derive(Debug)]
 pub struct Run<'a> {
+    /// All access to files.
+    pub disk: Arc<dyn Disk>,
     /// Absolute path of the template.
     pub dir: PathBuf,
     /// Everything after the template's name, unread.
@@ -113,11 +118,8 @@ impl Run<'_> {
         console: &mut dyn Console,
         sink: OutputSink,
     ) -> Outcome {
-        let mut builder = tempfile::Builder::new();
-        builder.prefix("genom").disable_cleanup(self.debug);
-        let base = self.tmpdir.clone().unwrap_or_else(std::env::temp_dir);
-        let tmpdir = match builder.tempdir_in(base.canonicalize().unwrap_or(base)) {
-            Ok(tmpdir) => tmpdir,
+        let mut scratch = match self.disk.scratch(self.tmpdir.as_deref()) {
+            Ok(scratch) => scratch,
             Err(error) => {
                 let message = format!("cannot create a temporary directory: {error}");
                 console.err(&format!("{}: {message}", self.name()));
@@ -129,14 +131,11 @@ impl Run<'_> {
                 };
             }
         };
-        let output = Output {
-            modes: Modes::new(self.debug),
-            merge_tool: "interactive".into(),
-            dir: String::new(),
-            base: self.base.clone(),
-            sink,
-            template: self.name(),
-        };
-        session::run(self, frontend, console, output, tmpdir.path().to_owned())
+        if self.debug {
+            scratch.keep();
+        }
+        let disk = Arc::clone(&self.disk);
+        let output = Output::new(self.name(), self.base.clone(), self.debug, disk, sink);
+        session::run(self, frontend, console, output, scratch)
     }
 }

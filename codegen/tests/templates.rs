@@ -13,6 +13,8 @@ use dotgen_codegen::template::{Limits, Outcome, OutputSink, Run, find_tclsh};
 
 #[path = "support/disk.rs"]
 mod disk;
+#[path = "support/files.rs"]
+mod files;
 
 const SPECIFICATION: &str = r#"/*/ A lamp.
  * Second line.
@@ -51,7 +53,8 @@ fn run(
         builtin: None,
     };
     let run = Run {
-        dir: search.find(template).unwrap(),
+        disk: Arc::new(files::Files),
+        dir: search.find(&files::Files, template).unwrap(),
         args: args.iter().map(|it| (*it).to_owned()).collect(),
         search: &search,
         program: "/bin/dotgen".into(),
@@ -62,7 +65,12 @@ fn run(
         limits,
         base: PathBuf::new(),
     };
-    let mut compiler = Compiler::new(Arc::new(disk::Disk), Vec::new(), Vec::new());
+    let mut compiler = Compiler::new(
+        Arc::new(files::Files),
+        Arc::new(disk::Disk),
+        Vec::new(),
+        Vec::new(),
+    );
     let mut console = Captured::default();
     let outcome = run.execute(&mut compiler, &mut console, sink);
     Some((outcome, console))
@@ -432,7 +440,8 @@ fn a_preview_shows_what_a_run_writes() {
     let run = |sink| {
         let out = dir.path().join("out").display().to_string();
         let run = Run {
-            dir: search.find("skeleton").unwrap(),
+            disk: Arc::new(files::Files),
+            dir: search.find(&files::Files, "skeleton").unwrap(),
             args: vec!["-C".into(), out, path.display().to_string()],
             search: &search,
             program: String::new(),
@@ -443,7 +452,12 @@ fn a_preview_shows_what_a_run_writes() {
             limits: Limits::preview(),
             base: PathBuf::new(),
         };
-        let mut compiler = Compiler::new(Arc::new(disk::Disk), Vec::new(), Vec::new());
+        let mut compiler = Compiler::new(
+            Arc::new(files::Files),
+            Arc::new(disk::Disk),
+            Vec::new(),
+            Vec::new(),
+        );
         let mut console = Captured::default();
         let outcome = run.execute(&mut compiler, &mut console, sink);
         assert_eq!((outcome.status, console.err.as_str()), (0, ""));

@@ -12,6 +12,7 @@ pub mod cli;
 mod codels;
 pub mod config;
 pub mod convert;
+pub mod disk;
 mod dispatch;
 pub mod ext;
 mod generation;

@@ -17,10 +17,11 @@ use crate::codels::stub::{StubOptions, Stubs};
 use crate::command::Pictures;
 use crate::command::{Environment, Options as General};
 use crate::compiler::Compiler;
+use crate::disk::{Disk, Scratch};
 use crate::frontend::Frontend;
 use crate::template::console::Console;
 use crate::template::output::Environment as Surroundings;
-use crate::template::{Failure, Modes, Output, OutputSink, VERSION, notice, tcl};
+use crate::template::{Failure, Output, OutputSink, VERSION, notice, tcl};
 
 /// Steps a text may take.
 const FUEL: u64 = 50_000_000;
@@ -41,15 +42,10 @@ pub(super) fn run(
     compiler: &mut Compiler,
     env: &mut Environment<'_>,
 ) -> Result<i32, String> {
-    let manifest = texts.manifest()?;
-    let mut output = Output {
-        modes: Modes::new(general.debug),
-        merge_tool: "interactive".into(),
-        dir: String::new(),
-        base: env.base.clone(),
-        sink: std::mem::replace(&mut env.sink, OutputSink::Direct),
-        template: name.to_owned(),
-    };
+    let manifest = texts.manifest(&*env.disk)?;
+    let sink = std::mem::replace(&mut env.sink, OutputSink::Direct);
+    let disk = Arc::clone(&env.disk);
+    let mut output = Output::new(name.to_owned(), env.base.clone(), general.debug, disk, sink);
     let result = write(
         name,
         &manifest,
@@ -60,8 +56,9 @@ pub(super) fn run(
         env,
         &mut output,
     );
-    env.sink = output.sink;
-    result
+    let (sink, written) = output.finish(!matches!(result, Ok(0)));
+    env.sink = sink;
+    written.map_err(|error| error.to_string()).and(result)
 }
 
 #[allow(clippy::too_many_arguments, reason = "the parts of a run")]
@@ -90,14 +87,12 @@ fn write(
         Some(directory) => directory.clone(),
         None => parent(&options.inputs[0]),
     };
-    let run = Data::new(compiler, &options, &output.dir, &output.base)?;
-    let tmpdir = tempfile::Builder::new()
-        .prefix("genom")
-        .tempdir()
+    let run = Data::new(&*env.disk, compiler, &options, &output.dir, &output.base)?;
+    let scratch = (env.disk.scratch(None))
         .map_err(|error| format!("cannot create a temporary directory: {error}"))?;
     let mut files = Files {
         console: env.console,
-        tmpdir: tmpdir.path().to_owned(),
+        scratch,
         count: 0,
         verbose: general.verbose.then(|| name.to_owned()),
     };
@@ -108,7 +103,7 @@ fn write(
         if options.terse && !rule.terse {
             continue;
         }
-        let source = texts.read(&rule.source)?;
+        let source = texts.read(&*env.disk, &rule.source)?;
         for data in run.each(rule.each) {
             let path = render(&rule.path, &rule.path, &data, &run.spec, &pictures)?;
             let text = render(&rule.source, &source, &data, &run.spec, &pictures)?;
@@ -202,7 +197,13 @@ struct Data {
 }
 
 impl Data {
-    fn new(compiler: &Compiler, options: &Options, dir: &str, base: &Path) -> Result<Data, String> {
+    fn new(
+        disk: &dyn Disk,
+        compiler: &Compiler,
+        options: &Options,
+        dir: &str,
+        base: &Path,
+    ) -> Result<Data, String> {
         let compiled = compiler.compiled();
         let spec = &*compiled.spec;
         let model = model_json::to_json(spec, None);
@@ -217,7 +218,7 @@ impl Data {
             .collect();
         let mut all_notices = String::new();
         for input in &options.inputs {
-            let text = std::fs::read(base.join(input)).unwrap_or_default();
+            let text = disk.read(&base.join(input)).unwrap_or_default();
             all_notices += &notice(&tcl::decode(&text)).unwrap_or_default();
         }
         let stub_options = StubOptions {
@@ -257,7 +258,9 @@ impl Data {
         let input = Path::new(&options.inputs[0])
             .file_name()
             .unwrap_or_default();
-        let below = std::fs::canonicalize(base.join(dir)).unwrap_or_else(|_| dir.into());
+        let below = disk
+            .canonical(&base.join(dir))
+            .unwrap_or_else(|_| dir.into());
         let inputs: Vec<String> = compiled
             .deps
             .iter()
@@ -367,7 +370,7 @@ fn render(
 /// The channels and temporary files of a run.
 struct Files<'a> {
     console: &'a mut dyn Console,
-    tmpdir: PathBuf,
+    scratch: Box<dyn Scratch>,
     count: u32,
     /// Name for messages, when they are wanted.
     verbose: Option<String>,
@@ -378,9 +381,10 @@ impl Surroundings for Files<'_> {
         &mut *self.console
     }
 
-    fn temporary(&mut self) -> PathBuf {
+    fn temporary(&mut self) -> (&dyn Scratch, PathBuf) {
         self.count += 1;
-        self.tmpdir.join(format!("file{}", self.count))
+        let path = self.scratch.path().join(format!("file{}", self.count));
+        (&*self.scratch, path)
     }
 
     fn format_time(&mut self, time: SystemTime) -> String {

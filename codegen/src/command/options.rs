@@ -1,5 +1,7 @@
 //! General options, in the forms of GenoM3: those before the template's name.
 
+use std::path::{Path, PathBuf};
+
 use crate::template::discover::absolute_text;
 
 /// The general options and what follows them.
@@ -18,6 +20,8 @@ pub(crate) struct Options {
     pub(super) mode: Mode,
     /// The options as `dotgen genom cmdline` shows them.
     pub(super) cmdline: String,
+    /// Directory where relative paths start.
+    here: PathBuf,
     /// The template and everything after it, or the inputs.
     pub(super) rest: Vec<String>,
 }
@@ -64,8 +68,11 @@ const LONG: &[(&str, char)] = &[
     ("version", 'V'),
 ];
 
-pub(super) fn parse(args: &[String]) -> Result<Options, OptionError> {
-    let mut options = Options::default();
+pub(super) fn parse(args: &[String], here: &Path) -> Result<Options, OptionError> {
+    let mut options = Options {
+        here: here.to_owned(),
+        ..Options::default()
+    };
     let mut args = args.iter().peekable();
     while let Some(word) = args.peek() {
         let word = word.as_str();
@@ -146,7 +153,7 @@ impl Options {
     fn apply(&mut self, option: char, value: String, word: &str) -> Result<(), OptionError> {
         let mode = match option {
             'I' => {
-                self.cmdline += &format!(" -I{}", absolute_text(&value));
+                self.cmdline += &format!(" -I{}", absolute_text(&self.here, &value));
                 self.include_dirs.push(value);
                 return Ok(());
             }
@@ -157,18 +164,18 @@ impl Options {
                 return Ok(());
             }
             't' => {
-                self.cmdline += &format!(" -t {}", absolute_text(&value));
+                self.cmdline += &format!(" -t {}", absolute_text(&self.here, &value));
                 self.templates = Some(value);
                 return Ok(());
             }
             'T' => {
-                self.cmdline += &format!(" -T {}", absolute_text(&value));
+                self.cmdline += &format!(" -T {}", absolute_text(&self.here, &value));
                 self.tmpdir = Some(value);
                 return Ok(());
             }
             // The engine is part of this program: another one cannot be named.
             's' => {
-                self.cmdline += &format!(" -s {}", absolute_text(&value));
+                self.cmdline += &format!(" -s {}", absolute_text(&self.here, &value));
                 return Ok(());
             }
             'v' => {
@@ -211,7 +218,7 @@ mod tests {
 
     fn read(line: &str) -> Result<Options, OptionError> {
         let words: Vec<String> = line.split(' ').map(str::to_owned).collect();
-        parse(&words)
+        parse(&words, Path::new("/here"))
     }
 
     #[test]

@@ -1,14 +1,20 @@
 //! Files that templates write: modes, merging, permissions, and where the bytes go.
 
+mod permissions;
+mod staged;
+
 use std::collections::BTreeMap;
 use std::io;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::SystemTime;
 
 use super::Failure;
 use super::console::Console;
 use super::merge::{self, Choice, Conflict};
 use super::tcl;
+use crate::disk::{Disk, Scratch, WriteError};
+pub(crate) use staged::Staged;
 
 /// A file as a template wants it, in a run that writes nothing.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -24,9 +30,9 @@ pub struct PreviewFile {
 /// Where the files of a template go.
 #[derive(Debug)]
 pub enum OutputSink {
-    /// To their places.
+    /// To their places, when the template has ended well: all of them, or none.
     Direct,
-    /// Into memory, by absolute path; later reads see them.
+    /// Into memory, by absolute path.
     Preview(BTreeMap<PathBuf, PreviewFile>),
 }
 
@@ -35,115 +41,6 @@ impl OutputSink {
     pub fn preview() -> OutputSink {
         OutputSink::Preview(BTreeMap::new())
     }
-
-    /// Bytes of a file, `None` when it does not exist.
-    fn read(&self, path: &Path) -> io::Result<Option<Vec<u8>>> {
-        if let OutputSink::Preview(files) = self
-            && let Some(file) = files.get(&plain(path))
-        {
-            return Ok(Some(file.after.clone()));
-        }
-        match std::fs::read(path) {
-            Ok(bytes) => Ok(Some(bytes)),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
-            Err(error) => Err(error),
-        }
-    }
-
-    fn exists(&self, path: &Path) -> bool {
-        match self {
-            OutputSink::Preview(files) if files.contains_key(&plain(path)) => true,
-            _ => path.exists(),
-        }
-    }
-
-    fn write(&mut self, path: &Path, bytes: &[u8], temporary: &Path) -> io::Result<()> {
-        match self {
-            OutputSink::Direct => {
-                if let Some(dir) = path.parent() {
-                    std::fs::create_dir_all(dir)?;
-                }
-                // Copied from a fresh file: the result has its permissions, whatever was there.
-                std::fs::write(temporary, bytes)?;
-                let copied = std::fs::copy(temporary, path).map(|_| ());
-                let _ = std::fs::remove_file(temporary);
-                copied
-            }
-            OutputSink::Preview(files) => {
-                let path = plain(path);
-                let before = match files.get(&path) {
-                    Some(file) => file.before.clone(),
-                    None => std::fs::read(&path).ok(),
-                };
-                files.insert(
-                    path,
-                    PreviewFile {
-                        before,
-                        after: bytes.to_vec(),
-                        mode: None,
-                    },
-                );
-                Ok(())
-            }
-        }
-    }
-
-    /// Puts bytes where they belong, whatever is there.
-    pub(crate) fn put(&mut self, path: &Path, bytes: &[u8]) -> io::Result<()> {
-        match self {
-            OutputSink::Direct => std::fs::write(path, bytes),
-            OutputSink::Preview(_) => self.write(path, bytes, Path::new("")),
-        }
-    }
-
-    fn set_permissions(&mut self, path: &Path, permissions: &str) -> Result<(), Failure> {
-        let invalid = || {
-            Failure::Error(format!(
-                "unknown permission string format \"{permissions}\""
-            ))
-        };
-        match self {
-            OutputSink::Direct => {
-                let current = unix_mode(path);
-                let mode = parse_permissions(permissions, current).ok_or_else(invalid)?;
-                set_unix_mode(path, mode).map_err(|error| {
-                    Failure::Error(format!(
-                        "could not set permissions for file \"{}\": {}",
-                        path.display(),
-                        posix(&error)
-                    ))
-                })
-            }
-            OutputSink::Preview(files) => {
-                let file = files.get_mut(&plain(path));
-                let current = file.as_ref().and_then(|it| it.mode);
-                let current = current.unwrap_or_else(|| match unix_mode(path) {
-                    0 => 0o644,
-                    mode => mode,
-                });
-                let mode = parse_permissions(permissions, current).ok_or_else(invalid)?;
-                if let Some(file) = file {
-                    file.mode = Some(mode);
-                }
-                Ok(())
-            }
-        }
-    }
-}
-
-/// The path without `.` and `..`, absolute.
-fn plain(path: &Path) -> PathBuf {
-    let mut out = PathBuf::new();
-    for component in super::discover::absolute(path).components() {
-        match component {
-            Component::CurDir => {}
-            Component::ParentDir => {
-                out.pop();
-            }
-            other => out.push(other),
-        }
-    }
-    out
 }
 
 /// Switches of the engine that say what happens to files that exist.
@@ -215,8 +112,8 @@ pub(crate) trait Environment {
     fn read_line(&mut self) -> Option<String> {
         self.console().read_line()
     }
-    /// A name for a temporary file.
-    fn temporary(&mut self) -> PathBuf;
+    /// The directory for temporary files, and a fresh name in it.
+    fn temporary(&mut self) -> (&dyn Scratch, PathBuf);
     /// A time as Tcl's `clock format` shows it.
     fn format_time(&mut self, time: SystemTime) -> String;
     /// A message of verbose mode.
@@ -225,24 +122,50 @@ pub(crate) trait Environment {
 
 /// The state of the engine that concerns files.
 #[derive(Debug)]
-pub struct Output {
+pub(crate) struct Output {
     /// See [`Modes`].
-    pub modes: Modes,
+    pub(crate) modes: Modes,
     /// `interactive`, `auto`, or a program.
-    pub merge_tool: String,
+    pub(crate) merge_tool: String,
     /// Output directory; empty when never set.
-    pub dir: String,
+    pub(crate) dir: String,
     /// Directory where relative paths start; empty for the current one.
-    pub base: PathBuf,
-    /// Where bytes go.
-    pub sink: OutputSink,
+    pub(crate) base: PathBuf,
+    /// What was written.
+    pub(crate) files: Staged,
+    /// What was there before.
+    pub(crate) disk: Arc<dyn Disk>,
     /// Name of the template, for messages.
-    pub template: String,
+    pub(crate) template: String,
 }
 
 impl Output {
+    /// The state at the start of a run of the template of that name.
+    pub(crate) fn new(
+        template: String,
+        base: PathBuf,
+        debug: bool,
+        disk: Arc<dyn Disk>,
+        sink: OutputSink,
+    ) -> Output {
+        Output {
+            modes: Modes::new(debug),
+            merge_tool: "interactive".into(),
+            dir: String::new(),
+            base,
+            files: Staged::new(sink),
+            disk,
+            template,
+        }
+    }
+
+    /// Ends the run: a run that has failed writes nothing.
+    pub(crate) fn finish(self, failed: bool) -> (OutputSink, Result<(), WriteError>) {
+        self.files.finish(&*self.disk, failed)
+    }
+
     /// The path of a file that a template names: below the output directory.
-    pub fn path(&self, name: &str) -> String {
+    pub(crate) fn path(&self, name: &str) -> String {
         join(&self.dir, name)
     }
 
@@ -257,7 +180,7 @@ impl Output {
         let shown = self.path(name);
         let path = self.base.join(&shown);
         let silent = self.modes.is_on("silent");
-        let exists = self.sink.exists(&path);
+        let exists = self.files.exists(&*self.disk, &path);
         let say = |env: &mut dyn Environment, line: String| {
             if !silent {
                 env.print(&line);
@@ -267,10 +190,14 @@ impl Output {
             Failure::Error(format!("couldn't open \"{shown}\": {}", posix(error)))
         };
         if exists && self.modes.is_on("move-if-change") {
-            let old = self.sink.read(&path).map_err(|it| opening(&it))?;
+            let old = self
+                .files
+                .read(&*self.disk, &path)
+                .map_err(|it| opening(&it))?;
             if old.as_deref() == Some(text.as_bytes()) {
                 if !permissions.is_empty() {
-                    self.sink.set_permissions(&path, permissions)?;
+                    self.files
+                        .set_permissions(&*self.disk, &path, permissions)?;
                 }
                 say(env, format!("{shown} is up-to-date"));
                 return Ok(());
@@ -284,7 +211,8 @@ impl Output {
                 )));
             }
             if !permissions.is_empty() {
-                self.sink.set_permissions(&path, permissions)?;
+                self.files
+                    .set_permissions(&*self.disk, &path, permissions)?;
             }
             return Ok(());
         }
@@ -297,22 +225,16 @@ impl Output {
         }
         let verb = if exists { "overwriting" } else { "creating" };
         say(env, format!("{verb} {shown}"));
-        self.write(&shown, &path, text.as_bytes(), env)?;
+        self.write(&shown, &path, text.as_bytes())?;
         if !permissions.is_empty() {
-            self.sink.set_permissions(&path, permissions)?;
+            self.files
+                .set_permissions(&*self.disk, &path, permissions)?;
         }
         Ok(())
     }
 
-    fn write(
-        &mut self,
-        shown: &str,
-        path: &Path,
-        bytes: &[u8],
-        env: &mut dyn Environment,
-    ) -> Result<(), Failure> {
-        let temporary = env.temporary();
-        self.sink.write(path, bytes, &temporary).map_err(|error| {
+    fn write(&mut self, shown: &str, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+        self.files.write(&*self.disk, path, bytes).map_err(|error| {
             Failure::Error(format!("error copying to \"{shown}\": {}", posix(&error)))
         })
     }
@@ -330,11 +252,16 @@ impl Output {
         if !interactive && tool != "auto" {
             return self.merge_with(&tool, shown, path, text, env);
         }
-        let old = self.sink.read(path).ok().flatten().unwrap_or_default();
+        let old = self
+            .files
+            .read(&*self.disk, path)
+            .ok()
+            .flatten()
+            .unwrap_or_default();
         let old_text = tcl::decode(&old);
         let header = if interactive {
-            let time = std::fs::metadata(path).and_then(|it| it.modified());
-            let before = env.format_time(time.unwrap_or_else(|_| SystemTime::now()));
+            let time = self.disk.status(path).and_then(|it| it.modified);
+            let before = env.format_time(time.unwrap_or_else(SystemTime::now));
             let now = env.format_time(SystemTime::now());
             format!("--- {shown}\t{before}\n+++ {shown}\t{now}\n")
         } else {
@@ -360,11 +287,11 @@ impl Output {
             }
             return Ok(true);
         }
-        self.write(shown, path, text.as_bytes(), env)?;
+        self.write(shown, path, text.as_bytes())?;
         Ok(true)
     }
 
-    /// Runs `TOOL NEW OLD`; the tool updates OLD itself.
+    /// Runs `TOOL NEW OLD`; the tool updates OLD, which is a copy of the file.
     fn merge_with(
         &mut self,
         tool: &str,
@@ -373,25 +300,25 @@ impl Output {
         text: &str,
         env: &mut dyn Environment,
     ) -> Result<bool, Failure> {
-        let new = env.temporary();
         let failed = |error: io::Error| Failure::Error(format!("{shown}: {}", posix(&error)));
-        std::fs::write(&new, text).map_err(failed)?;
-        // A preview gives the tool a copy to work on.
-        let old = match &self.sink {
-            OutputSink::Direct => path.to_owned(),
-            OutputSink::Preview(_) => {
-                let copy = env.temporary();
-                let bytes = self.sink.read(path).map_err(failed)?.unwrap_or_default();
-                std::fs::write(&copy, bytes).map_err(failed)?;
-                copy
-            }
-        };
+        let before = self
+            .files
+            .read(&*self.disk, path)
+            .map_err(failed)?
+            .unwrap_or_default();
+        let (scratch, new) = env.temporary();
+        scratch.put(&new, text.as_bytes()).map_err(failed)?;
+        let (scratch, old) = env.temporary();
+        scratch.put(&old, &before).map_err(failed)?;
         let mut command = std::process::Command::new(tool);
         if !self.base.as_os_str().is_empty() {
             command.current_dir(&self.base);
         }
         let status = command.arg(&new).arg(&old).status();
-        let _ = std::fs::remove_file(&new);
+        let merged = self.disk.read(&old).map_err(failed);
+        let (scratch, _) = env.temporary();
+        scratch.remove(&new);
+        scratch.remove(&old);
         let problem = match status {
             Ok(status) if status.success() => None,
             Ok(_) => Some("child process exited abnormally".to_owned()),
@@ -401,10 +328,9 @@ impl Output {
             env.message(&format!("{tool}: {problem}"));
             return Ok(false);
         }
-        if let OutputSink::Preview(_) = self.sink {
-            let bytes = std::fs::read(&old).map_err(failed)?;
-            let _ = std::fs::remove_file(&old);
-            self.write(shown, path, &bytes, env)?;
+        let merged = merged?;
+        if merged != before {
+            self.write(shown, path, &merged)?;
         }
         Ok(true)
     }
@@ -478,107 +404,6 @@ pub(crate) fn posix(error: &io::Error) -> String {
     }
 }
 
-#[cfg(unix)]
-fn unix_mode(path: &Path) -> u32 {
-    use std::os::unix::fs::PermissionsExt;
-    std::fs::metadata(path).map_or(0, |it| it.permissions().mode() & 0o7777)
-}
-
-#[cfg(not(unix))]
-fn unix_mode(_: &Path) -> u32 {
-    0
-}
-
-#[cfg(unix)]
-fn set_unix_mode(path: &Path, mode: u32) -> io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    std::fs::set_permissions(path, std::fs::Permissions::from_mode(mode))
-}
-
-#[cfg(not(unix))]
-fn set_unix_mode(_: &Path, _: u32) -> io::Result<()> {
-    Ok(())
-}
-
-/// Reads permissions in the forms of Tcl's `file attributes -permissions`: octal, `rwxr-xr-x`,
-/// or `chmod` words.
-fn parse_permissions(text: &str, current: u32) -> Option<u32> {
-    let text = text.trim();
-    let digits = text.strip_prefix("0o").unwrap_or(text);
-    if !digits.is_empty() && digits.chars().all(|c| c.is_digit(8)) {
-        return u32::from_str_radix(digits, 8).ok().map(|it| it & 0o7777);
-    }
-    if text.len() == 9 && text.chars().all(|c| "rwxstST-".contains(c)) {
-        return parse_listing(text);
-    }
-    let mut mode = current;
-    for clause in text.split(',') {
-        mode = parse_clause(clause, mode)?;
-    }
-    Some(mode)
-}
-
-/// `rwxr-xr-x`.
-fn parse_listing(text: &str) -> Option<u32> {
-    let mut mode = 0;
-    for (index, c) in text.chars().enumerate() {
-        let bit = 0o400 >> index;
-        let (expected, special) = match index {
-            2 => ('x', 0o4000),
-            5 => ('x', 0o2000),
-            8 => ('x', 0o1000),
-            _ if index % 3 == 0 => ('r', 0),
-            _ => ('w', 0),
-        };
-        match c {
-            '-' => {}
-            c if c == expected => mode |= bit,
-            's' | 't' if special != 0 => mode |= bit | special,
-            'S' | 'T' if special != 0 => mode |= special,
-            _ => return None,
-        }
-    }
-    Some(mode)
-}
-
-/// `u+x`, `go-w`, `a=r`.
-fn parse_clause(clause: &str, mode: u32) -> Option<u32> {
-    let at = clause.find(['+', '-', '='])?;
-    let (who, rest) = clause.split_at(at);
-    let mut classes = 0;
-    for c in who.chars() {
-        classes |= match c {
-            'u' => 0o4700,
-            'g' => 0o2070,
-            'o' => 0o1007,
-            'a' => 0o7777,
-            _ => return None,
-        };
-    }
-    if who.is_empty() {
-        classes = 0o7777;
-    }
-    let mut characters = rest.chars();
-    let operator = characters.next()?;
-    let mut bits = 0;
-    for c in characters {
-        bits |= match c {
-            'r' => 0o444,
-            'w' => 0o222,
-            'x' => 0o111,
-            's' => 0o6000,
-            't' => 0o1000,
-            _ => return None,
-        };
-    }
-    let bits = bits & classes;
-    Some(match operator {
-        '+' => mode | bits,
-        '-' => mode & !bits,
-        _ => (mode & !classes) | bits,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -589,23 +414,6 @@ mod tests {
         assert_eq!(join(".", "a.txt"), "./a.txt");
         assert_eq!(join("out/", "sub//a.txt"), "out/sub/a.txt");
         assert_eq!(join("out", "/abs"), "/abs");
-    }
-
-    #[test]
-    fn permissions_in_every_form() {
-        for (text, mode) in [
-            ("0755", 0o755),
-            ("755", 0o755),
-            ("a+x", 0o755),
-            ("a+x,go-w", 0o755),
-            ("u=rwx,g=rx,o=", 0o750),
-            ("rwxr-x---", 0o750),
-            ("+x", 0o755),
-        ] {
-            assert_eq!(parse_permissions(text, 0o644), Some(mode), "{text}");
-        }
-        assert_eq!(parse_permissions("q+x", 0o644), None);
-        assert_eq!(parse_permissions("", 0o644), None);
     }
 
     #[test]

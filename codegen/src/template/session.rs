@@ -12,8 +12,9 @@ use super::blame::{self, Script};
 use super::console::Console;
 use super::host::Host;
 use super::object::Registry;
-use super::output::{Environment, Modes, Output, posix};
+use super::output::{Environment, Output, posix};
 use super::{Failure, Outcome, Run, tcl};
+use crate::disk::Scratch;
 use crate::frontend::{Compiled, Frontend};
 use crate::lang::Language;
 
@@ -28,7 +29,7 @@ pub(super) struct Session<'a> {
     /// Objects whose commands do not exist yet, because the parse that added them failed.
     unannounced: Vec<String>,
     output: Output,
-    tmpdir: PathBuf,
+    scratch: Box<dyn Scratch>,
     temporaries: u32,
     scripts: Vec<Script>,
     deps: Vec<String>,
@@ -52,7 +53,7 @@ pub(super) fn run(
     frontend: &mut dyn Frontend,
     console: &mut dyn Console,
     output: Output,
-    tmpdir: PathBuf,
+    scratch: Box<dyn Scratch>,
 ) -> Outcome {
     let name = run.name();
     let host = match Host::start(&run.limits, &run.base, !console.is_terminal()) {
@@ -61,7 +62,7 @@ pub(super) fn run(
             console.err(&format!("{name}: {message}"));
             return Outcome {
                 status: 2,
-                sink: output.sink,
+                sink: output.finish(true).0,
                 error: Some(message),
                 place: None,
             };
@@ -76,7 +77,7 @@ pub(super) fn run(
         registry: Rc::new(Registry::default()),
         unannounced: Vec::new(),
         output,
-        tmpdir,
+        scratch,
         temporaries: 0,
         scripts: Vec::new(),
         deps: Vec::new(),
@@ -90,7 +91,7 @@ pub(super) fn run(
         Ok(done) => {
             session.host.finish();
             if done.failed {
-                place = blame::place(&run.dir, &done.message, &done.trace);
+                place = blame::place(&*run.disk, &run.dir, &done.message, &done.trace);
             }
             let shown = if run.verbose {
                 &done.trace
@@ -109,12 +110,24 @@ pub(super) fn run(
     if let Some(error) = &error {
         session.console.err(&format!("{name}: {error}"));
     }
-    Outcome {
+    let unwritten = session.output.files.changed();
+    let (sink, written) = session.output.finish(status != 0);
+    let mut outcome = Outcome {
         status,
-        sink: session.output.sink,
+        sink,
         error,
         place,
+    };
+    if let Err(problem) = written {
+        let message = problem.to_string();
+        session.console.err(&format!("{name}: {message}"));
+        outcome.status = 2;
+        outcome.error = Some(message);
+    } else if status != 0 && unwritten > 0 && matches!(outcome.sink, super::OutputSink::Direct) {
+        let message = format!("{name}: nothing was written, since the template did not end well");
+        session.console.err(&message);
     }
+    outcome
 }
 
 impl Session<'_> {
@@ -206,7 +219,7 @@ impl Session<'_> {
                 // each time.
                 let path = self.run.dir.join(&name);
                 if name != "<string>" && !self.deps.contains(&path.display().to_string()) {
-                    self.deps.push(normalize(&path));
+                    self.deps.push(self.normalize(&path));
                 }
                 nothing()
             }
@@ -215,7 +228,7 @@ impl Session<'_> {
                 self.scripts.push(Script {
                     path: word(1).to_owned(),
                     name: word(1).to_owned(),
-                    text: std::fs::read(&path)
+                    text: (self.run.disk.read(&path))
                         .map(|it| tcl::decode(&it))
                         .unwrap_or_default(),
                 });
@@ -239,7 +252,7 @@ impl Session<'_> {
                 nothing()
             }
             "commit_file" => {
-                let text = std::fs::read(word(3)).map_err(|error| {
+                let text = self.run.disk.read(Path::new(word(3))).map_err(|error| {
                     Failure::Error(format!("couldn't open \"{}\": {}", word(3), posix(&error)))
                 })?;
                 self.commit(word(1), word(2), &tcl::decode(&text))?;
@@ -261,34 +274,34 @@ impl Session<'_> {
                  DOTGEN_TCLSH to its tclsh"
             )));
         }
-        let confined = matches!(self.output.sink, super::OutputSink::Preview(_));
+        let confined = self.output.files.is_preview();
         let limit = self.run.limits.output.unwrap_or(0);
         Ok(Answer::volatile(tcl::list([
             if confined { "1" } else { "0" },
             &self.run.name(),
             &self.run.dir.display().to_string(),
-            &self.tmpdir.display().to_string(),
+            &self.scratch.path().display().to_string(),
             &limit.to_string(),
             &tcl::list(&self.run.args),
         ])))
     }
 
+    /// Absolute path with links resolved but for the last component, as Tcl's `file normalize`.
+    fn normalize(&self, path: &Path) -> String {
+        let disk = &self.run.disk;
+        let path = disk.absolute(path);
+        let resolved = match (path.parent(), path.file_name()) {
+            (Some(dir), Some(name)) => disk.canonical(dir).map(|dir| dir.join(name)).ok(),
+            _ => None,
+        };
+        resolved.unwrap_or(path).display().to_string()
+    }
+
     fn add_dep(&mut self, path: &Path) {
-        let path = normalize(path);
+        let path = self.normalize(path);
         if !self.deps.contains(&path) {
             self.deps.push(path);
         }
-    }
-}
-
-fn empty_output() -> Output {
-    Output {
-        modes: Modes::new(false),
-        merge_tool: String::new(),
-        dir: String::new(),
-        base: PathBuf::new(),
-        sink: super::OutputSink::Direct,
-        template: String::new(),
     }
 }
 
@@ -297,10 +310,10 @@ impl Environment for Session<'_> {
         &mut *self.console
     }
 
-    fn temporary(&mut self) -> PathBuf {
+    fn temporary(&mut self) -> (&dyn Scratch, PathBuf) {
         self.temporaries += 1;
-        let name = format!("template{:04}{:04}", std::process::id(), self.temporaries);
-        self.tmpdir.join(name)
+        let path = (self.scratch.path()).join(format!("template{:08}", self.temporaries));
+        (&*self.scratch, path)
     }
 
     fn format_time(&mut self, time: SystemTime) -> String {
@@ -316,14 +329,4 @@ impl Environment for Session<'_> {
             self.console.err(&format!("{}: {text}", self.run.name()));
         }
     }
-}
-
-/// Absolute path with links resolved but for the last component, as Tcl's `file normalize`.
-fn normalize(path: &Path) -> String {
-    let path = super::discover::absolute(path);
-    let resolved = match (path.parent(), path.file_name()) {
-        (Some(dir), Some(name)) => dir.canonicalize().map(|dir| dir.join(name)).ok(),
-        _ => None,
-    };
-    resolved.unwrap_or(path).display().to_string()
 }

@@ -18,6 +18,7 @@ use super::choices;
 use crate::caps::ClientCaps;
 use crate::config::{Config, Generate};
 use crate::convert::uri;
+use crate::disk::SystemDisk;
 use crate::snapshot::{Snapshot, Subject};
 use crate::vfs::Vfs;
 
@@ -109,7 +110,7 @@ impl Job {
 
     /// The templates there are.
     pub(crate) fn templates(&self) -> Vec<TemplateInfo> {
-        catalog::templates(&self.search())
+        catalog::templates(&SystemDisk, &self.search())
     }
 
     /// What a template says about itself, and its options.
@@ -179,6 +180,7 @@ impl Job {
             name: "dotgen",
             program: std::env::current_exe().unwrap_or_else(|_| "dotgen".into()),
             variables: &environment,
+            disk: Arc::new(SystemDisk),
             loader: Arc::new(Overlay {
                 open: self.open.clone(),
                 disk: Vfs::new(self.config.packages.clone()),

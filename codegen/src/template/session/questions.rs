@@ -103,7 +103,7 @@ impl Session<'_> {
             ("genom", "program") => Ok(Answer::pure(run.program.clone())),
             ("genom", "cmdline") => Ok(Answer::pure(run.cmdline.clone())),
             ("genom", "version") => Ok(Answer::pure(format!("genom {VERSION}"))),
-            ("genom", "templates") => Ok(Answer::pure(tcl::list(run.search.list()))),
+            ("genom", "templates") => Ok(Answer::pure(tcl::list(run.search.list(&*run.disk)))),
             ("genom", "debug") => flag(run.debug),
             ("genom", "verbose") => flag(run.verbose),
             ("template", "name") => Ok(Answer::pure(run.name())),
@@ -113,7 +113,7 @@ impl Session<'_> {
                 let dir = dir.map(|it| it.display().to_string());
                 Ok(Answer::pure(dir.unwrap_or_default()))
             }
-            ("template", "tmpdir") => Ok(Answer::pure(self.tmpdir.display().to_string())),
+            ("template", "tmpdir") => Ok(Answer::pure(self.scratch.path().display().to_string())),
             ("input", "notice") => match &self.notice {
                 Some(notice) => Ok(Answer::pure(notice.clone())),
                 None => Err(Failure::Error("no notice found".into())),
@@ -292,7 +292,7 @@ impl Session<'_> {
         let mut report = |line: &str| console.err(line);
         let result = if what == "file" {
             for file in inputs {
-                if let Ok(bytes) = std::fs::read(file)
+                if let Ok(bytes) = self.run.disk.read(std::path::Path::new(file))
                     && let Some(notice) = notice(&String::from_utf8_lossy(&bytes))
                 {
                     self.notice.get_or_insert_default().push_str(&notice);

@@ -1,9 +1,11 @@
 //! Sources of templates, the places of their errors, and what the engine does with files.
 
-use super::{Reply, Session, empty_output};
+use std::path::Path;
+
+use super::{Reply, Session};
 use crate::template::api::Answer;
 use crate::template::blame::{self, Frame, Script};
-use crate::template::output::{Environment, join, posix};
+use crate::template::output::{Environment, Output, OutputSink, join, posix};
 use crate::template::{Failure, marker, tcl};
 
 impl Session<'_> {
@@ -12,7 +14,7 @@ impl Session<'_> {
         let (name, text) = if kind == "file" {
             let path = join(&self.run.dir.display().to_string(), source);
             self.message(&format!("reading {path}"));
-            let bytes = std::fs::read(&path).map_err(|error| {
+            let bytes = self.run.disk.read(Path::new(&path)).map_err(|error| {
                 Failure::Error(format!("couldn't open \"{path}\": {}", posix(&error)))
             })?;
             (source.to_owned(), tcl::decode(&bytes))
@@ -21,20 +23,22 @@ impl Session<'_> {
         };
         let program = marker::translate(&text)
             .map_err(|error| Failure::Error(format!("{name}:{}: {}", error.line, error.fault)))?;
-        let path = self.temporary();
+        let (_, path) = self.temporary();
         if self.output.modes.is_on("debug") && !self.output.modes.is_on("silent") {
             self.print(&format!(
                 "generating template code for {name} in {}",
                 path.display()
             ));
         }
-        std::fs::write(&path, &program.text).map_err(|error| {
-            Failure::Error(format!(
-                "couldn't open \"{}\": {}",
-                path.display(),
-                posix(&error)
-            ))
-        })?;
+        self.scratch
+            .put(&path, program.text.as_bytes())
+            .map_err(|error| {
+                Failure::Error(format!(
+                    "couldn't open \"{}\": {}",
+                    path.display(),
+                    posix(&error)
+                ))
+            })?;
         let path = path.display().to_string();
         self.scripts.push(Script {
             path: path.clone(),
@@ -74,7 +78,17 @@ impl Session<'_> {
     ) -> Result<(), Failure> {
         self.files += text.len() as u64;
         self.check_output(self.files).map_err(Failure::Stop)?;
-        let mut output = std::mem::replace(&mut self.output, empty_output());
+        let mut output = {
+            let disk = std::sync::Arc::clone(&self.run.disk);
+            let empty = Output::new(
+                String::new(),
+                Default::default(),
+                false,
+                disk,
+                OutputSink::Direct,
+            );
+            std::mem::replace(&mut self.output, empty)
+        };
         let result = output.commit(name, permissions, text, self);
         self.output = output;
         result
@@ -110,7 +124,7 @@ impl Session<'_> {
             ("pwd", []) if self.output.dir.is_empty() => ".".into(),
             ("pwd", []) => self.output.dir.clone(),
             ("pwd", _) => return Err(usage("pwd")),
-            ("mktemp", []) => self.temporary().display().to_string(),
+            ("mktemp", []) => self.temporary().1.display().to_string(),
             _ => return Err(usage("mktemp")),
         };
         Ok(Answer::volatile(text))
