@@ -15,7 +15,7 @@ use salsa::{Database as _, Setter as _};
 use smol_str::SmolStr;
 
 use crate::{
-    base::{Db, RootDatabase, SourceFile, line_index, normalize},
+    base::{Db, FileStatus, RootDatabase, SourceFile, line_index, normalize},
     diagnostic::{Diagnostic, Severity},
     ide::{self, *},
     lint::LintConfig,
@@ -35,7 +35,7 @@ pub enum FileContent {
     Missing,
     /// A directory.
     Directory,
-    /// A file that is not UTF-8: its text with replacement characters.
+    /// A file that is not UTF-8: its text as of `dotgen_syntax::encoding::decode`.
     NotUtf8(String),
     /// It cannot be read: why.
     Unreadable(String),
@@ -352,6 +352,11 @@ impl Analysis {
             let file = db.file(path);
             file.status(db).is_text().then(|| file.text(db).clone())
         })
+    }
+
+    /// Whether a file was read from the disk and is no UTF-8: what it is shown as is not what it holds.
+    pub fn is_not_utf8(&self, path: &Utf8Path) -> Cancellable<bool> {
+        self.with(|db| *db.file(path).status(db) == FileStatus::NotUtf8)
     }
 
     /// Lines of a file.

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use camino::Utf8PathBuf;
 use dotgen_analysis::host::Loader;
 use dotgen_analysis::model::Spec;
+use dotgen_syntax::encoding;
 
 use crate::compiler::Compiler;
 use crate::disk::{Disk, NewContent};
@@ -253,7 +254,7 @@ fn parse_only(options: &Options, env: &mut Environment<'_>) -> i32 {
     let result = compiler.parse_files(&options.rest, &mut |line| console.err(line));
     if options.mode == Mode::Dump {
         let model = dotgen_analysis::model_json::to_json(&compiler.compiled().spec, None);
-        env.print(&format!("{model:#}"));
+        env.print(&encoding::shown(&format!("{model:#}")));
     }
     match result {
         Ok(()) => 0,
@@ -283,7 +284,7 @@ fn preprocess_only(options: &Options, env: &mut Environment<'_>) -> i32 {
     let mut failed = false;
     for input in &options.rest {
         match preprocessor.file(camino::Utf8Path::new(input)) {
-            Ok(text) => env.console.out(text.as_bytes()),
+            Ok(text) => env.console.out(&encoding::encode(&text)),
             Err(problem) => {
                 env.warn(&format!("cannot read {input}: {problem}"));
                 failed = true;

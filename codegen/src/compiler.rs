@@ -11,6 +11,7 @@ use dotgen_analysis::host::{
 };
 use dotgen_analysis::model::{Component, Spec, Src, TypeKind, Value};
 use dotgen_analysis::source_map::{Locations, MacroCall};
+use dotgen_syntax::encoding;
 use rustc_hash::{FxHashMap, FxHashSet};
 use smol_str::SmolStr;
 
@@ -89,7 +90,7 @@ impl Compiler {
             if !in_reference(it) || !self.reported.insert(key) {
                 continue;
             }
-            report(&self.line(it));
+            report(&encoding::shown(&self.line(it)));
             if it.severity == Severity::Error {
                 errors += 1;
                 fatal |= stops(it.code);

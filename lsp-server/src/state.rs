@@ -105,7 +105,7 @@ impl State {
         events: WeakUnboundedSender<Event>,
         revisions: watch::Sender<u64>,
     ) -> State {
-        let vfs = Arc::new(Vfs::default());
+        let vfs = Arc::new(Vfs::for_editor());
         State {
             host: AnalysisHost::new(vfs.clone()),
             vfs,

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use dotgen_syntax::{
-    TextRange, TextSize,
+    TextRange, TextSize, encoding,
     preproc::{Element, MacroSite},
 };
 use smol_str::SmolStr;
@@ -85,8 +85,10 @@ fn reading(db: &dyn Db, file: SourceFile) -> Option<(&'static str, Severity, Tex
         FileStatus::Directory => unreadable("this is a directory, not a specification".into()),
         FileStatus::Unreadable(why) => unreadable(format!("this file cannot be read: {why}")),
         FileStatus::NotUtf8 => {
-            let at = file.text(db).find('\u{fffd}').unwrap_or(0);
-            let at = TextRange::at(offset(at), TextSize::of('\u{fffd}'));
+            let at = encoding::first_escape(file.text(db));
+            let at = at.or_else(|| file.text(db).find('\u{fffd}')).unwrap_or(0);
+            let width = file.text(db)[at..].chars().next().map_or(0, char::len_utf8);
+            let at = TextRange::at(offset(at), offset(width));
             let message = "this file is not UTF-8 from here on; save it as UTF-8".into();
             Some((NOT_UTF8, Severity::Warning, at, message))
         }

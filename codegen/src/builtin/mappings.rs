@@ -1,5 +1,7 @@
 //! `mappings`: the types of a specification, and the prototypes of its codels, in C or C++.
 
+use dotgen_syntax::encoding;
+
 use super::words::{self, Next};
 use crate::command::Environment;
 use crate::compiler::Compiler;
@@ -113,7 +115,7 @@ pub(super) fn run(
         staged.map_err(|error| format!("cannot write {file}: {error}"))?;
         written.map_err(|error| error.to_string())?;
     }
-    env.console.out(out.as_bytes());
+    env.console.out(encoding::latin1(&out).as_bytes());
     env.console.out(b"\n");
     Ok(0)
 }

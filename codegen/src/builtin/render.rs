@@ -6,6 +6,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use dotgen_analysis::model::{ComponentKind, Spec};
 use dotgen_analysis::model_json;
+use dotgen_syntax::encoding;
 use minijinja::value::Value;
 use minijinja::{Environment as Jinja, context};
 use serde_json::Value as Json;
@@ -107,6 +108,7 @@ fn write(
         for data in run.each(rule.each) {
             let path = render(&rule.path, &rule.path, &data, &run.spec, &pictures)?;
             let text = render(&rule.source, &source, &data, &run.spec, &pictures)?;
+            let text = encoding::latin1(&text);
             written += text.len() as u64;
             if written > limit {
                 return Err(format!("stopped: more than {} MiB", limit >> 20));

@@ -10,9 +10,10 @@ use std::sync::Arc;
 use std::time::SystemTime;
 
 use super::Failure;
+use dotgen_syntax::encoding;
+
 use super::console::Console;
 use super::merge::{self, Choice, Conflict};
-use super::tcl;
 use crate::disk::{Disk, Scratch, WriteError};
 pub(crate) use staged::Staged;
 
@@ -258,7 +259,9 @@ impl Output {
             .ok()
             .flatten()
             .unwrap_or_default();
-        let old_text = tcl::decode(&old);
+        // What only the file has goes through as it is, whatever its encoding.
+        let old_text = encoding::decode(old.clone());
+        let new_text = encoding::escape(text);
         let header = if interactive {
             let time = self.disk.status(path).and_then(|it| it.modified);
             let before = env.format_time(time.unwrap_or_else(SystemTime::now));
@@ -268,7 +271,7 @@ impl Output {
             String::new()
         };
         let mut action = String::new();
-        let merged = merge::merge(text, &old_text, &mut |conflict| {
+        let merged = merge::merge(&new_text, &old_text, &mut |conflict| {
             if interactive {
                 ask(&header, conflict, &mut action, env)
             } else {
@@ -281,13 +284,14 @@ impl Output {
         let Some(text) = merged.text else {
             return Ok(true);
         };
-        if self.modes.is_on("move-if-change") && text.as_bytes() == old {
+        let bytes = encoding::encode(&text);
+        if self.modes.is_on("move-if-change") && *bytes == *old {
             if !self.modes.is_on("silent") {
                 env.print(&format!("{shown} was not modified"));
             }
             return Ok(true);
         }
-        self.write(shown, path, text.as_bytes())?;
+        self.write(shown, path, &bytes)?;
         Ok(true)
     }
 
@@ -343,7 +347,7 @@ fn ask(
     action: &mut String,
     env: &mut dyn Environment,
 ) -> Choice {
-    let patch = format!("{header}{}", conflict.hunk());
+    let patch = format!("{header}{}", encoding::shown(&conflict.hunk()));
     env.print(&patch);
     loop {
         env.prompt("Apply this patch [y,n,c,a,q,?]? ");

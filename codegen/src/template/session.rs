@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use dotgen_syntax::encoding::latin1;
+
 use super::api::Answer;
 use super::blame::{self, Script};
 use super::console::Console;
@@ -175,8 +177,12 @@ impl Session<'_> {
         match self.dispatch(&words, &mut more) {
             Ok(answer) => {
                 let pure: &[u8] = if answer.pure { b"1" } else { b"0" };
-                self.host
-                    .send(&[b"ok", answer.text.as_bytes(), pure, more.as_bytes()])
+                self.host.send(&[
+                    b"ok",
+                    latin1(&answer.text).as_bytes(),
+                    pure,
+                    latin1(&more).as_bytes(),
+                ])
             }
             Err(Failure::Error(message)) => {
                 // Whether a question fails depends on the same things as its answer.

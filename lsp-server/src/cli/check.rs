@@ -8,7 +8,7 @@ use dotgen_analysis::diagnostic::{Diagnostic, Severity};
 use dotgen_timing::scn::names::Names;
 
 use super::report::{self, Format, Report};
-use super::session::{self, ConfigProblems, Session, SourceFile, Texts};
+use super::session::{self, ConfigProblems, Session, SourceFile, Texts, Trouble};
 use super::{Outcome, Reading};
 use crate::convert::{Encoding, Lines};
 use crate::verification::Problem;
@@ -19,7 +19,7 @@ use crate::vfs;
 /// Exit status: 0 without errors (warnings do not count), 1 with errors, 2 if a file cannot be read.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// Specifications, scenarios (.scn), and directories to search for .gen files
+    /// Specifications, scenarios (.scn), directories to search for .gen files, or - for standard input
     #[arg(value_name = "PATH", required = true)]
     paths: Vec<Utf8PathBuf>,
 
@@ -32,45 +32,54 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
-    let files = session::files(&arguments.paths)?;
+    let (files, mut trouble) = session::usable(&arguments.paths, &["gen"]);
     let mut report = Report::default();
     for session in session::open(files, &arguments.reading)? {
-        check(&session, &mut report)?;
+        check(&session, &mut report, &mut trouble);
     }
     report.finish();
     report::print(&report, arguments.format)?;
-    Ok(match report.count(Severity::Error) {
+    Ok(trouble.outcome(match report.count(Severity::Error) {
         0 => Outcome::Fine,
         _ => Outcome::Errors,
-    })
+    }))
 }
 
-fn check(session: &Session, report: &mut Report) -> anyhow::Result<()> {
+fn check(session: &Session, report: &mut Report, trouble: &mut Trouble) {
     if let Some(config) = &session.config {
         add_config_problems(config, &mut report.diagnostics, &mut report.texts);
     }
     let ours: BTreeSet<_> = session.files.iter().map(|it| &it.path).collect();
     for file in &session.files {
-        if file.is_scenario() {
-            let found = scenario(session, file)?;
-            session.add_texts(&found, &mut report.texts)?;
-            report.diagnostics.extend(found);
-            report.checked += 1;
-            continue;
-        }
-        if !file.named {
-            // Found in a directory and included by another file of it: it is checked in there, and
-            // need not make sense alone.
-            let roots = session.ask(&file.path, |it| it.roots_containing(&file.path))?;
-            if roots.iter().any(|it| *it != file.path && ours.contains(it)) {
-                continue;
-            }
-        }
-        let unit = session.ask(&file.path, |it| it.root_unit(&file.path))?;
-        session.add_texts(&unit.diagnostics, &mut report.texts)?;
-        report.diagnostics.extend(unit.diagnostics.iter().cloned());
-        report.checked += 1;
+        trouble.or_tell(check_file(session, file, &ours, report));
     }
+}
+
+fn check_file(
+    session: &Session,
+    file: &SourceFile,
+    ours: &BTreeSet<&Utf8PathBuf>,
+    report: &mut Report,
+) -> anyhow::Result<()> {
+    if file.is_scenario() {
+        let found = scenario(session, file)?;
+        session.add_texts(&found, &mut report.texts)?;
+        report.diagnostics.extend(found);
+        report.checked += 1;
+        return Ok(());
+    }
+    if !file.named {
+        // Found in a directory and included by another file of it: it is checked in there, and
+        // need not make sense alone.
+        let roots = session.ask(&file.path, |it| it.roots_containing(&file.path))?;
+        if roots.iter().any(|it| *it != file.path && ours.contains(it)) {
+            return Ok(());
+        }
+    }
+    let unit = session.ask(&file.path, |it| it.root_unit(&file.path))?;
+    session.add_texts(&unit.diagnostics, &mut report.texts)?;
+    report.diagnostics.extend(unit.diagnostics.iter().cloned());
+    report.checked += 1;
     Ok(())
 }
 

@@ -5,11 +5,12 @@ use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::Diagnostic;
 use dotgen_analysis::host::{Analysis, AnalysisHost, Cancellable, Change, FileContent};
 use dotgen_codegen::codels::files::FilesConfig;
+use dotgen_syntax::encoding;
 use rustc_hash::FxHashMap;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::Reading;
+use super::{Outcome, Reading};
 use crate::config::{self, Config, Level, Problem, Settings};
 use crate::convert::{Encoding, Lines};
 use crate::panic;
@@ -34,6 +35,8 @@ pub(super) struct SourceFile {
     pub(super) path: Utf8PathBuf,
     /// Named by the user, not found in a directory.
     pub(super) named: bool,
+    /// Its text, if that is not read from the disk: standard input.
+    pub(super) text: Option<Arc<str>>,
 }
 
 impl SourceFile {
@@ -50,40 +53,155 @@ pub(super) struct ConfigProblems {
     pub(super) problems: Vec<Problem>,
 }
 
-/// The files that the arguments name: files themselves, directories all `.gen` below them.
+/// The files that the arguments name: files themselves, directories all `.gen` below them. The first that
+/// cannot be used is an error.
 pub(super) fn files(arguments: &[Utf8PathBuf]) -> anyhow::Result<Vec<SourceFile>> {
-    let mut files: Vec<SourceFile> = Vec::new();
-    let mut add = |path, named| {
-        if files.iter().all(|it| it.path != path) {
-            files.push(SourceFile { path, named });
-        }
-    };
+    let mut files = Vec::new();
     for argument in arguments {
-        let path = absolute(argument)?;
-        match vfs::read(&path) {
-            FileContent::Directory => {
-                let found = vfs::files_below(&path, &["gen"]);
-                if found.is_empty() {
-                    bail!("no .gen file below `{argument}`");
-                }
-                found.into_iter().for_each(|it| add(it, false));
-            }
-            FileContent::Text(_) | FileContent::NotUtf8(_) => add(path, true),
-            FileContent::Missing => bail!("cannot read `{argument}`: no such file or directory"),
-            FileContent::Unreadable(why) => bail!("cannot read `{argument}`: {why}"),
-        }
+        add(argument, &["gen"], &mut files)?;
     }
     Ok(files)
 }
 
-/// As [`files`], for commands that have nothing to do with scenarios.
-pub(super) fn specifications(arguments: &[Utf8PathBuf]) -> anyhow::Result<Vec<SourceFile>> {
-    let files = files(arguments)?;
-    if let Some(it) = files.iter().find(|it| it.is_scenario()) {
-        let path = display(&it.path);
+/// As [`files`], for commands that go on without what cannot be used.
+pub(super) fn usable(arguments: &[Utf8PathBuf], extensions: &[&str]) -> (Vec<SourceFile>, Trouble) {
+    let (mut files, mut trouble) = (Vec::new(), Trouble::default());
+    for argument in arguments {
+        match add(argument, extensions, &mut files) {
+            Ok(skipped) => skipped.iter().for_each(|it| trouble.tell(it)),
+            Err(error) => trouble.tell(&error),
+        }
+    }
+    (files, trouble)
+}
+
+/// As [`usable`], for commands that have nothing to do with scenarios.
+pub(super) fn specifications(arguments: &[Utf8PathBuf]) -> (Vec<SourceFile>, Trouble) {
+    let (mut files, mut trouble) = usable(arguments, &["gen"]);
+    files.retain(|it| match no_scenario(it) {
+        Ok(()) => true,
+        Err(error) => {
+            trouble.tell(&error);
+            false
+        }
+    });
+    (files, trouble)
+}
+
+fn no_scenario(file: &SourceFile) -> anyhow::Result<()> {
+    if file.is_scenario() {
+        let path = display(&file.path);
         bail!("`{path}` is a scenario, not a specification: `dotgen verify {path}` verifies it");
     }
-    Ok(files)
+    Ok(())
+}
+
+/// Adds what an argument names. Returns what is wrong with files below a directory.
+fn add(
+    argument: &Utf8Path,
+    extensions: &[&str],
+    files: &mut Vec<SourceFile>,
+) -> anyhow::Result<Vec<anyhow::Error>> {
+    let mut push = |path, named, text| {
+        if files.iter().all(|it| it.path != path) {
+            files.push(SourceFile { path, named, text });
+        }
+    };
+    if is_standard_input(argument) {
+        let path = absolute(Utf8Path::new(STANDARD_INPUT))?;
+        push(path, true, Some(standard_input()?.into()));
+        return Ok(Vec::new());
+    }
+    let path = absolute(argument)?;
+    let mut skipped = Vec::new();
+    match vfs::read(&path) {
+        FileContent::Directory => {
+            let found = vfs::files_below(&path, extensions);
+            skipped = unusable_names(&path, extensions);
+            if found.is_empty() && skipped.is_empty() {
+                let all: Vec<String> = extensions.iter().map(|it| format!(".{it}")).collect();
+                let all = match all.split_last() {
+                    Some((last, rest)) if !rest.is_empty() => {
+                        format!("{} or {last}", rest.join(", "))
+                    }
+                    _ => all.concat(),
+                };
+                bail!("no {all} file below `{argument}`");
+            }
+            found.into_iter().for_each(|it| push(it, false, None));
+        }
+        FileContent::Text(_) | FileContent::NotUtf8(_) => push(path, true, None),
+        FileContent::Missing => bail!("cannot read `{argument}`: no such file or directory"),
+        FileContent::Unreadable(why) => bail!("cannot read `{argument}`: {why}"),
+    }
+    Ok(skipped)
+}
+
+/// Files below a directory whose names are no UTF-8, as errors: nobody could name them in a message or an include.
+fn unusable_names(directory: &Utf8Path, extensions: &[&str]) -> Vec<anyhow::Error> {
+    let entries = walkdir::WalkDir::new(directory)
+        .into_iter()
+        .filter_entry(|it| {
+            let hidden = it.file_name().to_string_lossy().starts_with('.');
+            it.depth() == 0 || !(hidden && it.file_type().is_dir())
+        });
+    let wanted = |it: &walkdir::DirEntry| {
+        let extension = it.path().extension().and_then(|it| it.to_str());
+        it.path().to_str().is_none() && extension.is_some_and(|it| extensions.contains(&it))
+    };
+    let found = entries.filter_map(Result::ok).filter(wanted);
+    let error = |it: walkdir::DirEntry| {
+        anyhow::anyhow!(
+            "`{}` is left out: its name is not UTF-8; rename it",
+            it.path().display()
+        )
+    };
+    found.map(error).collect()
+}
+
+/// How people write standard input.
+const STANDARD_INPUT: &str = "-";
+
+/// Whether an argument stands for standard input.
+pub(super) fn is_standard_input(argument: &Utf8Path) -> bool {
+    matches!(
+        argument.as_str(),
+        STANDARD_INPUT | "/dev/stdin" | "/dev/fd/0" | "/proc/self/fd/0"
+    )
+}
+
+/// All of standard input, as the text of a file.
+pub(super) fn standard_input() -> anyhow::Result<String> {
+    let mut bytes = Vec::new();
+    std::io::Read::read_to_end(&mut std::io::stdin(), &mut bytes)
+        .context("cannot read standard input")?;
+    Ok(encoding::decode(bytes))
+}
+
+/// Remembers that something could not be used, while the rest is done.
+#[derive(Debug, Default)]
+#[must_use]
+pub(super) struct Trouble(bool);
+
+impl Trouble {
+    /// Says on standard error what is wrong.
+    pub(super) fn tell(&mut self, error: &anyhow::Error) {
+        super::report::failure(error);
+        self.0 = true;
+    }
+
+    /// The value; `None` when there is none, and that is told.
+    pub(super) fn or_tell<T>(&mut self, result: anyhow::Result<T>) -> Option<T> {
+        result.inspect_err(|error| self.tell(error)).ok()
+    }
+
+    /// What the command comes to.
+    pub(super) fn outcome(&self, otherwise: Outcome) -> Outcome {
+        match self.0 {
+            true => Outcome::Unusable,
+            false => otherwise,
+        }
+    }
 }
 
 /// The one file that a command is about.
@@ -91,7 +209,9 @@ pub(super) fn single(argument: &Utf8Path, reading: &Reading) -> anyhow::Result<S
     if argument.is_dir() {
         bail!("`{argument}` is a directory; name a file");
     }
-    let mut sessions = open(specifications(&[argument.to_owned()])?, reading)?;
+    let files = files(&[argument.to_owned()])?;
+    files.iter().try_for_each(no_scenario)?;
+    let mut sessions = open(files, reading)?;
     sessions.pop().context("there is nothing to read")
 }
 
@@ -162,7 +282,11 @@ impl Session {
         let configuration = Config::new(&settings, here, true);
         let vfs = Arc::new(Vfs::new(configuration.packages.clone()));
         let mut host = AnalysisHost::new(vfs);
+        let given = files
+            .iter()
+            .filter_map(|it| Some((it.path.clone(), Some(it.text.as_deref()?.to_owned()))));
         host.apply(Change {
+            files: given.collect(),
             roots: Some(files.iter().map(|it| it.path.clone()).collect()),
             config: Some(configuration.for_analysis()),
             ..Change::default()

@@ -9,6 +9,8 @@ use annotate_snippets::{
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::{Diagnostic, Fix, Severity};
 
+use dotgen_syntax::encoding::shown;
+
 use super::Report;
 use crate::cli::session::{self, Texts};
 use crate::convert::Lines;
@@ -23,7 +25,7 @@ const NEAR: u32 = 40;
 pub(in crate::cli) fn print(report: &Report) -> anyhow::Result<()> {
     let mut out = anstream::AutoStream::auto(std::io::stdout().lock());
     for diagnostic in &report.diagnostics {
-        writeln!(out, "{}\n", render(diagnostic, &report.texts))?;
+        writeln!(out, "{}\n", shown(&render(diagnostic, &report.texts)))?;
     }
     writeln!(out, "{}", summary(report))?;
     Ok(())
@@ -47,7 +49,7 @@ pub(in crate::cli) fn print_to_stderr<'d>(
 ) -> anyhow::Result<()> {
     let mut out = anstream::AutoStream::auto(std::io::stderr().lock());
     for diagnostic in diagnostics {
-        writeln!(out, "{}\n", render(diagnostic, texts))?;
+        writeln!(out, "{}\n", shown(&render(diagnostic, texts)))?;
     }
     Ok(())
 }
