@@ -16,8 +16,7 @@ use rustc_hash::FxHasher;
 use smallvec::SmallVec;
 use std::hash::Hasher;
 
-use super::state::{Layout, State, phase};
-use super::step::Stepper;
+use super::state::{Frame, State};
 use crate::system::Ticks;
 
 const NONE: u32 = u32::MAX;
@@ -31,8 +30,7 @@ pub(crate) struct Encoded {
 }
 
 /// Writes a state as key and box.
-pub(crate) fn encode(stepper: &Stepper, s: &State, out: &mut Encoded) {
-    let l = &stepper.layout;
+pub(crate) fn encode(l: &Frame, s: &State, out: &mut Encoded) {
     out.key.clear();
     out.dims.clear();
     // Most numbers are small; without branches this is done for many at once.
@@ -56,19 +54,18 @@ pub(crate) fn encode(stepper: &Stepper, s: &State, out: &mut Encoded) {
         out.dims.push(a);
         out.dims.push(b);
     }
-    out.dims.extend(&s.t[l.clock_base..]);
+    out.dims.extend(l.clock_values(s));
 }
 
 /// The state written as `key` and `dims`.
-pub(crate) fn decode(stepper: &Stepper, key: &[u8], dims: &[Ticks]) -> State {
+pub(crate) fn decode(l: &Frame, key: &[u8], dims: &[Ticks]) -> State {
     let mut s = State::default();
-    decode_to(stepper, key, dims, &mut s);
+    decode_to(l, key, dims, &mut s);
     s
 }
 
 /// The same, into the memory of another state.
-pub(crate) fn decode_to(stepper: &Stepper, key: &[u8], dims: &[Ticks], s: &mut State) {
-    let l = &stepper.layout;
+pub(crate) fn decode_to(l: &Frame, key: &[u8], dims: &[Ticks], s: &mut State) {
     l.clear(s);
     let mut at = 0;
     let small = &key[..s.d.len()];
@@ -88,17 +85,17 @@ pub(crate) fn decode_to(stepper: &Stepper, key: &[u8], dims: &[Ticks], s: &mut S
             }
         }
     }
-    for value in &mut s.t[..l.window_base] {
+    for value in l.key_times_mut(s) {
         *value = read_varint(key, &mut at);
     }
     let mut at = 0;
     for executor in 0..l.executors() {
-        if l.phase(s, executor) & !phase::ASYNC == phase::EXECUTING {
+        if l.is_executing(s, executor) {
             l.set_window(s, executor, (dims[at], dims[at + 1]));
             at += 2;
         }
     }
-    s.t[l.clock_base..].copy_from_slice(&dims[at..]);
+    l.clock_values_mut(s).copy_from_slice(&dims[at..]);
 }
 
 fn varint(out: &mut Vec<u8>, mut value: u32) {
@@ -360,7 +357,7 @@ fn hash(key: &[u8]) -> u64 {
 }
 
 /// Whether a box of this layout holds a point (or smaller box).
-pub(crate) fn holds(layout: &Layout, cover: &[Ticks], it: &[Ticks]) -> bool {
+pub(crate) fn holds(layout: &Frame, cover: &[Ticks], it: &[Ticks]) -> bool {
     let clocks = layout.clocks();
     Shape {
         windows: (it.len() - clocks) / 2,

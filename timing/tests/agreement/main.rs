@@ -1,6 +1,8 @@
 //! The explorer agrees with an independent brute-force interpreter on random small systems.
 
 mod brute;
+mod expected;
+mod servers;
 mod systems;
 
 use brute::{Brute, CAP, Results};

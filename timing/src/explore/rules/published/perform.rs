@@ -1,12 +1,13 @@
 //! What an action does, as far as it is a matter neither of a task's cycle nor of the control task.
 
-use super::{Action, Stepper};
+use super::Published;
+use crate::explore::rules::Action;
 use crate::explore::state::{State, phase};
 use crate::system::ClientAction;
 
-impl Stepper<'_> {
+impl Published<'_> {
     /// Performs an action that is enabled.
-    pub(crate) fn apply(&self, s: &mut State, action: Action) {
+    pub(super) fn perform(&self, s: &mut State, action: Action) {
         let l = &self.layout;
         match action {
             Action::Proceed { client, next } => self.client_to(s, client, next),

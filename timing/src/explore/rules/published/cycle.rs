@@ -1,11 +1,12 @@
 //! The cycle of a task: its start, its release, the turns of its automata, and what the end of a codel
 //! leads to.
 
-use super::Stepper;
-use crate::explore::state::{State, TaskStatus, control, mode, phase, slot};
+use super::Published;
+use super::layout::{control, mode, slot};
+use crate::explore::state::{State, TaskStatus, phase};
 use crate::system::{FOREVER, Policy, Yield};
 
-impl Stepper<'_> {
+impl Published<'_> {
     /// Starts tasks of a component from the one in `starting` on, up to one that has to run its
     /// first codel (section 3).
     pub(super) fn start_tasks(&self, s: &mut State, component: usize) {

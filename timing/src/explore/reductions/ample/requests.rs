@@ -14,8 +14,9 @@
 //! They cannot follow each other for ever in no time if every round of a client has a delay that may take time.
 
 use super::{Moment, Parts, Visible, loops_in_no_time};
-use crate::explore::state::{TaskStatus, control, mode, phase, slot, tracker};
-use crate::explore::step::Action;
+use crate::explore::rules::Action;
+use crate::explore::rules::published::layout::{control, mode, slot, tracker};
+use crate::explore::state::{TaskStatus, phase};
 use crate::system::{Client, ClientAction, TimedSystem, Yield};
 
 /// A set of services.

@@ -4,24 +4,17 @@
 //! the whole system has been compared with itself under it.
 
 use super::Unit;
+use crate::explore::reductions::Asked;
 use crate::property::{Atom, Predicate};
 use crate::system::{ClientAction, CodelSet, TimedSystem};
 
-/// What is asked of a system, as far as it tells its parts apart.
-pub(in crate::explore) struct Asked<'a> {
-    /// Tasks with equal labels are asked the same.
-    pub(in crate::explore) labels: Vec<Label>,
-    /// Each of them must be the same after an exchange.
-    pub(in crate::explore) predicates: Vec<&'a Predicate>,
-}
-
 /// What is asked of a task.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(in crate::explore) struct Label {
+pub(crate) struct Label {
     /// Which lists it is in.
-    pub(in crate::explore) watched: [bool; 2],
+    pub(crate) watched: [bool; 2],
     /// Limits, and whether times are measured at present.
-    pub(in crate::explore) measured: Vec<(Option<u32>, Option<u32>, bool)>,
+    pub(crate) measured: Vec<(Option<u32>, Option<u32>, bool)>,
 }
 
 /// Classes of units that are alike, each of at least two.

@@ -1,14 +1,14 @@
 //! How time passes.
 
-use super::Stepper;
-use crate::explore::state::{State, TaskStatus, phase};
+use super::Published;
+use crate::explore::state::{State, TaskStatus};
 use crate::system::{FOREVER, Ticks};
 
-impl Stepper<'_> {
+impl Published<'_> {
     /// How long nothing needs to be looked at after a state without urgent actions: until the next
     /// moment at which something may happen, or, for executors whose end `can_wait`, has to. `None`:
     /// forever.
-    pub(crate) fn next_moment(&self, s: &State, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks> {
+    pub(super) fn until_next(&self, s: &State, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks> {
         let l = &self.layout;
         let mut least = FOREVER;
         for (task, it) in self.system.tasks.iter().enumerate() {
@@ -25,8 +25,8 @@ impl Stepper<'_> {
         (least != FOREVER).then_some(least)
     }
 
-    /// Lets time pass, at most [`Stepper::next_moment`].
-    pub(crate) fn elapse(&self, s: &mut State, time: Ticks) {
+    /// Lets time pass, at most [`Published::until_next`].
+    pub(super) fn pass(&self, s: &mut State, time: Ticks) {
         let l = &self.layout;
         for (task, it) in self.system.tasks.iter().enumerate() {
             if it.period.is_some() && l.started(s, task) {
@@ -42,19 +42,6 @@ impl Stepper<'_> {
                 s.t[clock] += time;
             }
         }
-        for executor in 0..l.executors() {
-            if l.phase(s, executor) & phase::EXECUTING != 0 {
-                let (a, b) = l.window(s, executor);
-                let b = if b == FOREVER { b } else { b - time };
-                l.set_window(s, executor, (a.saturating_sub(time), b));
-            }
-        }
-        for (i, clock) in l.observer_clock.iter().enumerate() {
-            if let Some(clock) = *clock
-                && l.open(s, i) != 0
-            {
-                s.t[clock] += time;
-            }
-        }
+        l.elapse(s, time);
     }
 }

@@ -23,13 +23,13 @@
 //!   on whoever can give back a core;
 //! * the end of a cycle after which the task joins the queue again, on others of the kind.
 
+use super::Held;
 use super::ample::Ample;
-use super::state::{State, TaskStatus, mode, phase};
-use super::step::{Action, Enabled, Stepper};
+use crate::explore::rules::published::Published;
+use crate::explore::rules::published::layout::mode;
+use crate::explore::rules::{Action, Enabled};
+use crate::explore::state::{State, TaskStatus, phase};
 use crate::system::{CodelSet, LockOrder, Policy, TimedSystem};
-
-/// What is held back: executors from bit 0 on, ticks from bit [`TICKS`] on.
-pub(crate) type Held = u128;
 
 const TICKS: usize = 64;
 
@@ -39,7 +39,7 @@ type Tasks = u64;
 /// A state and what can happen in it.
 #[derive(Clone, Copy)]
 pub(crate) struct Now<'n, 's> {
-    pub(crate) stepper: &'n Stepper<'s>,
+    pub(crate) rules: &'n Published<'s>,
     pub(crate) ample: &'n Ample,
     pub(crate) s: &'n State,
     pub(crate) enabled: &'n Enabled,
@@ -119,7 +119,7 @@ impl Overtake {
     /// What is still held back after an action that led from one state to another.
     pub(crate) fn after(
         &self,
-        stepper: &Stepper,
+        rules: &Published,
         before: &State,
         action: Action,
         s: &State,
@@ -128,22 +128,21 @@ impl Overtake {
         if held == 0 {
             return 0;
         }
-        let l = &stepper.layout;
+        let l = &rules.layout;
         let joined = self.limited && matches!(action, Action::Release { .. });
         let given = self.limited
-            && stepper.system.platform.policy != Policy::Fifo
+            && rules.system.platform.policy != Policy::Fifo
             && matches!(action, Action::Grant { .. });
         let mut left = held;
         for bit in bits(held) {
             let stays = match bit.checked_sub(TICKS) {
                 Some(task) => {
-                    let needs = stepper.system.needs_core(task);
-                    let overtaken =
-                        contested(stepper, before, task) && !contested(stepper, s, task);
+                    let needs = rules.system.needs_core(task);
+                    let overtaken = contested(rules, before, task) && !contested(rules, s, task);
                     !overtaken && !(needs && (joined || given))
                 }
                 None => match l.phase(s, bit) {
-                    phase::LOCKING => stepper.can_acquire(s, bit),
+                    phase::LOCKING => rules.can_acquire(s, bit),
                     phase::EXECUTING => l.window(s, bit).1 == 0 && !joined,
                     _ => false,
                 },
@@ -157,16 +156,16 @@ impl Overtake {
 }
 
 /// Whether the job or the start-up of a task goes on, so that its end and the next tick are not the same in both orders.
-fn contested(stepper: &Stepper, s: &State, task: usize) -> bool {
-    stepper.layout.status(s, task) != TaskStatus::Idle || !settled(stepper, s, task)
+fn contested(rules: &Published, s: &State, task: usize) -> bool {
+    rules.layout.status(s, task) != TaskStatus::Idle || !settled(rules, s, task)
 }
 
 /// Past its start-up.
-fn settled(stepper: &Stepper, s: &State, task: usize) -> bool {
-    stepper.layout.started(s, task)
-        && stepper.system.tasks[task]
+fn settled(rules: &Published, s: &State, task: usize) -> bool {
+    rules.layout.started(s, task)
+        && rules.system.tasks[task]
             .permanent
-            .is_none_or(|a| matches!(stepper.layout.mode(s, a), mode::NORMAL | mode::ENDED))
+            .is_none_or(|a| matches!(rules.layout.mode(s, a), mode::NORMAL | mode::ENDED))
 }
 
 fn bits(mut held: Held) -> impl Iterator<Item = usize> {
@@ -200,9 +199,9 @@ impl Moment<'_, '_> {
     /// Whether the order of more than what the rule knows may matter: a job that waits for a core has something to do or
     /// not, depending on its start-up.
     fn undecided(&self) -> bool {
-        (0..self.stepper.layout.tasks).any(|task| {
-            self.stepper.layout.status(self.s, task) == TaskStatus::Waiting
-                && !settled(self.stepper, self.s, task)
+        (0..self.rules.layout.tasks).any(|task| {
+            self.rules.layout.status(self.s, task) == TaskStatus::Waiting
+                && !settled(self.rules, self.s, task)
         })
     }
 
@@ -233,7 +232,7 @@ impl Moment<'_, '_> {
                 let Action::Finish { executor, .. } = action else {
                     continue;
                 };
-                let task = self.stepper.system.automata[executor].task;
+                let task = self.rules.system.automata[executor].task;
                 if all && useful >> task & 1 == 1 {
                     out.push((action, due));
                 }
@@ -249,7 +248,7 @@ impl Moment<'_, '_> {
             Action::Tick { task } => 1 << (TICKS + task),
             Action::Acquire { executor } => 1 << executor,
             Action::Finish { executor, .. }
-                if self.stepper.layout.window(self.s, executor).1 == 0 =>
+                if self.rules.layout.window(self.s, executor).1 == 0 =>
             {
                 1 << executor
             }
@@ -259,28 +258,28 @@ impl Moment<'_, '_> {
 
     /// Tasks that can overtake something due.
     fn rivals(&self, bit: usize) -> Tasks {
-        let tasks = 0..self.stepper.layout.tasks;
+        let tasks = 0..self.rules.layout.tasks;
         let set = |it: &dyn Fn(usize) -> bool| {
             tasks
                 .clone()
                 .filter(|&task| it(task))
                 .fold(0, |set, task| set | 1 << task)
         };
-        let system = self.stepper.system;
+        let system = self.rules.system;
         if let Some(task) = bit.checked_sub(TICKS) {
             let needs = system.needs_core(task);
             return set(&|q| {
-                (q == task && contested(self.stepper, self.s, task))
+                (q == task && contested(self.rules, self.s, task))
                     || (needs && self.may_join(q))
                     || (needs && system.platform.policy != Policy::Fifo && self.on_core(q))
             });
         }
         let own = system.automata[bit].task;
-        if self.stepper.layout.phase(self.s, bit) == phase::EXECUTING {
+        if self.rules.layout.phase(self.s, bit) == phase::EXECUTING {
             let joins = self.may_join(own);
             return set(&|q| joins && q != own && self.may_join(q));
         }
-        let codel = self.stepper.codel(self.s, bit).expect("it waits for locks");
+        let codel = self.rules.codel(self.s, bit).expect("it waits for locks");
         let conflicts = &system.codels[codel].conflicts;
         set(&|q| q != own && self.can_come_to(q, conflicts))
     }
@@ -288,33 +287,33 @@ impl Moment<'_, '_> {
     /// Whether a task can join the queue at this moment, other than by a tick that nothing has to come before. One that
     /// comes during the start-up finds nothing to do; one that was held back until that has ended makes the task join.
     fn may_join(&self, task: usize) -> bool {
-        let system = self.stepper.system;
+        let system = self.rules.system;
         if !system.needs_core(task) {
             return false;
         }
         if system.tasks[task].period.is_some() {
             let released = self.held != 0 && self.held >> (TICKS + task) & 1 == 0;
-            let joins = released || !settled(self.stepper, self.s, task);
-            return self.stepper.layout.pending(self.s, task) || (self.due(task) && joins);
+            let joins = released || !settled(self.rules, self.s, task);
+            return self.rules.layout.pending(self.s, task) || (self.due(task) && joins);
         }
-        !settled(self.stepper, self.s, task)
-            || (self.stepper.layout.status(self.s, task) != TaskStatus::Idle
+        !settled(self.rules, self.s, task)
+            || (self.rules.layout.status(self.s, task) != TaskStatus::Idle
                 && !self.ample.endless(task))
     }
 
     fn on_core(&self, task: usize) -> bool {
-        self.stepper.layout.status(self.s, task) == TaskStatus::Running
-            && self.stepper.system.needs_core(task)
+        self.rules.layout.status(self.s, task) == TaskStatus::Running
+            && self.rules.system.needs_core(task)
     }
 
     /// Whether a task can want to execute one of these codels at this moment, or wants to now.
     fn can_come_to(&self, task: usize, codels: &CodelSet) -> bool {
-        let l = &self.stepper.layout;
-        let system = self.stepper.system;
+        let l = &self.rules.layout;
+        let system = self.rules.system;
         let Some(a) = system.tasks[task].permanent else {
             return false;
         };
-        if !settled(self.stepper, self.s, task)
+        if !settled(self.rules, self.s, task)
             && self.overtake.started_after[task].intersects(codels)
         {
             return true;
@@ -344,23 +343,23 @@ impl Moment<'_, '_> {
 
     /// Whether something of a task can happen next.
     fn can_act(&self, task: usize) -> bool {
-        let l = &self.stepper.layout;
+        let l = &self.rules.layout;
         if self.due(task) && self.held >> (TICKS + task) & 1 == 0 {
             return true;
         }
-        self.stepper.system.tasks[task]
+        self.rules.system.tasks[task]
             .permanent
             .is_some_and(|a| match l.phase(self.s, a) {
                 phase::EXECUTING => l.window(self.s, a).0 == 0,
-                phase::LOCKING => self.held >> a & 1 == 0 && self.stepper.can_acquire(self.s, a),
+                phase::LOCKING => self.held >> a & 1 == 0 && self.rules.can_acquire(self.s, a),
                 _ => false,
             })
     }
 
     /// The tasks whose going on can let others, and finally some of `wanted`, go on.
     fn progress(&self, wanted: Tasks) -> Tasks {
-        let l = &self.stepper.layout;
-        let system = self.stepper.system;
+        let l = &self.rules.layout;
+        let system = self.rules.system;
         let mut out = wanted;
         let mut todo = wanted;
         while todo != 0 {
@@ -374,7 +373,7 @@ impl Moment<'_, '_> {
             };
             // Whoever holds what it wants or will want.
             for holder in l.executing(self.s) {
-                let Some(codel) = self.stepper.codel(self.s, holder) else {
+                let Some(codel) = self.rules.codel(self.s, holder) else {
                     continue;
                 };
                 let other = system.automata[holder].task;

@@ -36,8 +36,10 @@
 mod requests;
 
 use self::requests::Requests;
-use super::state::{Layout, State, TaskStatus, mode, phase};
-use super::step::{Action, Enabled, Stepper};
+use crate::explore::rules::published::Published;
+use crate::explore::rules::published::layout::{Layout, mode};
+use crate::explore::rules::{Action, Enabled};
+use crate::explore::state::{State, TaskStatus, phase};
 use crate::property::{Atom, Predicate};
 use crate::system::{CodelSet, LockOrder, Machine, Policy, TimedSystem, Yield};
 
@@ -227,7 +229,7 @@ impl Ample {
     /// Writes an ample set of a state to `out`, or all enabled actions.
     pub(crate) fn select(
         &self,
-        stepper: &Stepper,
+        rules: &Published,
         s: &State,
         enabled: &Enabled,
         out: &mut Vec<Action>,
@@ -236,7 +238,7 @@ impl Ample {
         if self.enabled && !enabled.committed && enabled.actions.len() > 1 {
             let moment = Moment {
                 ample: self,
-                stepper,
+                rules,
                 s,
                 enabled,
             };
@@ -315,7 +317,7 @@ fn later(machine: &Machine) -> Vec<CodelSet> {
 /// One state, and what can happen in it before time passes.
 struct Moment<'m, 's> {
     ample: &'m Ample,
-    stepper: &'m Stepper<'s>,
+    rules: &'m Published<'s>,
     s: &'m State,
     enabled: &'m Enabled,
 }
@@ -361,11 +363,11 @@ impl Moment<'_, '_> {
     }
 
     fn layout(&self) -> &Layout {
-        &self.stepper.layout
+        &self.rules.layout
     }
 
     fn system(&self) -> &TimedSystem {
-        self.stepper.system
+        self.rules.system
     }
 
     /// Its timer has come to the end.
@@ -518,7 +520,7 @@ impl Moment<'_, '_> {
             if !self.may_acquire_alone(executor) {
                 return false;
             }
-            let Some(codel) = self.stepper.codel(self.s, executor) else {
+            let Some(codel) = self.rules.codel(self.s, executor) else {
                 return false;
             };
             for other in self.system().codels[codel].conflicts.iter() {
@@ -587,7 +589,7 @@ impl Moment<'_, '_> {
                 match l.phase(self.s, a) {
                     phase::EXECUTING if !later || l.window(self.s, a).0 > 0 => Rivalry::None,
                     phase::LOCKING => {
-                        let here = self.stepper.codel(self.s, a);
+                        let here = self.rules.codel(self.s, a);
                         let now = self
                             .enabled
                             .actions

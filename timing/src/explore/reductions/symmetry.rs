@@ -15,25 +15,32 @@ use std::cmp::Ordering;
 
 use smallvec::SmallVec;
 
-pub(super) use self::alike::{Asked, Label};
-use super::state::{Layout, State, control, tracker};
-use super::step::Action;
+pub(crate) use self::alike::Label;
+use super::Asked;
+use crate::explore::rules::Action;
+use crate::explore::rules::published::layout::{Layout, control, tracker};
+use crate::explore::state::State;
 use crate::system::{Policy, Ticks, TimedSystem};
 
 /// The units of a system that are alike.
 #[derive(Debug)]
 pub(super) struct Symmetry {
+    orbits: Orbits,
+    /// The order of tasks that wait for a core means nothing.
+    any_order: bool,
+}
+
+/// What is alike, by name.
+#[derive(Debug)]
+pub(crate) struct Orbits {
     /// Units that can be exchanged with each other, at least two.
     classes: Vec<Vec<Unit>>,
     /// For each task those that correspond to it, with itself.
-    orbits: Vec<Vec<usize>>,
+    tasks: Vec<Vec<usize>>,
     /// The same for services.
-    service_orbits: Vec<Vec<usize>>,
-    /// Numbers of components and services, in units or not.
-    components: usize,
-    services: usize,
-    any_order: bool,
-    executors: Executors,
+    services: Vec<Vec<usize>>,
+    /// Everything is called as it is.
+    identity: Renaming,
 }
 
 /// What belongs together. Alike units list what corresponds at the same places.
@@ -59,7 +66,7 @@ struct Executors {
 
 /// What every task, automaton, service, component and client is called after units were exchanged.
 #[derive(Debug, Clone)]
-pub(super) struct Renaming {
+pub(crate) struct Renaming {
     tasks: Vec<usize>,
     automata: Vec<usize>,
     components: Vec<usize>,
@@ -68,48 +75,53 @@ pub(super) struct Renaming {
     executors: Executors,
 }
 
-impl Symmetry {
-    /// Finds the units that are alike.
-    pub(super) fn new(system: &TimedSystem, layout: &Layout, asked: &Asked) -> Self {
-        let mut classes = alike::classes(system, asked);
-        for it in classes.iter_mut().flatten() {
-            it.places = layout.places(&it.tasks, &it.automata, &it.components, &it.clients);
-        }
-        Symmetry {
-            orbits: orbits(&classes, system.tasks.len(), |it| &it.tasks),
-            service_orbits: orbits(&classes, system.services.len(), |it| &it.services),
+impl Orbits {
+    /// Nothing is alike.
+    pub(super) fn none(system: &TimedSystem) -> Self {
+        Orbits::new(system, Vec::new())
+    }
+
+    fn new(system: &TimedSystem, classes: Vec<Vec<Unit>>) -> Self {
+        let all = |n: usize| (0..n).collect();
+        Orbits {
+            tasks: orbits(&classes, system.tasks.len(), |it| &it.tasks),
+            services: orbits(&classes, system.services.len(), |it| &it.services),
             classes,
-            components: system.components.len(),
-            services: system.services.len(),
-            any_order: system.platform.policy == Policy::Any,
-            executors: Executors {
-                automata: system.automata.len(),
-                components: system.components.len(),
+            identity: Renaming {
+                tasks: all(system.tasks.len()),
+                automata: all(system.automata.len()),
+                components: all(system.components.len()),
+                services: all(system.services.len()),
+                clients: all(system.clients.len()),
+                executors: Executors {
+                    automata: system.automata.len(),
+                    components: system.components.len(),
+                },
             },
         }
     }
 
     /// The tasks that correspond to a task, with itself.
-    pub(super) fn orbit(&self, task: usize) -> &[usize] {
-        &self.orbits[task]
+    pub(crate) fn of_task(&self, task: usize) -> &[usize] {
+        &self.tasks[task]
     }
 
     /// The services that correspond to a service, with itself.
-    pub(super) fn service_orbit(&self, service: usize) -> &[usize] {
-        &self.service_orbits[service]
+    pub(crate) fn of_service(&self, service: usize) -> &[usize] {
+        &self.services[service]
     }
 
     /// Places in a list of the tasks that correspond to a task, with its own.
-    pub(super) fn alike(&self, task: usize, list: &[usize]) -> Vec<usize> {
-        let orbit = self.orbit(task);
+    pub(crate) fn alike(&self, task: usize, list: &[usize]) -> Vec<usize> {
+        let orbit = self.of_task(task);
         (0..list.len())
             .filter(|&it| orbit.contains(&list[it]))
             .collect()
     }
 
     /// What makes one task another of its orbit.
-    pub(super) fn exchange(&self, layout: &Layout, one: usize, other: usize) -> Renaming {
-        let mut out = self.identity(layout);
+    pub(crate) fn exchange(&self, one: usize, other: usize) -> Renaming {
+        let mut out = self.identity();
         for class in &self.classes {
             let of = |task: usize| class.iter().position(|unit| unit.tasks.contains(&task));
             if let (Some(one), Some(other)) = (of(one), of(other)) {
@@ -121,22 +133,33 @@ impl Symmetry {
     }
 
     /// Everything is called as it is.
-    pub(super) fn identity(&self, layout: &Layout) -> Renaming {
-        let all = |n: usize| (0..n).collect();
-        Renaming {
-            tasks: all(layout.tasks),
-            automata: all(layout.automata),
-            components: all(layout.components),
-            services: all(self.services),
-            clients: all(layout.clients),
-            executors: self.executors,
+    pub(crate) fn identity(&self) -> Renaming {
+        self.identity.clone()
+    }
+}
+
+impl Symmetry {
+    /// Finds the units that are alike.
+    pub(super) fn new(system: &TimedSystem, layout: &Layout, asked: &Asked) -> Self {
+        let mut classes = alike::classes(system, asked);
+        for it in classes.iter_mut().flatten() {
+            it.places = layout.places(&it.tasks, &it.automata, &it.components, &it.clients);
         }
+        Symmetry {
+            orbits: Orbits::new(system, classes),
+            any_order: system.platform.policy == Policy::Any,
+        }
+    }
+
+    /// What is alike.
+    pub(super) fn orbits(&self) -> &Orbits {
+        &self.orbits
     }
 
     /// Puts the units of a state in order. `None` if they are.
     pub(super) fn order(&self, layout: &Layout, s: &mut State) -> Option<Renaming> {
         let mut moves: SmallVec<[(&Unit, &Unit); 8]> = SmallVec::new();
-        for class in &self.classes {
+        for class in &self.orbits.classes {
             let compare = |one: &Unit, other: &Unit| self.compare(layout, s, one, other);
             if class.is_sorted_by(|one, other| compare(one, other).is_le()) {
                 continue;
@@ -149,7 +172,7 @@ impl Symmetry {
         if moves.is_empty() {
             return None;
         }
-        let mut renaming = self.identity(layout);
+        let mut renaming = self.orbits.identity();
         moves.iter().for_each(|(from, to)| renaming.put(from, to));
         let before = s.clone();
         self.rename(layout, (&moves, &renaming), &before, s);
@@ -198,7 +221,7 @@ impl Symmetry {
         unit: &'u Unit,
     ) -> impl Iterator<Item = (Result<usize, usize>, Option<usize>, Option<usize>)> + 'u {
         let at = |list: &[usize], it: u16| list.iter().position(|&other| other == it as usize);
-        let busy = (0..self.components).filter(|&it| busy(l, s, it));
+        let busy = (0..l.components).filter(|&it| busy(l, s, it));
         busy.filter_map(move |component| {
             let client = at(&unit.clients, l.requester(s, component));
             let service = at(&unit.services, l.handled(s, component));
@@ -228,7 +251,7 @@ impl Symmetry {
                 l.set_handled(out, y, l.handled(from, x));
             }
         }
-        for component in (0..self.components).filter(|&it| busy(l, from, it)) {
+        for component in (0..l.components).filter(|&it| busy(l, from, it)) {
             let at = to.components[component];
             let client = l.requester(from, component) as usize;
             l.set_requester(out, at, to.clients[client] as u16);
@@ -304,7 +327,7 @@ impl Renaming {
     }
 
     /// What takes back the renaming.
-    pub(super) fn inverse(&self) -> Renaming {
+    pub(crate) fn inverse(&self) -> Renaming {
         let inverse = |map: &[usize]| {
             let mut out = vec![0; map.len()];
             for (from, &to) in map.iter().enumerate() {
@@ -323,7 +346,7 @@ impl Renaming {
     }
 
     /// What does both, the other first.
-    pub(super) fn after(&self, first: &Renaming) -> Renaming {
+    pub(crate) fn after(&self, first: &Renaming) -> Renaming {
         let both = |first: &[usize], then: &[usize]| first.iter().map(|&it| then[it]).collect();
         Renaming {
             tasks: both(&first.tasks, &self.tasks),
@@ -335,11 +358,11 @@ impl Renaming {
         }
     }
 
-    pub(super) fn task(&self, task: usize) -> usize {
+    pub(crate) fn task(&self, task: usize) -> usize {
         self.tasks[task]
     }
 
-    pub(super) fn executor(&self, executor: usize) -> usize {
+    pub(crate) fn executor(&self, executor: usize) -> usize {
         let Executors {
             automata,
             components,
@@ -353,7 +376,7 @@ impl Renaming {
         }
     }
 
-    pub(super) fn action(&self, action: Action) -> Action {
+    pub(crate) fn action(&self, action: Action) -> Action {
         match action {
             Action::Proceed { client, next } => Action::Proceed {
                 client: self.clients[client],

@@ -25,10 +25,13 @@ mod rest;
 use rustc_hash::FxHashSet;
 use smallvec::SmallVec;
 
+use super::Waiters;
 use super::ample::Visible;
-use super::state::{State, mode, phase};
-use super::step::{Action, Enabled, Stepper};
-use super::store::{Encoded, encode};
+use crate::explore::rules::published::Published;
+use crate::explore::rules::published::layout::mode;
+use crate::explore::rules::{Action, Enabled, Rules};
+use crate::explore::state::{State, phase};
+use crate::explore::store::{Encoded, encode};
 use crate::system::{ClientAction, TimedSystem};
 
 /// Which tasks, control tasks and clients belong to lazy groups. They are numbered as *members*, in this order.
@@ -43,9 +46,6 @@ pub(crate) struct Lazy {
     /// Tasks whose start-up is lazy.
     starts: Vec<bool>,
 }
-
-/// The members whose ends can wait in one state.
-pub(crate) type Waiters = SmallVec<[bool; 24]>;
 
 /// Lazy closures larger than this are not followed to their end; fewer states are dropped then.
 const CLOSURE: usize = 1024;
@@ -164,12 +164,12 @@ impl Lazy {
     }
 
     /// The members whose ends can wait in a calm state, if there are any.
-    pub(crate) fn waiters(&self, stepper: &Stepper, s: &State) -> Option<Waiters> {
-        let l = &stepper.layout;
+    pub(crate) fn waiters(&self, rules: &Published, s: &State) -> Option<Waiters> {
+        let l = &rules.layout;
         if !self.any {
             return None;
         }
-        let settled = stepper
+        let settled = rules
             .system
             .tasks
             .iter()
@@ -186,34 +186,35 @@ impl Lazy {
         if !settled {
             return None;
         }
-        let mut out = Waiters::from_slice(&self.members);
+        let mut out: SmallVec<[bool; 24]> = SmallVec::from_slice(&self.members);
         for &(a, state) in &self.rest {
             let resting = l.phase(s, a) == phase::EXECUTING && l.at(s, a) as usize == state;
             if !resting {
-                let group = self.group[stepper.system.automata[a].task];
+                let group = self.group[rules.system.automata[a].task];
                 for (member, it) in out.iter_mut().enumerate() {
                     *it &= self.group[member] != group;
                 }
             }
         }
         let queue = l.queue(s);
-        queue.iter().all(|&task| out[task as usize]).then_some(out)
+        let all = queue.iter().all(|&task| out[task as usize]);
+        all.then_some(Waiters(out))
     }
 
     /// Calls `found` with every calm state that a calm state can reach by ends that can wait, unless there are
     /// too many. Takes what it looked at off the budget.
     pub(crate) fn closure(
         &self,
-        stepper: &Stepper,
+        rules: &Published,
         s: &State,
         budget: &mut usize,
         mut found: impl FnMut(&Encoded),
     ) {
-        let Some(waiters) = self.waiters(stepper, s) else {
+        let Some(waiters) = self.waiters(rules, s) else {
             return;
         };
-        let mut executing = stepper.layout.executing(s);
-        if !executing.any(|e| can_wait(&waiters, stepper, e)) {
+        let mut executing = rules.layout.executing(s);
+        if !executing.any(|e| waiters.can_wait(rules.system, e)) {
             return;
         }
         let mut seen: FxHashSet<Encoded> = FxHashSet::default();
@@ -221,7 +222,7 @@ impl Lazy {
         let mut enabled = Enabled::default();
         let mut it = Encoded::default();
         while let Some(s) = stack.pop() {
-            stepper.enabled(&s, &mut enabled);
+            rules.enabled(&s, &mut enabled);
             *budget = budget.saturating_sub(1);
             if seen.len() > CLOSURE || *budget == 0 {
                 break;
@@ -230,16 +231,14 @@ impl Lazy {
                 let action = enabled.actions[i];
                 let follow = match action {
                     Action::Finish { executor, .. } | Action::Acquire { executor } => {
-                        can_wait(&waiters, stepper, executor)
+                        waiters.can_wait(rules.system, executor)
                     }
-                    Action::Grant { task } | Action::Release { task } => waiters[task],
-                    Action::Signal { component } => can_wait(
-                        &waiters,
-                        stepper,
-                        stepper.layout.control_executor(component),
-                    ),
+                    Action::Grant { task } | Action::Release { task } => waiters.0[task],
+                    Action::Signal { component } => {
+                        waiters.can_wait(rules.system, rules.layout.control_executor(component))
+                    }
                     Action::Request { client, .. } | Action::Proceed { client, .. } => {
-                        can_wait(&waiters, stepper, stepper.layout.client_executor(client))
+                        waiters.can_wait(rules.system, rules.layout.client_executor(client))
                     }
                     Action::Tick { .. } => false,
                 };
@@ -247,8 +246,8 @@ impl Lazy {
                     continue;
                 }
                 let mut next = s.clone();
-                stepper.apply(&mut next, action);
-                encode(stepper, &next, &mut it);
+                rules.apply(&mut next, action);
+                encode(&rules.layout, &next, &mut it);
                 if seen.insert(it.clone()) {
                     found(&it);
                     stack.push(next);
@@ -256,17 +255,6 @@ impl Lazy {
             }
         }
     }
-}
-
-/// Whether the end of what an executor executes can wait.
-pub(crate) fn can_wait(waiters: &Waiters, stepper: &Stepper, executor: usize) -> bool {
-    let automata = &stepper.system.automata;
-    let member = match automata.get(executor) {
-        Some(it) => it.task,
-        // Control tasks and clients come after the automata, as among the members after the tasks.
-        None => executor - automata.len() + stepper.layout.tasks,
-    };
-    waiters[member]
 }
 
 /// Whether no timer starts when a periodic task has been started.
@@ -287,13 +275,4 @@ fn endless(system: &TimedSystem, task: usize, requested: &[bool]) -> bool {
         && it
             .permanent
             .is_some_and(|a| system.machine_of(a).is_endless())
-}
-
-/// The next moment at which something has to be looked at. `None`: never.
-pub(crate) fn next_moment(lazy: &Lazy, stepper: &Stepper, s: &State) -> Option<u32> {
-    let waiters = lazy.waiters(stepper, s);
-    stepper.next_moment(s, &|executor| {
-        let waits = waiters.as_ref();
-        waits.is_some_and(|it| can_wait(it, stepper, executor))
-    })
 }

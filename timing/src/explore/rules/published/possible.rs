@@ -1,12 +1,14 @@
 //! What is possible in a state: clients that go on, tasks that ask for a core, grants, and the rest, in this order.
 
-use super::{Action, Enabled, Stepper};
-use crate::explore::state::{State, TaskStatus, control, phase, tracker};
+use super::Published;
+use super::layout::{control, tracker};
+use crate::explore::rules::{Action, Enabled};
+use crate::explore::state::{State, TaskStatus, phase};
 use crate::system::{ClientAction, LockOrder, Policy, Yield};
 
-impl Stepper<'_> {
+impl Published<'_> {
     /// Lists the actions of a state.
-    pub(crate) fn enabled(&self, s: &State, out: &mut Enabled) {
+    pub(super) fn list_enabled(&self, s: &State, out: &mut Enabled) {
         out.actions.clear();
         out.urgent = true;
         out.committed = true;

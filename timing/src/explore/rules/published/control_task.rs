@@ -1,10 +1,11 @@
 //! What the control task does with requests and with the end of activities (section 7).
 
-use super::Stepper;
-use crate::explore::state::{State, control, phase, slot, tracker};
+use super::Published;
+use super::layout::{control, slot, tracker};
+use crate::explore::state::{State, phase};
 use crate::system::ClientAction;
 
-impl Stepper<'_> {
+impl Published<'_> {
     pub(super) fn request(&self, s: &mut State, client: usize, next: usize) {
         let l = &self.layout;
         let position = l.position(s, client) as usize;
