@@ -2,10 +2,12 @@
 
 mod check;
 mod codels;
+mod completions;
 mod diagram;
 mod fmt;
 mod generate;
 mod lsp;
+mod man;
 mod model;
 mod report;
 mod session;
@@ -21,6 +23,10 @@ use dotgen_syntax::preproc::MacroEnv;
 #[derive(Debug, Parser)]
 #[command(name = "dotgen", version, max_term_width = 100)]
 struct Cli {
+    /// Use colours: on a terminal, always, or never
+    #[arg(long, global = true, value_enum, default_value_t, value_name = "WHEN")]
+    color: Colour,
+
     #[command(subcommand)]
     command: Command,
 }
@@ -35,7 +41,32 @@ enum Command {
     Tree(tree::Arguments),
     Model(model::Arguments),
     Verify(verify::Arguments),
+    Completions(completions::Arguments),
+    Man(man::Arguments),
     Lsp(lsp::Arguments),
+}
+
+/// When output has colours.
+#[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
+enum Colour {
+    /// On a terminal, unless NO_COLOR is set
+    #[default]
+    Auto,
+    /// Also in files and pipes
+    Always,
+    /// Nowhere
+    Never,
+}
+
+impl Colour {
+    fn set(self) {
+        let choice = match self {
+            Colour::Auto => anstream::ColorChoice::Auto,
+            Colour::Always => anstream::ColorChoice::Always,
+            Colour::Never => anstream::ColorChoice::Never,
+        };
+        choice.write_global();
+    }
 }
 
 /// How specifications are read.
@@ -75,6 +106,7 @@ pub fn main() -> ExitCode {
         return status;
     }
     let cli = Cli::parse();
+    cli.color.set();
     let result = match cli.command {
         Command::Check(arguments) => check::run(&arguments),
         Command::Codels(arguments) => codels::run(&arguments),
@@ -84,6 +116,8 @@ pub fn main() -> ExitCode {
         Command::Tree(arguments) => tree::run(&arguments),
         Command::Model(arguments) => model::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
+        Command::Completions(arguments) => completions::run(&arguments),
+        Command::Man(arguments) => man::run(&arguments),
         Command::Lsp(_) => lsp::run(),
     };
     match result {

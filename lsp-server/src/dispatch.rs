@@ -30,6 +30,8 @@ pub(crate) struct Read {
     pub(crate) subject: Option<Uri>,
     /// It may be C or C++.
     pub(crate) code: bool,
+    /// It is about all of the workspace: it waits until all files of that are known.
+    pub(crate) whole: bool,
     /// Version of that document at the first try.
     pub(crate) expected: Option<Option<i32>>,
     /// For cancellation by the client.
@@ -187,7 +189,26 @@ impl Dispatcher {
             Some(subject) => handler(snapshot, subject, params),
             None => Ok(R::default()),
         };
-        self.run(Some(uri), code, params, work).await
+        self.run(Some(uri), code, false, params, work).await
+    }
+
+    /// A request whose answer is wrong when a part of the workspace is not known yet: an edit of every place. It waits
+    /// until all files are listed, which the client is shown as progress.
+    pub(crate) async fn everywhere<P, R>(
+        &self,
+        uri: Option<Uri>,
+        params: P,
+        handler: fn(&Snapshot, Option<&Subject>, &P) -> Cancellable<R>,
+    ) -> proto::Result<R>
+    where
+        P: Send + Sync + 'static,
+        R: Default + Send + 'static,
+    {
+        let _permit = self.background.acquire().await;
+        let work = move |snapshot: &Snapshot, subject: Option<&Subject>, params: &P| {
+            handler(snapshot, subject, params)
+        };
+        self.run(uri, false, true, params, work).await
     }
 
     /// A request that says itself what it is about: something to be resolved.
@@ -202,7 +223,7 @@ impl Dispatcher {
     {
         let work =
             move |snapshot: &Snapshot, _: Option<&Subject>, params: &P| handler(snapshot, params);
-        self.run(None, false, params, work).await
+        self.run(None, false, false, params, work).await
     }
 
     /// A request about the whole workspace. Few at a time, so that they never keep the others from
@@ -219,13 +240,14 @@ impl Dispatcher {
         let _permit = self.background.acquire().await;
         let work =
             move |snapshot: &Snapshot, _: Option<&Subject>, params: &P| handler(snapshot, params);
-        self.run(None, false, params, work).await
+        self.run(None, false, false, params, work).await
     }
 
     async fn run<P, R, F>(
         &self,
         uri: Option<Uri>,
         code: bool,
+        whole: bool,
         params: P,
         work: F,
     ) -> proto::Result<R>
@@ -244,6 +266,7 @@ impl Dispatcher {
             self.send(Event::Read(Read {
                 subject: uri.clone(),
                 code,
+                whole,
                 expected,
                 control: control.clone(),
                 work: Box::new(move |admission| {

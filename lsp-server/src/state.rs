@@ -96,6 +96,10 @@ pub(crate) struct State {
     codels: Arc<codels::Cache>,
     /// The documents in other languages that the client was asked to send.
     foreign: ForeignDocuments,
+    /// How many times the files of the workspace are being listed.
+    listings: usize,
+    /// Requests that wait until they are listed.
+    waiting: Vec<Read>,
 }
 
 impl State {
@@ -128,6 +132,8 @@ impl State {
             events,
             codels: Arc::default(),
             foreign: ForeignDocuments::default(),
+            listings: 0,
+            waiting: Vec::new(),
         }
     }
 

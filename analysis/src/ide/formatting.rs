@@ -22,8 +22,7 @@ pub(crate) fn format(view: &FileView<'_>, within: Option<Range<usize>>) -> Vec<F
 }
 
 fn edits(view: &FileView<'_>, within: Option<TextRange>) -> Vec<FileEdit> {
-    let broken: Vec<TextRange> = view.parse().errors.iter().map(|it| it.range).collect();
-    let edits = format::format(&view.root(), &broken, within);
+    let edits = format::format(&view.root(), &view.parse().broken(), within);
     let edits = edits.into_iter().map(|it| FileEdit {
         path: view.file.path(view.db).clone(),
         range: bytes(it.range),

@@ -1,6 +1,6 @@
 //! `dotgen codels`: specifications and their C/C++ codels, compared and kept in step.
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, Subcommand};
 use dotgen_analysis::diagnostic::Severity;
@@ -138,6 +138,14 @@ fn project(session: &mut Session) -> Project<'_> {
     project
 }
 
+/// What is written goes beside the specification, so this has to be a file.
+fn has_place(paths: &[Utf8PathBuf]) -> anyhow::Result<()> {
+    if let Some(path) = paths.iter().find(|it| session::is_standard_input(it)) {
+        bail!("`{path}` is no file beside which codels could be written; name the specification");
+    }
+    Ok(())
+}
+
 fn roots(session: &Session) -> Vec<Utf8PathBuf> {
     session.files.iter().map(|it| it.path.clone()).collect()
 }
@@ -203,6 +211,7 @@ fn nothing_there(folder: &Folder) {
 }
 
 fn stub(arguments: &Stub) -> anyhow::Result<Outcome> {
+    has_place(std::slice::from_ref(&arguments.file))?;
     let mut session = session::single(&arguments.file, &arguments.reading)?;
     let root = roots(&session).pop().context("there is nothing to read")?;
     let target = match (&arguments.codel, &arguments.service) {
@@ -221,6 +230,7 @@ fn stub(arguments: &Stub) -> anyhow::Result<Outcome> {
 
 fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
     let (files, mut trouble) = session::specifications(&arguments.paths);
+    has_place(&arguments.paths)?;
     let options = SyncOptions {
         hints: arguments.hints,
         ..SyncOptions::default()
@@ -260,6 +270,7 @@ fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
 }
 
 fn headers(arguments: &Headers) -> anyhow::Result<Outcome> {
+    has_place(std::slice::from_ref(&arguments.file))?;
     let mut session = session::single(&arguments.file, &arguments.reading)?;
     let root = roots(&session).pop().context("there is nothing to read")?;
     let beside = root.parent().unwrap_or(Utf8Path::new("."));

@@ -137,8 +137,10 @@ fn apply(text: &str, edits: &[FileEdit]) -> String {
 fn standard_input(check: bool) -> anyhow::Result<Outcome> {
     let old = session::standard_input()?;
     let parse = parse_text(&old);
-    let broken: Vec<_> = parse.errors.iter().map(|it| it.range).collect();
-    let new = format::apply(&old, &format::format(&parse.syntax(), &broken, None));
+    let new = format::apply(
+        &old,
+        &format::format(&parse.syntax(), &parse.broken(), None),
+    );
     if !check {
         std::io::stdout().write_all(&encoding::encode(&new))?;
     } else if old != new {

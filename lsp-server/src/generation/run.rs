@@ -1,7 +1,8 @@
 //! One run of a template of which nothing is written.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::io;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -9,6 +10,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::{Cancellable, FileContent, Loader, PackageFlags};
 use dotgen_codegen::catalog::{self, TemplateInfo, TemplateOption};
 use dotgen_codegen::command::{self, Environment};
+use dotgen_codegen::disk::{Disk, Entry, NewContent, Scratch, Status, WriteError};
 use dotgen_codegen::template::console::Captured;
 use dotgen_codegen::template::discover::SearchPath;
 use dotgen_codegen::template::{Limits, OutputSink, PreviewFile, TemplatePlace};
@@ -180,7 +182,7 @@ impl Job {
             name: "dotgen",
             program: std::env::current_exe().unwrap_or_else(|_| "dotgen".into()),
             variables: &environment,
-            disk: Arc::new(SystemDisk),
+            disk: Arc::new(OpenFirst(self.open.clone())),
             loader: Arc::new(Overlay {
                 open: self.open.clone(),
                 disk: Vfs::new(self.config.packages.clone()),
@@ -214,6 +216,47 @@ impl Job {
 
 fn environment(name: &str) -> Option<String> {
     std::env::var(name).ok()
+}
+
+/// The disk with the open documents over it: what a template merges with is what the client will change.
+#[derive(Debug)]
+struct OpenFirst(Arc<FxHashMap<Utf8PathBuf, String>>);
+
+impl Disk for OpenFirst {
+    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+        match Utf8Path::from_path(path).and_then(|it| self.0.get(it)) {
+            Some(text) => Ok(text.clone().into_bytes()),
+            None => SystemDisk.read(path),
+        }
+    }
+
+    fn status(&self, path: &Path) -> Option<Status> {
+        SystemDisk.status(path)
+    }
+
+    fn list(&self, directory: &Path) -> io::Result<Vec<Entry>> {
+        SystemDisk.list(directory)
+    }
+
+    fn canonical(&self, path: &Path) -> io::Result<PathBuf> {
+        SystemDisk.canonical(path)
+    }
+
+    fn current_dir(&self) -> PathBuf {
+        SystemDisk.current_dir()
+    }
+
+    fn write(&self, files: &[NewContent]) -> Result<(), WriteError> {
+        SystemDisk.write(files)
+    }
+
+    fn set_mode(&self, path: &Path, mode: u32) -> io::Result<()> {
+        SystemDisk.set_mode(path, mode)
+    }
+
+    fn scratch(&self, parent: Option<&Path>) -> io::Result<Box<dyn Scratch>> {
+        SystemDisk.scratch(parent)
+    }
 }
 
 /// Open documents over the disk.
