@@ -5,6 +5,7 @@ pub mod check;
 pub mod codes;
 pub mod diagnostic;
 pub mod elab;
+pub mod finding;
 mod fixes;
 pub mod host;
 pub mod ide;

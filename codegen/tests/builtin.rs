@@ -182,6 +182,18 @@ fn errors_in_the_specification_are_reported() {
 }
 
 #[test]
+fn a_semicolon_in_what_is_reported_does_not_cut_the_line() {
+    let dir = folder();
+    let text = "component c {\n  codels-require \"a; b\", \"a; b\";\n};\n";
+    std::fs::write(dir.path().join("twice.gen"), text).unwrap();
+    let (_, _, err) = run(dir.path(), &["-n", "DIR/twice.gen"]);
+    assert!(
+        err.starts_with("twice.gen:2: \"a; b\" is already in this codels-require list\n"),
+        "{err}"
+    );
+}
+
+#[test]
 fn preprocessing_expands_macros_and_includes() {
     let dir = folder();
     std::fs::write(dir.path().join("part.idl"), "#define N 4 /* four */\n").unwrap();

@@ -6,12 +6,13 @@ mod directory;
 
 use directory::{Directory, status, stderr, stdout};
 
-/// A component in Latin-1 with the line ends of Windows, and a mark at its beginning.
-const SPEC: &str = "\u{feff}/* Andr\u{e9} */\ncomponent c {\n  version \"1.0\";\n  lang \"c\";\n  ids { long x; };\n  \
+/// A component in Latin-1.
+const SPEC: &str = "/* Andr\u{e9} */\ncomponent c {\n  version \"1.0\";\n  lang \"c\";\n  ids { long x; };\n  \
                     task t {\n    codel<start> f(in x) yield ether; // d\u{e9}but\n    codel<stop> g(in x) yield \
                     ether;\n  };\n};\n";
 
-const SOURCE: &str = "/* \u{e9}t\u{e9} */\n#include \"acc.h\"\n#include \"c_c_types.h\"\n\n/* --- Task t \
+/// Its codels, with a byte order mark.
+const SOURCE: &str = "\u{feff}/* \u{e9}t\u{e9} */\n#include \"acc.h\"\n#include \"c_c_types.h\"\n\n/* --- Task t \
                       ---------------------------------------------------------- */\n\n\n/** Codel f of task t.\n \
                       *\n * Triggered by c_start.\n * Yields to c_ether.\n */\ngenom_event\nf(long x, const genom_context \
                       self)\n{\n  /* \u{e0} faire */ return c_ether;\n}\n";

@@ -20,6 +20,8 @@ use rules::Gap;
 
 /// Blanks for each level.
 const INDENT: usize = 2;
+/// Some editors put it at the beginning of a text.
+const BYTE_ORDER_MARK: char = '\u{feff}';
 /// Blanks between the longest keyword of a run of properties and its value, at least.
 const VALUE_GAP: usize = 1;
 /// Columns of a tabulator.
@@ -57,6 +59,11 @@ pub fn format(root: &SyntaxNode, broken: &[TextRange], within: Option<TextRange>
     printer.align_defaults();
     printer.align_comments();
     let mut edits = printer.edits();
+    // A byte order mark goes with what is behind it.
+    if text.starts_with(BYTE_ORDER_MARK) {
+        let behind = TextSize::of(BYTE_ORDER_MARK);
+        edits.retain(|edit| edit.range.start() > behind);
+    }
     if let Some(within) = within {
         edits.retain(|edit| edit.range.intersect(within).is_some());
     }

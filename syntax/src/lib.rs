@@ -6,6 +6,7 @@ pub mod directive;
 mod dump;
 pub mod encoding;
 mod expansion;
+pub mod finding;
 pub mod format;
 pub mod kind;
 pub mod lexer;

@@ -83,14 +83,18 @@ fn mentioned(view: &FileView<'_>, id: DefId, mention: Option<TextRange>) -> Opti
         out += &format!("\n\n{doc}");
     }
     let owner = mention.and_then(|it| owner_around(view, it));
-    if let Some(facts) = facts::facts(elaborated, it, owner.as_deref()) {
+    if let Some(facts) = facts::facts(
+        elaborated,
+        it,
+        owner.as_ref().map(|it| (it.0, it.1.as_str())),
+    ) {
         out += &format!("\n\n{facts}");
     }
     Some(out)
 }
 
-/// The task or service around a place, as facts name it.
-fn owner_around(view: &FileView<'_>, place: TextRange) -> Option<String> {
+/// The task (`true`) or service around a place, by name.
+fn owner_around(view: &FileView<'_>, place: TextRange) -> Option<(bool, String)> {
     let root = view.root();
     let inner = root
         .text_range()
@@ -99,11 +103,7 @@ fn owner_around(view: &FileView<'_>, place: TextRange) -> Option<String> {
     let mut around = inner.ancestors();
     let owner = around.find(|it| matches!(it.kind(), SyntaxKind::TASK | SyntaxKind::SERVICE))?;
     let name = owner.children().find(|it| it.kind() == SyntaxKind::NAME)?;
-    let name = name.text().to_string();
-    Some(match owner.kind() {
-        SyntaxKind::TASK => format!("task `{name}`"),
-        _ => format!("activity `{name}`"),
-    })
+    Some((owner.kind() == SyntaxKind::TASK, name.text().to_string()))
 }
 
 /// The declaration as written, in a standard layout.

@@ -167,8 +167,7 @@ fn files_are_whole_after_a_kill_at_any_step_and_the_next_write_cleans_up() {
         if let Some(new) = files.get("sub/c.c") {
             assert_eq!(new, "new sub/c.c\n");
         }
-        write(&fixture.files, &mut |_| Ok(())).unwrap();
-        assert_eq!(contents(fixture.directory.path()).1, 0, "{step}");
+        cleaned_up(&fixture, step);
     }
     assert!(seen > count / 2, "kills leave something behind: {seen}");
 }
@@ -218,9 +217,21 @@ fn kill_9_at_any_step() {
                 "{step}: {name}"
             );
         }
-        write(&fixture.files, &mut |_| Ok(())).unwrap();
-        assert_eq!(contents(fixture.directory.path()).1, 0, "{step}");
+        cleaned_up(&fixture, step);
     }
+}
+
+/// The next write removes what was left over. A process that another test starts has our locks until it runs its own
+/// program, so it may take more than one.
+fn cleaned_up(fixture: &Fixture, step: usize) {
+    let leftovers = || contents(fixture.directory.path()).1;
+    for _ in 0..200 {
+        write(&fixture.files, &mut |_| Ok(())).unwrap();
+        if leftovers() == 0 {
+            return;
+        }
+    }
+    panic!("{step}: {} files are left over", leftovers());
 }
 
 #[test]

@@ -204,15 +204,10 @@ fn diagnostic(
             false => " (no scenario: any client, at any time)".to_owned(),
         };
     }
+    let severity = severity(snapshot, code)?;
     Some(Diagnostic {
-        code,
-        severity: severity(snapshot, code)?,
-        message,
-        path: path.to_owned(),
-        range: range.clone(),
         related: related(entry, answer, check),
-        tags: Vec::new(),
-        fixes: Vec::new(),
+        ..Diagnostic::new(code, severity, message, path.to_owned(), range.clone())
     })
 }
 
