@@ -11,12 +11,14 @@ pub mod host;
 pub mod ide;
 pub mod item_tree;
 pub mod lint;
+pub mod markdown;
 pub mod model;
 pub mod model_json;
 mod queries;
 mod report;
 pub mod source_map;
 mod suppress;
+pub mod terminal;
 #[cfg(test)]
 mod test_support;
 #[cfg(test)]

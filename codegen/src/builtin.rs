@@ -3,18 +3,21 @@
 //! Some are part of dotgen; any folder with a `template.toml` on the search path is one too. See
 //! docs/templates.md for the format.
 
+mod expand;
 mod json_schema;
 mod manifest;
 mod mappings;
 mod render;
 mod words;
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use crate::command::{Environment, Options};
 use crate::compiler::Compiler;
 use crate::disk::Disk;
+use crate::template::reach;
 
+pub use expand::serve as serve_renderer;
 pub use manifest::{Each, FileRule, Manifest};
 
 /// A template that is part of dotgen.
@@ -70,6 +73,8 @@ impl Texts {
             .map_err(|error| format!("template.toml: {}", error.message()))
     }
 
+    /// A text. That of a folder is in the folder, whatever links there are: a template may be anybody's, and what it
+    /// reads is shown.
     fn read(&self, disk: &dyn Disk, name: &str) -> Result<String, String> {
         match self {
             Texts::Embedded(files) => files
@@ -79,6 +84,12 @@ impl Texts {
                 .ok_or_else(|| format!("no text {name}")),
             Texts::Folder(dir) => {
                 let path = dir.join(name);
+                let plain = Path::new(name)
+                    .components()
+                    .all(|it| matches!(it, Component::Normal(_)));
+                if !plain || !reach::is_below(disk, &path, std::slice::from_ref(dir)) {
+                    return Err(format!("{name} is not in the folder of the template"));
+                }
                 disk.read(&path)
                     .and_then(|it| String::from_utf8(it).map_err(std::io::Error::other))
                     .map_err(|error| format!("cannot read {}: {error}", path.display()))

@@ -46,12 +46,17 @@ pub trait Disk: fmt::Debug + Send + Sync {
     /// Those of the system.
     fn set_mode(&self, path: &Path, mode: u32) -> io::Result<()>;
 
-    /// A fresh directory below `parent` (else where the system has such things) whose files nobody else
-    /// knows.
+    /// Whether a path is a link itself.
+    fn is_link(&self, path: &Path) -> bool;
+
+    /// Writes a temporary file that nobody else knows, without the care that files of users get.
     ///
     /// # Errors
     /// Those of the system.
-    fn scratch(&self, parent: Option<&Path>) -> io::Result<Box<dyn Scratch>>;
+    fn put(&self, path: &Path, bytes: &[u8]) -> io::Result<()>;
+
+    /// Removes a temporary file, if it is there.
+    fn remove(&self, path: &Path);
 
     /// Whether a path leads to a file.
     fn is_file(&self, path: &Path) -> bool {
@@ -76,25 +81,6 @@ pub trait Disk: fmt::Debug + Send + Sync {
             false => self.current_dir().join(path),
         }
     }
-}
-
-/// A directory for files that nobody else knows. It is removed with all it holds when this is dropped, unless
-/// it is kept.
-pub trait Scratch: fmt::Debug + Send {
-    /// Its absolute path.
-    fn path(&self) -> &Path;
-
-    /// Writes a file in it, without the care that files of users get.
-    ///
-    /// # Errors
-    /// Those of the system.
-    fn put(&self, path: &Path, bytes: &[u8]) -> io::Result<()>;
-
-    /// Removes a file in it, if it is there.
-    fn remove(&self, path: &Path);
-
-    /// Leaves it where it is.
-    fn keep(&mut self);
 }
 
 /// What a path leads to.

@@ -13,13 +13,14 @@ mod closure;
 pub mod console;
 pub mod discover;
 pub mod files;
-mod host;
+pub(crate) mod host;
 mod marker;
 pub mod merge;
 mod mutex;
 mod notice;
 mod object;
 pub(crate) mod output;
+pub(crate) mod reach;
 mod script;
 mod session;
 pub(crate) mod tcl;
@@ -30,6 +31,7 @@ use std::sync::Arc;
 
 use crate::disk::Disk;
 use crate::frontend::Frontend;
+use crate::process::Processes;
 use console::Console;
 use discover::SearchPath;
 
@@ -54,7 +56,6 @@ pub(crate) enum Failure {
 }
 
 /// What to run and how.
-#[derive(Debug)]
 pub struct Run<'a> {
     /// All access to files.
     pub disk: Arc<dyn Disk>,
@@ -78,6 +79,18 @@ pub struct Run<'a> {
     pub limits: Limits,
     /// Directory where relative paths start; empty for the current one.
     pub base: PathBuf,
+    /// Starts the interpreter.
+    pub processes: Arc<dyn Processes>,
+    /// Keeps the template from what is not its business; `None` lets it do what its user can.
+    pub confined: Option<&'a Confined>,
+}
+
+/// What a confined run may do. It starts no program, has no network, reads its template and its inputs, and writes
+/// nothing itself: its results are kept.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Confined {
+    /// Folders in which its results may be.
+    pub results: Vec<PathBuf>,
 }
 
 /// The end of a run.
@@ -118,8 +131,8 @@ impl Run<'_> {
         console: &mut dyn Console,
         sink: OutputSink,
     ) -> Outcome {
-        let mut scratch = match self.disk.scratch(self.tmpdir.as_deref()) {
-            Ok(scratch) => scratch,
+        let tmpdir = match self.processes.folder(self.tmpdir.as_deref()) {
+            Ok(tmpdir) => tmpdir,
             Err(error) => {
                 let message = format!("cannot create a temporary directory: {error}");
                 console.err(&format!("{}: {message}", self.name()));
@@ -131,11 +144,13 @@ impl Run<'_> {
                 };
             }
         };
-        if self.debug {
-            scratch.keep();
-        }
         let disk = Arc::clone(&self.disk);
-        let output = Output::new(self.name(), self.base.clone(), self.debug, disk, sink);
-        session::run(self, frontend, console, output, scratch)
+        let mut output = Output::new(self.name(), self.base.clone(), self.debug, disk, sink);
+        output.confined = self.confined.cloned();
+        let mut tmpdir = tmpdir;
+        if self.debug {
+            tmpdir.keep();
+        }
+        session::run(self, frontend, console, output, tmpdir.path().to_owned())
     }
 }

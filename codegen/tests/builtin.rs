@@ -11,6 +11,8 @@ use dotgen_codegen::template::console::Captured;
 mod disk;
 #[path = "support/files.rs"]
 mod files;
+#[path = "support/processes.rs"]
+mod processes;
 
 const SPECIFICATION: &str = "/*/ A lamp. */
 component lamp {
@@ -47,6 +49,8 @@ fn run(dir: &Path, args: &[&str]) -> (i32, String, String) {
         limits: Limits::default(),
         base: std::path::PathBuf::new(),
         sink: dotgen_codegen::template::OutputSink::Direct,
+        processes: Arc::new(processes::Plain),
+        confined: None,
         failed_at: None,
     };
     let dir = dir.display().to_string();

@@ -15,6 +15,8 @@ use dotgen_codegen::template::{Limits, find_tclsh};
 mod disk;
 #[path = "support/files.rs"]
 mod files;
+#[path = "support/processes.rs"]
+mod processes;
 
 const ROLE: &str = "DOTGEN_TEST_IS_GENERATOR";
 
@@ -81,6 +83,8 @@ fn generator() -> ExitCode {
         limits: Limits::default(),
         base: std::path::PathBuf::new(),
         sink: dotgen_codegen::template::OutputSink::Direct,
+        processes: Arc::new(processes::Plain),
+        confined: None,
         failed_at: None,
     };
     let status = generate(&arguments, &mut environment);

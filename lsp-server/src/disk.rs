@@ -1,12 +1,11 @@
 //! The disk: the one way in which dotgen reads and writes files of users.
 
-mod scratch;
 mod write;
 
 use std::io;
 use std::path::{Path, PathBuf};
 
-use dotgen_codegen::disk::{Disk, Entry, Kind, NewContent, Scratch, Status, WriteError};
+use dotgen_codegen::disk::{Disk, Entry, Kind, NewContent, Status, WriteError};
 
 /// The files of the system.
 #[derive(Debug, Clone, Copy, Default)]
@@ -63,8 +62,16 @@ impl Disk for SystemDisk {
         Ok(())
     }
 
-    fn scratch(&self, parent: Option<&Path>) -> io::Result<Box<dyn Scratch>> {
-        Ok(Box::new(scratch::Directory::new(parent)?))
+    fn is_link(&self, path: &Path) -> bool {
+        path.is_symlink()
+    }
+
+    fn put(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        std::fs::write(path, bytes)
+    }
+
+    fn remove(&self, path: &Path) {
+        let _ = std::fs::remove_file(path);
     }
 }
 

@@ -108,6 +108,54 @@ fn libraries_stay_in_their_layer() {
     }
 }
 
+/// The Rust files below a folder, without those of tests.
+fn sources(folder: &str) -> Vec<(String, String)> {
+    let root = workspace_root();
+    let mut waiting = vec![root.join(folder).join("src")];
+    let mut out = Vec::new();
+    while let Some(at) = waiting.pop() {
+        if at.is_dir() {
+            let entries = std::fs::read_dir(&at).expect("a folder");
+            waiting.extend(entries.flatten().map(|it| it.path()));
+            continue;
+        }
+        let name = at
+            .strip_prefix(&root)
+            .expect("below it")
+            .display()
+            .to_string();
+        // The generator of the typed tree runs in a test.
+        let tests = name.contains("/tests") || name.ends_with("/generator.rs");
+        if name.ends_with(".rs") && !tests {
+            let text = std::fs::read_to_string(&at).expect("UTF-8");
+            let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+            out.push((name, code.to_owned()));
+        }
+    }
+    assert!(!out.is_empty(), "no sources in {folder}");
+    out
+}
+
+#[test]
+fn programs_are_started_in_one_place() {
+    for (folder, _) in ALLOWED
+        .iter()
+        .filter(|it| !["tests", "xtask"].contains(&it.0))
+    {
+        for (name, code) in sources(folder) {
+            let starts =
+                code.contains("process::Command") || code.contains("process::{Child, Command");
+            let starts =
+                starts || code.contains("Command, Stdio") || code.contains("Command, ExitCode");
+            let allowed = name.starts_with("lsp-server/src/process");
+            assert!(
+                !starts || allowed,
+                "{name} starts programs; `lsp-server/src/process` does that"
+            );
+        }
+    }
+}
+
 /// Ways to look into a text.
 const PEEKS: [&str; 14] = [
     "split",

@@ -13,7 +13,18 @@ export interface InitializationOptions {
   verificationStatus: boolean;
   /** The client executes `dotgen.toggleInlineDiagram`. */
   inlineDiagrams: boolean;
+  /** The client answers `dotgen/documentText`. */
+  documentText: boolean;
 }
+
+/** An open document, whole. `null` for one that is not open. */
+export interface DocumentText {
+  version: number;
+  text: string;
+}
+
+/** Asked by the server when an edit brought half a character: it cannot know what the text is. */
+export const documentText = new RequestType<TextDocumentIdentifier, DocumentText | null, void>('dotgen/documentText');
 
 /** The concrete syntax tree of a file, as indented text. */
 export const syntaxTree = new RequestType<{ textDocument: TextDocumentIdentifier }, string, void>('dotgen/syntaxTree');

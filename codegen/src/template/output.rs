@@ -9,13 +9,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
 
-use super::Failure;
 use dotgen_syntax::encoding;
 
 use super::console::Console;
 use super::merge::{self, Choice, Conflict};
-use crate::disk::{Disk, Scratch, WriteError};
-pub(crate) use staged::Staged;
+use super::{Confined, Failure, reach};
+use crate::disk::{Disk, WriteError};
+use crate::process::{Channels, Processes, Program, Resources};
+pub(crate) use staged::{Staged, plain};
 
 /// A file as a template wants it, in a run that writes nothing.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -41,6 +42,17 @@ impl OutputSink {
     /// A sink that writes nothing.
     pub fn preview() -> OutputSink {
         OutputSink::Preview(BTreeMap::new())
+    }
+
+    /// Writes the files that were kept, all or none.
+    ///
+    /// # Errors
+    /// The first that cannot be written, and why.
+    pub(crate) fn write_out(self, disk: &dyn Disk) -> Result<(), WriteError> {
+        match self {
+            OutputSink::Preview(files) => Staged::direct(files).finish(disk, false).1,
+            OutputSink::Direct => Ok(()),
+        }
     }
 }
 
@@ -113,12 +125,14 @@ pub(crate) trait Environment {
     fn read_line(&mut self) -> Option<String> {
         self.console().read_line()
     }
-    /// The directory for temporary files, and a fresh name in it.
-    fn temporary(&mut self) -> (&dyn Scratch, PathBuf);
+    /// A name for a temporary file.
+    fn temporary(&mut self) -> PathBuf;
     /// A time as Tcl's `clock format` shows it.
     fn format_time(&mut self, time: SystemTime) -> String;
     /// A message of verbose mode.
     fn message(&mut self, text: &str);
+    /// Starts programs.
+    fn processes(&self) -> &dyn Processes;
 }
 
 /// The state of the engine that concerns files.
@@ -138,6 +152,8 @@ pub(crate) struct Output {
     pub(crate) disk: Arc<dyn Disk>,
     /// Name of the template, for messages.
     pub(crate) template: String,
+    /// Where results may be, and that no program may be started, if it is so.
+    pub(crate) confined: Option<Confined>,
 }
 
 impl Output {
@@ -157,6 +173,7 @@ impl Output {
             files: Staged::new(sink),
             disk,
             template,
+            confined: None,
         }
     }
 
@@ -170,6 +187,40 @@ impl Output {
         join(&self.dir, name)
     }
 
+    /// Chooses how files are merged: `interactive`, `auto`, or by a program.
+    ///
+    /// # Errors
+    /// A confined template starts no program.
+    pub(crate) fn set_merge_tool(&mut self, tool: &str) -> Result<(), Failure> {
+        if self.confined.is_some() && !matches!(tool, "interactive" | "auto") {
+            return Err(Failure::Error(format!(
+                "the merge tool `{tool}` is a program, and a preview or a confined template starts none: choose \
+                 `auto`, which leaves conflict markers, or run the template from the command line"
+            )));
+        }
+        tool.clone_into(&mut self.merge_tool);
+        Ok(())
+    }
+
+    /// Refuses a result that is not where the results of a confined template may be.
+    fn check(&self, shown: &str, path: &Path) -> Result<(), Failure> {
+        let Some(confined) = &self.confined else {
+            return Ok(());
+        };
+        if reach::is_below(&*self.disk, path, &confined.results) {
+            return Ok(());
+        }
+        let folders: Vec<String> = confined
+            .results
+            .iter()
+            .map(|it| it.display().to_string())
+            .collect();
+        Err(Failure::Error(format!(
+            "{shown} is outside of {}: a preview or a confined template writes nothing there",
+            folders.join(" and ")
+        )))
+    }
+
     /// Puts a text where a template wants it, by the modes in force.
     pub(crate) fn commit(
         &mut self,
@@ -180,6 +231,7 @@ impl Output {
     ) -> Result<(), Failure> {
         let shown = self.path(name);
         let path = self.base.join(&shown);
+        self.check(&shown, &path)?;
         let silent = self.modes.is_on("silent");
         let exists = self.files.exists(&*self.disk, &path);
         let say = |env: &mut dyn Environment, line: String| {
@@ -310,21 +362,28 @@ impl Output {
             .read(&*self.disk, path)
             .map_err(failed)?
             .unwrap_or_default();
-        let (scratch, new) = env.temporary();
-        scratch.put(&new, text.as_bytes()).map_err(failed)?;
-        let (scratch, old) = env.temporary();
-        scratch.put(&old, &before).map_err(failed)?;
-        let mut command = std::process::Command::new(tool);
-        if !self.base.as_os_str().is_empty() {
-            command.current_dir(&self.base);
-        }
-        let status = command.arg(&new).arg(&old).status();
+        let (new, old) = (env.temporary(), env.temporary());
+        self.disk.put(&new, text.as_bytes()).map_err(failed)?;
+        self.disk.put(&old, &before).map_err(failed)?;
+        let channels = match env.console().is_terminal() {
+            true => Channels::Shared,
+            // Who asks over pipes keeps them for himself: a tool that reads or writes there would break in on it.
+            false => Channels::Pipes,
+        };
+        let process = env.processes().start(&Program {
+            path: tool.into(),
+            arguments: vec![new.clone().into(), old.clone().into()],
+            directory: self.base.clone(),
+            channels,
+            resources: Resources::default(),
+            access: None,
+        });
+        let status = process.and_then(|mut it| it.wait_with_output());
         let merged = self.disk.read(&old).map_err(failed);
-        let (scratch, _) = env.temporary();
-        scratch.remove(&new);
-        scratch.remove(&old);
+        self.disk.remove(&new);
+        self.disk.remove(&old);
         let problem = match status {
-            Ok(status) if status.success() => None,
+            Ok((status, _)) if status.success() => None,
             Ok(_) => Some("child process exited abnormally".to_owned()),
             Err(error) => Some(format!("couldn't execute \"{tool}\": {}", posix(&error))),
         };

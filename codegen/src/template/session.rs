@@ -15,10 +15,11 @@ use super::console::Console;
 use super::host::Host;
 use super::object::Registry;
 use super::output::{Environment, Output, posix};
+use super::reach::Reach;
 use super::{Failure, Outcome, Run, tcl};
-use crate::disk::Scratch;
 use crate::frontend::{Compiled, Frontend};
 use crate::lang::Language;
+use crate::process::Processes;
 
 /// The state of a run.
 pub(super) struct Session<'a> {
@@ -31,7 +32,9 @@ pub(super) struct Session<'a> {
     /// Objects whose commands do not exist yet, because the parse that added them failed.
     unannounced: Vec<String>,
     output: Output,
-    scratch: Box<dyn Scratch>,
+    tmpdir: PathBuf,
+    /// What may be read, when not everything may.
+    reach: Option<Reach>,
     temporaries: u32,
     scripts: Vec<Script>,
     deps: Vec<String>,
@@ -55,10 +58,33 @@ pub(super) fn run(
     frontend: &mut dyn Frontend,
     console: &mut dyn Console,
     output: Output,
-    scratch: Box<dyn Scratch>,
+    tmpdir: PathBuf,
 ) -> Outcome {
     let name = run.name();
-    let host = match Host::start(&run.limits, &run.base, !console.is_terminal()) {
+    let reach = run.confined.map(|_| {
+        Reach::new(
+            &*run.disk, &run.dir, run.search, &run.base, &run.args, &tmpdir,
+        )
+    });
+    if reach.is_some() {
+        let gaps = run.processes.gaps();
+        if !gaps.is_empty() {
+            let gaps: Vec<String> = gaps.iter().map(ToString::to_string).collect();
+            console.err(&format!(
+                "{name}: this system does not confine templates: nothing but the engine's own checks keeps this one from \
+                 {}",
+                gaps.join(", ")
+            ));
+        }
+    }
+    let host = Host::start(
+        &*run.processes,
+        &run.limits,
+        &run.base,
+        !console.is_terminal(),
+        reach.as_ref().map(Reach::access),
+    );
+    let host = match host {
         Ok(host) => host,
         Err(message) => {
             console.err(&format!("{name}: {message}"));
@@ -79,7 +105,8 @@ pub(super) fn run(
         registry: Rc::new(Registry::default()),
         unannounced: Vec::new(),
         output,
-        scratch,
+        tmpdir,
+        reach,
         temporaries: 0,
         scripts: Vec::new(),
         deps: Vec::new(),
@@ -231,6 +258,7 @@ impl Session<'_> {
             }
             "dep" => {
                 let path = PathBuf::from(word(1));
+                self.check_read(&path)?;
                 self.scripts.push(Script {
                     path: word(1).to_owned(),
                     name: word(1).to_owned(),
@@ -258,6 +286,7 @@ impl Session<'_> {
                 nothing()
             }
             "commit_file" => {
+                self.check_read(Path::new(word(3)))?;
                 let text = self.run.disk.read(Path::new(word(3))).map_err(|error| {
                     Failure::Error(format!("couldn't open \"{}\": {}", word(3), posix(&error)))
                 })?;
@@ -280,16 +309,23 @@ impl Session<'_> {
                  DOTGEN_TCLSH to its tclsh"
             )));
         }
-        let confined = self.output.files.is_preview();
+        let confined = self.reach.is_some();
         let limit = self.run.limits.output.unwrap_or(0);
         Ok(Answer::volatile(tcl::list([
             if confined { "1" } else { "0" },
             &self.run.name(),
             &self.run.dir.display().to_string(),
-            &self.scratch.path().display().to_string(),
+            &self.tmpdir.display().to_string(),
             &limit.to_string(),
             &tcl::list(&self.run.args),
         ])))
+    }
+
+    fn check_read(&self, path: &Path) -> Result<(), Failure> {
+        match &self.reach {
+            Some(reach) => reach.check_read(&*self.run.disk, &self.run.base.join(path)),
+            None => Ok(()),
+        }
     }
 
     /// Absolute path with links resolved but for the last component, as Tcl's `file normalize`.
@@ -316,10 +352,9 @@ impl Environment for Session<'_> {
         &mut *self.console
     }
 
-    fn temporary(&mut self) -> (&dyn Scratch, PathBuf) {
+    fn temporary(&mut self) -> PathBuf {
         self.temporaries += 1;
-        let path = (self.scratch.path()).join(format!("template{:08}", self.temporaries));
-        (&*self.scratch, path)
+        self.tmpdir.join(format!("template{:08}", self.temporaries))
     }
 
     fn format_time(&mut self, time: SystemTime) -> String {
@@ -328,6 +363,10 @@ impl Environment for Session<'_> {
         // Tcl knows the time zone and its words.
         self.evaluate(&format!("clock format {seconds}"))
             .unwrap_or(seconds)
+    }
+
+    fn processes(&self) -> &dyn Processes {
+        &*self.run.processes
     }
 
     fn message(&mut self, text: &str) {

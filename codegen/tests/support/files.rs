@@ -3,7 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use dotgen_codegen::disk::{Disk, Entry, Kind, NewContent, Scratch, Status, WriteError};
+use dotgen_codegen::disk::{Disk, Entry, Kind, NewContent, Status, WriteError};
 
 #[derive(Debug)]
 pub(crate) struct Files;
@@ -71,10 +71,16 @@ impl Disk for Files {
         Ok(())
     }
 
-    fn scratch(&self, parent: Option<&Path>) -> io::Result<Box<dyn Scratch>> {
-        let parent = parent.map_or_else(std::env::temp_dir, Path::to_owned);
-        let directory = tempfile::tempdir_in(parent.canonicalize()?)?;
-        Ok(Box::new(Temporary(directory)))
+    fn is_link(&self, path: &Path) -> bool {
+        path.is_symlink()
+    }
+
+    fn put(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        std::fs::write(path, bytes)
+    }
+
+    fn remove(&self, path: &Path) {
+        let _ = std::fs::remove_file(path);
     }
 }
 
@@ -87,25 +93,4 @@ fn mode(metadata: &std::fs::Metadata) -> u32 {
 #[cfg(not(unix))]
 fn mode(_: &std::fs::Metadata) -> u32 {
     0
-}
-
-#[derive(Debug)]
-struct Temporary(tempfile::TempDir);
-
-impl Scratch for Temporary {
-    fn path(&self) -> &Path {
-        self.0.path()
-    }
-
-    fn put(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
-        std::fs::write(path, bytes)
-    }
-
-    fn remove(&self, path: &Path) {
-        let _ = std::fs::remove_file(path);
-    }
-
-    fn keep(&mut self) {
-        self.0.disable_cleanup(true);
-    }
 }

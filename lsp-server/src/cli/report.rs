@@ -9,6 +9,7 @@ use std::collections::HashSet;
 use camino::Utf8Path;
 use clap::ValueEnum;
 use dotgen_analysis::diagnostic::{Diagnostic, Severity};
+use dotgen_analysis::terminal;
 use dotgen_codegen::disk::{Disk as _, NewContent};
 use dotgen_syntax::encoding;
 
@@ -67,6 +68,7 @@ pub(super) fn note(text: &str) {
     use std::io::Write;
     let style = clap::builder::styling::AnsiColor::Cyan.on_default().bold();
     let text = encoding::shown(text);
+    let text = terminal::text(&text);
     let _ = writeln!(anstream::stderr(), "{style}note{style:#}: {text}");
 }
 
@@ -88,10 +90,12 @@ pub(super) fn new_content(path: &Utf8Path, text: &str) -> NewContent {
 pub(super) fn failure(error: &anyhow::Error) {
     use std::io::Write;
     let style = clap::builder::styling::AnsiColor::Red.on_default().bold();
+    let error = format!("{error:#}");
+    let error = terminal::text(&error);
     // There is nowhere left to complain if this fails.
     let _ = writeln!(
         anstream::stderr(),
         "{style}error{style:#}: {}",
-        encoding::shown(&format!("{error:#}"))
+        encoding::shown(&error)
     );
 }

@@ -31,9 +31,12 @@ impl Staged {
         }
     }
 
-    /// Whether nothing will be written.
-    pub(crate) fn is_preview(&self) -> bool {
-        !self.direct
+    /// Files that are to go to the disk.
+    pub(crate) fn direct(files: BTreeMap<PathBuf, PreviewFile>) -> Staged {
+        Staged {
+            files,
+            direct: true,
+        }
     }
 
     /// Number of files that differ from those of the disk.
@@ -154,7 +157,7 @@ fn on_disk(disk: &dyn Disk, path: &Path) -> io::Result<Option<Vec<u8>>> {
 }
 
 /// The path without `.` and `..`, absolute.
-fn plain(disk: &dyn Disk, path: &Path) -> PathBuf {
+pub(crate) fn plain(disk: &dyn Disk, path: &Path) -> PathBuf {
     let mut out = PathBuf::new();
     for component in disk.absolute(path).components() {
         match component {

@@ -14,6 +14,7 @@ impl Session<'_> {
         let (name, text) = if kind == "file" {
             let path = join(&self.run.dir.display().to_string(), source);
             self.message(&format!("reading {path}"));
+            self.check_read(path.as_ref())?;
             let bytes = self.run.disk.read(Path::new(&path)).map_err(|error| {
                 Failure::Error(format!("couldn't open \"{path}\": {}", posix(&error)))
             })?;
@@ -23,14 +24,15 @@ impl Session<'_> {
         };
         let program = marker::translate(&text)
             .map_err(|error| Failure::Error(format!("{name}:{}: {}", error.line, error.fault)))?;
-        let (_, path) = self.temporary();
+        let path = self.temporary();
         if self.output.modes.is_on("debug") && !self.output.modes.is_on("silent") {
             self.print(&format!(
                 "generating template code for {name} in {}",
                 path.display()
             ));
         }
-        self.scratch
+        self.run
+            .disk
             .put(&path, program.text.as_bytes())
             .map_err(|error| {
                 Failure::Error(format!(
@@ -109,7 +111,7 @@ impl Session<'_> {
                 String::new()
             }
             ("merge-tool", [tool]) => {
-                self.output.merge_tool = tool.clone();
+                self.output.set_merge_tool(tool)?;
                 tool.clone()
             }
             ("merge-tool", _) => return Err(usage("merge-tool tool")),
@@ -124,7 +126,7 @@ impl Session<'_> {
             ("pwd", []) if self.output.dir.is_empty() => ".".into(),
             ("pwd", []) => self.output.dir.clone(),
             ("pwd", _) => return Err(usage("pwd")),
-            ("mktemp", []) => self.temporary().1.display().to_string(),
+            ("mktemp", []) => self.temporary().display().to_string(),
             _ => return Err(usage("mktemp")),
         };
         Ok(Answer::volatile(text))
