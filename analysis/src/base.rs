@@ -20,6 +20,7 @@ use crate::{
     diagnostic::Severity,
     host::{FileContent, Loader, PackageFlags, Project},
     lint::LintConfig,
+    release::ReleaseChoice,
 };
 
 /// What the database offers to queries.
@@ -31,6 +32,8 @@ pub(crate) trait Db: salsa::Database {
     fn text(&self, name: &Utf8Path, text: &Arc<str>) -> SourceFile;
     /// The input of an argument list of `#pragma requires`.
     fn packages(&self, arguments: &[String]) -> Packages;
+    /// The GenoM3 that is installed.
+    fn installed(&self) -> Installed;
     /// The settings.
     fn workspace(&self) -> Workspace;
     /// For what is looked up at the moment of a request and never remembered: directories.
@@ -72,6 +75,13 @@ pub struct Packages {
     pub flags: Result<PackageFlags, String>,
 }
 
+/// The GenoM3 that is installed.
+#[salsa::input(debug)]
+pub struct Installed {
+    /// Its release; `None` if none is found.
+    pub release: Option<ReleaseChoice>,
+}
+
 /// Settings of the workspace.
 #[salsa::input(debug)]
 pub struct Workspace {
@@ -83,7 +93,9 @@ pub struct Workspace {
     pub include_dirs: Vec<Utf8PathBuf>,
     /// `-D`
     pub defines: Vec<(SmolStr, SmolStr)>,
-    /// Directories with an include path and macros of their own.
+    /// The release of GenoM3, if the user says it.
+    pub release: Option<ReleaseChoice>,
+    /// Directories with an include path, macros and a release of their own.
     pub projects: Vec<Project>,
     /// Severity per code.
     pub severities: Vec<(String, Option<Severity>)>,
@@ -100,12 +112,17 @@ impl Workspace {
         db: &'db dyn Db,
         root: &Utf8Path,
     ) -> (&'db [Utf8PathBuf], &'db [(SmolStr, SmolStr)]) {
-        let around = self.projects(db).iter();
-        let around = around.filter(|it| root.starts_with(&it.directory));
-        match around.max_by_key(|it| it.directory.as_str().len()) {
+        match self.project(db, root) {
             Some(it) => (&it.include_dirs, &it.defines),
             None => (self.include_dirs(db), self.defines(db)),
         }
+    }
+
+    /// The innermost project that a path is in.
+    pub(crate) fn project<'db>(self, db: &'db dyn Db, path: &Utf8Path) -> Option<&'db Project> {
+        let around = self.projects(db).iter();
+        let around = around.filter(|it| path.starts_with(&it.directory));
+        around.max_by_key(|it| it.directory.as_str().len())
     }
 }
 
@@ -123,6 +140,7 @@ struct Tables {
     files: Mutex<FxHashMap<Utf8PathBuf, SourceFile>>,
     texts: Mutex<FxHashMap<(Utf8PathBuf, Arc<str>), SourceFile>>,
     packages: Mutex<FxHashMap<Vec<String>, Packages>>,
+    installed: Mutex<Option<Installed>>,
 }
 
 /// A callback that sees what salsa does; tests read it to prove which queries ran.
@@ -137,6 +155,7 @@ impl RootDatabase {
                 files: Mutex::default(),
                 texts: Mutex::default(),
                 packages: Mutex::default(),
+                installed: Mutex::default(),
             }),
             workspace: None,
         };
@@ -145,6 +164,7 @@ impl RootDatabase {
             None,
             Vec::new(),
             Vec::new(),
+            None,
             Vec::new(),
             Vec::new(),
             LintConfig::default(),
@@ -164,6 +184,10 @@ impl RootDatabase {
         to.set_include_dirs(&mut db)
             .to(from.include_dirs(other).clone());
         to.set_defines(&mut db).to(from.defines(other).clone());
+        // What is installed does not change with the loader.
+        let release = from.release(other).clone();
+        let release = release.or_else(|| other.installed().release(other).clone());
+        to.set_release(&mut db).to(release);
         to.set_projects(&mut db).to(from.projects(other).clone());
         to.set_severities(&mut db)
             .to(from.severities(other).clone());
@@ -212,6 +236,13 @@ impl RootDatabase {
                 _ = packages.set_flags(self).to(flags);
             }
         }
+        let installed = *lock(&self.tables.installed);
+        if let Some(installed) = installed {
+            let release = self.tables.loader.installed_release();
+            if *installed.release(self) != release {
+                _ = installed.set_release(self).to(release);
+            }
+        }
     }
 }
 
@@ -250,6 +281,11 @@ impl Db for RootDatabase {
         let packages = Packages::new(self, arguments.to_vec(), flags);
         known.insert(arguments.to_vec(), packages);
         packages
+    }
+
+    fn installed(&self) -> Installed {
+        let mut known = lock(&self.tables.installed);
+        *known.get_or_insert_with(|| Installed::new(self, self.tables.loader.installed_release()))
     }
 
     fn loader(&self) -> &Arc<dyn Loader> {

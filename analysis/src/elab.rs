@@ -16,6 +16,7 @@ mod decl;
 mod finish;
 mod import;
 mod initializer;
+mod newer;
 mod operator;
 mod param;
 mod pragma;
@@ -36,6 +37,7 @@ use crate::{
     finding::Finding,
     item_tree::ItemTree,
     model::{Component, Spec, Src, TypeId},
+    release::Release,
 };
 
 /// The files of a translation unit, in the form they are visited.
@@ -44,6 +46,8 @@ pub struct UnitInput<'a> {
     /// `visits[0]` is the root. One file may be visited several times, as the preprocessor found
     /// other macros defined each time.
     pub visits: &'a [Visit<'a>],
+    /// The release of GenoM3 whose language it is.
+    pub release: Release,
 }
 
 /// One inclusion of one file.

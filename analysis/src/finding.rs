@@ -103,6 +103,10 @@ impl Kind {
     pub(crate) fn reference(&self) -> String {
         match self {
             Kind::Preprocessing(it) => it.reference(),
+            Kind::Naming(Naming::Clash { name, what }) => {
+                let kind = what.trim_start_matches("an ").trim_start_matches("a ");
+                format!("declaration of '{name}' clashes with existing {kind}")
+            }
             _ => self.words().what.replace('`', ""),
         }
     }

@@ -21,6 +21,7 @@ use crate::{
     lint::LintConfig,
     model::Spec,
     queries::elaborated,
+    release::{self, ReleaseChoice},
     report,
     source_map::UnitLocations,
     unit::{self, UnitKey},
@@ -62,6 +63,10 @@ pub trait Loader: Send + Sync {
     fn list_dir(&self, _path: &Utf8Path) -> Vec<DirEntry> {
         Vec::new()
     }
+    /// The release of the GenoM3 that is installed, if one is found.
+    fn installed_release(&self) -> Option<ReleaseChoice> {
+        None
+    }
     /// Names of the packages that can be asked for, for completion.
     fn package_names(&self) -> Vec<String> {
         Vec::new()
@@ -84,6 +89,8 @@ pub struct Config {
     pub include_dirs: Vec<Utf8PathBuf>,
     /// `-D`, in order: name and value (`1` when none was given).
     pub defines: Vec<(SmolStr, SmolStr)>,
+    /// The release of GenoM3 that specifications are read as; `None` if the user says nothing of it.
+    pub release: Option<ReleaseChoice>,
     /// Directories whose specifications are read in another way.
     pub projects: Vec<Project>,
     /// Severity per code; `None` switches a code off. Errors stay errors: the configuration changes
@@ -102,6 +109,8 @@ pub struct Project {
     pub include_dirs: Vec<Utf8PathBuf>,
     /// `-D`, in order.
     pub defines: Vec<(SmolStr, SmolStr)>,
+    /// The release of GenoM3.
+    pub release: Option<ReleaseChoice>,
 }
 
 /// One batch of changes.
@@ -244,6 +253,9 @@ impl AnalysisHost {
             }
             if *workspace.defines(db) != config.defines {
                 workspace.set_defines(db).to(config.defines);
+            }
+            if *workspace.release(db) != config.release {
+                workspace.set_release(db).to(config.release);
             }
             if *workspace.projects(db) != config.projects {
                 workspace.set_projects(db).to(config.projects);
@@ -442,6 +454,11 @@ impl Analysis {
     /// The unit that begins with a file, whoever else includes it: what the command line compiles.
     pub fn root_unit(&self, path: &Utf8Path) -> Cancellable<UnitResult> {
         self.with(|db| unit_result(db, unit::unit_of_root(db, db.file(path))))
+    }
+
+    /// The release of GenoM3 that a specification is read as.
+    pub fn release(&self, path: &Utf8Path) -> Cancellable<ReleaseChoice> {
+        self.with(|db| release::of_unit(db, unit::unit_of_root(db, db.file(path))))
     }
 
     /// Several inputs as one unit.

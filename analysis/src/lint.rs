@@ -133,19 +133,7 @@ impl<'a> Lint<'a> {
     }
 }
 
-/// A duration with the unit that gives the shortest exact text.
+/// A duration as [`crate::quantity::time`] writes it.
 pub fn duration(seconds: Seconds) -> String {
-    for (unit, per_second) in [
-        ("s", 1),
-        ("ms", 1_000),
-        ("µs", 1_000_000),
-        ("ns", 1_000_000_000),
-    ] {
-        let value = seconds * Seconds::from_integer(per_second);
-        if value.is_integer() {
-            return format!("{} {unit}", value.to_integer());
-        }
-    }
-    let value = seconds * Seconds::from_integer(1_000_000);
-    format!("{:.3} µs", *value.numer() as f64 / *value.denom() as f64)
+    crate::quantity::time(seconds)
 }

@@ -20,6 +20,7 @@ use num_rational::Ratio;
 use serde::{Deserialize, Serialize};
 use smol_str::SmolStr;
 
+use crate::release::Release;
 pub use types::{Label, Scope, ScopeKind, Type, TypeId, TypeKind, Value};
 
 /// A name as written in the specification.
@@ -46,6 +47,8 @@ pub struct Src {
 /// Everything one translation unit declares.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Spec {
+    /// The release of GenoM3 whose language this is.
+    pub release: Release,
     /// Every type object in order of creation, anonymous ones included. A type that was declared
     /// twice (a forward declaration and its definition) has two entries.
     pub types: Vec<Type>,
@@ -53,6 +56,19 @@ pub struct Spec {
     pub components: Vec<Component>,
     /// Packages of all `#pragma requires`, in order, without repetition.
     pub pragma_requires: Vec<String>,
+    /// Where the bodies of components and interfaces are, in order.
+    pub bodies: Vec<Body>,
+}
+
+/// A part of the text that stands in the body of a component or interface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Body {
+    /// The visit.
+    pub visit: u32,
+    /// The top-level item of it; `None` for all of a file that is included in the body.
+    pub item: Option<u32>,
+    /// Index into [`Spec::components`].
+    pub component: u32,
 }
 
 /// `component` or `interface`.
@@ -99,6 +115,8 @@ pub struct Component {
     pub codels_requires: Vec<String>,
     /// Given, imported, or (components with a periodic task) computed.
     pub clock_rate: Option<Quantity>,
+    /// `stack`, in bytes: that of all threads whose task does not say another.
+    pub stack: Option<Quantity>,
     /// The ids structure.
     pub ids: Option<TypeId>,
     /// Interfaces named by `provides` (also by pragma), `uses`, `extends`: indexes into
@@ -397,6 +415,17 @@ impl Spec {
     /// The type object of an id.
     pub fn ty(&self, id: TypeId) -> &Type {
         &self.types[id.0 as usize]
+    }
+
+    /// The component or interface in whose body a node stands.
+    pub fn body_of(&self, src: Src) -> Option<u32> {
+        // What is made with a component stands at its name, which is in no body.
+        if self.components.iter().any(|it| it.src == src) {
+            return None;
+        }
+        let inside =
+            |it: &&Body| it.visit == src.visit && it.item.is_none_or(|item| item == src.item);
+        self.bodies.iter().find(inside).map(|it| it.component)
     }
 
     /// The type behind typedefs, members, constants and completed forward declarations.

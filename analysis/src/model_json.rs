@@ -85,6 +85,8 @@ impl Writer<'_> {
         out.put("requires", json!(component.requires));
         out.put("codels-require", json!(component.codels_requires));
         self.time(&mut out, "clock-rate", &component.clock_rate);
+        let stack = component.stack.as_ref().map(amount);
+        out.put_some("stack", stack);
         if let Some(TypeKind::Struct { members }) = component.ids.map(|it| &self.spec.ty(it).kind) {
             let members: Vec<Json> = members.iter().map(|it| self.ids_member(*it)).collect();
             out.put("ids", members);

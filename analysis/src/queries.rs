@@ -16,6 +16,7 @@ use crate::{
     item_tree::{Item, ItemTree, Ptr},
     lint,
     model::Component,
+    release,
     unit::{UnitKey, item_tree, visits},
     view::BodyView,
 };
@@ -68,7 +69,10 @@ pub(crate) fn elaborated<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Elabor
         }
     }));
     db.unwind_if_revision_cancelled();
-    Arc::new(elab::elaborate(&UnitInput { visits: &input }))
+    Arc::new(elab::elaborate(&UnitInput {
+        visits: &input,
+        release: release::of_unit(db, unit).release,
+    }))
 }
 
 /// Number of bodies to check.

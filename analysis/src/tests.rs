@@ -5,4 +5,5 @@ mod consequences;
 mod half_typed;
 mod incremental;
 mod random_edits;
+mod releases;
 mod units;

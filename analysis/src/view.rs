@@ -61,6 +61,7 @@ impl BodyView {
         }
         BodyView {
             spec: Spec {
+                release: spec.release,
                 types,
                 components,
                 ..Spec::default()
@@ -136,6 +137,7 @@ fn emptied(component: &Component) -> Component {
         requires: Vec::new(),
         codels_requires: Vec::new(),
         clock_rate: None,
+        stack: None,
         ids: None,
         provides: Vec::new(),
         uses: Vec::new(),

@@ -5,12 +5,15 @@
 
 mod expand;
 mod json_schema;
+mod known;
 mod manifest;
 mod mappings;
 mod render;
 mod words;
 
 use std::path::{Component, Path, PathBuf};
+
+use dotgen_analysis::release::Release;
 
 use crate::command::{Environment, Options};
 use crate::compiler::Compiler;
@@ -131,7 +134,7 @@ pub(crate) fn run(
     env: &mut Environment<'_>,
 ) -> Option<i32> {
     let result = if name == "mappings" {
-        mappings::run(args, compiler, env)
+        mappings::run(args, compiler, env, false)
     } else {
         let found = EMBEDDED.iter().find(|it| it.name == name)?;
         render::run(
@@ -144,6 +147,22 @@ pub(crate) fn run(
         )
     };
     Some(finish(name, result, env))
+}
+
+/// Runs the Tcl template of a folder without Tcl, where it is known to be that of the release in force and is called in
+/// a way that ours answers with the same bytes; `None` otherwise.
+pub(crate) fn run_known(
+    dir: &Path,
+    args: &[String],
+    release: Release,
+    compiler: &mut Compiler,
+    env: &mut Environment<'_>,
+) -> Option<i32> {
+    if known::template(&*env.disk, dir)? != ("mappings", release) || !mappings::is_plain(args) {
+        return None;
+    }
+    let result = mappings::run(args, compiler, env, true);
+    Some(finish("mappings", result, env))
 }
 
 /// Runs the template of a folder.

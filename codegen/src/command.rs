@@ -10,6 +10,7 @@ use std::sync::Arc;
 use camino::Utf8PathBuf;
 use dotgen_analysis::host::Loader;
 use dotgen_analysis::model::Spec;
+use dotgen_analysis::release::{Release, ReleaseChoice, ReleaseOrigin, required};
 use dotgen_syntax::encoding;
 
 use crate::compiler::Compiler;
@@ -17,11 +18,15 @@ use crate::disk::{Disk, NewContent};
 use crate::frontend::Frontend;
 use crate::process::Processes;
 use crate::template::console::Console;
+use crate::template::discover::release_of;
 use crate::template::discover::{FindError, SearchPath};
-use crate::template::{Confined, Limits, OutputSink, Run, TemplatePlace, VERSION};
+use crate::template::{Confined, Limits, OutputSink, Run, TemplatePlace};
 pub(crate) use options::Options;
 use options::{Mode, OptionError};
 pub use project::Project;
+
+/// Environment variable that says the release of GenoM3 to stand in for.
+const RELEASE_VARIABLE: &str = "DOTGEN_GENOM_RELEASE";
 
 /// What the command line needs of its surroundings.
 pub struct Environment<'a> {
@@ -45,6 +50,8 @@ pub struct Environment<'a> {
     pub base: PathBuf,
     /// Where files go. Afterwards it has what was kept of them.
     pub sink: OutputSink,
+    /// The release of GenoM3 that a project's settings say.
+    pub release: Option<ReleaseChoice>,
     /// Starts interpreters and tools.
     pub processes: Arc<dyn Processes>,
     /// Keeps templates from what is not their business; `None` lets them do what their user can.
@@ -77,9 +84,16 @@ pub fn generate(args: &[String], env: &mut Environment<'_>) -> i32 {
             return 2;
         }
     };
+    let release = match env.release(&options) {
+        Ok(release) => release,
+        Err(message) => {
+            env.warn(&message);
+            return 2;
+        }
+    };
     match options.mode {
         Mode::Version => {
-            env.print(VERSION);
+            env.print(&release.release.to_string());
             0
         }
         Mode::Help => {
@@ -91,10 +105,12 @@ pub fn generate(args: &[String], env: &mut Environment<'_>) -> i32 {
             env.console.err(&usage(env.name));
             1
         }
-        Mode::Template if options.confined && env.confined.is_none() => confined(&options, env),
-        Mode::Template => template(&options, env),
-        Mode::Parse | Mode::Dump => parse_only(&options, env),
-        Mode::Preprocess => preprocess_only(&options, env),
+        Mode::Template if options.confined && env.confined.is_none() => {
+            confined(&options, release, env)
+        }
+        Mode::Template => template(&options, release, env),
+        Mode::Parse | Mode::Dump => parse_only(&options, release, env),
+        Mode::Preprocess => preprocess_only(&options, release.release, env),
     }
 }
 
@@ -150,7 +166,41 @@ impl Environment<'_> {
         Utf8PathBuf::from_path_buf(self.disk.current_dir()).unwrap_or_default()
     }
 
-    fn compiler(&self, options: &Options) -> Compiler {
+    /// The release of GenoM3 to stand in for: what the command line says, the environment, the project; that of the
+    /// templates in use, the installed one; what the inputs require; or the newest that was verified.
+    fn release(&self, options: &Options) -> Result<ReleaseChoice, String> {
+        if let Some(release) = options.release {
+            let origin = ReleaseOrigin::CommandLine;
+            return Ok(ReleaseChoice { release, origin });
+        }
+        if let Some(text) = self.variable(RELEASE_VARIABLE) {
+            let release = text
+                .parse()
+                .map_err(|error| format!("{RELEASE_VARIABLE}: {error}"))?;
+            let origin = ReleaseOrigin::Environment;
+            return Ok(ReleaseChoice { release, origin });
+        }
+        if let Some(release) = &self.release {
+            return Ok(release.clone());
+        }
+        let search = self.search_path(options);
+        let dirs: Vec<PathBuf> = search.dirs.into_iter().chain(search.builtin).collect();
+        if let Some((release, file)) = release_of(&*self.disk, &dirs) {
+            let file = Utf8PathBuf::from_path_buf(file).unwrap_or_default();
+            let origin = ReleaseOrigin::Templates(file);
+            return Ok(ReleaseChoice { release, origin });
+        }
+        if let Some(release) = self.loader.installed_release() {
+            return Ok(release);
+        }
+        let here = self.here();
+        let base = self.base.to_str().map_or(here.clone(), |it| here.join(it));
+        let base = base.join(&options.directory);
+        let files = options.rest.iter().map(|it| base.join(it));
+        Ok(ReleaseChoice::required(required(&*self.loader, files)))
+    }
+
+    fn compiler(&self, options: &Options, release: ReleaseChoice) -> Compiler {
         let here = self.here();
         let include_dirs = options.include_dirs.iter();
         let defines = options.defines.iter();
@@ -163,8 +213,11 @@ impl Environment<'_> {
             defines
                 .map(|(name, value)| (name.as_str().into(), value.as_str().into()))
                 .collect(),
+            release,
         );
-        compiler.set_base(Utf8PathBuf::from_path_buf(self.base.clone()).unwrap_or_default());
+        let base = self.base.join(&options.directory);
+        compiler.set_base(Utf8PathBuf::from_path_buf(base).unwrap_or_default());
+        compiler.set_program(self.name);
         compiler
     }
 }
@@ -205,7 +258,7 @@ fn list(options: &Options, env: &mut Environment<'_>) -> i32 {
 }
 
 /// Runs a template as a preview does, and writes what comes of it if the template succeeds.
-fn confined(options: &Options, env: &mut Environment<'_>) -> i32 {
+fn confined(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>) -> i32 {
     let here = if env.base.as_os_str().is_empty() {
         Path::new(".")
     } else {
@@ -218,7 +271,7 @@ fn confined(options: &Options, env: &mut Environment<'_>) -> i32 {
         ..Limits::preview()
     };
     let direct = std::mem::replace(&mut env.sink, OutputSink::preview());
-    let status = template(options, env);
+    let status = template(options, release, env);
     let kept = std::mem::replace(&mut env.sink, direct);
     if status != 0 {
         return status;
@@ -232,13 +285,14 @@ fn confined(options: &Options, env: &mut Environment<'_>) -> i32 {
     }
 }
 
-fn template(options: &Options, env: &mut Environment<'_>) -> i32 {
+fn template(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>) -> i32 {
     let search = env.search_path(options);
     let (name, arguments) = match options.rest.split_first() {
         Some((name, arguments)) => (name, arguments),
         None => return 1,
     };
-    let mut compiler = env.compiler(options);
+    let number = release.release;
+    let mut compiler = env.compiler(options, release);
     if let Some(dir) = search.find_manifest(&*env.disk, name) {
         return crate::builtin::run_folder(&dir, arguments, options, &mut compiler, env);
     }
@@ -258,6 +312,12 @@ fn template(options: &Options, env: &mut Environment<'_>) -> i32 {
             return 2;
         }
     };
+    if !options.verbose
+        && !options.debug
+        && let Some(status) = crate::builtin::run_known(&dir, arguments, number, &mut compiler, env)
+    {
+        return status;
+    }
     let mut search = search;
     if search.builtin.is_none() {
         search.builtin = env.support_dir();
@@ -274,6 +334,7 @@ fn template(options: &Options, env: &mut Environment<'_>) -> i32 {
         tmpdir: options.tmpdir.clone().map(PathBuf::from),
         limits: env.limits.clone(),
         base: env.base.clone(),
+        input_path: options.directory.clone(),
         processes: Arc::clone(&env.processes),
         confined: env.confined.as_ref(),
     };
@@ -284,8 +345,8 @@ fn template(options: &Options, env: &mut Environment<'_>) -> i32 {
     outcome.status
 }
 
-fn parse_only(options: &Options, env: &mut Environment<'_>) -> i32 {
-    let mut compiler = env.compiler(options);
+fn parse_only(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>) -> i32 {
+    let mut compiler = env.compiler(options, release);
     let console = &mut *env.console;
     let result = compiler.parse_files(&options.rest, &mut |line| console.err(line));
     if options.mode == Mode::Dump {
@@ -307,10 +368,11 @@ fn parse_only(options: &Options, env: &mut Environment<'_>) -> i32 {
     }
 }
 
-fn preprocess_only(options: &Options, env: &mut Environment<'_>) -> i32 {
+fn preprocess_only(options: &Options, release: Release, env: &mut Environment<'_>) -> i32 {
     let here = env.here();
     let dirs = options.include_dirs.iter().map(|dir| here.join(dir));
-    let mut preprocessor = preprocess::Preprocessor::new(Arc::clone(&env.loader), dirs.collect());
+    let mut preprocessor =
+        preprocess::Preprocessor::new(Arc::clone(&env.loader), dirs.collect(), release);
     for (name, value) in &options.defines {
         if let Err(problem) = preprocessor.env.define_option(&format!("{name}={value}")) {
             env.warn(&problem);
@@ -319,11 +381,12 @@ fn preprocess_only(options: &Options, env: &mut Environment<'_>) -> i32 {
     }
     let mut failed = false;
     for input in &options.rest {
-        match preprocessor.file(camino::Utf8Path::new(input)) {
+        let path = Utf8PathBuf::from(&options.directory).join(input);
+        match preprocessor.file(&path) {
             Ok(text) => env.console.out(&encoding::encode(&text)),
             Err(problem) => {
-                env.warn(&format!("cannot read {input}: {problem}"));
-                failed = true;
+                env.warn(&format!("{input}: {problem}"));
+                return 2;
             }
         }
     }
@@ -343,6 +406,7 @@ fn usage(name: &str) -> String {
 
 General options:
   -I DIR            search DIR for included files
+  -C DIR            look for FILE.gen in DIR; given again, in DIR below the one before
   -D MACRO[=VALUE]  define MACRO as VALUE, or as 1
   -t DIR[:DIR...]   search these directories for templates, instead of GENOM_TMPL_PATH
   -l, --list        list the templates
@@ -354,6 +418,7 @@ General options:
   -T, --tmpdir DIR  directory for temporary files
   -v, --verbose     say what is done
   -d, --debug       keep temporary files
+      --release R       stand in for this release of GenoM3, such as 2.99.41
       --version     print the version of GenoM3 this stands for
   -h, --help        print this help
 

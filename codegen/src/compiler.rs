@@ -10,6 +10,7 @@ use dotgen_analysis::host::{
     AnalysisHost, BatchInput, Change, Config, FileContent, Input, Loader, UnitResult,
 };
 use dotgen_analysis::model::{Component, Spec, Src, TypeKind, Value};
+use dotgen_analysis::release::ReleaseChoice;
 use dotgen_analysis::source_map::{Locations, MacroCall};
 use dotgen_syntax::encoding;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -28,6 +29,8 @@ pub struct Compiler {
     loader: Arc<dyn Loader>,
     /// Directory where relative names of files start; empty for the current one.
     base: Utf8PathBuf,
+    /// Name of the program in messages about inputs.
+    program: String,
     host: AnalysisHost,
     input: BatchInput,
     reported: FxHashSet<(Utf8PathBuf, usize, &'static str, String)>,
@@ -35,18 +38,22 @@ pub struct Compiler {
 }
 
 impl Compiler {
-    /// A compiler without input. `include_dirs` and `defines` as given by `-I` and `-D`.
+    /// A compiler without input. `include_dirs` and `defines` as given by `-I` and `-D`; everything is read as the
+    /// release does.
     pub fn new(
         disk: Arc<dyn Disk>,
         loader: Arc<dyn Loader>,
         include_dirs: Vec<Utf8PathBuf>,
         defines: Vec<(SmolStr, SmolStr)>,
+        release: ReleaseChoice,
     ) -> Compiler {
+        let number = release.release;
         let mut host = AnalysisHost::new(Arc::clone(&loader));
         host.apply(Change {
             config: Some(Config {
                 include_dirs,
                 defines,
+                release: Some(release),
                 ..Config::default()
             }),
             ..Change::default()
@@ -55,10 +62,11 @@ impl Compiler {
             disk,
             loader,
             base: Utf8PathBuf::new(),
+            program: "genom3".to_owned(),
             host,
             input: BatchInput::default(),
             reported: FxHashSet::default(),
-            compiled: Compiled::default(),
+            compiled: Compiled::of_release(number),
         }
     }
 
@@ -72,6 +80,11 @@ impl Compiler {
         let found = self.disk.absolute(path.as_std_path());
         let found = found.components().collect();
         Utf8PathBuf::from_path_buf(found).unwrap_or(path)
+    }
+
+    /// The name of the program that messages about inputs begin with.
+    pub fn set_program(&mut self, name: &str) {
+        name.clone_into(&mut self.program);
     }
 
     /// Compiles everything given so far and reports what is new.
@@ -110,6 +123,7 @@ impl Compiler {
         let names: FxHashMap<Utf8PathBuf, String> = files.collect();
         let mut spec = narrow_literals(&unit, &texts, report);
         share_requires(&mut spec);
+        share_throws(&mut spec);
         self.compiled = Compiled {
             spec,
             deps: deps(&unit, &names),
@@ -144,6 +158,42 @@ impl Compiler {
         let name = it.path.file_name().unwrap_or(INLINE);
         let warning = if is_error { "" } else { " warning:" };
         format!("{name}:{line}:{warning} {text}")
+    }
+}
+
+/// In GenoM3 a service or task that comes from an interface shares its list of exceptions with it, so that what one of
+/// its importers adds is thrown by all of them. Templates write these lists into comments and manuals.
+fn share_throws(spec: &mut Arc<Spec>) {
+    let mut additions = Vec::new();
+    for component in &spec.components {
+        for service in &component.services {
+            let theirs = service.imported_from.and_then(|interface| {
+                let services = spec.components[interface as usize].services.iter();
+                let mut services = (0usize..).zip(services);
+                let (index, it) = services.find(|it| it.1.name == service.name)?;
+                (!it.throws.is_empty()).then_some((interface as usize, index, &it.throws))
+            });
+            let Some((interface, index, throws)) = theirs else {
+                continue;
+            };
+            let added = service.throws.iter().filter(|it| !throws.contains(it));
+            additions.extend(added.map(|it| (interface, index, *it)));
+        }
+    }
+    if additions.is_empty() {
+        return;
+    }
+    let spec = Arc::make_mut(spec);
+    for (interface, index, exception) in additions {
+        let name = spec.components[interface].services[index].name.clone();
+        for (at, component) in spec.components.iter_mut().enumerate() {
+            let shares = component.services.iter_mut().filter(|it| {
+                it.name == name && (at == interface || it.imported_from == Some(interface as u32))
+            });
+            for service in shares.filter(|it| !it.throws.contains(&exception)) {
+                service.throws.push(exception);
+            }
+        }
     }
 }
 
@@ -184,13 +234,19 @@ impl Frontend for Compiler {
             let path = canonical(&*self.disk, self.absolute(self.base.join(file)));
             let problem = match self.loader.read(&path) {
                 FileContent::Text(_) | FileContent::NotUtf8(_) => None,
-                FileContent::Missing => Some("no such file or directory".to_owned()),
-                FileContent::Directory => Some("it is a directory".to_owned()),
+                FileContent::Missing => Some("No such file or directory".to_owned()),
+                FileContent::Directory => Some("Is a directory".to_owned()),
                 FileContent::Unreadable(why) => Some(why),
             };
             if let Some(problem) = problem {
+                // Without the directory where inputs are looked for, that is what is not there.
+                let base = absolute(self.base.as_str()).ok();
+                let gone = base.is_some_and(|it| self.loader.read(&it) == FileContent::Missing);
+                let gone = gone && !self.base.as_str().is_empty();
+                let what = if gone { self.base.as_str() } else { file };
+                report(&format!("{}: {what}: {problem}", self.program));
                 return Err(ParseFailure::Unreadable(format!(
-                    "cannot read {file}: {problem}"
+                    "cannot parse input: {problem}"
                 )));
             }
             inputs.push(Input::File(path));

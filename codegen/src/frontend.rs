@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use dotgen_analysis::model::Spec;
+use dotgen_analysis::release::Release;
 
 use crate::lang::{NoPlaces, Places};
 
@@ -19,8 +20,18 @@ pub struct Compiled {
 
 impl Default for Compiled {
     fn default() -> Compiled {
+        Compiled::of_release(Release::default())
+    }
+}
+
+impl Compiled {
+    /// Nothing yet, to be read as a release does.
+    pub fn of_release(release: Release) -> Compiled {
         Compiled {
-            spec: Arc::new(Spec::default()),
+            spec: Arc::new(Spec {
+                release,
+                ..Spec::default()
+            }),
             places: Arc::new(NoPlaces),
             deps: Vec::new(),
         }

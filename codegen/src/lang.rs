@@ -18,6 +18,7 @@ mod prototypes;
 pub mod text;
 
 use dotgen_analysis::model::{CodelRef, Name, Param, ParamSource, Spec, Src, TypeId, TypeKind};
+use dotgen_analysis::release::Change;
 
 pub use kind::{
     dir_word, label_text, length_of, scope_word, service_word, source_word, value_text,
@@ -185,6 +186,11 @@ impl<'a> Mapper<'a> {
         }
     }
 
+    /// Whether the specification's release has a change.
+    pub(crate) fn has(&self, change: Change) -> bool {
+        self.spec.release.has(change)
+    }
+
     fn unsupported<T>(&self, procedure: &str) -> Result<T, LangError> {
         Err(LangError::error(format!(
             "invalid command name \"::language::{}::{procedure}\"",
@@ -249,6 +255,9 @@ impl<'a> Mapper<'a> {
             | TypeKind::Exception { .. }
             | TypeKind::Typedef { .. }
             | TypeKind::Native => format!("t{}", self.full_name(ty)?.replace("::", "_")),
+            TypeKind::Port { .. } if self.has(Change::PortManglings) => {
+                format!("t{}", self.full_name(ty)?.replace("::", "_"))
+            }
             TypeKind::Array { element, .. }
             | TypeKind::Sequence { element, .. }
             | TypeKind::Optional { element } => {
@@ -310,11 +319,29 @@ impl<'a> Mapper<'a> {
         }
     }
 
-    /// The declaration of a returned value.
-    pub fn return_value(&self, ty: TypeId, passing: Passing) -> LangResult {
+    /// [`Mapper::return_value`] for a way of passing given by its name.
+    pub fn return_value_by_name(&self, ty: TypeId, passing: &str, var: &str) -> LangResult {
+        let parsed = Passing::from_name(passing);
+        let pointer = matches!(
+            self.final_kind(ty),
+            TypeKind::Array { .. } | TypeKind::String { bound: Some(_) }
+        );
+        // For these GenoM3 joins its message of two parts with a blank between them.
+        let joined =
+            pointer && self.language == Language::C && self.has(Change::ReturnValueVariables);
+        match parsed {
+            Err(_) if joined => Err(LangError::fatal(format!(
+                "unknown argument kind \"{passing}\":  must be value or reference"
+            ))),
+            parsed => self.return_value(ty, parsed?, var),
+        }
+    }
+
+    /// The declaration of a returned value, of a variable when `var` is not empty.
+    pub fn return_value(&self, ty: TypeId, passing: Passing, var: &str) -> LangResult {
         match self.language {
-            Language::C => c::return_value(self, ty, passing),
-            Language::Cxx => cxx::argument(self, ty, passing, ""),
+            Language::C => c::return_value(self, ty, passing, var),
+            Language::Cxx => cxx::argument(self, ty, passing, var),
             Language::Tcl => self.unsupported("return-value"),
         }
     }
@@ -380,6 +407,11 @@ impl<'a> Mapper<'a> {
             TypeKind::ForwardUnion { .. } => "union",
             TypeKind::Native => "native",
             TypeKind::Port { .. } => "port",
+            // The alias of a provided port stands where the port does.
+            TypeKind::Typedef { ty } if self.spec.ty(*ty).src == it.src => match self.kind(*ty) {
+                TypeKind::Port { .. } => "port",
+                _ => return self.places.place(it.src, Anchor::First),
+            },
             TypeKind::PauseEvent => "pause",
             TypeKind::Remote { component, remote } => {
                 let remote = &self.spec.components[*component as usize].remotes[*remote as usize];

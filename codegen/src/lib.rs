@@ -9,6 +9,7 @@ pub mod disk;
 pub mod frontend;
 pub mod lang;
 pub mod process;
+pub mod release_diff;
 pub mod template;
 
 /// The files of the disk for unit tests, which name this crate as other tests do.

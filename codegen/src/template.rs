@@ -29,8 +29,11 @@ pub(crate) mod throws;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use dotgen_analysis::model::Spec;
+
 use crate::disk::Disk;
 use crate::frontend::Frontend;
+use crate::lang::{Language, NoPlaces};
 use crate::process::Processes;
 use console::Console;
 use discover::SearchPath;
@@ -41,8 +44,25 @@ pub use notice::notice;
 pub(crate) use output::Output;
 pub use output::{Modes, OutputSink, PreviewFile};
 
-/// The version of GenoM3 whose templates run: `__GENOM__` and `dotgen genom version`.
-pub const VERSION: &str = "2.99.39";
+/// The digests of a component, and of its services by name.
+pub(crate) fn component_digests(spec: &Spec, component: u32) -> Vec<(Option<String>, String)> {
+    let registry = object::Registry::default();
+    let model = api::Model {
+        spec,
+        places: &NoPlaces,
+        registry: &registry,
+        template: "",
+        language: Language::C,
+    };
+    let digest = |object| closure::digest(&model, &object, &mut |_| Ok(true)).ok();
+    let services = (0u32..).zip(&spec.components[component as usize].services);
+    let services = services.filter_map(|(index, it)| {
+        let digest = digest(object::Object::Service(component, index))?;
+        Some((Some(it.name.to_string()), digest))
+    });
+    let own = digest(object::Object::Component(component)).map(|it| (None, it));
+    own.into_iter().chain(services).collect()
+}
 
 /// Why a question of a template fails.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -79,6 +99,8 @@ pub struct Run<'a> {
     pub limits: Limits,
     /// Directory where relative paths start; empty for the current one.
     pub base: PathBuf,
+    /// Directory where the names of inputs start (`-C`), as given; empty for [`Run::base`].
+    pub input_path: String,
     /// Starts the interpreter.
     pub processes: Arc<dyn Processes>,
     /// Keeps the template from what is not its business; `None` lets it do what its user can.

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use dotgen_analysis::release::{Release, ReleaseChoice, ReleaseOrigin};
 use dotgen_codegen::command::{Environment, generate};
 use dotgen_codegen::template::Limits;
 use dotgen_codegen::template::console::Captured;
@@ -52,6 +53,11 @@ fn run(dir: &Path, args: &[&str]) -> (i32, String, String) {
         processes: Arc::new(processes::Plain),
         confined: None,
         failed_at: None,
+        // What is expected is of this release.
+        release: Some(ReleaseChoice {
+            release: Release::V2_99_39,
+            origin: ReleaseOrigin::CommandLine,
+        }),
     };
     let dir = dir.display().to_string();
     let args: Vec<String> = args.iter().map(|it| it.replace("DIR", &dir)).collect();
@@ -178,7 +184,7 @@ fn errors_in_the_specification_are_reported() {
     let (status, _, err) = run(dir.path(), &["docs", "DIR/none.gen"]);
     assert_eq!(status, 2);
     assert!(
-        err.contains("cannot read DIR/none.gen: no such file"),
+        err.contains("DIR/none.gen: No such file or directory"),
         "{err}"
     );
     let (status, _, err) = run(dir.path(), &["-n", "DIR/bad.gen"]);

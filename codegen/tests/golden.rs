@@ -18,6 +18,16 @@ mod files;
 #[path = "support/processes.rs"]
 mod processes;
 
+/// The releases that were recorded: the manifest of each, and the variable that names its templates.
+const RELEASES: [(&str, &str, &str); 2] = [
+    ("2.99.39", "manifest.json", "DOTGEN_TEST_TEMPLATES"),
+    (
+        "2.99.41",
+        "manifest-2.99.41.json",
+        "DOTGEN_TEST_TEMPLATES_2_99_41",
+    ),
+];
+
 const ROLE: &str = "DOTGEN_TEST_IS_GENERATOR";
 
 fn main() -> ExitCode {
@@ -29,34 +39,43 @@ fn main() -> ExitCode {
         println!("golden: test");
         return ExitCode::SUCCESS;
     }
-    let run = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/golden/run");
-    let templates = std::env::var_os("DOTGEN_TEST_TEMPLATES");
-    let (Ok(run), Some(templates)) = (run.canonicalize(), templates) else {
-        eprintln!(
-            "SKIPPED: golden runs need ../shared/golden beside the repository and \
-             DOTGEN_TEST_TEMPLATES, the directory of the reference's own templates"
-        );
-        return ExitCode::SUCCESS;
-    };
-    if let Err(reason) = find_tclsh() {
-        eprintln!("SKIPPED: {reason}");
-        return ExitCode::SUCCESS;
-    }
-    let status = std::env::current_exe().and_then(|exe| {
-        Command::new(run)
-            .arg("-t")
-            .arg(templates)
-            .arg(exe)
-            .env(ROLE, "1")
-            .status()
-    });
-    match status {
-        Ok(status) if status.success() => ExitCode::SUCCESS,
-        Ok(_) => ExitCode::FAILURE,
-        Err(error) => {
-            eprintln!("cannot run the golden runs: {error}");
-            ExitCode::FAILURE
+    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/golden");
+    let mut failed = false;
+    for (release, manifest, variable) in RELEASES {
+        let templates = std::env::var_os(variable);
+        let (Ok(golden), Some(templates)) = (golden.canonicalize(), templates) else {
+            eprintln!(
+                "SKIPPED: golden runs of {release} need ../shared/golden beside the repository and \
+                 {variable}, the directory of that release's own templates"
+            );
+            continue;
+        };
+        if let Err(reason) = find_tclsh() {
+            eprintln!("SKIPPED: {reason}");
+            continue;
         }
+        let status = std::env::current_exe().and_then(|exe| {
+            Command::new(golden.join("run"))
+                .arg("-t")
+                .arg(templates)
+                .arg("-m")
+                .arg(golden.join(manifest))
+                .arg(exe)
+                .env(ROLE, "1")
+                .env("DOTGEN_GENOM_RELEASE", release)
+                .status()
+        });
+        match status {
+            Ok(status) => failed |= !status.success(),
+            Err(error) => {
+                eprintln!("cannot run the golden runs of {release}: {error}");
+                failed = true;
+            }
+        }
+    }
+    match failed {
+        true => ExitCode::FAILURE,
+        false => ExitCode::SUCCESS,
     }
 }
 
@@ -86,6 +105,7 @@ fn generator() -> ExitCode {
         processes: Arc::new(processes::Plain),
         confined: None,
         failed_at: None,
+        release: None,
     };
     let status = generate(&arguments, &mut environment);
     ExitCode::from(u8::try_from(status & 0xff).unwrap_or(2))

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
+use dotgen_analysis::release::{Release, ReleaseChoice, ReleaseOrigin};
 use dotgen_codegen::compiler::Compiler;
 use dotgen_codegen::template::console::Captured;
 use dotgen_codegen::template::discover::SearchPath;
@@ -69,6 +70,7 @@ fn run(
         tmpdir: None,
         limits,
         base: PathBuf::new(),
+        input_path: String::new(),
         processes: Arc::new(processes::Plain),
         confined: confined.as_ref(),
     };
@@ -77,10 +79,19 @@ fn run(
         Arc::new(disk::Disk),
         Vec::new(),
         Vec::new(),
+        release(),
     );
     let mut console = Captured::default();
     let outcome = run.execute(&mut compiler, &mut console, sink);
     Some((outcome, console))
+}
+
+/// The release that the expectations are of.
+fn release() -> ReleaseChoice {
+    ReleaseChoice {
+        release: Release::V2_99_39,
+        origin: ReleaseOrigin::CommandLine,
+    }
 }
 
 fn text(bytes: &[u8]) -> String {
@@ -458,6 +469,7 @@ fn a_preview_shows_what_a_run_writes() {
             tmpdir: None,
             limits: Limits::preview(),
             base: PathBuf::new(),
+            input_path: String::new(),
             processes: Arc::new(processes::Plain),
             confined: None,
         };
@@ -466,6 +478,7 @@ fn a_preview_shows_what_a_run_writes() {
             Arc::new(disk::Disk),
             Vec::new(),
             Vec::new(),
+            release(),
         );
         let mut console = Captured::default();
         let outcome = run.execute(&mut compiler, &mut console, sink);

@@ -11,7 +11,9 @@ use tokio::sync::mpsc::unbounded_channel;
 use tokio::sync::{oneshot, watch};
 
 use crate::dispatch::Dispatcher;
-use crate::ext::{ChooseRoot, DocumentParams, IncludingRoots, MacroExpansion, PositionParams};
+use crate::ext::{
+    ChooseRoot, DocumentParams, IncludingRoots, MacroExpansion, PositionParams, ReleaseInfo,
+};
 use crate::handlers::{self, *};
 use crate::outbox::Outbox;
 use crate::proto::*;
@@ -118,6 +120,12 @@ impl Backend {
         self.dispatch
             .document(uri, params, inspect::including_roots)
             .await
+    }
+
+    /// `dotgen/release`
+    pub(crate) async fn release(&self, params: DocumentParams) -> Result<ReleaseInfo> {
+        let uri = params.text_document.uri.clone();
+        self.dispatch.document(uri, params, inspect::release).await
     }
 
     /// `dotgen/diagram`

@@ -9,6 +9,7 @@ mod generate;
 mod lsp;
 mod man;
 mod model;
+mod release;
 mod report;
 mod session;
 mod tree;
@@ -17,6 +18,7 @@ mod verify;
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
+use dotgen_analysis::release::Release;
 use dotgen_syntax::preproc::MacroEnv;
 
 use crate::process;
@@ -42,6 +44,7 @@ enum Command {
     Fmt(fmt::Arguments),
     Tree(tree::Arguments),
     Model(model::Arguments),
+    Release(release::Arguments),
     Verify(verify::Arguments),
     Completions(completions::Arguments),
     Man(man::Arguments),
@@ -81,6 +84,11 @@ struct Reading {
     /// Define a macro; its body is 1 when no VALUE is given
     #[arg(short = 'D', value_name = "NAME[=VALUE]", action = clap::ArgAction::Append, value_parser = definition)]
     defines: Vec<String>,
+
+    /// Read specifications as this release of GenoM3 does, for example 2.99.41; by default as dotgen.toml says, else as
+    /// the installed one, else as the greatest that they require
+    #[arg(long, value_name = "RELEASE")]
+    release: Option<Release>,
 }
 
 /// A definition of a macro that can be one.
@@ -113,6 +121,10 @@ pub fn main() -> ExitCode {
     }
     let cli = Cli::parse();
     cli.color.set();
+    if let Err(message) = crate::config::release_of_environment() {
+        report::failure(&anyhow::Error::msg(message));
+        return ExitCode::from(2);
+    }
     let result = match cli.command {
         Command::Check(arguments) => check::run(&arguments),
         Command::Codels(arguments) => codels::run(&arguments),
@@ -121,6 +133,7 @@ pub fn main() -> ExitCode {
         Command::Fmt(arguments) => fmt::run(&arguments),
         Command::Tree(arguments) => tree::run(&arguments),
         Command::Model(arguments) => model::run(&arguments),
+        Command::Release(arguments) => release::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
         Command::Man(arguments) => man::run(&arguments),

@@ -12,6 +12,7 @@ use std::collections::BTreeMap;
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::lint::LintConfig;
+use dotgen_analysis::release::{ReleaseChoice, ReleaseOrigin};
 use dotgen_codegen::codels::files::FilesConfig;
 use dotgen_diagram::system::Connection;
 
@@ -29,6 +30,8 @@ pub struct Config {
     pub include_paths: Vec<Utf8PathBuf>,
     /// Macros defined before the first file: name and body.
     pub defines: Vec<(String, String)>,
+    /// The release of GenoM3, if the user says it.
+    pub release: Option<ReleaseChoice>,
     /// Directories with a configuration file of their own: include paths and macros are what it says.
     pub projects: Vec<Project>,
     /// How packages of `#pragma requires` are found.
@@ -62,13 +65,17 @@ pub struct Project {
     pub include_paths: Vec<Utf8PathBuf>,
     /// Macros: name and body.
     pub defines: Vec<(String, String)>,
+    /// The release of GenoM3, if the user says it.
+    pub release: Option<ReleaseChoice>,
 }
 
-/// How packages of `#pragma requires` are found.
+/// How packages of `#pragma requires`, and GenoM3 itself, are found.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
 pub struct PackageConfig {
     /// Directories with `.pc` files, searched before the system's.
     pub paths: Vec<Utf8PathBuf>,
+    /// Directories of templates: the GenoM3 that one of them belongs to is the installed one.
+    pub templates: Vec<Utf8PathBuf>,
     /// Whether the package tool may be run. Otherwise dotgen reads `.pc` files itself.
     pub may_run: bool,
 }
@@ -86,9 +93,11 @@ impl Config {
                 .iter()
                 .filter_map(|(name, value)| Some((name.clone(), value.body()?)))
                 .collect(),
+            release: release(settings, base),
             projects: Vec::new(),
             packages: PackageConfig {
                 paths: absolute(&settings.package_paths),
+                templates: absolute(&settings.template_paths),
                 may_run: trusted,
             },
             template_paths: absolute(&settings.template_paths),
@@ -121,6 +130,14 @@ impl Config {
         around.max_by_key(|it| it.directory.as_str().len())
     }
 
+    /// The release that the user says for a file.
+    pub fn release_of(&self, file: &Utf8Path) -> Option<ReleaseChoice> {
+        match self.project(file) {
+            Some(project) => project.release.clone(),
+            None => self.release.clone(),
+        }
+    }
+
     /// Takes the configuration of a directory in. Files below it are read as it says; the rest holds for all, as far
     /// as nobody said it before.
     pub fn with_project(mut self, directory: &Utf8Path, mut own: Config) -> Config {
@@ -128,6 +145,7 @@ impl Config {
             directory: directory.to_owned(),
             include_paths: std::mem::take(&mut own.include_paths),
             defines: std::mem::take(&mut own.defines),
+            release: own.release.take(),
         });
         self.join(own)
     }
@@ -142,11 +160,13 @@ impl Config {
         dotgen_analysis::host::Config {
             include_dirs: self.include_paths.clone(),
             defines: defines(&self.defines),
+            release: self.release.clone(),
             projects: projects
                 .map(|it| dotgen_analysis::host::Project {
                     directory: it.directory.clone(),
                     include_dirs: it.include_paths.clone(),
                     defines: defines(&it.defines),
+                    release: it.release.clone(),
                 })
                 .collect(),
             severities: self
@@ -177,6 +197,12 @@ impl Config {
                 self.packages.paths.push(path);
             }
         }
+        for path in other.packages.templates {
+            if !self.packages.templates.contains(&path) {
+                self.packages.templates.push(path);
+            }
+        }
+        self.release = self.release.or(other.release);
         for (name, body) in other.defines {
             if self.defines.iter().all(|(known, _)| *known != name) {
                 self.defines.push((name, body));
@@ -195,6 +221,46 @@ impl Config {
         }
         self
     }
+}
+
+/// Environment variable that says the release of GenoM3.
+pub const RELEASE_VARIABLE: &str = "DOTGEN_GENOM_RELEASE";
+
+/// What [`RELEASE_VARIABLE`] says.
+///
+/// # Errors
+/// It is no release; the message is for the user.
+pub fn release_of_environment() -> Result<Option<ReleaseChoice>, String> {
+    match std::env::var(RELEASE_VARIABLE) {
+        Ok(text) if !text.is_empty() => match text.parse() {
+            Ok(release) => Ok(Some(ReleaseChoice {
+                release,
+                origin: ReleaseOrigin::Environment,
+            })),
+            Err(error) => Err(format!("{RELEASE_VARIABLE}: {error}")),
+        },
+        _ => Ok(None),
+    }
+}
+
+/// The release that the command line, the environment, the editor or a configuration file says, in this order.
+fn release(settings: &Settings, base: &Utf8Path) -> Option<ReleaseChoice> {
+    let said = settings.release.map(|release| ReleaseChoice {
+        release,
+        origin: match &settings.release_origin {
+            Some(origin) => origin.clone(),
+            None => ReleaseOrigin::ConfigurationFile(base.join(FILE_NAME)),
+        },
+    });
+    if let Some(ReleaseChoice {
+        origin: ReleaseOrigin::CommandLine,
+        ..
+    }) = said
+    {
+        return said;
+    }
+    // A variable that says nothing is reported where the program starts.
+    release_of_environment().ok().flatten().or(said)
 }
 
 /// Connections as pairs of ports; what is not `component.port` connects nothing.

@@ -85,6 +85,18 @@ pub struct IncludingRoots {
     pub roots: Vec<Uri>,
 }
 
+/// Answer of `dotgen/release`: the release of GenoM3 that a document is read as.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct ReleaseInfo {
+    /// Its number.
+    pub release: String,
+    /// Whether dotgen was compared with it.
+    pub verified: bool,
+    /// Who chose it, in words.
+    pub origin: String,
+}
+
 /// Argument of the command `dotgen.chooseRoot`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]

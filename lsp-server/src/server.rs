@@ -37,6 +37,7 @@ fn custom_methods(builder: Builder) -> Builder {
         .custom_method("dotgen/itemTree", Backend::item_tree)
         .custom_method("dotgen/expandMacro", Backend::expand_macro)
         .custom_method("dotgen/includingRoots", Backend::including_roots)
+        .custom_method("dotgen/release", Backend::release)
         .custom_method("dotgen/diagram", Backend::diagram)
         .custom_method("dotgen/verification", Backend::verification)
         .custom_method("dotgen/sensitivity", Backend::sensitivity)

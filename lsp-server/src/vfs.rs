@@ -2,6 +2,7 @@
 //!
 //! All input and output of the analysis goes through [`Vfs`], which implements its `Loader`.
 
+mod installed;
 mod pkg_config;
 mod pkg_file;
 
@@ -10,6 +11,7 @@ use std::sync::{PoisonError, RwLock};
 
 use camino::{Utf8Component, Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::{DirEntry, FileContent, Loader, PackageFlags};
+use dotgen_analysis::release::ReleaseChoice;
 
 use dotgen_syntax::encoding;
 
@@ -96,6 +98,15 @@ impl Loader for Vfs {
             .clone();
         let _span = tracing::info_span!("packages", ?arguments).entered();
         query(&config, arguments)
+    }
+
+    fn installed_release(&self) -> Option<ReleaseChoice> {
+        let config = self
+            .packages
+            .read()
+            .unwrap_or_else(PoisonError::into_inner)
+            .clone();
+        installed::release(&config)
     }
 
     fn list_dir(&self, path: &Utf8Path) -> Vec<DirEntry> {

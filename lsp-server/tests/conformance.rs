@@ -5,15 +5,26 @@ use std::path::Path;
 use std::process::Command;
 
 #[test]
-fn every_case_of_the_suite_passes() {
+fn every_case_of_2_99_39_passes() {
+    every_case_passes("2.99.39", &[]);
+}
+
+#[test]
+fn every_case_of_2_99_41_passes() {
+    every_case_passes("2.99.41", &["--release", "2.99.41"]);
+}
+
+/// Runs the suite with dotgen reading specifications as a release; `options` say which one the suite expects.
+fn every_case_passes(release: &str, options: &[&str]) {
     let suite = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/conformance/run");
     if !suite.is_file() {
         eprintln!("SKIPPED: no conformance suite at ../shared/conformance");
         return;
     }
     let output = Command::new(&suite)
+        .args(options)
         .args(["--warnings", "--", env!("CARGO_BIN_EXE_dotgen")])
-        .args(["check", "--format", "json"])
+        .args(["check", "--release", release, "--format", "json"])
         .output();
     let output = match output {
         Ok(output) => output,

@@ -21,6 +21,7 @@ mod watch;
 
 pub use findings::{Bound, Findings, Found, Measured};
 pub use liveness::{Liveness, LivenessQuery, liveness};
+pub use reductions::{Activity, Kind, Kinds, Reason};
 pub use rules::Action;
 pub use run::{Moment, MomentKind, Run};
 pub use search::{InZones, chase, explore, explore_telling, in_zones};

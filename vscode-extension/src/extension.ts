@@ -12,6 +12,7 @@ import { GenerateCommands, type Target as GenerateTarget } from './generate/comm
 import { IdlAssociation } from './idl';
 import { InlineDiagrams } from './preview/inline';
 import { DiagramPreview, type Target } from './preview/panel';
+import { ReleaseStatus } from './commands/release';
 import { statusItem } from './status';
 import { VerificationPanel, type VerificationTarget } from './verification/panel';
 
@@ -36,6 +37,7 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
     log,
     output,
     statusItem(it),
+    new ReleaseStatus(it),
     tree,
     macros,
     preview,

@@ -50,6 +50,13 @@ export const includingRoots = new RequestType<
   void
 >('dotgen/includingRoots');
 
+/** The release of GenoM3 that a document is read as, and who chose it. */
+export const release = new RequestType<
+  { textDocument: TextDocumentIdentifier },
+  { release: string; verified: boolean; origin: string },
+  void
+>('dotgen/release');
+
 export type DiagramKind = 'fsm' | 'system' | 'locks';
 
 /** What a picture shows besides the essentials. */
@@ -128,7 +135,7 @@ export const SCENARIO = 'genom3-scenario';
 /** Sources of templates that the user calls so; others are asked for by the server. */
 export const TEMPLATE = 'genom3-template';
 
-export type VerificationState = 'stale' | 'running' | 'proved' | 'refuted' | 'gave-up' | 'blocked';
+export type VerificationState = 'stale' | 'running' | 'proved' | 'refuted' | 'gave-up' | 'nothing' | 'blocked';
 
 /** Where the verification of a document stands; sent whenever it changes. */
 export interface VerificationStatus {
@@ -167,12 +174,14 @@ export interface VerificationCheck {
   check: string;
   of: string;
   /** `open`: not answered yet. */
-  verdict: 'proved' | 'refuted' | 'gave up' | 'open';
+  verdict: 'proved' | 'bounded' | 'exceeds' | 'refuted' | 'refuted?' | 'gave up' | 'nothing' | 'open';
   worth: string | null;
   value: string | null;
   limit: string | null;
   slack: string | null;
   note: string | null;
+  /** Why a job is late, a sentence for each wait. */
+  reason: string[];
   hasRun: boolean;
   location: Place | null;
 }

@@ -36,6 +36,15 @@ const fn warning(id: &'static str, meaning: &'static str) -> Code {
     }
 }
 
+const fn hint(id: &'static str, meaning: &'static str) -> Code {
+    Code {
+        id,
+        severity: Severity::Hint,
+        meaning,
+        reference: true,
+    }
+}
+
 /// Not reported by the reference compiler.
 const fn ours(code: Code) -> Code {
     Code {
@@ -211,6 +220,10 @@ pub const CODES: &[Code] = &[
         "two parameters of one list have the same name",
     ),
     error(
+        "param-special",
+        "a parameter or local variable of a service is a port, remote or event",
+    ),
+    error(
         "param-no-ids",
         "the ids are used but the component has none",
     ),
@@ -366,6 +379,10 @@ pub const CODES: &[Code] = &[
     ours(warning(
         "attribute-codel",
         "a codel of an attribute, which older generators refuse",
+    )),
+    ours(hint(
+        "newer-release",
+        "what only newer releases of GenoM3 accept, where the specification claims to work with older ones",
     )),
     ours(warning("inout-input-port", "`inout` on an input port")),
     ours(warning("writes-input", "a codel writes an `in` parameter")),

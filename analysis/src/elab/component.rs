@@ -14,8 +14,10 @@ use crate::{
     finding::{Finding, names::Naming, services::Declaring},
     item_tree::{Item, Name, PortDecl, PropertyKind, Ptr},
     model::{
-        Component, ComponentKind, Name as Text, Port, PortDir, ScopeKind, Src, TypeId, TypeKind,
+        Body, Component, ComponentKind, Name as Text, Port, PortDir, ScopeKind, Src, TypeId,
+        TypeKind,
     },
+    release::Change,
 };
 
 /// What is known about a component beyond the model.
@@ -93,6 +95,11 @@ impl<'a> Elaborator<'a> {
         let Some(body) = body else { return };
         let state = &self.components[index as usize];
         let (scope, def) = (state.scope, state.def);
+        self.spec.bodies.push(Body {
+            visit: self.visit,
+            item: Some(ptr.item),
+            component: index,
+        });
         let outer = self.component.replace(index);
         self.within(scope, Some(def), |this| {
             this.for_each(body, |this, item| this.export(index, item));
@@ -180,6 +187,7 @@ impl<'a> Elaborator<'a> {
             requires: self.spec.pragma_requires.clone(),
             codels_requires: Vec::new(),
             clock_rate: None,
+            stack: None,
             ids: None,
             provides: Vec::new(),
             uses: Vec::new(),
@@ -402,11 +410,19 @@ impl<'a> Elaborator<'a> {
         };
         let node = self.src(decl.ptr);
         let def = self.define(DefKind::Port, &name.text, at, node, None);
-        self.add_port(index, port, def, at);
+        self.add_port(index, port, false, def, at);
     }
 
-    /// Adds a port to a component, with its type object.
-    pub(super) fn add_port(&mut self, index: u32, mut port: Port, def: DefId, at: Src) -> bool {
+    /// Adds a port to a component, with its type object. `used`: it is that of a used interface, turned around, so that
+    /// it has a type of its own.
+    pub(super) fn add_port(
+        &mut self,
+        index: u32,
+        mut port: Port,
+        used: bool,
+        def: DefId,
+        at: Src,
+    ) -> bool {
         let state = &self.components[index as usize];
         let taken = state.service_by_name.get(&port.name).copied();
         if let Some(service) = taken {
@@ -436,6 +452,12 @@ impl<'a> Elaborator<'a> {
             self.lose(index, &port.name);
             return false;
         }
+        let provided = port.imported_from.is_some() && !used;
+        let alias = provided && self.spec.release.has(Change::ProvidedPortTypes);
+        let kind = match alias {
+            true => TypeKind::Typedef { ty: port.ty },
+            false => kind,
+        };
         let ty = self.named(kind, scope, port.name.clone(), port.src);
         self.type_defs[ty.0 as usize] = Some(def);
         if port.imported_from.is_none() {
@@ -443,7 +465,9 @@ impl<'a> Elaborator<'a> {
             self.set_entity(def, Entity::Port(index, number));
         }
         self.declare_at(scope, &port.name, at, ty);
-        port.ty = ty;
+        if !alias {
+            port.ty = ty;
+        }
         let state = &mut self.components[index as usize];
         state.port_by_name.insert(port.name.clone(), number);
         state.ports.push(def);

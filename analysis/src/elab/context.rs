@@ -16,7 +16,7 @@ use super::{
 use crate::{
     finding::{Finding, Kind, Near, Severity, names::Naming},
     item_tree::{Item, Name, Ptr},
-    model::{Name as Text, Spec, Src, Type, TypeId, TypeKind},
+    model::{Body, Name as Text, Spec, Src, Type, TypeId, TypeKind},
 };
 
 /// Deepest nesting of includes that is followed. The preprocessor allows 100; this only keeps a
@@ -61,6 +61,9 @@ pub(super) struct Elaborator<'a> {
     pub(super) pragma_provides: Vec<u32>,
     pub(super) pragma_wcet: Vec<PragmaWcet>,
 
+    /// What only newer releases accept, and what is required of the release.
+    pub(super) newer: super::newer::Newer,
+
     diagnostics: Vec<Finding>,
     reported: FxHashSet<(Src, Kind)>,
     reported_at: FxHashSet<(&'static str, Src)>,
@@ -104,7 +107,10 @@ impl<'a> Elaborator<'a> {
             visits: unit.visits,
             visit: 0,
             include_depth: 0,
-            spec: Spec::default(),
+            spec: Spec {
+                release: unit.release,
+                ..Spec::default()
+            },
             scopes: Scopes::new(),
             scope: GLOBAL,
             component: None,
@@ -119,6 +125,7 @@ impl<'a> Elaborator<'a> {
             codels: FxHashMap::default(),
             pragma_provides: Vec::new(),
             pragma_wcet: Vec::new(),
+            newer: super::newer::Newer::default(),
             diagnostics: Vec::new(),
             reported: FxHashSet::default(),
             reported_at: FxHashSet::default(),
@@ -172,6 +179,13 @@ impl<'a> Elaborator<'a> {
             if self.include_depth >= MAX_INCLUDE_DEPTH {
                 continue;
             }
+            if let Some(component) = self.component {
+                self.spec.bodies.push(Body {
+                    visit: target,
+                    item: None,
+                    component,
+                });
+            }
             self.include_depth += 1;
             let outer = std::mem::replace(&mut self.visit, target);
             self.for_each_dyn(&included.tree.items, visit);
@@ -224,6 +238,13 @@ impl<'a> Elaborator<'a> {
         if self.reported.insert((finding.at, finding.kind.clone())) {
             self.reported_at.insert((finding.code(), finding.at));
             self.diagnostics.push(finding);
+        }
+    }
+
+    /// Takes the last finding back, if it has this code: something worse is to be reported of the same thing.
+    pub(super) fn retract(&mut self, code: &str) {
+        if self.diagnostics.last().is_some_and(|it| it.code() == code) {
+            self.diagnostics.pop();
         }
     }
 

@@ -7,6 +7,7 @@ use num_rational::Ratio;
 use super::{Access, Elaborated, context::Elaborator, property::to_f64};
 use crate::finding::{Finding, names::Naming, values::Valuing};
 use crate::model::{ComponentKind, Quantity, Seconds, Spec, TypeId, TypeKind, visit::TypeIds};
+use crate::release::Change;
 
 impl Elaborator<'_> {
     pub(super) fn finish(&mut self) {
@@ -19,8 +20,13 @@ impl Elaborator<'_> {
                 component.lang.get_or_insert_with(|| "c".to_owned());
                 component.version.get_or_insert_with(|| "0".to_owned());
                 self.lint(index);
+            } else if self.spec.release.has(Change::InterfaceDefaults) {
+                let interface = &mut self.spec.components[index];
+                interface.lang.get_or_insert_with(|| "c".to_owned());
+                interface.version.get_or_insert_with(|| "0".to_owned());
             }
         }
+        self.report_newer();
     }
 
     /// What is suspicious about a component, as far as its declarations were understood.

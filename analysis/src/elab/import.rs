@@ -17,6 +17,7 @@ use crate::{
         ComponentKind, Name as Text, Owner, Param, ParamDir, Port, PortDir, Remote, Service,
         ServiceKind, Src, TypeId, TypeKind,
     },
+    release::Change,
 };
 
 /// Index into [`super::component::ComponentState::lists`] of the lists of a property.
@@ -190,14 +191,21 @@ impl<'a> Elaborator<'a> {
             from.codels_requires.clone(),
             from.throws.clone(),
         );
-        let (version, lang, email, clock_rate) = (
+        let (version, lang, email, clock_rate, stack) = (
             from.version.clone(),
             from.lang.clone(),
             from.email.clone(),
             from.clock_rate.clone(),
+            from.stack.clone(),
         );
+        // Nobody gave what an interface has by default.
+        let theirs = &self.components[interface as usize].given;
+        let explicit = |word: &str| theirs.contains_key(word);
+        let version = version.filter(|_| explicit("version"));
+        let lang = lang.filter(|_| explicit("lang"));
+        let separate = self.spec.release.has(Change::SeparateInterfaceDocs);
         let to = &mut self.spec.components[index as usize];
-        if let Some(doc) = doc {
+        if let Some(doc) = doc.filter(|_| !separate) {
             join_doc(&mut to.doc, &doc);
         }
         union(&mut to.requires, requires);
@@ -208,7 +216,10 @@ impl<'a> Elaborator<'a> {
         if let Some(&theirs) = state.given.get(word) {
             let state = &mut self.components[index as usize];
             if let Some(&own) = state.given.get(word) {
-                self.report(
+                self.newer_or(
+                    Change::MergedProperties,
+                    "a second `codels-requires`",
+                    at,
                     Finding::new(Declaring::RequiresImported, at)
                         .related(theirs, "in the interface")
                         .related(own, "the other one"),
@@ -218,20 +229,33 @@ impl<'a> Elaborator<'a> {
             }
         }
         let mut once =
-            |word: &'static str, given: bool| given && self.import_once(index, interface, word, at);
-        let version = version.filter(|_| once("version", true));
-        let lang = lang.filter(|_| once("lang", true));
-        let email = email.filter(|_| once("email", true));
-        let clock_rate = clock_rate.filter(|_| once("clock-rate", true));
+            |word: &'static str, value: &str| self.import_once(index, interface, word, value, at);
+        let version = version.filter(|it| once("version", it));
+        let lang = lang.filter(|it| once("lang", it));
+        let email = email.filter(|it| once("email", it));
+        let clock_rate = clock_rate.filter(|_| once("clock-rate", ""));
+        let stack = stack.filter(|_| once("stack", ""));
         let to = &mut self.spec.components[index as usize];
         to.version = version.or(to.version.take());
         to.lang = lang.or(to.lang.take());
         to.email = email.or(to.email.take());
         to.clock_rate = clock_rate.or(to.clock_rate.take());
+        to.stack = stack.or(to.stack.take());
     }
 
     /// Notes that a property that does not merge is imported; reports it when it was given already.
-    fn import_once(&mut self, index: u32, interface: u32, word: &'static str, at: Src) -> bool {
+    fn import_once(
+        &mut self,
+        index: u32,
+        interface: u32,
+        word: &'static str,
+        value: &str,
+        at: Src,
+    ) -> bool {
+        if self.repeats_first(index, word, value) {
+            self.newer(Change::MergedProperties, "a property that is repeated", at);
+            return false;
+        }
         let theirs = self.components[interface as usize].given.get(word).copied();
         let given = &mut self.components[index as usize].given;
         let Some(&own) = given.get(word) else {
@@ -379,7 +403,7 @@ impl<'a> Elaborator<'a> {
                 imported_from: Some(interface),
                 ..port
             };
-            self.add_port(index, port, def, at);
+            self.add_port(index, port, uses, def, at);
         }
     }
 
@@ -530,11 +554,17 @@ impl<'a> Elaborator<'a> {
         union(&mut to.throws, service.throws.iter().copied());
         union(&mut state.lists[0].names, theirs.lists[0].names.clone());
         let mut conflicts: Vec<(&'static str, Src, Src)> = Vec::new();
+        let keeps_task = self.spec.release.has(Change::MergedProperties);
+        let mut kept_task = false;
         for word in ["task", "before", "after"] {
             let Some(&place) = theirs.given.get(word) else {
                 continue;
             };
             if let Some(&ours) = state.given.get(word) {
+                if word == "task" && keeps_task {
+                    kept_task = true;
+                    continue;
+                }
                 conflicts.push((word, place, ours));
                 continue;
             }
@@ -544,6 +574,13 @@ impl<'a> Elaborator<'a> {
                 "before" => state.lists[1] = theirs.lists[1].clone(),
                 _ => state.lists[2] = theirs.lists[2].clone(),
             }
+        }
+        if kept_task {
+            self.newer(
+                Change::MergedProperties,
+                "a second `task` of an activity",
+                at,
+            );
         }
         for (word, place, ours) in conflicts {
             self.report(
@@ -561,6 +598,7 @@ impl<'a> Elaborator<'a> {
     }
 
     fn import_as_remotes(&mut self, index: u32, interface: u32, at: Src) {
+        let with_locals = self.spec.release.has(Change::RemoteCallsWithoutLocals);
         for number in 0..self.components[interface as usize].services.len() {
             let from = &self.spec.components[interface as usize];
             let service = &from.services[number];
@@ -579,7 +617,7 @@ impl<'a> Elaborator<'a> {
                 params: service
                     .params
                     .iter()
-                    .filter(|it| it.dir != ParamDir::Local)
+                    .filter(|it| with_locals || it.dir != ParamDir::Local)
                     .cloned()
                     .collect(),
                 ty: TypeId(0),

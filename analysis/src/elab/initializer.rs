@@ -14,6 +14,7 @@ use crate::{
     },
     item_tree::{self, Designator},
     model::{InitValue, Initializer, PathElement, Src, TypeId, TypeKind},
+    release::Change,
 };
 
 impl<'a> Elaborator<'a> {
@@ -55,6 +56,19 @@ impl<'a> Elaborator<'a> {
                     return None;
                 }
                 let last = types::look_through(&self.spec, ty);
+                let opaque = matches!(
+                    self.spec.ty(last).kind,
+                    TypeKind::Native | TypeKind::Any | TypeKind::Exception { .. }
+                );
+                if opaque && self.spec.release.has(Change::OpaqueInitializers) {
+                    self.error(
+                        at,
+                        Valuing::NoDefault {
+                            ty: types::display(&self.spec, ty).into(),
+                        },
+                    );
+                    return None;
+                }
                 if matches!(
                     self.spec.ty(last).kind,
                     TypeKind::Array { .. }

@@ -16,6 +16,7 @@ use crate::{
     },
     item_tree::{Duration, Expr, ExprKind, Path, Property, PropertyKind, Unit},
     model::{Quantity, Seconds, Src, TypeId, TypeKind, Value},
+    release::Change,
 };
 
 /// The first word of a property.
@@ -100,7 +101,7 @@ impl<'a> Elaborator<'a> {
             | PropertyKind::Lang(value)
             | PropertyKind::Email(value) => {
                 let Some(value) = text(value) else { return };
-                if self.once_in_component(index, word, at) {
+                if self.first_in_component(index, word, &value, at) {
                     let component = &mut self.spec.components[index as usize];
                     let slot = match word {
                         "version" => &mut component.version,
@@ -113,12 +114,16 @@ impl<'a> Elaborator<'a> {
             PropertyKind::Requires(list) => {
                 let added = self.string_list(list, word);
                 union(&mut self.spec.components[index as usize].requires, added);
+                self.note_requirements(list);
             }
             PropertyKind::CodelsRequires(list) => {
                 let added = self.string_list(list, word);
                 let given = &mut self.components[index as usize].given;
                 if let Some(&first) = given.get(word) {
-                    self.report(
+                    self.newer_or(
+                        Change::MergedProperties,
+                        "a second `codels-requires`",
+                        at,
                         Finding::new(Declaring::RequiresTwice, at).related(first, "the first one"),
                     );
                 } else {
@@ -135,6 +140,17 @@ impl<'a> Elaborator<'a> {
                     self.spec.components[index as usize].clock_rate = value;
                 }
             }
+            PropertyKind::Stack(size) if self.spec.release.has(Change::ComponentStack) => {
+                let value = self.stack(size, at);
+                if self.once_in_component(index, word, at) {
+                    self.spec.components[index as usize].stack = value;
+                    self.newer(
+                        Change::ComponentStack,
+                        "a `stack` for a whole component",
+                        at,
+                    );
+                }
+            }
             PropertyKind::Provides(names)
             | PropertyKind::Uses(names)
             | PropertyKind::Extends(names) => self.imports(index, names, word),
@@ -147,19 +163,42 @@ impl<'a> Elaborator<'a> {
                 self.local_outside(at, "a component or interface");
             }
             kind => {
-                self.error(
-                    at,
-                    Declaring::NotInComponent {
-                        word,
-                        home: home(kind),
+                let home = home(kind);
+                let finding = match kind {
+                    PropertyKind::Stack(_) => Declaring::StackInComponent {
+                        home,
+                        since: Change::ComponentStack.since(),
                     },
-                );
+                    _ => Declaring::NotInComponent { word, home },
+                };
+                self.error(at, finding);
             }
         }
     }
 
     pub(super) fn local_outside(&mut self, at: Src, place: &'static str) {
         self.error(at, Declaring::LocalOutside { place });
+    }
+
+    /// As [`Self::once_in_component`], for what may be repeated in newer releases: the first one counts.
+    fn first_in_component(&mut self, index: u32, word: &'static str, value: &str, at: Src) -> bool {
+        if self.repeats_first(index, word, value) {
+            self.newer(Change::MergedProperties, "a property that is repeated", at);
+            return false;
+        }
+        self.once_in_component(index, word, at)
+    }
+
+    /// Whether a property of a component is given already and may be repeated: languages must then be the same.
+    pub(super) fn repeats_first(&self, index: u32, word: &'static str, value: &str) -> bool {
+        let merges = match word {
+            "version" | "email" => true,
+            "lang" => self.spec.components[index as usize].lang.as_deref() == Some(value),
+            _ => false,
+        };
+        merges
+            && self.spec.release.has(Change::MergedProperties)
+            && self.components[index as usize].given.contains_key(word)
     }
 
     fn once_in_component(&mut self, index: u32, word: &'static str, at: Src) -> bool {

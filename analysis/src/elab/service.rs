@@ -20,6 +20,7 @@ use crate::{
     model::{
         CodelKind, ComponentKind, Name as Text, Owner, Service, ServiceKind, ServiceList, Src,
     },
+    release::Change,
 };
 
 /// What is known about a service beyond the model.
@@ -301,10 +302,21 @@ impl<'a> Elaborator<'a> {
                         )
                         .related(at, "this property"),
                     );
-                } else if let Some(task) = task
-                    && self.once_in_service(index, service, word, at)
-                {
-                    self.service_task(index, service, task, at);
+                } else if let Some(task) = task {
+                    let again = self.components[c].services[s].given.contains_key(word);
+                    if again && self.spec.release.has(Change::MergedProperties) {
+                        // The first one counts.
+                        self.task_named(index, task, at);
+                        self.newer(
+                            Change::MergedProperties,
+                            "a second `task` of an activity",
+                            at,
+                        );
+                    } else if self.once_in_service(index, service, word, at)
+                        && let Some(task) = self.task_named(index, task, at)
+                    {
+                        self.spec.components[c].services[s].task = Some(task);
+                    }
                 }
             }
             PropertyKind::Local { ty, declarators } => {
@@ -335,7 +347,12 @@ impl<'a> Elaborator<'a> {
                         return;
                     }
                     (ServiceKind::Attribute, false) => {
-                        self.error(at, Declaring::AttributeCodel);
+                        self.newer_or(
+                            Change::AttributeCodels,
+                            "a codel of an attribute",
+                            at,
+                            Finding::new(Declaring::AttributeCodel, at),
+                        );
                     }
                     _ => {}
                 }
@@ -372,11 +389,12 @@ impl<'a> Elaborator<'a> {
         first
     }
 
-    fn service_task(&mut self, index: u32, service: u32, task: &Name, at: Src) {
+    /// The task that an activity names; reports it when there is none.
+    fn task_named(&mut self, index: u32, task: &Name, at: Src) -> Option<u32> {
         let state = &self.components[index as usize];
         let Some(&found) = state.task_by_name.get(&task.text) else {
             if self.is_excused(index, &task.text) {
-                return;
+                return None;
             }
             let names = state.task_by_name.keys().map(|it| it.as_str());
             let near = self.near(self.src(task.ptr), &task.text, names);
@@ -388,11 +406,11 @@ impl<'a> Elaborator<'a> {
                 },
                 near,
             );
-            return;
+            return None;
         };
         let def = state.tasks[found as usize].def;
         self.refer(self.src(task.ptr), def);
-        self.spec.components[index as usize].services[service as usize].task = Some(found);
+        Some(found)
     }
 
     /// The names in a list of services.

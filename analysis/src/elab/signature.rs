@@ -10,7 +10,8 @@ use super::{
 use crate::{
     finding::{Finding, services::Declaring},
     item_tree::{Declarator, ParamDecl, ParamSpec, PathStep, ServiceDecl, TypeRef},
-    model::{Param, ParamDir, ParamSource, Src},
+    model::{Param, ParamDir, ParamSource, Src, TypeId, TypeKind},
+    release::Change,
 };
 
 /// A parameter just read, with its definition's place.
@@ -67,6 +68,7 @@ impl<'a> Elaborator<'a> {
                 let base = self.type_ref(ty);
                 let declarator = declarator.as_ref()?;
                 let ty = self.declared_type(base, declarator);
+                let ty = self.data_type(ty, &declarator.name.text, src);
                 let param = Param {
                     name: declarator.name.text.clone(),
                     src,
@@ -95,6 +97,34 @@ impl<'a> Elaborator<'a> {
             param.init = self.initializer(init, param.ty);
         }
         Some(NewParam { param, name_src })
+    }
+
+    /// The type of a parameter or local variable, unless it is something that holds no data: a port, remote or event
+    /// itself.
+    fn data_type(&mut self, ty: TypeId, name: &str, at: Src) -> TypeId {
+        let special = matches!(
+            self.spec.ty(ty).kind,
+            TypeKind::Port { .. }
+                | TypeKind::Remote { .. }
+                | TypeKind::Event
+                | TypeKind::PauseEvent
+        );
+        if !special || !self.spec.release.has(Change::SpecialParameterTypes) {
+            return ty;
+        }
+        // What would be said where such a type is accepted.
+        self.retract("not-a-type");
+        let kind = Declaring::SpecialParam {
+            name: name.into(),
+            what: types::describe(&self.spec, ty),
+            ty: types::display(&self.spec, ty).into(),
+        };
+        let mut finding = Finding::new(kind, at);
+        if let Some(place) = self.type_place(ty) {
+            finding = finding.related(place, "declared here");
+        }
+        self.report(finding);
+        self.unknown(at)
     }
 
     pub(super) fn add_param(
@@ -228,9 +258,10 @@ impl<'a> Elaborator<'a> {
     ) {
         let base = self.type_ref(ty);
         for declarator in declarators {
-            let ty = self.declared_type(base, declarator);
             let src = self.src(declarator.name.ptr);
             let name = &declarator.name.text;
+            let ty = self.declared_type(base, declarator);
+            let ty = self.data_type(ty, name, src);
             let local = Param {
                 name: name.clone(),
                 src,

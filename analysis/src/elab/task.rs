@@ -13,6 +13,7 @@ use crate::{
     finding::{Finding, services::Declaring, values::Valuing},
     item_tree::{Item, Name, PropertyKind, Ptr},
     model::{CodelKind, Name as Text, Owner, Src, Task},
+    release::Change,
 };
 
 impl<'a> Elaborator<'a> {
@@ -23,6 +24,9 @@ impl<'a> Elaborator<'a> {
             Some(task) => {
                 let def = self.components[index as usize].tasks[task as usize].def;
                 self.refer_as(at, def, Access::None, true);
+                if self.spec.release.has(Change::ReopenedTaskPlaces) {
+                    self.spec.components[index as usize].tasks[task as usize].src = at;
+                }
                 task
             }
             None => {

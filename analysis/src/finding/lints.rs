@@ -42,8 +42,7 @@ pub struct Share(pub Seconds);
 
 impl fmt::Display for Share {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let share = *self.0.numer() as f64 / *self.0.denom() as f64;
-        write!(f, "{:.0} %", share * 100.0)
+        f.write_str(&crate::quantity::load(self.0))
     }
 }
 

@@ -7,6 +7,7 @@ use dotgen_syntax::findings;
 use crate::{
     fixes::{Place, TextFix},
     model::Name,
+    release::Release,
 };
 
 /// The component that imports a service, if it is not its own.
@@ -37,6 +38,17 @@ findings! {
             => "`{service}` has a `{word}` both here and in the interface", "keep one of them";
         "prop-not-in-component" NotInComponent { word: &'static str, home: &'static str }
             => "`{word}` cannot stand here", "it belongs {home}";
+        "prop-not-in-component" StackInComponent { home: &'static str, since: Release }
+            => "`stack` cannot stand here",
+               "it belongs {home} (GenoM3 accepts it from release {since} on: to use that, require \
+                \"genom3 >= {since}\", or set `release`)";
+        "newer-release" NewerThanRequired { what: &'static str, since: Release, bound: Release }
+            => "{what}: releases of GenoM3 before {since} refuse it, but the specification requires only {bound}",
+               "write `require \"genom3 >= {since}\"`";
+        "newer-release" NewerThanAny { what: &'static str, since: Release }
+            => "{what}: releases of GenoM3 before {since} refuse it, but the specification does not say that it \
+                needs this one",
+               "write `require \"genom3 >= {since}\"`";
         "prop-not-in-task" NotInPort { word: &'static str }
             => "a port cannot have `{word}`", "its only property is `doc`";
         "prop-not-in-task" NotInTask { word: &'static str, home: &'static str }
@@ -102,6 +114,8 @@ findings! {
         "service-native" NativeParam { param: Name, service: Name }
             => "parameter `{param}` of `{service}` holds a native type",
                "native data stays inside a component (local variables and ids may hold it)";
+        "param-special" SpecialParam { name: Name, what: &'static str, ty: Name }
+            => "`{name}` cannot be {what}", "`{ty}` holds no data; use the type of its data";
         "param-duplicate" ParamTwice { what: &'static str, name: Name }
             => "a {what} called `{name}` exists already";
         "service-param-name" OtherName { service: Name, old: Name, new: Name }

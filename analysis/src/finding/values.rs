@@ -81,6 +81,8 @@ findings! {
             => "this string has {length} characters, but its type holds {bound}";
         "zero-size" Zero { what: &'static str } => "the {what} is 0: it holds nothing";
 
+        "init-scalar-compound" NoDefault { ty: Name }
+            => "`{ty}` cannot have a default value", "leave it out";
         "init-scalar-compound" NeedsBraces { ty: Name }
             => "`{ty}` has several parts", "write its default value in braces, `{{ … }}`";
         "init-compound-scalar" NeedsNoBraces { ty: Name }

@@ -96,6 +96,7 @@ impl TypeIds for Quantity {
 impl TypeIds for Component {
     fn for_each_type_id(&mut self, f: &mut dyn FnMut(&mut TypeId)) {
         self.clock_rate.for_each_type_id(f);
+        self.stack.for_each_type_id(f);
         self.ids.for_each_type_id(f);
         self.throws.for_each_type_id(f);
         for task in &mut self.tasks {

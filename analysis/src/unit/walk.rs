@@ -12,7 +12,10 @@ use dotgen_syntax::{
 use smol_str::SmolStr;
 
 use super::{Outcome, UnitKey};
-use crate::base::{Db, FileStatus, SourceFile, lexed, normalize};
+use crate::{
+    base::{Db, FileStatus, SourceFile, lexed, normalize},
+    release,
+};
 
 const PRAGMA: &str = "_Pragma";
 
@@ -73,7 +76,7 @@ fn walk<'db>(db: &'db dyn Db, unit: UnitKey<'db>, whole_texts: bool) -> Result<V
     for dir in unit.include_dirs(db).iter().chain(include_dirs) {
         push_unique(&mut search, dir);
     }
-    let mut env = MacroEnv::predefined();
+    let mut env = MacroEnv::of_release(release::of_unit(db, unit).release);
     let mut pragmas_in_macros = false;
     for (name, value) in defines.iter().chain(unit.defines(db)) {
         define_in(&mut env, name, value);

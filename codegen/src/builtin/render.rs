@@ -24,7 +24,7 @@ use crate::frontend::Frontend;
 use crate::process::Processes;
 use crate::template::console::Console;
 use crate::template::output::Environment as Surroundings;
-use crate::template::{Failure, Output, OutputSink, VERSION, notice, reach, tcl};
+use crate::template::{Failure, Output, OutputSink, notice, reach, tcl};
 
 /// Options that all these templates take.
 struct Options {
@@ -350,7 +350,7 @@ impl Data {
             notice => all_notices,
             language => options.language.as_deref().unwrap_or("c"),
             terse => options.terse,
-            version => VERSION,
+            version => spec.release.to_string(),
             codel_files => Value::from_serialize(&names),
         };
         let components = regular

@@ -207,6 +207,10 @@ pub fn check(all: &[Expected<'_>], sources: &Sources, options: &DriftOptions) ->
             };
             let definitions = check.definitions();
             if definitions.is_empty() {
+                let mut uses = function.uses.iter();
+                if !uses.any(|at| expected.has_stub(*at)) {
+                    continue;
+                }
                 if let Some(orphan) = orphan::renamed(&orphans, function, expected, sources) {
                     renamed.insert(orphan.place());
                     out.push(check.renamed(orphan));

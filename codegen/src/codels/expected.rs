@@ -6,8 +6,10 @@
 //! comparison went through one normalization.
 
 use dotgen_analysis::model::{
-    CodelKind, CodelRef, Component, Name, Owner, ServiceKind, Spec, State, TypeId, TypeKind,
+    CodelKind, CodelRef, Component, Name, Owner, Port, Service, ServiceKind, Spec, Src, State,
+    TypeId, TypeKind,
 };
+use dotgen_analysis::release::Change;
 use rustc_hash::{FxHashMap, FxHashSet};
 use smol_str::SmolStr;
 
@@ -101,6 +103,7 @@ impl<'a> Expected<'a> {
         }
         out.collect_functions();
         out.collect_aliases();
+        out.collect_ports();
         out
     }
 
@@ -143,6 +146,36 @@ impl<'a> Expected<'a> {
             Owner::Task(task) => task_throws(component, &component.tasks[task as usize]),
             Owner::Service(service) => service_throws(component, service),
         }
+    }
+
+    /// Whether the component declares something itself, so that its skeleton has it. Older releases write what comes
+    /// from interfaces too.
+    pub(crate) fn is_own(&self, src: Src) -> bool {
+        let per_component = self.spec.release.has(Change::PerComponentSkeletons);
+        let body = || self.spec.body_of(src);
+        !per_component || body().is_none_or(|it| it == self.component)
+    }
+
+    /// Whether the skeleton has a file for a task.
+    pub(crate) fn has_file(&self, task: u32) -> bool {
+        let it = &self.component().tasks[task as usize];
+        let local_codels = self.spec.release.has(Change::ExternalLocalCodels);
+        let own_codels = || {
+            let runs = |service: &&Service| service.task == Some(task);
+            let services = self.component().services.iter().filter(runs);
+            let codels = services.flat_map(|it| &it.codels);
+            let mut codels = it.codels.iter().chain(codels);
+            codels.any(|codel| self.is_own(codel.src))
+        };
+        self.is_own(it.src) || local_codels && own_codels()
+    }
+
+    /// Whether the skeleton has a stub for a codel. If not, the function is expected elsewhere: interfaces have
+    /// sources of their own.
+    pub(crate) fn has_stub(&self, at: CodelRef) -> bool {
+        let component = self.component();
+        self.is_own(component.codel(at).src)
+            && component.task_of(at).is_none_or(|it| self.has_file(it))
     }
 
     /// The function of a name.
@@ -222,6 +255,30 @@ impl<'a> Expected<'a> {
         let shapes = read_prototypes(signatures.map(Result::ok), self.language);
         for (function, shape) in self.functions.iter_mut().zip(shapes) {
             function.shape = shape;
+        }
+    }
+
+    /// A port that comes through `provides` has two right spellings of its type, whatever the release: that of the
+    /// interface, and that of the component. Newer releases declare one an alias of the other.
+    fn collect_ports(&mut self) {
+        for port in &self.component().ports {
+            let Some(interface) = port.imported_from else {
+                continue;
+            };
+            let theirs = self.spec.components[interface as usize].ports.iter();
+            let same = |it: &&Port| it.name == port.name && it.dir == port.dir && it.ty != port.ty;
+            for other in theirs.filter(same) {
+                let (name, own) = (self.spelling(other.ty), self.spelling(port.ty));
+                let own = read_prototypes(
+                    std::iter::once(Some(format!("void f({own} x)").as_str())),
+                    self.language,
+                );
+                let parameter = own.into_iter().flatten().next();
+                let parameter = parameter.and_then(|it| it.parameters.into_iter().next());
+                if let Some(parameter) = parameter {
+                    self.aliases.insert(name, parameter.ty);
+                }
+            }
         }
     }
 

@@ -1,10 +1,11 @@
 //! Functions that have to be written: prototype, comment, and a body that returns a legal event.
 //!
-//! Layout, comments and file names are those of the `skeleton` template of GenoM3 2.99.39, so that
+//! Layout, comments and file names are those of the `skeleton` template of the release of GenoM3 in use, so that
 //! its merge mode finds nothing to change.
 
 use camino::Utf8PathBuf;
 use dotgen_analysis::model::{CodelKind, CodelRef, Owner, Param, State};
+use dotgen_analysis::release::Change;
 use rustc_hash::FxHashMap;
 
 use super::expected::{Expected, owner_words};
@@ -82,7 +83,8 @@ impl<'a> Stubs<'a> {
     /// task.
     pub fn all_files(&self) -> Result<Vec<NewFile>, LangError> {
         let component = self.expected.component();
-        let tasks = (0..component.tasks.len() as u32).map(Some).chain([None]);
+        let tasks = (0..component.tasks.len() as u32).filter(|it| self.expected.has_file(*it));
+        let tasks = tasks.map(Some).chain([None]);
         // A function is written once only over all files.
         let mut written = FxHashMap::default();
         tasks
@@ -104,7 +106,12 @@ impl<'a> Stubs<'a> {
             out.push('\n');
         }
         let types = types_header(self.expected);
-        out += &format!("\n#include \"ac{name}.h\"\n\n#include \"{types}\"\n");
+        if self.options.notice.is_some()
+            || !self.expected.spec.release.has(Change::NoLeadingBlankLine)
+        {
+            out.push('\n');
+        }
+        out += &format!("#include \"ac{name}.h\"\n\n#include \"{types}\"\n");
         out
     }
 
@@ -115,11 +122,15 @@ impl<'a> Stubs<'a> {
     ) -> Result<String, LangError> {
         let component = self.expected.component();
         let mut out = self.preamble();
-        let services = || (0u32..).zip(&component.services);
+        let services = || {
+            (0u32..)
+                .zip(&component.services)
+                .filter(|it| self.expected.is_own(it.1.src))
+        };
         let refs = |owner: Owner, kinds: &[CodelKind]| -> Vec<CodelRef> {
             let codels = (0u32..).zip(component.codels_of(owner));
             codels
-                .filter(|it| kinds.contains(&it.1.kind))
+                .filter(|it| kinds.contains(&it.1.kind) && self.expected.is_own(it.1.src))
                 .map(|(index, _)| CodelRef { owner, index })
                 .collect()
         };

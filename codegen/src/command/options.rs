@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use dotgen_analysis::release::Release;
+
 use crate::template::discover::absolute_text;
 
 /// The general options and what follows them.
@@ -13,6 +15,10 @@ pub(crate) struct Options {
     pub(super) defines: Vec<(String, String)>,
     /// `-t`, as given.
     pub(super) templates: Option<String>,
+    /// `-C`: where the names of inputs start; several are joined.
+    pub(crate) directory: String,
+    /// `--release`.
+    pub(super) release: Option<Release>,
     /// `-T`.
     pub(super) tmpdir: Option<String>,
     /// `--confined`.
@@ -58,12 +64,14 @@ pub(super) enum OptionError {
 }
 
 const LONG: &[(&str, char)] = &[
-    ("confined", 'C'),
+    ("confined", 'F'),
     ("debug", 'd'),
+    ("directory", 'C'),
     ("dump", 'N'),
     ("help", 'h'),
     ("list", 'l'),
     ("parse-only", 'n'),
+    ("release", 'R'),
     ("sysdir", 's'),
     ("tmpdir", 'T'),
     ("tmpldir", 't'),
@@ -108,7 +116,7 @@ pub(super) fn parse(args: &[String], here: &Path) -> Result<Options, OptionError
         // Letters may be joined; a value is the rest of the word or the next one.
         let letters = word.char_indices().skip(1);
         for (at, letter) in letters {
-            let known = "IDTtsElnNvdh".contains(letter);
+            let known = "CIDTtsElnNvdh".contains(letter);
             if !known {
                 return Err(OptionError::Usage(format!("invalid option -- '{letter}'")));
             }
@@ -127,6 +135,9 @@ pub(super) fn parse(args: &[String], here: &Path) -> Result<Options, OptionError
         }
     }
     options.rest = args.cloned().collect();
+    if !options.directory.is_empty() {
+        options.cmdline += &format!(" -C {}", absolute_text(&options.directory));
+    }
     Ok(options)
 }
 
@@ -135,7 +146,7 @@ fn missing(word: &str) -> OptionError {
 }
 
 fn takes_value(option: char) -> bool {
-    "IDTts".contains(option)
+    "CIDTtsR".contains(option)
 }
 
 fn long_option(name: &str) -> Result<char, OptionError> {
@@ -176,6 +187,19 @@ impl Options {
                 self.tmpdir = Some(value);
                 return Ok(());
             }
+            'C' => {
+                if !self.directory.is_empty() {
+                    self.directory.push('/');
+                }
+                self.directory += &value;
+                return Ok(());
+            }
+            'R' => {
+                let release = value.parse::<Release>();
+                let release = release.map_err(|error| OptionError::Fatal(error.to_string()))?;
+                self.release = Some(release);
+                return Ok(());
+            }
             // The engine is part of this program: another one cannot be named.
             's' => {
                 self.cmdline += &format!(" -s {}", absolute_text(&self.here, &value));
@@ -185,7 +209,7 @@ impl Options {
                 self.verbose = true;
                 return Ok(());
             }
-            'C' => {
+            'F' => {
                 self.confined = true;
                 return Ok(());
             }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::{FileContent, Loader};
+use dotgen_analysis::release::Release;
 use dotgen_syntax::lexer::{RawTokens, lex};
 use dotgen_syntax::preproc::{
     self, Element, Host, IncludeError, IncludeRequest, MacroEnv, Preprocessed, preprocess,
@@ -24,11 +25,15 @@ pub(super) struct Preprocessor {
 }
 
 impl Preprocessor {
-    pub(super) fn new(loader: Arc<dyn Loader>, include_dirs: Vec<Utf8PathBuf>) -> Preprocessor {
+    pub(super) fn new(
+        loader: Arc<dyn Loader>,
+        include_dirs: Vec<Utf8PathBuf>,
+        release: Release,
+    ) -> Preprocessor {
         Preprocessor {
             loader,
             include_dirs,
-            env: MacroEnv::predefined(),
+            env: MacroEnv::of_release(release),
             errors: Vec::new(),
             open: Vec::new(),
         }
@@ -38,8 +43,8 @@ impl Preprocessor {
     pub(super) fn file(&mut self, path: &Utf8Path) -> Result<String, String> {
         let text = match self.loader.read(path) {
             FileContent::Text(text) | FileContent::NotUtf8(text) => text,
-            FileContent::Missing => return Err("no such file or directory".into()),
-            FileContent::Directory => return Err("it is a directory".into()),
+            FileContent::Missing => return Err("No such file or directory".into()),
+            FileContent::Directory => return Err("Is a directory".into()),
             FileContent::Unreadable(why) => return Err(why),
         };
         self.open.push(path.to_owned());

@@ -2,6 +2,8 @@
 
 use dotgen_analysis::model::{TypeId, TypeKind};
 
+use dotgen_analysis::release::Change;
+
 use super::{LangError, LangResult, Mapper, Passing, length_of};
 
 /// Kinds that C passes by pointer to constant.
@@ -153,7 +155,21 @@ pub(super) fn argument(m: &Mapper<'_>, ty: TypeId, passing: Passing, var: &str) 
     }
 }
 
-pub(super) fn return_value(m: &Mapper<'_>, ty: TypeId, passing: Passing) -> LangResult {
+pub(super) fn return_value(m: &Mapper<'_>, ty: TypeId, passing: Passing, var: &str) -> LangResult {
+    if m.has(Change::ReturnValueVariables) {
+        let constant = match passing {
+            Passing::Value => "const ",
+            Passing::Reference => "",
+        };
+        return match m.final_kind(ty) {
+            TypeKind::String { bound: Some(_) } => Ok(format!("{constant}char *{var}")),
+            TypeKind::Array { element, .. } => {
+                let pointer = declarator(m, *element, &format!("*{var}"))?;
+                Ok(format!("{constant}{pointer}"))
+            }
+            _ => argument(m, ty, passing, var),
+        };
+    }
     match (passing, m.final_kind(ty)) {
         (Passing::Reference, TypeKind::String { bound: Some(_) }) => Ok("char *".into()),
         (Passing::Reference, TypeKind::Array { element, .. }) => declarator(m, *element, "*"),

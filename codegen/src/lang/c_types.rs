@@ -1,10 +1,11 @@
 //! C: the text of type definitions and codel prototypes.
 
 use dotgen_analysis::model::{ParamDir, PortDir, TypeId, TypeKind, Value};
+use dotgen_analysis::release::Change;
 
 use super::c::declarator;
 use super::text::c_name;
-use super::{LangError, LangResult, MapObject, Mapper, Passing, value_text};
+use super::{LangResult, MapObject, Mapper, Passing, value_text};
 
 pub(super) fn mapping(m: &Mapper<'_>, objects: &[MapObject], locations: bool) -> LangResult {
     let writer = Writer { m, locations };
@@ -152,6 +153,10 @@ impl Writer<'_, '_> {
                 body += &format!("\n  {};", declarator(self.m, element, "*_buffer")?);
                 body += "\n  void (*_release)(void *_buffer);";
             }
+            Some(bound) if self.m.has(Change::MutableBoundedSequences) => {
+                let buffer = declarator(self.m, element, &format!("_buffer[{bound}]"))?;
+                body += &format!("\n  uint32_t _maximum, _length;\n  {buffer};");
+            }
             Some(bound) => {
                 let buffer = declarator(self.m, element, &format!("_buffer[{bound}]"))?;
                 body += &format!(
@@ -252,8 +257,13 @@ impl Writer<'_, '_> {
                 body += &format!("\n {};", declarator(self.m, *member, name)?);
                 needed += &self.anonymous(self.m.inner_or_error(*member)?)?;
             }
+            // Raising an exception copies its detail.
+            let detail = match self.m.has(Change::ConstExceptionDetails) {
+                true => format!("const {n}_detail"),
+                false => format!("{n}_detail"),
+            };
             body += &format!(
-                "\n}};\nstatic inline genom_event\n{n}({n}_detail *d, genom_context self) {{\
+                "\n}};\nstatic inline genom_event\n{n}({detail} *d, genom_context self) {{\
                  \n return self->raise({n}_id, d, sizeof(*d), self);\n}}"
             );
         }
@@ -267,7 +277,7 @@ impl Writer<'_, '_> {
             TypeKind::Sequence { .. } => self.anonymous(port.data)?,
             _ => String::new(),
         };
-        let data = self.m.return_value(port.data, Passing::Reference)?;
+        let data = self.m.return_value(port.data, Passing::Reference, "")?;
         let arguments = if port.multiple {
             "const char *id, genom_context self"
         } else {
@@ -298,7 +308,7 @@ impl Writer<'_, '_> {
             let passing = match param.dir {
                 ParamDir::In => Passing::Value,
                 ParamDir::Out | ParamDir::Inout => Passing::Reference,
-                ParamDir::Local => return Err(LangError::fatal("invalid parameter direction")),
+                ParamDir::Local => continue,
             };
             arguments.push(self.m.argument(param.ty, passing, &param.name)?);
             if matches!(self.m.kind(param.ty), TypeKind::Sequence { .. }) {

@@ -258,7 +258,7 @@ impl Writer<'_, '_> {
 
     fn port(&self, ty: TypeId, component: u32, port: u32) -> LangResult {
         let port = &self.m.spec.components[component as usize].ports[port as usize];
-        let data = self.m.return_value(port.data, Passing::Reference)?;
+        let data = self.m.return_value(port.data, Passing::Reference, "")?;
         let arguments = if port.multiple {
             "const char *id"
         } else {
@@ -292,7 +292,7 @@ impl Writer<'_, '_> {
             let passing = match param.dir {
                 ParamDir::In => Passing::Value,
                 ParamDir::Out | ParamDir::Inout => Passing::Reference,
-                ParamDir::Local => return Err(LangError::fatal("invalid parameter direction")),
+                ParamDir::Local => continue,
             };
             arguments.push(self.m.argument(param.ty, passing, &param.name)?);
         }

@@ -8,6 +8,8 @@ use dotgen_analysis::model::{
     ServiceList, Spec, Src, TypeId,
 };
 
+use dotgen_analysis::release::Change;
+
 use super::object::{Lookup, Object, ParamRef, Registry};
 use super::{Failure, tcl};
 use crate::lang::{Anchor, LangError, Language, MapObject, Mapper, Place, Places};
@@ -126,8 +128,70 @@ impl<'a> Model<'a> {
         self.list(types.into_iter().map(Object::Type))
     }
 
+    /// Where something without a context was written: `{FILE LINE COLUMN}`.
     fn location(&self, src: Src, anchor: Anchor<'_>) -> Option<Answer> {
-        self.places.place(src, anchor).map(place_answer)
+        let place = self.places.place(src, anchor)?;
+        Some(Answer::pure(tcl::list(elements(&place))))
+    }
+
+    /// `loc ?file|line|column|context?`: where something was written, and in which component or interface. Releases
+    /// before contexts leave that element out of the list.
+    fn place(
+        &self,
+        place: Option<Place>,
+        context: Option<u32>,
+        arguments: &[String],
+    ) -> Result<Option<Answer>, Failure> {
+        let Some(place) = place else {
+            return Ok(None);
+        };
+        let context = context.map(|it| self.registry.handle(&Object::Component(it)));
+        let [file, line, column] = elements(&place);
+        let all = [file, line, column, context.unwrap_or_default()];
+        let Some(wanted) = arguments.first() else {
+            let count = if self.spec.release.has(Change::ContextsOfPlaces) {
+                4
+            } else {
+                3
+            };
+            return Ok(Some(Answer::pure(tcl::list(&all[..count]))));
+        };
+        let words = ["file", "line", "column", "context"];
+        let found = words.iter().position(|it| it == wanted);
+        let found = found.or_else(|| {
+            let mut starting = (0..4).filter(|it| words[*it].starts_with(wanted.as_str()));
+            starting
+                .next()
+                .filter(|_| !wanted.is_empty() && starting.next().is_none())
+        });
+        match found {
+            Some(found) => Ok(Some(Answer::pure(all[found].clone()))),
+            None => {
+                let problem = match words.iter().any(|it| it.starts_with(wanted.as_str()))
+                    && !wanted.is_empty()
+                {
+                    true => "ambiguous",
+                    false => "bad",
+                };
+                Err(Failure::Error(format!(
+                    "{problem} element \"{wanted}\": must be file, line, column, or context"
+                )))
+            }
+        }
+    }
+
+    /// [`Model::place`] of a node.
+    fn place_of(
+        &self,
+        src: Src,
+        anchor: Anchor<'_>,
+        arguments: &[String],
+    ) -> Result<Option<Answer>, Failure> {
+        self.place(
+            self.places.place(src, anchor),
+            self.spec.body_of(src),
+            arguments,
+        )
     }
 
     /// Parameters that pass a filter on their properties.
@@ -308,10 +372,13 @@ fn undefined(method: &str) -> Failure {
     Failure::Error(format!("undefined member \"{method}\""))
 }
 
-/// `{FILE LINE COLUMN}`.
-fn place_answer(place: Place) -> Answer {
-    let (line, column) = (place.line.to_string(), place.column.to_string());
-    Answer::pure(tcl::list([&place.file, &line, &column]))
+/// File, line and column.
+fn elements(place: &Place) -> [String; 3] {
+    [
+        place.file.clone(),
+        place.line.to_string(),
+        place.column.to_string(),
+    ]
 }
 
 fn text(value: &Option<String>) -> Option<Answer> {

@@ -2,7 +2,8 @@
 //!
 //! Both walk the model; a filter given by the template may leave objects out.
 
-use dotgen_analysis::model::{ComponentKind, Spec, TypeId, TypeKind};
+use dotgen_analysis::model::{ComponentKind, ParamDir, Spec, TypeId, TypeKind};
+use dotgen_analysis::release::Change;
 use md5::{Digest, Md5};
 use rustc_hash::FxHashMap;
 
@@ -163,10 +164,12 @@ pub(crate) fn digest(
         Object::Remote(component, remote) => {
             wanted(filter, object)?;
             let it = model.spec.remote(component, remote);
-            let params = (0..it.params.len() as u32).map(|at| ParamRef::Remote(remote, at));
+            let params = (0..it.params.len() as u32)
+                .filter(|at| it.params[*at as usize].dir != ParamDir::Local)
+                .map(|at| ParamRef::Remote(remote, at));
             digest.params(model.spec, component, params, filter)?;
             for ty in remote_throws(model.spec.component(component), it) {
-                digest.type_(model.spec, ty, filter, DEPTH)?;
+                digest.exception(model.spec, ty, filter)?;
             }
         }
         Object::Component(index)
@@ -240,13 +243,28 @@ impl Chunks {
         filter: &mut Filter<'_>,
     ) -> Result<(), Failure> {
         wanted(filter, &Object::Service(component, service))?;
-        let count = spec.service(component, service).params.len() as u32;
-        let params = (0..count).map(|at| ParamRef::Service(service, at));
+        let all = &spec.service(component, service).params;
+        let without_locals = spec.release.has(Change::DigestsOfExceptions);
+        let params = (0..all.len() as u32)
+            .filter(|it| !without_locals || all[*it as usize].dir != ParamDir::Local)
+            .map(|at| ParamRef::Service(service, at));
         self.params(spec, component, params, filter)?;
         for ty in service_throws(spec.component(component), service) {
-            self.type_(spec, ty, filter, DEPTH)?;
+            self.exception(spec, ty, filter)?;
         }
         Ok(())
+    }
+
+    fn exception(
+        &mut self,
+        spec: &Spec,
+        ty: TypeId,
+        filter: &mut Filter<'_>,
+    ) -> Result<(), Failure> {
+        if spec.release.has(Change::DigestsOfExceptions) {
+            self.push(&spec.full_name(ty).unwrap_or_default());
+        }
+        self.type_(spec, ty, filter, DEPTH)
     }
 
     fn params(

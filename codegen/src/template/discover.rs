@@ -3,6 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use dotgen_analysis::release::Release;
+
 use crate::disk::{Disk, Entry};
 
 /// Where templates are looked for.
@@ -103,6 +105,19 @@ impl SearchPath {
         }
         names.into_iter().collect()
     }
+}
+
+/// The release of the GenoM3 that one of these directories of templates belongs to, and the file that says so: the
+/// version file of the template engine, which is installed beside them.
+pub fn release_of(disk: &dyn Disk, dirs: &[PathBuf]) -> Option<(Release, PathBuf)> {
+    dirs.iter().find_map(|dir| {
+        let file = dir.parent()?.join("engines/tcl/version.tcl");
+        let text = String::from_utf8(disk.read(&file).ok()?).ok()?;
+        let provided = text
+            .lines()
+            .find_map(|it| it.trim().strip_prefix("package provide genom-engine"))?;
+        Some((provided.trim().parse().ok()?, file))
+    })
 }
 
 /// A path, made absolute by putting `here` in front; for a text that need not be one path.

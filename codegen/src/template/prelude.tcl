@@ -227,7 +227,60 @@ proc ::dg::get_options {} {
 }
 
 proc ::dg::template_arg {args} {
-  if {[llength $args]} { wrong_args "template arg" }
+  if {[llength $args] > 1} { wrong_args "template arg ?opt?" }
+  switch -- [set what [lindex [list {*}$args next] 0]] {
+    next { return [next_argument] }
+    files - names { return [dict get [split_arguments] $what] }
+    components { return [named_components] }
+  }
+  fatal "unknown command '$what':  must be next, files, names or components"
+}
+
+# The arguments that are files, and the others, which are names. Without any file the first one is taken for one, so
+# that reading it tells that it is not there.
+proc ::dg::split_arguments {} {
+  set files {}
+  set names {}
+  set path [interp eval main {dotgen input path}]
+  foreach argument [interp eval main {set ::argv}] {
+    if {[file isfile [file join $path $argument]]} {
+      lappend files $argument
+    } else {
+      lappend names $argument
+    }
+  }
+  if {![llength $files]} { set names [lassign $names files] }
+  return [dict create files $files names $names]
+}
+
+# The components and interfaces that the arguments name; without names those that the files themselves define.
+proc ::dg::named_components {} {
+  set arguments [split_arguments]
+  set found {}
+  foreach name [dict get $arguments names] {
+    set objects [interp eval main [list dotgen components $name]]
+    lappend objects {*}[interp eval main [list dotgen interfaces $name]]
+    if {![llength $objects]} { fatal "no such object $name." }
+    # One element for each name, as templates expect it.
+    lappend found $objects
+  }
+  if {[llength $found]} { return $found }
+  set path [interp eval main {dotgen input path}]
+  set inputs {}
+  foreach name [dict get $arguments files] {
+    file stat [file join $path $name] status
+    lappend inputs $status(dev)+$status(ino)
+  }
+  foreach object [interp eval main {concat [dotgen components] [dotgen interfaces]}] {
+    set name [interp eval main [list $object loc file]]
+    if {![file exists $name]} continue
+    file stat $name status
+    if {"$status(dev)+$status(ino)" in $inputs} { lappend found $object }
+  }
+  return $found
+}
+
+proc ::dg::next_argument {} {
   set argv [interp eval main {set ::argv}]
   set value [lindex $argv 1]
   if {$value eq {}} { fatal "missing argument to [lindex $argv 0]" }
@@ -485,7 +538,7 @@ proc ::dg::populate {} {
   foreach {group members} {
     genom {program cmdline version templates debug verbose}
     template {name dir builtindir tmpdir}
-    input {notice deps}
+    input {notice deps path}
   } {
     set commands {}
     foreach member $members { dict set commands $member [list ::dg::query dotgen $group $member] }

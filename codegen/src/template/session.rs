@@ -96,12 +96,13 @@ pub(super) fn run(
             };
         }
     };
+    let compiled = frontend.compiled();
     let mut session = Session {
         run,
         host,
         frontend,
         console,
-        compiled: Compiled::default(),
+        compiled,
         registry: Rc::new(Registry::default()),
         unannounced: Vec::new(),
         output,

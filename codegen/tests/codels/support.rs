@@ -8,6 +8,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::{
     AnalysisHost, Change, Config, FileContent, Loader, PackageFlags, UnitResult,
 };
+use dotgen_analysis::release::{Release, ReleaseChoice, ReleaseOrigin};
 use dotgen_codegen::codels::drift::{self, Drift, DriftOptions};
 use dotgen_codegen::codels::expected::Expected;
 use dotgen_codegen::codels::files::{Files, FilesConfig, Sources};
@@ -64,9 +65,18 @@ pub(crate) fn shared() -> Option<Utf8PathBuf> {
 }
 
 pub(crate) fn host(include_dirs: Vec<Utf8PathBuf>) -> AnalysisHost {
+    host_of(None, include_dirs)
+}
+
+/// A host that reads specifications as a release; `None` for what they require.
+pub(crate) fn host_of(release: Option<Release>, include_dirs: Vec<Utf8PathBuf>) -> AnalysisHost {
     let mut host = AnalysisHost::new(Arc::new(Disk));
     let config = Config {
         include_dirs,
+        release: release.map(|release| ReleaseChoice {
+            release,
+            origin: ReleaseOrigin::CommandLine,
+        }),
         ..Config::default()
     };
     host.apply(Change {

@@ -27,6 +27,10 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
 
+    /// Say which release of GenoM3 the specifications are read as, and why
+    #[arg(long, short)]
+    verbose: bool,
+
     #[command(flatten)]
     reading: Reading,
 }
@@ -38,6 +42,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     let mut report = Report::default();
     for session in session::open(files, &arguments.reading)? {
+        if arguments.verbose {
+            say_release(&session)?;
+        }
         check(&session, &mut report, &mut trouble);
     }
     report.finish();
@@ -83,6 +90,19 @@ fn check_file(
     session.add_texts(&unit.diagnostics, &mut report.texts)?;
     report.diagnostics.extend(unit.diagnostics.iter().cloned());
     report.checked += 1;
+    Ok(())
+}
+
+/// Names the release of GenoM3 on the error output: once for all files that are read as the same one.
+fn say_release(session: &Session) -> anyhow::Result<()> {
+    let mut said = Vec::new();
+    for file in session.files.iter().filter(|it| !it.is_scenario()) {
+        let choice = session.ask(&file.path, |it| it.release(&file.path))?;
+        if !said.contains(&choice) {
+            anstream::eprintln!("{}: GenoM3 {choice}", session::display(&file.path));
+            said.push(choice);
+        }
+    }
     Ok(())
 }
 

@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use camino::Utf8PathBuf;
 use clap::Args;
+use dotgen_analysis::release::ReleaseChoice;
 use dotgen_codegen::command::{Environment, Project, generate};
 use dotgen_codegen::template::console::StdConsole;
 use dotgen_codegen::template::{Limits, OutputSink};
@@ -56,7 +57,7 @@ fn stand_in(arguments: &[String]) -> ExitCode {
         may_run: true,
         ..PackageConfig::default()
     };
-    run("genom3", arguments, packages)
+    run("genom3", arguments, packages, None)
 }
 
 /// Under the `dotgen.toml` that counts for the files.
@@ -76,7 +77,7 @@ fn in_project(arguments: &[String]) -> ExitCode {
         may_run: true,
         ..config.packages
     };
-    run("dotgen generate", &arguments, packages)
+    run("dotgen generate", &arguments, packages, config.release)
 }
 
 /// The nearest configuration around the last of the words that is a file, or around the current directory. What is
@@ -96,7 +97,12 @@ fn configuration(words: &[String]) -> Config {
     Config::new(&settings, &directory, true)
 }
 
-fn run(name: &str, arguments: &[String], packages: PackageConfig) -> ExitCode {
+fn run(
+    name: &str,
+    arguments: &[String],
+    packages: PackageConfig,
+    release: Option<ReleaseChoice>,
+) -> ExitCode {
     let mut environment = Environment {
         name,
         program: std::env::current_exe().unwrap_or_else(|_| name.into()),
@@ -112,6 +118,7 @@ fn run(name: &str, arguments: &[String], packages: PackageConfig) -> ExitCode {
         // `--confined` is for the generator to see, among its other options.
         confined: None,
         failed_at: None,
+        release,
     };
     let status = generate(arguments, &mut environment);
     ExitCode::from(u8::try_from(status & 0xff).unwrap_or(2))

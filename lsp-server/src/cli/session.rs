@@ -4,6 +4,7 @@ use anyhow::{Context, bail};
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::Diagnostic;
 use dotgen_analysis::host::{Analysis, AnalysisHost, Cancellable, Change, FileContent};
+use dotgen_analysis::release::ReleaseOrigin;
 use dotgen_codegen::codels::files::FilesConfig;
 use dotgen_syntax::encoding;
 use rustc_hash::FxHashMap;
@@ -258,8 +259,10 @@ impl Session {
     ) -> Session {
         let mut arguments = Settings {
             include_paths: reading.include_paths.clone(),
+            release: reading.release,
             ..Settings::default()
-        };
+        }
+        .chosen_by(ReleaseOrigin::CommandLine);
         for define in &reading.defines {
             arguments.define(define);
         }
@@ -272,7 +275,8 @@ impl Session {
                 _ => "".into(),
             };
             let read = config::from_toml(&text);
-            settings = settings.over(read.settings.anchored(directory));
+            let own = read.settings.anchored(directory);
+            settings = settings.over(own.chosen_by(ReleaseOrigin::ConfigurationFile(path.clone())));
             config = Some(ConfigProblems {
                 path,
                 text,

@@ -3,6 +3,7 @@
 
 use std::ops::Range;
 
+use dotgen_analysis::release::ReleaseOrigin;
 use rustc_hash::FxHashMap;
 use serde_json::{Map, Value};
 use toml::Spanned;
@@ -110,7 +111,7 @@ pub fn from_editor(value: &Value) -> Read {
     let name = |key: &str| format!("dotgen.{}", camel(key));
     let (settings, problems) = read_object(&object, &CLIENT_ONLY, &name);
     Read {
-        settings,
+        settings: settings.chosen_by(ReleaseOrigin::Editor),
         problems: problems.into_iter().map(|(_, problem)| problem).collect(),
     }
 }
@@ -301,6 +302,7 @@ fn explain(key: &str, error: &serde_json::Error) -> String {
         "include-paths" | "package-paths" | "template-paths" => {
             "expected a list of directories".to_owned()
         }
+        "release" => "expected the number of a release as a text, such as \"2.99.41\"".to_owned(),
         "defines" => "expected a string, a number, `true` or `false`".to_owned(),
         "connections" => {
             "expected a table of ports, each with \"component.port\" or a list of them".to_owned()

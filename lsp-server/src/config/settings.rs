@@ -7,6 +7,7 @@ use std::time::Duration;
 use dotgen_analysis::diagnostic::{Diagnostic, Severity};
 use dotgen_analysis::ide::{InlayConfig, InlayTypes};
 use dotgen_analysis::lint::LintConfig;
+use dotgen_analysis::release::{Release, ReleaseOrigin};
 use dotgen_codegen::codels::files::FilesConfig;
 use dotgen_timing::explore::Limits;
 use dotgen_timing::scn::ast::Policy;
@@ -27,6 +28,14 @@ pub struct Settings {
     /// and `false` leaves the macro undefined.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub defines: BTreeMap<String, DefineValue>,
+    /// The release of GenoM3 that specifications are read as, for example `"2.99.41"`; by default the
+    /// installed one, else the greatest that the specifications require.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Option<String>")]
+    pub release: Option<Release>,
+    /// Who says [`Settings::release`], if that is not the configuration file.
+    #[serde(skip)]
+    pub release_origin: Option<ReleaseOrigin>,
     /// Directories with `.pc` files, searched for the packages of `#pragma requires` before those
     /// of pkg-config. The program asked is that of the environment variable `PKG_CONFIG`, otherwise
     /// `pkg-config`; when it is not installed dotgen reads `.pc` files itself.
@@ -163,6 +172,7 @@ impl Verification {
                 states: self.max_states.unwrap_or(2_000_000) as usize,
                 bytes: (self.max_memory.unwrap_or(1024) as usize) << 20,
                 threads: Limits::default().threads.saturating_sub(1).max(1),
+                ..Limits::default()
             },
             ..Options::default()
         }
@@ -336,8 +346,12 @@ impl Settings {
     /// by key (these win).
     ///
     /// Lists are joined since editors send an empty list for a setting nobody touched.
-    pub fn over(mut self, weaker: Settings) -> Settings {
+    pub fn over(mut self, mut weaker: Settings) -> Settings {
         self.code_lens = self.code_lens.or(weaker.code_lens);
+        if self.release.is_none() {
+            self.release = weaker.release;
+            self.release_origin = weaker.release_origin.take();
+        }
         let hints = weaker.inlay_hints();
         for (own, weaker) in self.inlay_hints_mut().into_iter().zip(hints) {
             *own = own.or(weaker);
@@ -413,6 +427,14 @@ impl Settings {
             None => (argument, DefineValue::Flag(true)),
         };
         self.defines.insert(name.to_owned(), value);
+    }
+
+    /// Says who chose the release, if there is one and nobody said it yet.
+    pub fn chosen_by(mut self, origin: ReleaseOrigin) -> Settings {
+        if self.release.is_some() && self.release_origin.is_none() {
+            self.release_origin = Some(origin);
+        }
+        self
     }
 
     /// Turns relative directories into ones below `base`, so that layers with different bases can

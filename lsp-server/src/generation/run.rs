@@ -8,6 +8,7 @@ use std::sync::atomic::AtomicBool;
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::{Cancellable, FileContent, Loader, PackageFlags};
+use dotgen_analysis::release::ReleaseChoice;
 use dotgen_codegen::catalog::{self, TemplateInfo, TemplateOption};
 use dotgen_codegen::command::{self, Environment};
 use dotgen_codegen::disk::{Disk, Entry, NewContent, Status, WriteError};
@@ -208,6 +209,7 @@ impl Job {
                 results: self.folders.iter().map(|it| it.into()).collect(),
             }),
             failed_at: None,
+            release: self.config.release_of(&self.file),
         };
         let status = command::generate(&arguments, &mut environment);
         let sink = std::mem::replace(&mut environment.sink, OutputSink::Direct);
@@ -295,5 +297,9 @@ impl Loader for Overlay {
 
     fn packages(&self, arguments: &[String]) -> Result<PackageFlags, String> {
         self.disk.packages(arguments)
+    }
+
+    fn installed_release(&self) -> Option<ReleaseChoice> {
+        self.disk.installed_release()
     }
 }

@@ -3,7 +3,7 @@
 use dotgen_analysis::host::Cancellable;
 use serde_json::Value;
 
-use crate::ext::{DocumentParams, IncludingRoots, MacroExpansion, PositionParams};
+use crate::ext::{DocumentParams, IncludingRoots, MacroExpansion, PositionParams, ReleaseInfo};
 use crate::snapshot::{Snapshot, Subject};
 
 /// `dotgen/syntaxTree`: the tree as text.
@@ -66,5 +66,20 @@ pub(crate) fn including_roots(
     Ok(IncludingRoots {
         current: roots.first().cloned(),
         roots,
+    })
+}
+
+/// `dotgen/release`: the release of GenoM3 that a document is read as.
+pub(crate) fn release(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    _: &DocumentParams,
+) -> Cancellable<ReleaseInfo> {
+    let root = snapshot.analysis.root_of(&subject.path)?;
+    let choice = snapshot.analysis.release(&root)?;
+    Ok(ReleaseInfo {
+        release: choice.release.to_string(),
+        verified: choice.release.is_verified(),
+        origin: choice.origin.to_string(),
     })
 }

@@ -23,11 +23,7 @@ const PATIENCE: Duration = Duration::from_secs(10);
 /// A message for the user: which package is missing, or why none could be looked up.
 pub fn query(config: &PackageConfig, arguments: &[String]) -> Result<PackageFlags, String> {
     if config.may_run {
-        let program = std::env::var("PKG_CONFIG")
-            .ok()
-            .filter(|it| !it.is_empty())
-            .unwrap_or_else(|| "pkg-config".to_owned());
-        match run(&program, &config.paths, arguments) {
+        match run(&program(), &config.paths, "--cflags", arguments) {
             Err(Failure::NotInstalled) => {}
             Err(Failure::Said(message)) => return Err(message),
             Ok(output) => return Ok(parse_flags(&output)),
@@ -37,15 +33,39 @@ pub fn query(config: &PackageConfig, arguments: &[String]) -> Result<PackageFlag
     pkg_file::cflags(&directories, arguments).map(|words| flags_of(&words))
 }
 
+/// The version of a package, if pkg-config may be run and knows it.
+pub(super) fn version(config: &PackageConfig, name: &str) -> Option<String> {
+    if !config.may_run {
+        return None;
+    }
+    let output = run(
+        &program(),
+        &config.paths,
+        "--modversion",
+        &[name.to_owned()],
+    )
+    .ok()?;
+    first_line(&output).map(str::to_owned)
+}
+
+/// The package tool.
+fn program() -> String {
+    let named = std::env::var("PKG_CONFIG").ok().filter(|it| !it.is_empty());
+    named.unwrap_or_else(|| "pkg-config".to_owned())
+}
+
 enum Failure {
     NotInstalled,
     Said(String),
 }
 
-fn run(program: &str, paths: &[Utf8PathBuf], arguments: &[String]) -> Result<String, Failure> {
-    let mut words: Vec<OsString> = ["--cflags", "--print-errors", "--"]
-        .map(Into::into)
-        .to_vec();
+fn run(
+    program: &str,
+    paths: &[Utf8PathBuf],
+    question: &str,
+    arguments: &[String],
+) -> Result<String, Failure> {
+    let mut words: Vec<OsString> = [question, "--print-errors", "--"].map(Into::into).to_vec();
     words.extend(arguments.iter().map(Into::into));
     let mut environment = Vec::new();
     if !paths.is_empty() {

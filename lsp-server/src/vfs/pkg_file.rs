@@ -102,6 +102,11 @@ pub(super) fn cflags(path: &[Utf8PathBuf], arguments: &[String]) -> Result<Vec<S
     Ok(words)
 }
 
+/// The version of a package.
+pub(super) fn version(path: &[Utf8PathBuf], name: &str) -> Option<String> {
+    find(path, name).map(|it| it.version)
+}
+
 fn find(path: &[Utf8PathBuf], name: &str) -> Option<Package> {
     path.iter().find_map(|directory| {
         let file = directory.join(format!("{name}.pc"));

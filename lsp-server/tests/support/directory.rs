@@ -51,6 +51,9 @@ impl Directory {
             "PKG_CONFIG",
             "PKG_CONFIG_PATH",
             "PKG_CONFIG_LIBDIR",
+            "DOTGEN_GENOM_RELEASE",
+            "DOTGEN_BUILTIN_TEMPLATES",
+            "GENOM_TMPL_PATH",
             "NO_COLOR",
         ] {
             command.env_remove(variable);

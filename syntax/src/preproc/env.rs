@@ -20,10 +20,11 @@ use crate::{
     directive::{Directive, DirectiveKind},
     kind::SyntaxKind,
     lexer::{RawTokens, is_word, lex},
+    release::Release,
 };
 
-/// The version of GenoM that `__GENOM__` announces (language reference, 2.2).
-pub const GENOM_VERSION: &str = "2.99.39";
+/// The macro that announces the release of GenoM.
+const GENOM: &str = "__GENOM__";
 
 /// A macro definition.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -124,7 +125,7 @@ impl MacroEnv {
         }
     }
 
-    /// The predefined macros (language reference, 2.2).
+    /// The predefined macros (language reference, 2.2), of the default release.
     ///
     /// `__DATE__` and `__TIME__` are the strings C compilers use when the time is not known, so that a result
     /// depends on nothing but the text.
@@ -132,7 +133,7 @@ impl MacroEnv {
         static PREDEFINED: LazyLock<MacroEnv> = LazyLock::new(|| {
             let mut env = MacroEnv::empty();
             for (name, value) in [
-                ("__GENOM__", GENOM_VERSION),
+                (GENOM, Release::default().to_string().as_str()),
                 ("__DATE__", "\"??? ?? ????\""),
                 ("__TIME__", "\"??:??:??\""),
                 ("__STDC__", "1"),
@@ -149,6 +150,15 @@ impl MacroEnv {
             env
         });
         PREDEFINED.clone()
+    }
+
+    /// The predefined macros of a release: `__GENOM__` is its number.
+    pub fn of_release(release: Release) -> MacroEnv {
+        let mut env = MacroEnv::predefined();
+        if release != Release::default() {
+            env.define(Macro::from_text(GENOM, &release.to_string()));
+        }
+        env
     }
 
     /// Defines what `-D definition` does: `NAME`, which stands for 1, or `NAME=VALUE`. A former

@@ -4,8 +4,13 @@
 //! at five places, whatever the rules: which of the enabled actions to follow ([`Reductions::persistent`],
 //! [`Reductions::follow`]), whose end can be put off ([`Reductions::waiters`], [`Reductions::closure`]), and which of the
 //! states that differ only by names to keep ([`Reductions::order`]).
+//!
+//! Each reduction is one type behind the trait [`Reduction`]: it tells when it applies to a system, its rules and what is asked,
+//! and else the [`Reason`]. What it leaves out and why that is sound stands at its module; `docs/explorer.md` is the map.
 
 mod ample;
+mod facts;
+mod kind;
 mod lazy;
 mod overtake;
 mod published;
@@ -13,6 +18,8 @@ mod symmetry;
 
 use smallvec::SmallVec;
 
+use self::facts::Facts;
+pub use self::kind::{Activity, Kind, Kinds, Reason};
 pub(crate) use self::published::OfPublished;
 pub(crate) use self::symmetry::{Label, Orbits, Renaming};
 use super::rules::{Action, Enabled, Rules};
@@ -45,10 +52,51 @@ impl<'a> Asked<'a> {
     }
 }
 
+/// What a reduction may or may not be used for.
+pub(crate) struct Setting<'a, R> {
+    pub(crate) rules: &'a R,
+    pub(super) asked: &'a Asked<'a>,
+    /// What is known beforehand.
+    pub(super) facts: &'a Facts,
+    /// What is switched off.
+    pub(crate) without: Kinds,
+}
+
+impl<R: Rules> Setting<'_, R> {
+    pub(crate) fn system(&self) -> &TimedSystem {
+        self.rules.system()
+    }
+}
+
+/// One reduction, for one set of rules.
+pub(crate) trait Reduction<R>: Sized {
+    /// Which one it is.
+    const KIND: Kind;
+
+    /// The reduction, examined for a system and what is asked of it, or the reason why it is not sound, or of no use, there.
+    fn applies(setting: &Setting<R>) -> Result<Self, Reason>;
+
+    /// The same, unless it is switched off; notes which of both.
+    fn examine(setting: &Setting<R>, notes: &mut Vec<Activity>) -> Option<Self> {
+        let it = match setting.without.contains(Self::KIND) {
+            true => Err(Reason::SwitchedOff),
+            false => Self::applies(setting),
+        };
+        notes.push(Activity {
+            kind: Self::KIND,
+            off: it.as_ref().err().copied(),
+        });
+        it.ok()
+    }
+}
+
 /// All reductions that are known for a set of rules, as far as they apply to one system and what is asked of it.
 pub(crate) trait Reductions<R: Rules>: Sized {
-    /// Examines a system.
-    fn new(rules: &R, asked: &Asked) -> Self;
+    /// Examines a system. Some are switched off.
+    fn new(rules: &R, asked: &Asked, without: Kinds) -> Self;
+
+    /// Which are used, and why others are not.
+    fn activities(&self) -> &[Activity];
 
     /// Writes the actions to follow in a state, so that all calm states are still come to at this moment (a persistent set),
     /// or all that are enabled.
@@ -113,11 +161,30 @@ impl Waiters {
     dead_code,
     reason = "for sets of rules to begin with; the published ones have their own"
 )]
-pub(crate) struct NoReductions(Orbits);
+pub(crate) struct NoReductions(Orbits, Vec<Activity>);
 
 impl<R: Rules> Reductions<R> for NoReductions {
-    fn new(rules: &R, _: &Asked) -> Self {
-        NoReductions(Orbits::none(rules.system()))
+    fn new(rules: &R, _: &Asked, _: Kinds) -> Self {
+        let unknown = |kind| Activity {
+            kind,
+            off: Some(Reason::RulesUnknown),
+        };
+        let kinds = [
+            Kind::PersistentSets,
+            Kind::PersistentRequests,
+            Kind::SleepSets,
+            Kind::Deferral,
+            Kind::RestingLoops,
+            Kind::Symmetry,
+        ];
+        NoReductions(
+            Orbits::none(rules.system()),
+            kinds.into_iter().map(unknown).collect(),
+        )
+    }
+
+    fn activities(&self) -> &[Activity] {
+        &self.1
     }
 
     fn persistent(&self, _: &R, _: &State, enabled: &Enabled, out: &mut Vec<Action>) {

@@ -18,10 +18,10 @@ use self::zones::{Proof, Zones};
 use super::findings::Findings;
 use super::measure::{Diverging, Gauge, How, Timing};
 use super::observe::Observer;
-use super::reductions::{Asked, Label, Reductions};
+use super::reductions::{Activity, Asked, Kind, Label, Reason, Reductions};
 use super::rules::{Rules, with_rules};
 use super::state::{Clocks, State};
-use super::store::{Store, decode_to};
+use super::store::{Covering, Store, decode_to};
 use super::watch::{Limits, Stop, Watch};
 use crate::cancel::Cancel;
 use crate::property::Predicate;
@@ -88,13 +88,18 @@ fn until_measured<R: Rules>(
     cancel: &Cancel,
     news: Teller,
 ) -> Findings {
-    let zones_suit = !watch.in_order && zones::suit(rules.system());
+    let zones = zones::suit(rules.system(), watch, limits);
+    let random = hunt::suits(watch, limits);
     let mut proof = None;
-    let mut hunt = (!watch.in_order).then(|| Hunt::new(watch));
+    let mut hunt = random.is_ok().then(|| Hunt::new(watch));
     loop {
         let mut search = Search::new(rules, watch, gauges, limits, cancel);
         search.hunt = hunt;
-        search.zones_suit = zones_suit;
+        search.zones_suit = zones.is_ok();
+        search.beside = [
+            (Kind::Zones, zones.err()),
+            (Kind::RandomSearch, random.err()),
+        ];
         search.proof = proof;
         search.news = Some(News::new(&mut *news));
         let diverging = search.run();
@@ -190,6 +195,8 @@ struct Search<'a, R: Rules> {
     hunt: Option<Hunt>,
     /// Zones suit the system, and what is asked.
     zones_suit: bool,
+    /// What is tried beside, or why not.
+    beside: [(Kind, Option<Reason>); 2],
     /// What is looked for in them, once there is more than a little.
     zones: Option<Zones<'a, R>>,
     /// What they have shown, once everything was looked at.
@@ -268,8 +275,12 @@ impl<'a, R: Rules> Search<'a, R> {
             predicates,
             measured: clocks.response,
         };
-        let reductions = R::Reductions::new(&own, &asked);
+        let reductions = R::Reductions::new(&own, &asked, limits.without);
         let clocks = own.frame().clocks();
+        let covering = Covering {
+            union: !limits.without.contains(Kind::WindowUnion),
+            inclusion: !limits.without.contains(Kind::WindowInclusion),
+        };
         Search {
             rules: own,
             reductions,
@@ -284,14 +295,14 @@ impl<'a, R: Rules> Search<'a, R> {
                 .collect(),
             limits,
             cancel,
-            passed: Store::new(clocks),
+            passed: Store::new(clocks, covering),
             nodes: Vec::new(),
             dims: Vec::new(),
             edges: Vec::new(),
             queue: BTreeMap::new(),
-            layer: Store::new(clocks),
+            layer: Store::new(clocks, covering),
             layer_calm: Vec::new(),
-            crowd: Store::new(clocks),
+            crowd: Store::new(clocks, covering),
             steps: 0,
             missed: vec![None; watch.schedulable.len()],
             overdue: vec![None; watch.overdue.len()],
@@ -309,6 +320,7 @@ impl<'a, R: Rules> Search<'a, R> {
             now: 0,
             hunt: None,
             zones_suit: false,
+            beside: [Kind::Zones, Kind::RandomSearch].map(|it| (it, Some(Reason::NothingToFind))),
             zones: None,
             proof: None,
             diverging: None,
@@ -370,6 +382,23 @@ impl<R: Rules> Search<'_, R> {
         let node = &self.nodes[node as usize];
         let dims = &self.dims[node.start..node.start + node.len as usize];
         decode_to(self.rules.frame(), self.passed.key(node.key), dims, s);
+    }
+
+    /// Which reductions are used.
+    fn activities(&self) -> Vec<Activity> {
+        let switched = [
+            Kind::WindowUnion,
+            Kind::WindowInclusion,
+            Kind::MomentCovering,
+        ]
+        .map(|kind| {
+            let off = self.limits.without.contains(kind);
+            (kind, off.then_some(Reason::SwitchedOff))
+        });
+        let own = self.reductions.activities().iter().copied();
+        let others = switched.into_iter().chain(self.beside);
+        own.chain(others.map(|(kind, off)| Activity { kind, off }))
+            .collect()
     }
 
     fn is_crowded(&self) -> bool {

@@ -124,10 +124,38 @@ fn read_varint(key: &[u8], at: &mut usize) -> u32 {
 #[derive(Debug, Clone, Copy)]
 struct Shape {
     windows: usize,
+    covering: Covering,
+}
+
+/// What boxes do to each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Covering {
+    /// Adjoining ones are joined.
+    pub(crate) union: bool,
+    /// A larger one covers a smaller one. Without, only itself.
+    pub(crate) inclusion: bool,
+}
+
+impl Default for Covering {
+    fn default() -> Self {
+        Covering {
+            union: true,
+            inclusion: true,
+        }
+    }
 }
 
 impl Shape {
     fn covers(self, cover: &[Ticks], it: &[Ticks]) -> bool {
+        let at = 2 * self.windows;
+        match self.covering {
+            Covering {
+                inclusion: true, ..
+            } => {}
+            // What was joined stands for all its parts.
+            Covering { union: true, .. } if cover[at..] == it[at..] => {}
+            _ => return cover == it,
+        }
         let (wide, narrow) = (&cover[..2 * self.windows], &it[..2 * self.windows]);
         wide.chunks_exact(2)
             .zip(narrow.chunks_exact(2))
@@ -140,7 +168,7 @@ impl Shape {
 
     /// If the union of two boxes is a box, makes `it` that box.
     fn join(self, other: &[Ticks], it: &mut [Ticks]) -> bool {
-        if other[2 * self.windows..] != it[2 * self.windows..] {
+        if !self.covering.union || other[2 * self.windows..] != it[2 * self.windows..] {
             return false;
         }
         let mut differing = None;
@@ -173,6 +201,7 @@ pub(crate) struct Store {
     covers: Vec<Cover>,
     dims: Vec<Ticks>,
     clocks: usize,
+    covering: Covering,
 }
 
 #[derive(Debug)]
@@ -194,11 +223,17 @@ struct Cover {
 
 impl Store {
     /// An empty set of states with this many clocks.
-    pub(crate) fn new(clocks: usize) -> Self {
+    pub(crate) fn new(clocks: usize, covering: Covering) -> Self {
         Store {
             clocks,
+            covering,
             ..Store::default()
         }
+    }
+
+    /// Another empty set of the same kind.
+    pub(crate) fn like(&self) -> Self {
+        Store::new(self.clocks, self.covering)
     }
 
     /// Removes everything, keeping the memory.
@@ -221,6 +256,7 @@ impl Store {
         let hash = hash(&it.key);
         let shape = Shape {
             windows: (it.dims.len() - self.clocks) / 2,
+            covering: self.covering,
         };
         let found = self.table.find(hash, |&k| {
             let key = &self.keys[k as usize];
@@ -301,7 +337,10 @@ impl Store {
     /// Whether one of the covers holds a state.
     pub(crate) fn holds(&self, it: &Encoded) -> bool {
         let windows = (it.dims.len() - self.clocks) / 2;
-        let shape = Shape { windows };
+        let shape = Shape {
+            windows,
+            covering: self.covering,
+        };
         self.find(&it.key)
             .any(|(dims, _)| shape.covers(dims, &it.dims))
     }
@@ -361,6 +400,7 @@ pub(crate) fn holds(layout: &Frame, cover: &[Ticks], it: &[Ticks]) -> bool {
     let clocks = layout.clocks();
     Shape {
         windows: (it.len() - clocks) / 2,
+        covering: Covering::default(),
     }
     .covers(cover, it)
 }

@@ -8,6 +8,7 @@ pub(crate) mod model;
 mod perform;
 mod possible;
 mod predicates;
+pub(crate) mod random;
 mod state;
 
 use std::collections::HashSet;

@@ -3,7 +3,6 @@
 
 use crate::{
     elab::{DefKind, Definition, Elaborated},
-    ide::inlay_hints::percent,
     lint::duration,
     model::{
         Codel, CodelKind, CodelRef, Component, Owner, Seconds, ServiceList, Spec, State,
@@ -11,6 +10,7 @@ use crate::{
         mutex::{self, Excluded, describe_owner},
         system,
     },
+    quantity,
 };
 
 /// More names than are worth reading in a hover.
@@ -98,7 +98,7 @@ fn task(component: &Component, name: &str) -> Vec<Fact> {
     if let (Some(share), Some(period)) = (component.utilisation(index), &task.period) {
         out.push(Fact::new(format!(
             "load {} of {}",
-            percent(share),
+            quantity::load(share),
             duration(period.value)
         )));
     }
@@ -154,7 +154,7 @@ fn codel(spec: &Spec, component: &Component, name: &str) -> Vec<Fact> {
             out.push(about(format!(
                 "at most {}, {} of the period of {}",
                 duration(wcet.value),
-                percent(wcet.value / period.value),
+                quantity::load(wcet.value / period.value),
                 duration(period.value)
             )));
         }

@@ -55,6 +55,8 @@ pub(super) fn call(model: &Model<'_>, component: u32, at: CodelRef, words: &[Str
         "signature" => {}
         "invoke" if arguments.len() != 1 => return Err(usage("params")),
         "invoke" => {}
+        "loc" if arguments.len() > 1 => return Err(wrong_args("$codel loc ?element?")),
+        "loc" => {}
         _ if arguments.is_empty() => {}
         _ => return Err(wrong_args("$codel subcommand")),
     }
@@ -107,7 +109,7 @@ pub(super) fn call(model: &Model<'_>, component: u32, at: CodelRef, words: &[Str
             let arguments = tcl::parse_list(&arguments[0]).map_err(Failure::Error)?;
             Some(Answer::pure(mapper.invoke(component, it, &arguments)?))
         }
-        "loc" => model.location(it.src, Anchor::First),
+        "loc" => model.place_of(it.src, Anchor::First, arguments)?,
         "wcet" => it.wcet.as_ref().map(|wcet| model.type_handle(wcet.ty)),
         _ => Some(Answer::pure("codel".into())),
     };

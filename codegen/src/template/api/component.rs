@@ -1,6 +1,9 @@
 //! Methods of components and interfaces.
 
+use std::sync::LazyLock;
+
 use dotgen_analysis::model::PortDir;
+use dotgen_analysis::release::Change;
 
 use super::{
     Answer, CODEL_KINDS, Lambda, Model, Result_, class, codel_kind_word, find, method, port_kind,
@@ -12,6 +15,7 @@ use crate::template::object::{Lookup, Object};
 use crate::template::throws::component_throws;
 use crate::template::{Failure, tcl};
 
+/// In order of the messages; `stack` is new in 2.99.40.
 const METHODS: &[&str] = &[
     "name",
     "doc",
@@ -22,6 +26,7 @@ const METHODS: &[&str] = &[
     "require",
     "codels-require",
     "clock-rate",
+    "stack",
     "throws",
     "tasks",
     "ports",
@@ -33,6 +38,15 @@ const METHODS: &[&str] = &[
     "loc",
     "class",
 ];
+
+/// The methods of older releases.
+static BEFORE_STACK: LazyLock<Vec<&'static str>> = LazyLock::new(|| {
+    METHODS
+        .iter()
+        .copied()
+        .filter(|it| *it != "stack")
+        .collect()
+});
 
 pub(super) const CHEAP: &[&str] = &[
     "name", "doc", "ids", "version", "language", "email", "throws", "tasks", "ports", "services",
@@ -46,10 +60,13 @@ pub(super) fn call(
     lambda: &mut Lambda<'_>,
 ) -> Result_ {
     let it = model.spec.component(index);
-    let method = method(METHODS, words, "name")?;
+    let method = match model.spec.release.has(Change::ComponentStack) {
+        true => method(METHODS, words, "name")?,
+        false => method(&BEFORE_STACK, words, "name")?,
+    };
     let arguments = words.get(1..).unwrap_or_default();
     match method {
-        "ports" | "codels" | "types" | "digest" => {}
+        "ports" | "codels" | "types" | "digest" | "loc" => {}
         _ if arguments.is_empty() => {}
         _ => return Err(wrong_args("$component subcommand")),
     }
@@ -66,6 +83,7 @@ pub(super) fn call(
             .clock_rate
             .as_ref()
             .map(|rate| model.type_handle(rate.ty)),
+        "stack" => it.stack.as_ref().map(|stack| model.type_handle(stack.ty)),
         "throws" => Some(model.type_list(component_throws(it))),
         "tasks" => Some(model.list((0..it.tasks.len() as u32).map(|at| Object::Task(index, at)))),
         "ports" => Some(ports(model, index, arguments)?),
@@ -86,7 +104,8 @@ pub(super) fn call(
             return types(model, &object, arguments, lambda);
         }
         "digest" => return digest(model, &Object::Component(index), arguments, lambda),
-        "loc" => model.location(it.src, Anchor::First),
+        // What is in no other component.
+        "loc" => model.place(model.places.place(it.src, Anchor::First), None, arguments)?,
         _ => Some(Answer::pure(
             class(model.spec, &Object::Component(index)).into(),
         )),

@@ -33,6 +33,8 @@ pub(super) fn param(model: &Model<'_>, component: u32, at: ParamRef, words: &[St
             return Err(wrong_args("$param initializer ?type?"));
         }
         "initializer" => {}
+        "loc" if arguments.len() > 1 => return Err(wrong_args("$param loc ?element?")),
+        "loc" => {}
         _ if arguments.is_empty() => {}
         _ => return Err(wrong_args("$param subcommand")),
     }
@@ -93,7 +95,7 @@ pub(super) fn param(model: &Model<'_>, component: u32, at: ParamRef, words: &[St
             } else {
                 Anchor::Path
             };
-            model.location(it.src, anchor)
+            model.place_of(it.src, anchor, arguments)?
         }
         _ => Some(Answer::pure("parameter".into())),
     };

@@ -78,6 +78,8 @@ pub(super) fn service(model: &Model<'_>, component: u32, index: u32, words: &[St
         "parameters" | "codels" => {}
         "fsm" if arguments.len() > 1 => return Err(wrong_args("$service fsm ?event?")),
         "fsm" => {}
+        "loc" if arguments.len() > 1 => return Err(wrong_args("$service loc ?element?")),
+        "loc" => {}
         _ if arguments.is_empty() => {}
         _ => return Err(wrong_args("$service subcommand")),
     }
@@ -133,7 +135,7 @@ pub(super) fn service(model: &Model<'_>, component: u32, index: u32, words: &[St
             let digest = closure::digest(model, &object, &mut |_| Ok(true))?;
             Some(Answer::pure(digest))
         }
-        "loc" => model.location(it.src, Anchor::Keyword(service_word(it.kind))),
+        "loc" => model.place_of(it.src, Anchor::Keyword(service_word(it.kind)), arguments)?,
         _ => Some(Answer::pure("service".into())),
     };
     answer.ok_or_else(|| undefined(method))

@@ -40,12 +40,17 @@ pub(super) const PORT_METHODS: &[&str] = &[
 pub(super) fn task(model: &Model<'_>, component: u32, index: u32, words: &[String]) -> Result_ {
     let it = model.spec.task(component, index);
     let method = method(TASK_METHODS, words, "name")?;
-    let most = if method == "fsm" { 2 } else { 1 };
+    let arguments = words.get(1..).unwrap_or_default();
+    let most = if matches!(method, "fsm" | "loc") {
+        2
+    } else {
+        1
+    };
     if words.len() > most {
-        return Err(wrong_args(if method == "fsm" {
-            "$task fsm event"
-        } else {
-            "$task subcommand"
+        return Err(wrong_args(match method {
+            "fsm" => "$task fsm event",
+            "loc" => "$task loc ?element?",
+            _ => "$task subcommand",
         }));
     }
     let quantity = |it: &Option<dotgen_analysis::model::Quantity>| {
@@ -79,7 +84,7 @@ pub(super) fn task(model: &Model<'_>, component: u32, index: u32, words: &[Strin
             let throws = task_throws(model.spec.component(component), it);
             Some(model.type_list(throws))
         }
-        "loc" => model.location(it.src, Anchor::Keyword("task")),
+        "loc" => model.place_of(it.src, Anchor::Keyword("task"), arguments)?,
         _ => Some(Answer::pure("task".into())),
     };
     answer.ok_or_else(|| undefined(method))
@@ -87,10 +92,13 @@ pub(super) fn task(model: &Model<'_>, component: u32, index: u32, words: &[Strin
 
 pub(super) fn port(model: &Model<'_>, component: u32, index: u32, words: &[String]) -> Result_ {
     let it = model.spec.port(component, index);
-    if words.len() > 1 {
-        return Err(wrong_args("$port subcommand"));
-    }
     let method = method(PORT_METHODS, words, "name")?;
+    let arguments = words.get(1..).unwrap_or_default();
+    match (method, arguments.len()) {
+        (_, 0) | ("loc", 1) => {}
+        ("loc", _) => return Err(wrong_args("$port loc ?element?")),
+        _ => return Err(wrong_args("$port subcommand")),
+    }
     let answer = match method {
         "name" => Some(Answer::pure(it.name.to_string())),
         "dir" => Some(Answer::pure(port_dir(it.dir).into())),
@@ -103,7 +111,7 @@ pub(super) fn port(model: &Model<'_>, component: u32, index: u32, words: &[Strin
             let throws = &model.spec.component(component).throws;
             Some(model.type_list(throws.iter().copied()))
         }
-        "loc" => model.location(it.src, Anchor::Keyword("port")),
+        "loc" => model.place_of(it.src, Anchor::Keyword("port"), arguments)?,
         _ => Some(Answer::pure("port".into())),
     };
     answer.ok_or_else(|| undefined(method))

@@ -1,6 +1,7 @@
 //! Methods of types.
 
 use dotgen_analysis::model::{TypeId, TypeKind};
+use dotgen_analysis::release::Change;
 
 use super::component::{digest, types};
 use super::{Answer, Lambda, Model, Result_, method, wrong_args};
@@ -137,11 +138,10 @@ pub(super) fn call(
             pure(mapper.argument(ty, passing, argument(1))?)
         }
         "return-value" => {
-            if arguments.len() > 1 {
+            if arguments.len() > 1 && !spec.release.has(Change::ReturnValueVariables) {
                 return Err(wrong_args("language::return-value type kind"));
             }
-            let passing = Passing::from_name(argument(0))?;
-            pure(mapper.return_value(ty, passing)?)
+            pure(mapper.return_value_by_name(ty, argument(0), argument(1))?)
         }
         "pass" => {
             let passing = Passing::from_name(argument(0))?;
@@ -156,7 +156,10 @@ pub(super) fn call(
                 .find(|it| it.0 == template);
             found.map(|(_, data)| Answer::pure(data.clone()))
         }
-        "loc" => mapper.type_place(ty).map(super::place_answer),
+        "loc" => {
+            let context = spec.body_of(it.src);
+            model.place(mapper.type_place(ty), context, arguments)?
+        }
         _ => pure("type".into()),
     };
     answer.ok_or_else(|| Failure::Error(format!("no such member \"{method}\"")))
@@ -173,6 +176,7 @@ fn check_arguments(
         "types" => (0..=1, " ?filter?"),
         "declarator" | "address" => (0..=1, " ?var?"),
         "masquerade" => (0..=1, " ?template?"),
+        "loc" => (0..=1, " ?element?"),
         "argument" | "return-value" | "pass" | "dereference" => (1..=2, " kind ?var?"),
         _ => (0..=0, ""),
     };

@@ -1,13 +1,16 @@
 //! What templates ask about the model.
 
+use std::path::Path;
 use std::rc::Rc;
+
+use dotgen_analysis::release::Change;
 
 use super::{Reply, Session};
 use crate::frontend::ParseFailure;
 use crate::lang::{LangError, Language, MapObject, Mapper, NoPlaces, Passing, text};
 use crate::template::api::{self, Answer, Model};
 use crate::template::object::{Object, Registry};
-use crate::template::{Failure, VERSION, notice, reach, tcl};
+use crate::template::{Failure, notice, reach, tcl};
 
 impl Session<'_> {
     pub(super) fn query(
@@ -102,7 +105,10 @@ impl Session<'_> {
         match (word(0), word(1)) {
             ("genom", "program") => Ok(Answer::pure(run.program.clone())),
             ("genom", "cmdline") => Ok(Answer::pure(run.cmdline.clone())),
-            ("genom", "version") => Ok(Answer::pure(format!("genom {VERSION}"))),
+            ("genom", "version") => Ok(Answer::pure(format!(
+                "genom {}",
+                self.compiled.spec.release
+            ))),
             ("genom", "templates") => Ok(Answer::pure(tcl::list(run.search.list(&*run.disk)))),
             ("genom", "debug") => flag(run.debug),
             ("genom", "verbose") => flag(run.verbose),
@@ -118,6 +124,7 @@ impl Session<'_> {
                 Some(notice) => Ok(Answer::pure(notice.clone())),
                 None => Err(Failure::Error("no notice found".into())),
             },
+            ("input", "path") => Ok(Answer::pure(run.input_path.clone())),
             ("input", "deps") => Ok(Answer::pure(tcl::list(&self.compiled.deps))),
             (what @ ("types" | "components" | "interfaces"), _) => {
                 if words.len() > 2 {
@@ -198,6 +205,7 @@ impl Session<'_> {
     fn language(&mut self, language: Language, words: &[String]) -> Reply {
         let procedure = words.first().map_or("", String::as_str);
         let arguments = words.get(1..).unwrap_or_default();
+        let compiled_has = |change| self.compiled.spec.release.has(change);
         let (least, most, usage) = match procedure {
             "address" => (1, 2, "type ?var?"),
             "argument" | "dereference" | "pass" => (2, 3, "type kind ?var?"),
@@ -207,7 +215,8 @@ impl Session<'_> {
             "mangle" => (1, 1, "type"),
             "mapping" => (0, 2, "?objects? ?locations?"),
             "member" => (2, 2, "type mlist"),
-            "return-value" => (2, 2, "type kind"),
+            "return-value" if !compiled_has(Change::ReturnValueVariables) => (2, 2, "type kind"),
+            "return-value" => (2, 3, "type kind ?var?"),
             _ => (1, 3, "codel ?symchar? ?location?"),
         };
         if arguments.len() < least || arguments.len() > most {
@@ -271,7 +280,7 @@ impl Session<'_> {
                 mapper.mapping(&objects, locations)?
             }
             "member" => mapper.member(ty()?, &list(1)?)?,
-            "return-value" => mapper.return_value(ty()?, Passing::from_name(argument(1))?)?,
+            "return-value" => mapper.return_value_by_name(ty()?, argument(1), argument(2))?,
             _ => {
                 let separator = arguments.get(1).map_or(" ", String::as_str);
                 let location = match arguments.get(2) {
@@ -307,7 +316,10 @@ impl Session<'_> {
         let mut report = |line: &str| console.err(line);
         let result = if what == "file" {
             for file in inputs {
-                if let Ok(bytes) = self.run.disk.read(std::path::Path::new(file))
+                if let Ok(bytes) = self
+                    .run
+                    .disk
+                    .read(&Path::new(&self.run.input_path).join(file))
                     && let Some(notice) = notice(&String::from_utf8_lossy(&bytes))
                 {
                     self.notice.get_or_insert_default().push_str(&notice);

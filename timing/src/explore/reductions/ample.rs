@@ -36,208 +36,52 @@
 mod requests;
 
 use self::requests::Requests;
+use super::facts::{Facts, Owner};
+use super::{Kind, Reason, Reduction, Setting};
 use crate::explore::rules::published::Published;
 use crate::explore::rules::published::layout::{Layout, mode};
 use crate::explore::rules::{Action, Enabled};
 use crate::explore::state::{State, TaskStatus, phase};
-use crate::property::{Atom, Predicate};
-use crate::system::{CodelSet, LockOrder, Machine, Policy, TimedSystem, Yield};
+use crate::system::{LockOrder, Policy, TimedSystem, Yield};
 
-/// What predicates say something about.
-#[derive(Debug)]
-pub(crate) struct Visible {
-    /// These tasks.
-    pub(super) tasks: Vec<bool>,
-    /// Some control task or client.
-    pub(super) others: bool,
-    /// The same in more detail.
-    parts: Parts,
-}
-
-/// Parts of a system.
-#[derive(Debug, Clone, Default)]
-struct Parts {
-    /// Tasks: whether they run.
-    statuses: Vec<bool>,
-    /// State machines: where they are.
-    machines: Vec<bool>,
-    /// Services: what is in their slots.
-    slots: Vec<bool>,
-    /// Clients: where they are.
-    clients: Vec<bool>,
-    /// Control tasks: what they do.
-    controls: Vec<bool>,
-}
-
-impl Visible {
-    /// What these predicates say something about.
-    pub(crate) fn new<'p>(
-        system: &TimedSystem,
-        predicates: impl Iterator<Item = &'p Predicate>,
-    ) -> Self {
-        let mut tasks = vec![false; system.tasks.len()];
-        let mut others = false;
-        let mut parts = Parts {
-            statuses: vec![false; system.tasks.len()],
-            machines: vec![false; system.machines.len()],
-            slots: vec![false; system.services.len()],
-            clients: vec![false; system.clients.len()],
-            controls: vec![false; system.components.len()],
-        };
-        for predicate in predicates {
-            predicate.atoms(&mut |atom| match *atom {
-                Atom::Task(task, _) => parts.statuses[task] = true,
-                Atom::State { machine, .. } => parts.machines[machine] = true,
-                Atom::Slot(service, _) => parts.slots[service] = true,
-                Atom::Client(client, _) => parts.clients[client] = true,
-                Atom::Handling { service, .. } => {
-                    parts.controls[system.services[service].component] = true;
-                }
-                Atom::ControlBusy(component) => parts.controls[component] = true,
-            });
-            predicate.atoms(&mut |atom| match *atom {
-                Atom::Task(task, _) => tasks[task] = true,
-                Atom::State { machine, .. } => {
-                    for it in system.automata.iter().filter(|it| it.machine == machine) {
-                        tasks[it.task] = true;
-                    }
-                }
-                Atom::Slot(service, _) => {
-                    for &a in &system.services[service].slots {
-                        tasks[system.automata[a].task] = true;
-                    }
-                    others = true;
-                }
-                Atom::Handling { .. } | Atom::ControlBusy(_) | Atom::Client(..) => others = true,
-            });
-        }
-        Visible {
-            tasks,
-            others,
-            parts,
-        }
-    }
-}
-
-/// What is known beforehand about the tasks of a system.
+/// The ample sets of the published rules.
 #[derive(Debug)]
 pub(crate) struct Ample {
-    /// Nothing to do with control tasks, clients or separate threads.
-    plain: Vec<bool>,
-    /// Predicates say something about it.
-    visible: Vec<bool>,
-    /// Predicates say something about control tasks or clients.
-    others_visible: bool,
-    /// Some visible task needs a core.
-    visible_on_cores: bool,
-    /// The cycle of its permanent activity never ends, and it has no activities.
-    endless: Vec<bool>,
-    /// Its response time, or how long it waits, is measured.
-    measured: Vec<bool>,
-    /// Who executes each codel.
-    owner: Vec<Owner>,
-    /// Tasks with activities that can run.
-    active: Vec<bool>,
-    /// Per automaton and state the codels that the same turn can come to after it.
-    later: Vec<Vec<CodelSet>>,
     requests: Requests,
-    enabled: bool,
+}
+
+impl Reduction<Published<'_>> for Ample {
+    const KIND: Kind = Kind::PersistentSets;
+
+    fn applies(setting: &Setting<Published>) -> Result<Self, Reason> {
+        if setting.system().platform.locks != LockOrder::Free {
+            return Err(Reason::LocksInOrder);
+        }
+        Ok(Ample {
+            requests: Requests::new(setting),
+        })
+    }
 }
 
 impl Ample {
-    /// Examines a system of which `visible` tasks are observed by predicates and `measured` ones by clocks.
-    pub(crate) fn new(system: &TimedSystem, visible: Visible, measured: &[bool]) -> Self {
-        let requested = system.requested();
-        let plain = |task: usize| {
-            let it = &system.tasks[task];
-            let simple = it.permanent.is_none_or(|a| {
-                let machine = system.machine_of(a);
-                let separate =
-                    system.platform.async_free && machine.states.iter().any(|it| it.is_async);
-                !separate && !loops_in_no_time(system, machine, it.period.is_none())
-            });
-            simple && !it.keep_idle_tick && !system.has_activities(task, &requested)
-        };
-        let endless = |task: usize| {
-            let it = &system.tasks[task];
-            !system.has_activities(task, &requested)
-                && it.permanent.is_some_and(|a| {
-                    let machine = system.machine_of(a);
-                    let mut states = machine.states.iter();
-                    let separate = system.platform.async_free && states.any(|it| it.is_async);
-                    !separate && machine.is_endless()
-                })
-        };
-        let mut owner = vec![Owner::Nobody; system.codels.len()];
-        for automaton in &system.automata {
-            if automaton.service.is_none_or(|it| requested[it]) {
-                for state in &system.machines[automaton.machine].states {
-                    owner[state.codel] = Owner::Task(automaton.task);
-                }
-            }
-        }
-        for (service, it) in system.services.iter().enumerate() {
-            if requested[service] {
-                for &codel in it.validate.iter().chain(&it.simple) {
-                    owner[codel] = Owner::Control;
-                }
-            }
-        }
-        let tasks = 0..system.tasks.len();
-        Ample {
-            requests: Requests::new(system, &visible),
-            plain: tasks.clone().map(plain).collect(),
-            visible_on_cores: tasks
-                .clone()
-                .any(|t| visible.tasks[t] && system.needs_core(t)),
-            others_visible: visible.others,
-            visible: visible.tasks,
-            measured: measured.to_vec(),
-            endless: tasks.clone().map(endless).collect(),
-            owner,
-            active: tasks
-                .clone()
-                .map(|it| system.has_activities(it, &requested))
-                .collect(),
-            later: (0..system.automata.len())
-                .map(|a| later(system.machine_of(a)))
-                .collect(),
-            enabled: system.platform.locks == LockOrder::Free,
-        }
-    }
-
-    /// Whether a task has nothing to do with control tasks, clients or separate threads.
-    pub(super) fn plain(&self, task: usize) -> bool {
-        self.plain[task]
-    }
-
-    /// Whether predicates say something about anything.
-    pub(super) fn observed(&self) -> bool {
-        self.others_visible || self.visible.contains(&true)
-    }
-
-    /// Whether the cycle of a task never ends.
-    pub(super) fn endless(&self, task: usize) -> bool {
-        self.endless[task]
-    }
-
-    /// The codels that the same turn of an automaton can come to after a state.
-    pub(super) fn later(&self, automaton: usize, state: usize) -> &CodelSet {
-        &self.later[automaton][state]
+    /// Why requests have no ample sets of their own.
+    pub(super) fn without_requests(&self) -> Option<Reason> {
+        self.requests.off
     }
 
     /// Writes an ample set of a state to `out`, or all enabled actions.
     pub(crate) fn select(
         &self,
-        rules: &Published,
+        (rules, facts): (&Published, &Facts),
         s: &State,
         enabled: &Enabled,
         out: &mut Vec<Action>,
     ) {
         out.clear();
-        if self.enabled && !enabled.committed && enabled.actions.len() > 1 {
+        if !enabled.committed && enabled.actions.len() > 1 {
             let moment = Moment {
                 ample: self,
+                facts,
                 rules,
                 s,
                 enabled,
@@ -251,72 +95,10 @@ impl Ample {
     }
 }
 
-/// Who executes a codel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Owner {
-    Task(usize),
-    Control,
-    /// It belongs to a service that nobody requests.
-    Nobody,
-}
-
-/// Whether a turn can go round without time passing, in codels that take none. The turns of an aperiodic task follow
-/// each other at once.
-fn loops_in_no_time(system: &TimedSystem, machine: &Machine, aperiodic: bool) -> bool {
-    if machine.loop_limit.is_some() && !machine.rounds && !aperiodic {
-        return false;
-    }
-    let instant = |state: usize| system.codels[machine.states[state].codel].upper == 0;
-    (0..machine.states.len()).any(|start| {
-        let mut seen = vec![false; machine.states.len()];
-        let mut stack = vec![start];
-        while let Some(at) = stack.pop() {
-            if !instant(at) {
-                continue;
-            }
-            for it in &machine.states[at].yields {
-                let next = match *it {
-                    Yield::Next(next) => next,
-                    Yield::Pause(next) if aperiodic => next,
-                    _ => continue,
-                };
-                if next == start {
-                    return true;
-                }
-                if !std::mem::replace(&mut seen[next], true) {
-                    stack.push(next);
-                }
-            }
-        }
-        false
-    })
-}
-
-/// Per state, codels of the states that the same turn can enter after it.
-fn later(machine: &Machine) -> Vec<CodelSet> {
-    (0..machine.states.len())
-        .map(|start| {
-            let mut out = CodelSet::default();
-            let mut seen = vec![false; machine.states.len()];
-            let mut stack = vec![start];
-            while let Some(at) = stack.pop() {
-                for it in &machine.states[at].yields {
-                    if let Yield::Next(next) = *it
-                        && !std::mem::replace(&mut seen[next], true)
-                    {
-                        out.insert(machine.states[next].codel);
-                        stack.push(next);
-                    }
-                }
-            }
-            out
-        })
-        .collect()
-}
-
 /// One state, and what can happen in it before time passes.
 struct Moment<'m, 's> {
     ample: &'m Ample,
+    facts: &'m Facts,
     rules: &'m Published<'s>,
     s: &'m State,
     enabled: &'m Enabled,
@@ -389,13 +171,13 @@ impl Moment<'_, '_> {
 
     /// A plain task past its start-up.
     fn settled(&self, task: usize) -> bool {
-        self.ample.plain[task] && self.started_up(task)
+        self.facts.plain[task] && self.started_up(task)
     }
 
     /// A settled task whose tick will be taken as soon as it comes.
     fn ready(&self, task: usize) -> bool {
         self.settled(task)
-            && !self.ample.visible[task]
+            && !self.facts.visible.tasks[task]
             && self.layout().status(self.s, task) == TaskStatus::Idle
             && !self.layout().pending(self.s, task)
     }
@@ -411,10 +193,10 @@ impl Moment<'_, '_> {
             return l.pending(self.s, task);
         }
         if status != TaskStatus::Idle {
-            return !self.ample.endless[task];
+            return !self.facts.endless[task];
         }
         let it = &self.system().tasks[task];
-        self.ample.active[task]
+        self.facts.active[task]
             || it
                 .permanent
                 .is_some_and(|a| l.mode(self.s, a) != mode::ENDED)
@@ -468,7 +250,7 @@ impl Moment<'_, '_> {
     /// Whether the jobs of a plain task end as soon as they get a core, and nobody measures how long that takes.
     fn has_nothing_to_do(&self, task: usize) -> bool {
         let permanent = self.system().tasks[task].permanent;
-        !self.ample.measured[task]
+        !self.facts.measured[task]
             && permanent.is_none_or(|a| self.layout().mode(self.s, a) == mode::ENDED)
     }
 
@@ -481,7 +263,7 @@ impl Moment<'_, '_> {
         if l.window(self.s, executor).1 > 0
             || automaton.service.is_some()
             || !self.settled(task)
-            || self.ample.visible[task]
+            || self.facts.visible.tasks[task]
             || l.mode(self.s, executor) != mode::NORMAL
         {
             return false;
@@ -501,7 +283,7 @@ impl Moment<'_, '_> {
     fn hand_over_commutes(&self) -> bool {
         let l = self.layout();
         self.system().platform.policy == Policy::Fifo
-            && !self.ample.visible_on_cores
+            && !self.facts.visible_on_cores
             && (0..self.system().tasks.len()).all(|t| {
                 let waits = l.status(self.s, t) == TaskStatus::Waiting;
                 !self.system().needs_core(t)
@@ -524,7 +306,7 @@ impl Moment<'_, '_> {
                 return false;
             };
             for other in self.system().codels[codel].conflicts.iter() {
-                let rival = match self.ample.owner[other] {
+                let rival = match self.facts.owner[other] {
                     Owner::Nobody => continue,
                     Owner::Control => {
                         let component = self.system().codels[other].component;
@@ -559,7 +341,7 @@ impl Moment<'_, '_> {
     fn may_acquire_alone(&self, executor: usize) -> bool {
         match self.system().automata.get(executor) {
             Some(it) if it.service.is_none() => {
-                self.settled(it.task) && !self.ample.visible[it.task]
+                self.settled(it.task) && !self.facts.visible.tasks[it.task]
             }
             _ => self.may_acquire_for_request(executor),
         }
@@ -568,7 +350,7 @@ impl Moment<'_, '_> {
     /// Whether a task can want a lock of `codel` at this moment.
     fn rivalry(&self, task: usize, codel: usize) -> Rivalry {
         let l = self.layout();
-        if !self.ample.plain[task] && !self.task_may_want(task, codel) {
+        if !self.facts.plain[task] && !self.task_may_want(task, codel) {
             return Rivalry::None;
         }
         if !self.settled(task) || self.due(task) || l.pending(self.s, task) {
@@ -580,10 +362,10 @@ impl Moment<'_, '_> {
         let periodic = self.system().tasks[task].period.is_some();
         match l.status(self.s, task) {
             TaskStatus::Idle if periodic || l.mode(self.s, a) == mode::ENDED => Rivalry::None,
-            TaskStatus::Running if periodic || self.ample.endless[task] => {
+            TaskStatus::Running if periodic || self.facts.endless[task] => {
                 let conflicts = &self.system().codels[codel].conflicts;
                 let state = l.at(self.s, a) as usize;
-                let later = self.ample.later[a][state]
+                let later = self.facts.later[a][state]
                     .iter()
                     .any(|it| conflicts.contains(it));
                 match l.phase(self.s, a) {

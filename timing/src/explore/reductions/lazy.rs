@@ -25,8 +25,7 @@ mod rest;
 use rustc_hash::FxHashSet;
 use smallvec::SmallVec;
 
-use super::Waiters;
-use super::ample::Visible;
+use super::{Kind, Reason, Reduction, Setting, Waiters};
 use crate::explore::rules::published::Published;
 use crate::explore::rules::published::layout::mode;
 use crate::explore::rules::{Action, Enabled, Rules};
@@ -38,7 +37,6 @@ use crate::system::{ClientAction, TimedSystem};
 #[derive(Debug)]
 pub(crate) struct Lazy {
     members: Vec<bool>,
-    any: bool,
     /// Group of each member.
     group: Vec<usize>,
     /// Automata with a resting place, and the state.
@@ -50,10 +48,36 @@ pub(crate) struct Lazy {
 /// Lazy closures larger than this are not followed to their end; fewer states are dropped then.
 const CLOSURE: usize = 1024;
 
+impl Reduction<Published<'_>> for Lazy {
+    const KIND: Kind = Kind::Deferral;
+
+    fn applies(setting: &Setting<Published>) -> Result<Self, Reason> {
+        if (setting.system().tasks.iter()).all(|it| it.period.is_none()) {
+            return Err(Reason::NothingPeriodic);
+        }
+        let groups = Lazy::new(setting);
+        match groups.members.contains(&true) {
+            true => Ok(groups),
+            false => Err(Reason::NothingToPutOff),
+        }
+    }
+}
+
 impl Lazy {
-    /// The lazy groups of a system. Predicates observe what is `visible`; the response times of `measured` tasks are
-    /// wanted.
-    pub(crate) fn new(system: &TimedSystem, visible: &Visible, measured: &[bool]) -> Self {
+    /// Why no loop rests.
+    pub(super) fn without_rest(&self, setting: &Setting<Published>) -> Option<Reason> {
+        if setting.without.contains(Kind::RestingLoops) {
+            Some(Reason::SwitchedOff)
+        } else {
+            self.rest.is_empty().then_some(Reason::NothingRests)
+        }
+    }
+
+    /// The lazy groups of a system, which does not have to have any.
+    fn new(setting: &Setting<Published>) -> Self {
+        let system = setting.system();
+        let (visible, measured) = (&setting.facts.visible, &setting.facts.measured);
+        let rests = !setting.without.contains(Kind::RestingLoops);
         let tasks = system.tasks.len();
         let control = |component: usize| tasks + component;
         let client = |client: usize| tasks + system.components.len() + client;
@@ -110,7 +134,7 @@ impl Lazy {
             }
             let task = automaton.task;
             let place = rest::place(system, a, &owner)
-                .filter(|_| !measured[task] && endless(system, task, &requested));
+                .filter(|_| rests && !measured[task] && endless(system, task, &requested));
             rest.extend(place.map(|state| (a, state)));
             for (number, state) in system.machine_of(a).states.iter().enumerate() {
                 let separate = state.is_async && system.platform.async_free;
@@ -138,9 +162,6 @@ impl Lazy {
                 }
             }
         }
-        if system.tasks.iter().all(|it| it.period.is_none()) {
-            lazy.fill(false);
-        }
         let not_lazy: Vec<usize> = (0..n).filter(|&it| !lazy[it]).map(|it| group[it]).collect();
         let members: Vec<bool> = (0..n).map(|it| !not_lazy.contains(&group[it])).collect();
         rest.retain(|&(a, _)| members[system.automata[a].task]);
@@ -156,7 +177,6 @@ impl Lazy {
                     !system.clients.is_empty() && starts_no_timer(system, task) && can_start(task)
                 })
                 .collect(),
-            any: members.contains(&true),
             members,
             group,
             rest,
@@ -166,9 +186,6 @@ impl Lazy {
     /// The members whose ends can wait in a calm state, if there are any.
     pub(crate) fn waiters(&self, rules: &Published, s: &State) -> Option<Waiters> {
         let l = &rules.layout;
-        if !self.any {
-            return None;
-        }
         let settled = rules
             .system
             .tasks

@@ -14,7 +14,7 @@
 //! of it can come before a step it depends on. That is what the rule follows. (Held-back steps are
 //! sleep sets: P. Godefroid, *Partial-Order Methods for the Verification of Concurrent Systems*, 1996.)
 //!
-//! What depends on what, among *plain* tasks (see [`super::ample`]; the rule is not used when there are
+//! What depends on what, among *plain* tasks (see [`super::facts`]; the rule is not used when there are
 //! others, or predicates):
 //!
 //! * taking locks, on taking others that exclude these;
@@ -23,8 +23,8 @@
 //!   on whoever can give back a core;
 //! * the end of a cycle after which the task joins the queue again, on others of the kind.
 
-use super::Held;
-use super::ample::Ample;
+use super::facts::Facts;
+use super::{Held, Kind, Reason, Reduction, Setting};
 use crate::explore::rules::published::Published;
 use crate::explore::rules::published::layout::mode;
 use crate::explore::rules::{Action, Enabled};
@@ -40,7 +40,7 @@ type Tasks = u64;
 #[derive(Clone, Copy)]
 pub(crate) struct Now<'n, 's> {
     pub(crate) rules: &'n Published<'s>,
-    pub(crate) ample: &'n Ample,
+    pub(crate) facts: &'n Facts,
     pub(crate) s: &'n State,
     pub(crate) enabled: &'n Enabled,
 }
@@ -48,7 +48,6 @@ pub(crate) struct Now<'n, 's> {
 /// What is known beforehand about a system.
 #[derive(Debug)]
 pub(crate) struct Overtake {
-    enabled: bool,
     /// Some tasks may have to wait for a core.
     limited: bool,
     /// All codels of the permanent activity of each task, and of those started after it.
@@ -57,9 +56,30 @@ pub(crate) struct Overtake {
     started_after: Vec<CodelSet>,
 }
 
+impl Reduction<Published<'_>> for Overtake {
+    const KIND: Kind = Kind::SleepSets;
+
+    fn applies(setting: &Setting<Published>) -> Result<Self, Reason> {
+        let system = setting.system();
+        let tasks = 0..system.tasks.len();
+        if system.platform.locks != LockOrder::Free {
+            Err(Reason::LocksInOrder)
+        } else if system.automata.len() > TICKS || tasks.len() > TICKS {
+            Err(Reason::TooMany)
+        } else if !system.clients.is_empty() {
+            Err(Reason::Clients)
+        } else if setting.facts.observed() {
+            Err(Reason::Predicates)
+        } else if !tasks.clone().all(|task| setting.facts.plain(task)) {
+            Err(Reason::NotPlain)
+        } else {
+            Ok(Overtake::new(system))
+        }
+    }
+}
+
 impl Overtake {
-    /// Examines a system.
-    pub(crate) fn new(system: &TimedSystem, ample: &Ample) -> Self {
+    fn new(system: &TimedSystem) -> Self {
         let n = system.tasks.len();
         let own = |task: usize, out: &mut CodelSet| {
             if let Some(a) = system.tasks[task].permanent {
@@ -78,12 +98,6 @@ impl Overtake {
         let mut all = started_after.clone();
         (0..n).for_each(|task| own(task, &mut all[task]));
         Overtake {
-            enabled: system.platform.locks == LockOrder::Free
-                && system.automata.len() <= TICKS
-                && n <= TICKS
-                && system.clients.is_empty()
-                && !ample.observed()
-                && (0..n).all(|task| ample.plain(task)),
             limited: system.platform.cores.is_some(),
             all,
             started_after,
@@ -106,7 +120,7 @@ impl Overtake {
             now,
             held,
         };
-        if !self.enabled || enabled.committed || !(enabled.urgent || enabled.forced) {
+        if enabled.committed || enabled.is_calm() {
             out.extend(first.iter().map(|&it| (it, held)));
         } else if moment.undecided() {
             out.extend(enabled.actions.iter().map(|&it| (it, 0)));
@@ -298,7 +312,7 @@ impl Moment<'_, '_> {
         }
         !settled(self.rules, self.s, task)
             || (self.rules.layout.status(self.s, task) != TaskStatus::Idle
-                && !self.ample.endless(task))
+                && !self.facts.endless(task))
     }
 
     fn on_core(&self, task: usize) -> bool {
@@ -319,13 +333,13 @@ impl Moment<'_, '_> {
             return true;
         }
         // Another job may begin at this moment.
-        let again = system.tasks[task].period.is_none() && !self.ample.endless(task);
+        let again = system.tasks[task].period.is_none() && !self.facts.endless(task);
         if again || l.pending(self.s, task) || self.due(task) {
             return self.overtake.all[task].intersects(codels);
         }
         let at = l.at(self.s, a) as usize;
         let here = codels.contains(system.machine_of(a).states[at].codel);
-        let later = || self.ample.later(a, at).intersects(codels);
+        let later = || self.facts.later(a, at).intersects(codels);
         match l.phase(self.s, a) {
             phase::EXECUTING => l.window(self.s, a).0 == 0 && later(),
             phase::LOCKING => here || later(),

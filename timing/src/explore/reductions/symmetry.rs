@@ -16,8 +16,9 @@ use std::cmp::Ordering;
 use smallvec::SmallVec;
 
 pub(crate) use self::alike::Label;
-use super::Asked;
+use super::{Kind, Reason, Reduction, Setting};
 use crate::explore::rules::Action;
+use crate::explore::rules::published::Published;
 use crate::explore::rules::published::layout::{Layout, control, tracker};
 use crate::explore::state::State;
 use crate::system::{Policy, Ticks, TimedSystem};
@@ -138,19 +139,26 @@ impl Orbits {
     }
 }
 
-impl Symmetry {
-    /// Finds the units that are alike.
-    pub(super) fn new(system: &TimedSystem, layout: &Layout, asked: &Asked) -> Self {
-        let mut classes = alike::classes(system, asked);
+impl Reduction<Published<'_>> for Symmetry {
+    const KIND: Kind = Kind::Symmetry;
+
+    fn applies(setting: &Setting<Published>) -> Result<Self, Reason> {
+        let (system, layout) = (setting.system(), &setting.rules.layout);
+        let mut classes = alike::classes(system, setting.asked);
+        if classes.is_empty() {
+            return Err(Reason::NothingAlike);
+        }
         for it in classes.iter_mut().flatten() {
             it.places = layout.places(&it.tasks, &it.automata, &it.components, &it.clients);
         }
-        Symmetry {
+        Ok(Symmetry {
             orbits: Orbits::new(system, classes),
             any_order: system.platform.policy == Policy::Any,
-        }
+        })
     }
+}
 
+impl Symmetry {
     /// What is alike.
     pub(super) fn orbits(&self) -> &Orbits {
         &self.orbits

@@ -18,6 +18,7 @@ use self::chase::{Chase, Order};
 use super::{Search, Sight};
 use crate::cancel::Cancel;
 use crate::explore::findings::{Findings, Found};
+use crate::explore::reductions::{Kind, Reason};
 use crate::explore::rules::{Rules, with_rules};
 use crate::explore::run::Run;
 use crate::explore::watch::{Limits, Stop, Watch};
@@ -181,6 +182,17 @@ impl Hunt {
             reached,
         } = &self.caught;
         [missed, overdue, reached][list][i].as_ref()
+    }
+}
+
+/// Whether a randomised search depth first may find something that is asked.
+pub(super) fn suits(watch: &Watch, limits: Limits) -> Result<(), Reason> {
+    if limits.without.contains(Kind::RandomSearch) {
+        Err(Reason::SwitchedOff)
+    } else if watch.in_order {
+        Err(Reason::InOrder)
+    } else {
+        Ok(())
     }
 }
 

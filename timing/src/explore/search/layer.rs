@@ -4,7 +4,7 @@ use rustc_hash::FxHashSet;
 
 use super::{Node, Search, Sight};
 use crate::explore::observe;
-use crate::explore::reductions::{Held, Reductions};
+use crate::explore::reductions::{Held, Kind, Reductions};
 use crate::explore::rules::{Action, Enabled, Rules};
 use crate::explore::state::State;
 use crate::explore::store::{Encoded, Store, decode, decode_to, encode, holds};
@@ -85,7 +85,7 @@ impl<R: Rules> Search<'_, R> {
     /// Where very much happens at each moment, most of it happens again at later ones: whatever states of this one lead to
     /// is known then.
     fn keep_crowd(&mut self) {
-        if !self.is_crowded() {
+        if !self.is_crowded() || self.limits.without.contains(Kind::MomentCovering) {
             return;
         }
         let layer = std::mem::take(&mut self.layer);

@@ -350,6 +350,7 @@ impl<R: Rules> Search<'_, R> {
                     run: self.trace(at, &Goal::Deadlock),
                 }),
             refused: self.refused(),
+            reductions: vec![self.activities()],
             states: self.states(),
             steps: self.effort(),
             bytes: (hunt.map_or(0, |it| it.bytes))

@@ -16,9 +16,10 @@ use smallvec::SmallVec;
 use self::zone::{GREATEST, Zone};
 use super::Search;
 use crate::explore::observe;
-use crate::explore::reductions::{Asked, Reductions};
+use crate::explore::reductions::{Asked, Kind, Kinds, Reason, Reductions};
 use crate::explore::rules::{Action, Enabled, Rules, with_rules};
 use crate::explore::state::{Clocks, State};
+use crate::explore::watch::{Limits, Watch};
 use crate::property::Predicate;
 use crate::system::{ClientAction, FOREVER, Ticks, TimedSystem};
 
@@ -58,12 +59,12 @@ pub(super) struct Zones<'a, R: Rules> {
 }
 
 impl<'a, R: Rules> Zones<'a, R> {
-    fn new(rules: &R, goals: &'a [Predicate]) -> Self {
+    fn new(rules: &R, goals: &'a [Predicate], without: Kinds) -> Self {
         let system = rules.system();
         let asked = Asked::only(system, goals.iter().collect());
         let rules = rules.with_clocks(&Clocks::none(system.tasks.len()));
         let mut out = Zones {
-            reductions: R::Reductions::new(&rules, &asked),
+            reductions: R::Reductions::new(&rules, &asked, without),
             rules,
             goals,
             reached: vec![false; goals.len()],
@@ -193,7 +194,19 @@ impl<'a, R: Rules> Zones<'a, R> {
 
 /// Whether there are zones of a system, and fewer of them than states with whole numbers of time: nothing is periodic, something
 /// lasts long, and not everything takes as long each time.
-pub(super) fn suit(system: &TimedSystem) -> bool {
+pub(super) fn suit(system: &TimedSystem, watch: &Watch, limits: Limits) -> Result<(), Reason> {
+    if limits.without.contains(Kind::Zones) {
+        return Err(Reason::SwitchedOff);
+    }
+    if watch.in_order {
+        return Err(Reason::InOrder);
+    }
+    if watch.reach.is_empty() && !watch.deadlock {
+        return Err(Reason::NothingToFind);
+    }
+    if system.tasks.iter().any(|it| it.period.is_some()) {
+        return Err(Reason::Periodic);
+    }
     let codels = system.codels.iter().map(|it| (it.lower, it.upper));
     let steps = system.clients.iter().flat_map(|it| &it.steps);
     let delays = steps.filter_map(|it| match it.action {
@@ -205,12 +218,16 @@ pub(super) fn suit(system: &TimedSystem) -> bool {
     for (lower, upper) in codels.chain(delays) {
         let longest = if upper == FOREVER { lower } else { upper };
         if longest > GREATEST {
-            return false;
+            return Err(Reason::TooLong);
         }
         long |= longest >= LONG;
         varies |= lower < upper;
     }
-    long && varies && system.tasks.iter().all(|it| it.period.is_none())
+    match (long, varies) {
+        (false, _) => Err(Reason::Short),
+        (_, false) => Err(Reason::Fixed),
+        _ => Ok(()),
+    }
 }
 
 /// What a search in zones that has looked at everything has seen.
@@ -252,12 +269,23 @@ impl<R: Rules> Zones<'_, R> {
 }
 
 /// Looks in zones for predicates, in a system without periodic tasks. `None` if it takes more than so many steps.
-pub fn in_zones(system: &TimedSystem, goals: &[Predicate], steps: u64) -> Option<InZones> {
-    with_rules!(system, in_zones_by(goals, steps))
+/// Some reductions are switched off.
+pub fn in_zones(
+    system: &TimedSystem,
+    goals: &[Predicate],
+    steps: u64,
+    without: Kinds,
+) -> Option<InZones> {
+    with_rules!(system, in_zones_by(goals, steps, without))
 }
 
-fn in_zones_by<R: Rules>(rules: &R, goals: &[Predicate], steps: u64) -> Option<InZones> {
-    let mut zones = Zones::new(rules, goals);
+fn in_zones_by<R: Rules>(
+    rules: &R,
+    goals: &[Predicate],
+    steps: u64,
+    without: Kinds,
+) -> Option<InZones> {
+    let mut zones = Zones::new(rules, goals, without);
     zones.run(steps);
     zones.proof().map(|it| it.seen)
 }
@@ -268,7 +296,7 @@ impl<R: Rules> Search<'_, R> {
         let open = self.reached.iter().any(Option::is_none)
             || (self.watch.deadlock && self.deadlock.is_none());
         if self.zones_suit && open && self.proof.is_none() && self.steps >= SMALL {
-            let new = || Zones::new(&self.rules, &self.watch.reach);
+            let new = || Zones::new(&self.rules, &self.watch.reach, self.limits.without);
             let zones = self.zones.get_or_insert_with(new);
             zones.run((SHARE * self.steps).min(zones.steps + LOOKS));
             if let Some(mut proof) = zones.proof() {

@@ -9,7 +9,7 @@ fn object_macros() {
          long a[N] = M; SELF A\n\"N\" __FILE__ __GENOM__\n",
         expect![[r#"
             long a[ 4] = 4 + 6; SELF + x A
-            "N" "main.gen" 2.99.39
+            "N" "main.gen" 2.99.41
         "#]],
     );
 }

@@ -13,11 +13,14 @@
 //!
 //! They cannot follow each other for ever in no time if every round of a client has a delay that may take time.
 
-use super::{Moment, Parts, Visible, loops_in_no_time};
+use super::Moment;
+use crate::explore::reductions::facts::{Parts, loops_in_no_time};
+use crate::explore::reductions::{Kind, Reason, Setting};
 use crate::explore::rules::Action;
+use crate::explore::rules::published::Published;
 use crate::explore::rules::published::layout::{control, mode, slot, tracker};
 use crate::explore::state::{TaskStatus, phase};
-use crate::system::{Client, ClientAction, TimedSystem, Yield};
+use crate::system::{Client, ClientAction, Yield};
 
 /// A set of services.
 type Services = u128;
@@ -26,6 +29,8 @@ type Services = u128;
 #[derive(Debug)]
 pub(super) struct Requests {
     enabled: bool,
+    /// Why they make no difference.
+    pub(super) off: Option<Reason>,
     /// Per client and step, what can be requested in no time once it is done.
     after: Vec<Vec<Services>>,
     /// Per service those that make a difference to it: they interrupt it, are interrupted by it or run on the same task.
@@ -45,17 +50,28 @@ fn bit(service: usize) -> Services {
 }
 
 impl Requests {
-    pub(super) fn new(system: &TimedSystem, visible: &Visible) -> Self {
+    pub(super) fn new(setting: &Setting<Published>) -> Self {
+        let system = setting.system();
         let services = system.services.len();
-        let enabled = services <= Services::BITS as usize && system.clients.iter().all(takes_time);
+        let off = if setting.without.contains(Kind::PersistentRequests) {
+            Some(Reason::SwitchedOff)
+        } else if services > Services::BITS as usize {
+            Some(Reason::TooMany)
+        } else if !system.clients.iter().all(takes_time) {
+            Some(Reason::HastyClient)
+        } else {
+            None
+        };
+        let enabled = off.is_none();
         let mut out = Requests {
             enabled,
+            off: off.or(system.clients.is_empty().then_some(Reason::NoClients)),
             after: Vec::new(),
             related: Vec::new(),
             instant: 0,
             of_component: vec![0; system.components.len()],
             ordinary: Vec::new(),
-            visible: visible.parts.clone(),
+            visible: setting.facts.visible.parts.clone(),
         };
         if !enabled {
             return out;

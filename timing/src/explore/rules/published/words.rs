@@ -167,14 +167,27 @@ impl Published<'_> {
         }
         let was = self.layout.phase(before, executor) & !phase::ASYNC;
         let again = matches!(action, Some(Action::Finish { executor: it, .. }) if it == executor);
-        if was == now && !again {
-            return;
-        }
         let Some(codel) = self.codel(after, executor) else {
             return;
         };
         let path = &system.codels[codel].path;
-        let (kind, what) = if now == phase::EXECUTING {
+        // Locks that were free for a moment, and were taken by somebody else.
+        let faster = match action {
+            Some(Action::Acquire { executor: it }) if it != executor => self.codel(after, it),
+            _ => None,
+        };
+        let faster = faster
+            .filter(|&it| now != phase::EXECUTING && system.codels[codel].conflicts.contains(it));
+        if was == now && !again && faster.is_none() {
+            return;
+        }
+        let (kind, what) = if let Some(faster) = faster.filter(|_| was == now) {
+            let faster = &system.codels[faster].path;
+            (
+                MomentKind::Wait,
+                format!("{path} goes on waiting: {faster} was faster"),
+            )
+        } else if now == phase::EXECUTING {
             (MomentKind::Begin, format!("{path} begins"))
         } else {
             // Free locks are taken in a step of their own at the same moment: not worth a line.

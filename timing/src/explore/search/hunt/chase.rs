@@ -111,7 +111,7 @@ pub(super) struct Chase<'a, R: Rules> {
 impl<'a, R: Rules> Chase<'a, R> {
     pub(super) fn new(search: Search<'a, R>) -> Self {
         Chase {
-            seen: Store::new(search.rules.frame().clocks()),
+            seen: search.passed.like(),
             search,
             trail: Vec::new(),
             open: Vec::new(),

@@ -2,6 +2,7 @@
 #ifndef H_GENOM3_C_IDLSEQUENCE
 #define H_GENOM3_C_IDLSEQUENCE
 
+#include <errno.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>

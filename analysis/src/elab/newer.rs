@@ -1,0 +1,87 @@
+//! What only newer releases of GenoM3 accept: said as long as the specifications claim to work with older ones.
+
+use super::context::Elaborator;
+use crate::{
+    finding::{Finding, Near, services::Declaring},
+    item_tree::Expr,
+    model::Src,
+    release::{Change, Release},
+};
+
+/// What is known of it while a unit is read.
+#[derive(Debug, Default)]
+pub(super) struct Newer {
+    /// What was used, and where.
+    uses: Vec<(Change, &'static str, Src)>,
+    /// The releases that `requires` properties name, and where.
+    requirements: Vec<(Release, Src)>,
+}
+
+impl<'a> Elaborator<'a> {
+    /// Notes that something stands here that only releases with a change accept.
+    pub(super) fn newer(&mut self, change: Change, what: &'static str, at: Src) {
+        // Where an interface is imported, this was said in the interface.
+        let known = self
+            .newer
+            .uses
+            .iter()
+            .any(|it| it.0 == change && it.2 == at);
+        if !known {
+            self.newer.uses.push((change, what, at));
+        }
+    }
+
+    /// Notes the same where the release in force accepts it; where it does not, reports what is to be said there.
+    pub(super) fn newer_or(
+        &mut self,
+        change: Change,
+        what: &'static str,
+        at: Src,
+        otherwise: Finding,
+    ) {
+        match self.spec.release.has(change) {
+            true => self.newer(change, what, at),
+            false => self.report(otherwise),
+        }
+    }
+
+    /// Notes the releases in a `requires`.
+    pub(super) fn note_requirements(&mut self, list: &'a [Expr]) {
+        for expr in list {
+            let bound = super::property::text(expr).and_then(|it| Release::lower_bound(&it));
+            if let Some(bound) = bound {
+                let at = self.src(expr.ptr);
+                self.newer.requirements.push((bound, at));
+            }
+        }
+    }
+
+    /// Reports what the releases that the specifications claim to work with do not all accept.
+    pub(super) fn report_newer(&mut self) {
+        let Newer { uses, requirements } = std::mem::take(&mut self.newer);
+        let all = self.spec.components.iter().flat_map(|it| &it.requires);
+        let all = all.chain(&self.spec.pragma_requires);
+        let bound = all.filter_map(|it| Release::lower_bound(it)).max();
+        let greatest = requirements.iter().max_by_key(|it| it.0).copied();
+        for (change, what, at) in uses {
+            let since = change.since();
+            if bound >= Some(since) {
+                continue;
+            }
+            let kind = match bound {
+                Some(bound) => Declaring::NewerThanRequired { what, since, bound },
+                None => Declaring::NewerThanAny { what, since },
+            };
+            let mut finding = Finding::new(kind, at);
+            if let Some((_, place)) = greatest {
+                let required = format!("genom3 >= {since}");
+                finding = finding.related(place, "the requirement").near(Some(Near {
+                    at: place,
+                    text: format!("\"{required}\"").into(),
+                    name: required.into(),
+                }));
+            }
+            self.report(finding);
+        }
+    }
+}

@@ -1,0 +1,234 @@
+//! `dotgen release`: releases of GenoM3, and what changes for specifications between them.
+
+use std::io::Write;
+
+use camino::Utf8PathBuf;
+use clap::{Args, Subcommand, ValueEnum};
+use dotgen_analysis::diagnostic::{Diagnostic, Severity};
+use dotgen_analysis::release::Release;
+use dotgen_codegen::release_diff::{self, ReleaseDiff, TextChange};
+use serde::Serialize;
+use serde_json::json;
+
+use super::session;
+use super::{Outcome, Reading};
+
+/// What changes between releases of GenoM3
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(Debug, Subcommand)]
+enum Action {
+    Diff(Diff),
+}
+
+/// Report what changes for specifications between two releases: checks, digests, types, prototypes and stubs
+///
+/// Exit status: 0 when nothing changes, 1 when something does, 2 if a file cannot be read.
+#[derive(Debug, Args)]
+struct Diff {
+    /// Specifications, and directories to search for them
+    #[arg(value_name = "PATH", required = true)]
+    paths: Vec<Utf8PathBuf>,
+
+    /// The first release; by default the one the specifications are read as, or the oldest known one if that is the second
+    #[arg(long, value_name = "RELEASE")]
+    from: Option<Release>,
+
+    /// The second release; by default the newest that was verified
+    #[arg(long, value_name = "RELEASE")]
+    to: Option<Release>,
+
+    /// How to print the report
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+
+    #[command(flatten)]
+    reading: Reading,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Format {
+    Text,
+    Json,
+}
+
+/// What changes for one specification.
+#[derive(Debug, Serialize)]
+struct FileDiff {
+    file: String,
+    from: Release,
+    to: Release,
+    checks: Vec<CheckChange>,
+    #[serde(flatten)]
+    generated: ReleaseDiff,
+}
+
+/// A diagnostic that one of the releases gives.
+#[derive(Debug, Serialize)]
+#[serde(rename_all = "kebab-case")]
+struct CheckChange {
+    only_in: Release,
+    severity: &'static str,
+    code: &'static str,
+    file: String,
+    /// From 1.
+    line: usize,
+    message: String,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    let Action::Diff(diff) = &arguments.action;
+    let mut reports = Vec::new();
+    for file in session::specifications(&diff.paths)? {
+        reports.push(compare(diff, &file.path)?);
+    }
+    let mut out = anstream::stdout().lock();
+    match diff.format {
+        Format::Json => writeln!(out, "{:#}", json!({ "specifications": reports }))?,
+        Format::Text => reports.iter().try_for_each(|it| print(it, &mut out))?,
+    }
+    match reports.iter().all(FileDiff::is_empty) {
+        true => Ok(Outcome::Fine),
+        false => Ok(Outcome::Errors),
+    }
+}
+
+fn compare(diff: &Diff, path: &Utf8PathBuf) -> anyhow::Result<FileDiff> {
+    let to = diff.to.unwrap_or_default();
+    let from = match diff.from {
+        Some(from) => from,
+        None => {
+            let session = session::single(path, &diff.reading)?;
+            let used = session.ask(path, |it| it.release(path))?.release;
+            if used == to { Release::OLDEST } else { used }
+        }
+    };
+    let read = |release: Release| -> anyhow::Result<_> {
+        let reading = Reading {
+            release: Some(release),
+            ..diff.reading.clone()
+        };
+        let session = session::single(path, &reading)?;
+        let unit = session.ask(path, |it| it.root_unit(path))?;
+        Ok((session, unit))
+    };
+    let ((old_session, old), (new_session, new)) = (read(from)?, read(to)?);
+    let mut checks = Vec::new();
+    for (release, session, own, other) in [
+        (from, &old_session, &old, &new),
+        (to, &new_session, &new, &old),
+    ] {
+        for it in own.diagnostics.iter() {
+            if it.severity == Severity::Hint
+                || other.diagnostics.iter().any(|that| is_same(it, that))
+            {
+                continue;
+            }
+            let text = session.ask(&it.path, |analysis| analysis.text(&it.path))?;
+            let text = text.unwrap_or_default();
+            let before = text.get(..it.range.start).unwrap_or_default();
+            checks.push(CheckChange {
+                only_in: release,
+                severity: word(it.severity),
+                code: it.code,
+                file: session::display(&it.path),
+                line: 1 + before.matches('\n').count(),
+                message: it.message.clone(),
+            });
+        }
+    }
+    Ok(FileDiff {
+        file: session::display(path),
+        from,
+        to,
+        checks,
+        generated: release_diff::compare(&old.spec, &new.spec),
+    })
+}
+
+fn is_same(a: &Diagnostic, b: &Diagnostic) -> bool {
+    (a.code, &a.path, &a.range, a.severity) == (b.code, &b.path, &b.range, b.severity)
+}
+
+fn word(severity: Severity) -> &'static str {
+    match severity {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+        Severity::Information => "information",
+        Severity::Hint => "hint",
+    }
+}
+
+impl FileDiff {
+    fn is_empty(&self) -> bool {
+        self.checks.is_empty() && self.generated == ReleaseDiff::default()
+    }
+}
+
+fn print(it: &FileDiff, out: &mut dyn Write) -> std::io::Result<()> {
+    writeln!(out, "{}: from GenoM3 {} to {}", it.file, it.from, it.to)?;
+    for release in [it.from, it.to].iter().filter(|it| !it.is_verified()) {
+        writeln!(
+            out,
+            "  {release} is known from its changes only: not verified"
+        )?;
+    }
+    if it.is_empty() {
+        return writeln!(out, "  nothing changes");
+    }
+    for check in &it.checks {
+        writeln!(
+            out,
+            "  only in {}: {}:{}: {}: {} [{}]",
+            check.only_in, check.file, check.line, check.severity, check.message, check.code
+        )?;
+    }
+    let generated = &it.generated;
+    for digest in &generated.digests {
+        match &digest.service {
+            None => writeln!(
+                out,
+                "  component {}: digest {} becomes {}; clients have to be built again",
+                digest.component, digest.from, digest.to
+            )?,
+            Some(service) => writeln!(
+                out,
+                "  service {}.{service}: digest {} becomes {}",
+                digest.component, digest.from, digest.to
+            )?,
+        }
+    }
+    for ty in &generated.types {
+        writeln!(out, "  type {} in {}:", ty.name, ty.language)?;
+        print_text(ty, out)?;
+    }
+    for codel in &generated.prototypes {
+        writeln!(out, "  prototype of {}:", codel.name)?;
+        print_text(codel, out)?;
+    }
+    for stub in &generated.stubs {
+        writeln!(
+            out,
+            "  stub of {}.{}: only {} writes it; it is declared by interface {}",
+            stub.component, stub.codel, stub.only_in, stub.declared_by
+        )?;
+    }
+    Ok(())
+}
+
+/// The lines that differ.
+fn print_text(change: &TextChange, out: &mut dyn Write) -> std::io::Result<()> {
+    let (old, new): (Vec<&str>, Vec<&str>) =
+        (change.from.lines().collect(), change.to.lines().collect());
+    for line in old.iter().filter(|it| !new.contains(it)) {
+        writeln!(out, "    - {line}")?;
+    }
+    for line in new.iter().filter(|it| !old.contains(it)) {
+        writeln!(out, "    + {line}")?;
+    }
+    Ok(())
+}
