@@ -36,7 +36,7 @@ pub enum FileContent {
     Missing,
     /// A directory.
     Directory,
-    /// A file that is not UTF-8: its text with replacement characters.
+    /// A file that is not UTF-8: its text as of `dotgen_syntax::encoding::decode`.
     NotUtf8(String),
     /// It cannot be read: why.
     Unreadable(String),
@@ -393,6 +393,11 @@ impl Analysis {
     /// Whether a file is larger than what is read.
     pub fn is_too_large(&self, path: &Utf8Path) -> Cancellable<bool> {
         self.with(|db| matches!(db.file(path).status(db), FileStatus::TooLarge(_)))
+    }
+
+    /// Whether a file was read from the disk and is no UTF-8: what it is shown as is not what it holds.
+    pub fn is_not_utf8(&self, path: &Utf8Path) -> Cancellable<bool> {
+        self.with(|db| *db.file(path).status(db) == FileStatus::NotUtf8)
     }
 
     /// Lines of a file.

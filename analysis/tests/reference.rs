@@ -1,12 +1,13 @@
-//! What the reference compiler takes and what it refuses, where one would guess otherwise. Each text
-//! was tried with it.
+//! What the reference compiler, release 2.99.39, takes and what it refuses, where one would guess
+//! otherwise. Each text was tried with it.
 
 use std::sync::Arc;
 
 use camino::Utf8Path;
 use dotgen_analysis::{
     diagnostic::Severity,
-    host::{AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags},
+    host::{AnalysisHost, BatchInput, Change, Config, FileContent, Input, Loader, PackageFlags},
+    release::{Release, ReleaseChoice, ReleaseOrigin},
 };
 
 struct Nothing;
@@ -23,7 +24,17 @@ impl Loader for Nothing {
 
 /// Codes and messages of the diagnostics of this severity.
 fn found(text: &str, severity: Severity) -> Vec<(&'static str, String)> {
-    let host = AnalysisHost::new(Arc::new(Nothing));
+    let mut host = AnalysisHost::new(Arc::new(Nothing));
+    host.apply(Change {
+        config: Some(Config {
+            release: Some(ReleaseChoice {
+                release: Release::V2_99_39,
+                origin: ReleaseOrigin::CommandLine,
+            }),
+            ..Config::default()
+        }),
+        ..Change::default()
+    });
     let input = BatchInput {
         inputs: vec![Input::Text {
             name: "/fixture/main.gen".into(),

@@ -17,6 +17,7 @@ use dotgen_analysis::release::Release;
 
 use crate::command::{Environment, Options};
 use crate::compiler::Compiler;
+use crate::disk::Disk;
 use crate::template::reach;
 
 pub use expand::serve as serve_renderer;
@@ -70,14 +71,14 @@ pub(crate) enum Texts {
 }
 
 impl Texts {
-    fn manifest(&self) -> Result<Manifest, String> {
-        toml::from_str(&self.read("template.toml")?)
+    fn manifest(&self, disk: &dyn Disk) -> Result<Manifest, String> {
+        toml::from_str(&self.read(disk, "template.toml")?)
             .map_err(|error| format!("template.toml: {}", error.message()))
     }
 
     /// A text. That of a folder is in the folder, whatever links there are: a template may be anybody's, and what it
     /// reads is shown.
-    fn read(&self, name: &str) -> Result<String, String> {
+    fn read(&self, disk: &dyn Disk, name: &str) -> Result<String, String> {
         match self {
             Texts::Embedded(files) => files
                 .iter()
@@ -89,10 +90,11 @@ impl Texts {
                 let plain = Path::new(name)
                     .components()
                     .all(|it| matches!(it, Component::Normal(_)));
-                if !plain || !reach::is_below(&path, std::slice::from_ref(dir)) {
+                if !plain || !reach::is_below(disk, &path, std::slice::from_ref(dir)) {
                     return Err(format!("{name} is not in the folder of the template"));
                 }
-                std::fs::read_to_string(&path)
+                disk.read(&path)
+                    .and_then(|it| String::from_utf8(it).map_err(std::io::Error::other))
                     .map_err(|error| format!("cannot read {}: {error}", path.display()))
             }
         }
@@ -108,18 +110,18 @@ pub fn names() -> Vec<&'static str> {
 }
 
 /// What a template of dotgen is for.
-pub(crate) fn about(name: &str) -> String {
+pub(crate) fn about(disk: &dyn Disk, name: &str) -> String {
     if name == "mappings" {
         return mappings::ABOUT.to_owned();
     }
     let found = EMBEDDED.iter().find(|it| it.name == name);
-    let manifest = found.and_then(|it| Texts::Embedded(it.files).manifest().ok());
+    let manifest = found.and_then(|it| Texts::Embedded(it.files).manifest(disk).ok());
     manifest.map(|it| it.about).unwrap_or_default()
 }
 
 /// What the template of a folder is for.
-pub(crate) fn about_folder(dir: &Path) -> Option<String> {
-    let manifest = Texts::Folder(dir.to_owned()).manifest();
+pub(crate) fn about_folder(disk: &dyn Disk, dir: &Path) -> Option<String> {
+    let manifest = Texts::Folder(dir.to_owned()).manifest(disk);
     manifest.ok().map(|it| it.about)
 }
 
@@ -156,7 +158,7 @@ pub(crate) fn run_known(
     compiler: &mut Compiler,
     env: &mut Environment<'_>,
 ) -> Option<i32> {
-    if known::template(dir)? != ("mappings", release) || !mappings::is_plain(args) {
+    if known::template(&*env.disk, dir)? != ("mappings", release) || !mappings::is_plain(args) {
         return None;
     }
     let result = mappings::run(args, compiler, env, true);
@@ -175,7 +177,7 @@ pub(crate) fn run_folder(
     let texts = Texts::Folder(dir.to_owned());
     let result = render::run(&name, &texts, args, options, compiler, env);
     if let Err(message) = &result {
-        env.failed_at = crate::template::place(dir, message, "");
+        env.failed_at = crate::template::place(&*env.disk, dir, message, "");
     }
     finish(&name, result, env)
 }

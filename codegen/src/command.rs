@@ -11,14 +11,15 @@ use camino::Utf8PathBuf;
 use dotgen_analysis::host::Loader;
 use dotgen_analysis::model::Spec;
 use dotgen_analysis::release::{Release, ReleaseChoice, ReleaseOrigin, required};
+use dotgen_syntax::encoding;
 
 use crate::compiler::Compiler;
+use crate::disk::{Disk, NewContent};
 use crate::frontend::Frontend;
 use crate::process::Processes;
 use crate::template::console::Console;
 use crate::template::discover::release_of;
 use crate::template::discover::{FindError, SearchPath};
-use crate::template::output::posix;
 use crate::template::{Confined, Limits, OutputSink, Run, TemplatePlace};
 pub(crate) use options::Options;
 use options::{Mode, OptionError};
@@ -35,6 +36,8 @@ pub struct Environment<'a> {
     pub program: PathBuf,
     /// Environment variables.
     pub variables: &'a dyn Fn(&str) -> Option<String>,
+    /// All access to files but those of specifications.
+    pub disk: Arc<dyn Disk>,
     /// Reads specifications and asks about packages.
     pub loader: Arc<dyn Loader>,
     /// What built-in templates and those of users have drawn.
@@ -69,7 +72,7 @@ pub type Pictures = dyn Fn(&Spec, &str, &str, &str) -> Result<String, String> + 
 /// status: 0; 1 for wrong options; 2 for what cannot be found or done, and for a failing template;
 /// that of a template's `exit`; and the number of errors when only parsing.
 pub fn generate(args: &[String], env: &mut Environment<'_>) -> i32 {
-    let options = match options::parse(args) {
+    let options = match options::parse(args, &env.disk.current_dir()) {
         Ok(options) => options,
         Err(OptionError::Usage(message)) => {
             env.warn(&message);
@@ -141,15 +144,26 @@ impl Environment<'_> {
             .or_else(home)?
             .join("dotgen")
             .join(concat!("templates-", env!("CARGO_PKG_VERSION")));
-        for (name, text) in crate::builtin::SUPPORT {
-            let path = dir.join(name);
-            if std::fs::read_to_string(&path).is_ok_and(|it| it == *text) {
-                continue;
-            }
-            std::fs::create_dir_all(path.parent()?).ok()?;
-            std::fs::write(path, text).ok()?;
-        }
+        let all = crate::builtin::SUPPORT
+            .iter()
+            .map(|(name, text)| NewContent {
+                path: dir.join(name),
+                bytes: text.as_bytes().to_vec(),
+                mode: None,
+            });
+        let there = |it: &NewContent| {
+            self.disk
+                .read(&it.path)
+                .is_ok_and(|there| there == it.bytes)
+        };
+        let missing: Vec<NewContent> = all.filter(|it| !there(it)).collect();
+        self.disk.write(&missing).ok()?;
         Some(dir)
+    }
+
+    /// The current directory.
+    fn here(&self) -> Utf8PathBuf {
+        Utf8PathBuf::from_path_buf(self.disk.current_dir()).unwrap_or_default()
     }
 
     /// The release of GenoM3 to stand in for: what the command line says, the environment, the project; that of the
@@ -171,7 +185,7 @@ impl Environment<'_> {
         }
         let search = self.search_path(options);
         let dirs: Vec<PathBuf> = search.dirs.into_iter().chain(search.builtin).collect();
-        if let Some((release, file)) = release_of(&dirs) {
+        if let Some((release, file)) = release_of(&*self.disk, &dirs) {
             let file = Utf8PathBuf::from_path_buf(file).unwrap_or_default();
             let origin = ReleaseOrigin::Templates(file);
             return Ok(ReleaseChoice { release, origin });
@@ -179,7 +193,7 @@ impl Environment<'_> {
         if let Some(release) = self.loader.installed_release() {
             return Ok(release);
         }
-        let here = camino::absolute_utf8(".").unwrap_or_default();
+        let here = self.here();
         let base = self.base.to_str().map_or(here.clone(), |it| here.join(it));
         let base = base.join(&options.directory);
         let files = options.rest.iter().map(|it| base.join(it));
@@ -187,10 +201,11 @@ impl Environment<'_> {
     }
 
     fn compiler(&self, options: &Options, release: ReleaseChoice) -> Compiler {
-        let here = camino::absolute_utf8(".").unwrap_or_default();
+        let here = self.here();
         let include_dirs = options.include_dirs.iter();
         let defines = options.defines.iter();
         let mut compiler = Compiler::new(
+            Arc::clone(&self.disk),
             Arc::clone(&self.loader),
             include_dirs
                 .map(|dir| here.join(Utf8PathBuf::from(dir)))
@@ -225,7 +240,7 @@ fn list(options: &Options, env: &mut Environment<'_>) -> i32 {
         return 2;
     }
     let search = env.search_path(options);
-    let mut names = search.list();
+    let mut names = search.list(&*env.disk);
     // An installation of GenoM3 brings its own.
     if search.builtin.is_none() {
         names.extend(crate::builtin::names().into_iter().map(str::to_owned));
@@ -249,7 +264,7 @@ fn confined(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>
     } else {
         &env.base
     };
-    let results = vec![crate::template::discover::absolute(here)];
+    let results = vec![env.disk.absolute(here)];
     env.confined = Some(Confined { results });
     env.limits = Limits {
         cancel: env.limits.cancel.take(),
@@ -261,14 +276,10 @@ fn confined(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>
     if status != 0 {
         return status;
     }
-    match kept.write_out() {
+    match kept.write_out(&*env.disk) {
         Ok(()) => 0,
-        Err((path, error)) => {
-            env.warn(&format!(
-                "cannot write {}: {}",
-                path.display(),
-                posix(&error)
-            ));
+        Err(error) => {
+            env.warn(&error.to_string());
             2
         }
     }
@@ -282,10 +293,10 @@ fn template(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>
     };
     let number = release.release;
     let mut compiler = env.compiler(options, release);
-    if let Some(dir) = search.find_manifest(name) {
+    if let Some(dir) = search.find_manifest(&*env.disk, name) {
         return crate::builtin::run_folder(&dir, arguments, options, &mut compiler, env);
     }
-    let dir = match search.find(name) {
+    let dir = match search.find(&*env.disk, name) {
         Ok(dir) => dir,
         Err(FindError::NotFound(_)) if crate::builtin::names().contains(&name.as_str()) => {
             let status = crate::builtin::run(name, arguments, options, &mut compiler, env);
@@ -312,6 +323,7 @@ fn template(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>
         search.builtin = env.support_dir();
     }
     let run = Run {
+        disk: Arc::clone(&env.disk),
         dir,
         args: arguments.to_vec(),
         search: &search,
@@ -339,7 +351,7 @@ fn parse_only(options: &Options, release: ReleaseChoice, env: &mut Environment<'
     let result = compiler.parse_files(&options.rest, &mut |line| console.err(line));
     if options.mode == Mode::Dump {
         let model = dotgen_analysis::model_json::to_json(&compiler.compiled().spec, None);
-        env.print(&format!("{model:#}"));
+        env.print(&encoding::shown(&format!("{model:#}")));
     }
     match result {
         Ok(()) => 0,
@@ -357,7 +369,7 @@ fn parse_only(options: &Options, release: ReleaseChoice, env: &mut Environment<'
 }
 
 fn preprocess_only(options: &Options, release: Release, env: &mut Environment<'_>) -> i32 {
-    let here = camino::absolute_utf8(".").unwrap_or_default();
+    let here = env.here();
     let dirs = options.include_dirs.iter().map(|dir| here.join(dir));
     let mut preprocessor =
         preprocess::Preprocessor::new(Arc::clone(&env.loader), dirs.collect(), release);
@@ -371,7 +383,7 @@ fn preprocess_only(options: &Options, release: Release, env: &mut Environment<'_
     for input in &options.rest {
         let path = Utf8PathBuf::from(&options.directory).join(input);
         match preprocessor.file(&path) {
-            Ok(text) => env.console.out(text.as_bytes()),
+            Ok(text) => env.console.out(&encoding::encode(&text)),
             Err(problem) => {
                 env.warn(&format!("{input}: {problem}"));
                 return 2;

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use camino::{Utf8Path, Utf8PathBuf};
+use camino::Utf8PathBuf;
 use dotgen_analysis::check::codes;
 use dotgen_analysis::diagnostic::{Diagnostic, Severity};
 use dotgen_analysis::host::{
@@ -12,9 +12,11 @@ use dotgen_analysis::host::{
 use dotgen_analysis::model::{Component, Spec, Src, TypeKind, Value};
 use dotgen_analysis::release::ReleaseChoice;
 use dotgen_analysis::source_map::{Locations, MacroCall};
+use dotgen_syntax::encoding;
 use rustc_hash::{FxHashMap, FxHashSet};
 use smol_str::SmolStr;
 
+use crate::disk::Disk;
 use crate::frontend::{Compiled, Frontend, ParseFailure};
 use crate::lang::{Anchor, Place, Places, value_text};
 
@@ -23,6 +25,7 @@ const INLINE: &str = "<inline string>";
 
 /// Compiles specifications with dotgen's own analysis.
 pub struct Compiler {
+    disk: Arc<dyn Disk>,
     loader: Arc<dyn Loader>,
     /// Directory where relative names of files start; empty for the current one.
     base: Utf8PathBuf,
@@ -38,6 +41,7 @@ impl Compiler {
     /// A compiler without input. `include_dirs` and `defines` as given by `-I` and `-D`; everything is read as the
     /// release does.
     pub fn new(
+        disk: Arc<dyn Disk>,
         loader: Arc<dyn Loader>,
         include_dirs: Vec<Utf8PathBuf>,
         defines: Vec<(SmolStr, SmolStr)>,
@@ -55,6 +59,7 @@ impl Compiler {
             ..Change::default()
         });
         Compiler {
+            disk,
             loader,
             base: Utf8PathBuf::new(),
             program: "genom3".to_owned(),
@@ -68,6 +73,13 @@ impl Compiler {
     /// Relative names of files start at `base` instead of the current directory.
     pub fn set_base(&mut self, base: Utf8PathBuf) {
         self.base = base;
+    }
+
+    /// The path with the current directory in front, unless it is absolute.
+    fn absolute(&self, path: Utf8PathBuf) -> Utf8PathBuf {
+        let found = self.disk.absolute(path.as_std_path());
+        let found = found.components().collect();
+        Utf8PathBuf::from_path_buf(found).unwrap_or(path)
     }
 
     /// The name of the program that messages about inputs begin with.
@@ -91,7 +103,7 @@ impl Compiler {
             if !in_reference(it) || !self.reported.insert(key) {
                 continue;
             }
-            report(&self.line(it));
+            report(&encoding::shown(&self.line(it)));
             if it.severity == Severity::Error {
                 errors += 1;
                 fatal |= stops(it.code);
@@ -105,7 +117,7 @@ impl Compiler {
         let texts: FxHashMap<Utf8PathBuf, Arc<str>> = texts.collect();
         // Included files too are named after following links.
         let files = unit.files.iter().map(|path| {
-            let name = path.canonicalize_utf8().unwrap_or_else(|_| path.clone());
+            let name = canonical(&*self.disk, path.clone());
             (path.clone(), name.into_string())
         });
         let names: FxHashMap<Utf8PathBuf, String> = files.collect();
@@ -220,7 +232,7 @@ impl Frontend for Compiler {
     ) -> Result<(), ParseFailure> {
         let mut inputs = Vec::new();
         for file in files {
-            let path = absolute(self.base.join(file).as_str())?;
+            let path = canonical(&*self.disk, self.absolute(self.base.join(file)));
             let problem = match self.loader.read(&path) {
                 FileContent::Text(_) | FileContent::NotUtf8(_) => None,
                 FileContent::Missing => Some("No such file or directory".to_owned()),
@@ -229,9 +241,9 @@ impl Frontend for Compiler {
             };
             if let Some(problem) = problem {
                 // Without the directory where inputs are looked for, that is what is not there.
-                let base = absolute(self.base.as_str()).ok();
-                let gone = base.is_some_and(|it| self.loader.read(&it) == FileContent::Missing);
-                let gone = gone && !self.base.as_str().is_empty();
+                let base = self.absolute(self.base.clone());
+                let gone = !self.base.as_str().is_empty()
+                    && self.loader.read(&base) == FileContent::Missing;
                 let what = if gone { self.base.as_str() } else { file };
                 report(&format!("{}: {what}: {problem}", self.program));
                 return Err(ParseFailure::Unreadable(format!(
@@ -249,7 +261,7 @@ impl Frontend for Compiler {
         texts: &[String],
         report: &mut dyn FnMut(&str),
     ) -> Result<(), ParseFailure> {
-        let here = absolute(INLINE)?;
+        let here = self.absolute(INLINE.into());
         self.input
             .inputs
             .extend(texts.iter().map(|text| Input::Text {
@@ -264,11 +276,11 @@ impl Frontend for Compiler {
     }
 }
 
-fn absolute(path: &str) -> Result<Utf8PathBuf, ParseFailure> {
-    let path = camino::absolute_utf8(Utf8Path::new(path))
-        .map_err(|error| ParseFailure::Unreadable(format!("cannot read {path}: {error}")))?;
-    // Links are followed: dependencies and marks name the file itself.
-    Ok(path.canonicalize_utf8().unwrap_or(path))
+/// The path with links followed, where it leads to anything.
+fn canonical(disk: &dyn Disk, path: Utf8PathBuf) -> Utf8PathBuf {
+    let found = disk.canonical(path.as_std_path()).ok();
+    let found = found.and_then(|it| Utf8PathBuf::from_path_buf(it).ok());
+    found.unwrap_or(path)
 }
 
 /// Places of a compiled unit, as GenoM3 tells them: the end of a token.

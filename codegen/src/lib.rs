@@ -5,8 +5,16 @@ pub mod catalog;
 pub mod codels;
 pub mod command;
 pub mod compiler;
+pub mod disk;
 pub mod frontend;
 pub mod lang;
 pub mod process;
 pub mod release_diff;
 pub mod template;
+
+/// The files of the disk for unit tests, which name this crate as other tests do.
+#[cfg(test)]
+extern crate self as dotgen_codegen;
+#[cfg(test)]
+#[path = "../tests/support/files.rs"]
+mod files;

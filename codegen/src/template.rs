@@ -31,6 +31,7 @@ use std::sync::Arc;
 
 use dotgen_analysis::model::Spec;
 
+use crate::disk::Disk;
 use crate::frontend::Frontend;
 use crate::lang::{Language, NoPlaces};
 use crate::process::Processes;
@@ -40,7 +41,8 @@ use discover::SearchPath;
 pub(crate) use blame::place;
 pub use host::{Limits, find_tclsh};
 pub use notice::notice;
-pub use output::{Modes, Output, OutputSink, PreviewFile};
+pub(crate) use output::Output;
+pub use output::{Modes, OutputSink, PreviewFile};
 
 /// The digests of a component, and of its services by name.
 pub(crate) fn component_digests(spec: &Spec, component: u32) -> Vec<(Option<String>, String)> {
@@ -75,6 +77,8 @@ pub(crate) enum Failure {
 
 /// What to run and how.
 pub struct Run<'a> {
+    /// All access to files.
+    pub disk: Arc<dyn Disk>,
     /// Absolute path of the template.
     pub dir: PathBuf,
     /// Everything after the template's name, unread.
@@ -162,15 +166,9 @@ impl Run<'_> {
                 };
             }
         };
-        let output = Output {
-            modes: Modes::new(self.debug),
-            merge_tool: "interactive".into(),
-            dir: String::new(),
-            base: self.base.clone(),
-            sink,
-            template: self.name(),
-            confined: self.confined.cloned(),
-        };
+        let disk = Arc::clone(&self.disk);
+        let mut output = Output::new(self.name(), self.base.clone(), self.debug, disk, sink);
+        output.confined = self.confined.cloned();
         let mut tmpdir = tmpdir;
         if self.debug {
             tmpdir.keep();

@@ -10,6 +10,8 @@ use dotgen_codegen::template::console::Captured;
 
 #[path = "support/disk.rs"]
 mod disk;
+#[path = "support/files.rs"]
+mod files;
 #[path = "support/processes.rs"]
 mod processes;
 
@@ -31,6 +33,7 @@ fn run(dir: &Path, args: &[&str]) -> (i32, String, String) {
         variables: &|name| {
             (name == "XDG_CACHE_HOME").then(|| dir.join("cache").display().to_string())
         },
+        disk: Arc::new(files::Files),
         loader: Arc::new(disk::Disk),
         pictures: Arc::new(|_, component, owner, form| {
             {

@@ -13,6 +13,8 @@ use dotgen_codegen::template::{Limits, find_tclsh};
 
 #[path = "support/disk.rs"]
 mod disk;
+#[path = "support/files.rs"]
+mod files;
 #[path = "support/processes.rs"]
 mod processes;
 
@@ -83,6 +85,7 @@ fn generator() -> ExitCode {
         name: "genom3",
         program: std::env::current_exe().unwrap_or_default(),
         variables: &|name| std::env::var(name).ok(),
+        disk: Arc::new(files::Files),
         loader: Arc::new(disk::Disk),
         pictures: Arc::new(|_, component, owner, form| {
             {

@@ -14,6 +14,8 @@ use dotgen_codegen::template::{Confined, Limits, Outcome, OutputSink, Run, find_
 
 #[path = "support/disk.rs"]
 mod disk;
+#[path = "support/files.rs"]
+mod files;
 #[path = "support/processes.rs"]
 mod processes;
 
@@ -57,7 +59,8 @@ fn run(
     let results = vec![std::env::temp_dir()];
     let confined = matches!(sink, OutputSink::Preview(_)).then_some(Confined { results });
     let run = Run {
-        dir: search.find(template).unwrap(),
+        disk: Arc::new(files::Files),
+        dir: search.find(&files::Files, template).unwrap(),
         args: args.iter().map(|it| (*it).to_owned()).collect(),
         search: &search,
         program: "/bin/dotgen".into(),
@@ -71,7 +74,13 @@ fn run(
         processes: Arc::new(processes::Plain),
         confined: confined.as_ref(),
     };
-    let mut compiler = Compiler::new(Arc::new(disk::Disk), Vec::new(), Vec::new(), release());
+    let mut compiler = Compiler::new(
+        Arc::new(files::Files),
+        Arc::new(disk::Disk),
+        Vec::new(),
+        Vec::new(),
+        release(),
+    );
     let mut console = Captured::default();
     let outcome = run.execute(&mut compiler, &mut console, sink);
     Some((outcome, console))
@@ -449,7 +458,8 @@ fn a_preview_shows_what_a_run_writes() {
     let run = |sink| {
         let out = dir.path().join("out").display().to_string();
         let run = Run {
-            dir: search.find("skeleton").unwrap(),
+            disk: Arc::new(files::Files),
+            dir: search.find(&files::Files, "skeleton").unwrap(),
             args: vec!["-C".into(), out, path.display().to_string()],
             search: &search,
             program: String::new(),
@@ -463,7 +473,13 @@ fn a_preview_shows_what_a_run_writes() {
             processes: Arc::new(processes::Plain),
             confined: None,
         };
-        let mut compiler = Compiler::new(Arc::new(disk::Disk), Vec::new(), Vec::new(), release());
+        let mut compiler = Compiler::new(
+            Arc::new(files::Files),
+            Arc::new(disk::Disk),
+            Vec::new(),
+            Vec::new(),
+            release(),
+        );
         let mut console = Captured::default();
         let outcome = run.execute(&mut compiler, &mut console, sink);
         assert_eq!((outcome.status, console.err.as_str()), (0, ""));

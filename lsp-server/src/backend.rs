@@ -423,12 +423,22 @@ impl LanguageServer for Backend {
 
     async fn rename(&self, params: RenameParams) -> Result<Option<WorkspaceEdit>> {
         let uri = document_of(&params.text_document_position);
-        let answer = self.dispatch.document(uri, params, rename::rename);
+        let answer =
+            self.dispatch.everywhere(
+                Some(uri),
+                params,
+                |snapshot, subject, params| match subject {
+                    Some(subject) => rename::rename(snapshot, subject, params),
+                    None => Ok(Default::default()),
+                },
+            );
         answer.await?.into_response()
     }
 
     async fn will_rename_files(&self, params: RenameFilesParams) -> Result<Option<WorkspaceEdit>> {
-        self.dispatch.workspace(params, rename::files).await
+        let files = |snapshot: &_, _: Option<&_>, params: &_| rename::files(snapshot, params);
+        let answer = self.dispatch.everywhere(None, params, files);
+        answer.await?.into_response()
     }
 
     async fn formatting(&self, params: DocumentFormattingParams) -> Result<Option<Vec<TextEdit>>> {
@@ -514,7 +524,8 @@ impl LanguageServer for Backend {
         let resolved = self
             .dispatch
             .anywhere(action.clone(), codels::actions::resolve);
-        Ok(resolved.await?.unwrap_or(action))
+        let resolved = resolved.await?.into_response()?;
+        Ok(resolved.unwrap_or(action))
     }
 
     async fn diagnostic(

@@ -70,6 +70,8 @@ pub struct ClientCaps {
     pub creates_files: bool,
     /// Changes that are confirmed before they are made.
     pub change_annotations: bool,
+    /// Actions that cannot be made are shown with the reason.
+    pub disabled_actions: bool,
     /// `codeAction/resolve` for edits.
     pub resolves_edits: bool,
     /// `workspace/codeLens/refresh`.
@@ -169,6 +171,7 @@ impl ClientCaps {
             change_annotations: raw
                 .pointer("/capabilities/workspace/workspaceEdit/changeAnnotationSupport")
                 .is_some_and(Value::is_object),
+            disabled_actions: flag(raw, "/capabilities/textDocument/codeAction/disabledSupport"),
             resolves_edits: flag(raw, "/capabilities/textDocument/codeAction/dataSupport")
                 && raw
                     .pointer("/capabilities/textDocument/codeAction/resolveSupport/properties")

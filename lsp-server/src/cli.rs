@@ -2,11 +2,13 @@
 
 mod check;
 mod codels;
+mod completions;
 mod diagram;
 mod explain;
 mod fmt;
 mod generate;
 mod lsp;
+mod man;
 mod model;
 mod release;
 mod report;
@@ -26,6 +28,10 @@ use crate::process;
 #[derive(Debug, Parser)]
 #[command(name = "dotgen", version, max_term_width = 100)]
 struct Cli {
+    /// Use colours: on a terminal, always, or never
+    #[arg(long, global = true, value_enum, default_value_t, value_name = "WHEN")]
+    color: Colour,
+
     #[command(subcommand)]
     command: Command,
 }
@@ -42,7 +48,32 @@ enum Command {
     Model(model::Arguments),
     Release(release::Arguments),
     Verify(verify::Arguments),
+    Completions(completions::Arguments),
+    Man(man::Arguments),
     Lsp(lsp::Arguments),
+}
+
+/// When output has colours.
+#[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
+enum Colour {
+    /// On a terminal, unless NO_COLOR is set
+    #[default]
+    Auto,
+    /// Also in files and pipes
+    Always,
+    /// Nowhere
+    Never,
+}
+
+impl Colour {
+    fn set(self) {
+        let choice = match self {
+            Colour::Auto => anstream::ColorChoice::Auto,
+            Colour::Always => anstream::ColorChoice::Always,
+            Colour::Never => anstream::ColorChoice::Never,
+        };
+        choice.write_global();
+    }
 }
 
 /// How specifications are read.
@@ -91,6 +122,7 @@ pub fn main() -> ExitCode {
         return status;
     }
     let cli = Cli::parse();
+    cli.color.set();
     if let Err(message) = crate::config::release_of_environment() {
         report::failure(&anyhow::Error::msg(message));
         return ExitCode::from(2);
@@ -106,6 +138,8 @@ pub fn main() -> ExitCode {
         Command::Model(arguments) => model::run(&arguments),
         Command::Release(arguments) => release::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
+        Command::Completions(arguments) => completions::run(&arguments),
+        Command::Man(arguments) => man::run(&arguments),
         Command::Lsp(_) => lsp::run(),
     };
     match result {

@@ -32,6 +32,8 @@ pub(crate) struct Read {
     pub(crate) code: bool,
     /// It is about many files.
     pub(crate) bulk: bool,
+    /// It is about all of the workspace: it waits until all files of that are known.
+    pub(crate) whole: bool,
     /// Version of that document at the first try.
     pub(crate) expected: Option<Option<i32>>,
     /// For cancellation by the client.
@@ -94,6 +96,17 @@ enum Outcome<R> {
     Outdated,
     Cancelled(Option<i32>),
     Panicked(String),
+}
+
+/// What a request is about, besides its document.
+#[derive(Debug, Clone, Copy, Default)]
+struct About {
+    /// The document may be C or C++.
+    code: bool,
+    /// Many files.
+    bulk: bool,
+    /// All of the workspace.
+    whole: bool,
 }
 
 /// Hands requests to the writer and waits for what comes of them.
@@ -189,7 +202,35 @@ impl Dispatcher {
             Some(subject) => handler(snapshot, subject, params),
             None => Ok(R::default()),
         };
-        self.run(Some(uri), code, false, params, work).await
+        let about = About {
+            code,
+            ..About::default()
+        };
+        self.run(Some(uri), about, params, work).await
+    }
+
+    /// A request whose answer is wrong when a part of the workspace is not known yet: an edit of every place. It waits
+    /// until all files are listed, which the client is shown as progress.
+    pub(crate) async fn everywhere<P, R>(
+        &self,
+        uri: Option<Uri>,
+        params: P,
+        handler: fn(&Snapshot, Option<&Subject>, &P) -> Cancellable<R>,
+    ) -> proto::Result<R>
+    where
+        P: Send + Sync + 'static,
+        R: Default + Send + 'static,
+    {
+        let _permit = self.background.acquire().await;
+        let work = move |snapshot: &Snapshot, subject: Option<&Subject>, params: &P| {
+            handler(snapshot, subject, params)
+        };
+        let about = About {
+            whole: true,
+            bulk: true,
+            ..About::default()
+        };
+        self.run(uri, about, params, work).await
     }
 
     /// A request that says itself what it is about: something to be resolved.
@@ -204,7 +245,7 @@ impl Dispatcher {
     {
         let work =
             move |snapshot: &Snapshot, _: Option<&Subject>, params: &P| handler(snapshot, params);
-        self.run(None, false, false, params, work).await
+        self.run(None, About::default(), params, work).await
     }
 
     /// A request about the whole workspace. Few at a time, so that they never keep the others from
@@ -221,14 +262,17 @@ impl Dispatcher {
         let _permit = self.background.acquire().await;
         let work =
             move |snapshot: &Snapshot, _: Option<&Subject>, params: &P| handler(snapshot, params);
-        self.run(None, false, true, params, work).await
+        let about = About {
+            bulk: true,
+            ..About::default()
+        };
+        self.run(None, about, params, work).await
     }
 
     async fn run<P, R, F>(
         &self,
         uri: Option<Uri>,
-        code: bool,
-        bulk: bool,
+        about: About,
         params: P,
         work: F,
     ) -> proto::Result<R>
@@ -246,8 +290,9 @@ impl Dispatcher {
             let params = params.clone();
             self.send(Event::Read(Read {
                 subject: uri.clone(),
-                code,
-                bulk,
+                code: about.code,
+                bulk: about.bulk,
+                whole: about.whole,
                 expected,
                 control: control.clone(),
                 work: Box::new(move |admission| {

@@ -9,17 +9,18 @@ mod edit;
 mod run;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_codegen::disk::{Disk as _, NewContent};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use crate::backend::Backend;
 use crate::config::{self, Generate};
 use crate::convert::{diagnostic, uri};
+use crate::disk::SystemDisk;
 use crate::outbox::Outbox;
 use crate::proto::*;
 use edit::{Able, FileChange};
@@ -259,9 +260,7 @@ impl Backend {
             .iter()
             .cloned()
             .partition(|it| !able.apply || (!able.create && it.before.is_none()));
-        for change in &ours {
-            write(change).map_err(refused)?;
-        }
+        write(&ours).map_err(refused)?;
         if !theirs.is_empty() {
             let edit = edit::workspace_edit(&theirs, &plan.templates(), able);
             let params = ApplyWorkspaceEditParams {
@@ -479,29 +478,31 @@ fn remember(folder: &Utf8Path, choices: &[Generate]) -> std::result::Result<(), 
     if text == before {
         return Ok(());
     }
-    std::fs::write(&path, text).map_err(|error| format!("cannot write {path}: {error}"))
+    let file = NewContent {
+        path: path.into(),
+        bytes: text.into_bytes(),
+        mode: None,
+    };
+    SystemDisk.write(&[file]).map_err(|it| it.to_string())
 }
 
-fn write(change: &FileChange) -> std::result::Result<(), String> {
-    let path = uri::to_path(&change.uri);
-    let parent = path.parent().map_or(Ok(()), std::fs::create_dir_all);
-    parent
-        .and_then(|()| std::fs::write(&path, &change.after))
-        .map_err(|error| format!("cannot write {path}: {error}"))
+/// Writes what the client cannot, all or none.
+fn write(changes: &[FileChange]) -> std::result::Result<(), String> {
+    let content = |it: &FileChange| NewContent {
+        path: uri::to_path(&it.uri).into(),
+        bytes: it.after.clone().into_bytes(),
+        mode: None,
+    };
+    let files: Vec<NewContent> = changes.iter().map(content).collect();
+    SystemDisk.write(&files).map_err(|it| it.to_string())
 }
 
-#[cfg(unix)]
 fn set_mode(change: &FileChange) {
-    use std::os::unix::fs::PermissionsExt;
-    let path = PathBuf::from(uri::to_path(&change.uri));
     if let Some(mode) = change.mode {
         // A client that has not saved the file yet keeps what it has.
-        let _ = std::fs::set_permissions(path, std::fs::Permissions::from_mode(mode));
+        let _ = SystemDisk.set_mode(uri::to_path(&change.uri).as_std_path(), mode);
     }
 }
-
-#[cfg(not(unix))]
-fn set_mode(_: &FileChange) {}
 
 async fn blocking<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T> {
     let done = tokio::task::spawn_blocking(move || crate::panic::isolate(work)).await;

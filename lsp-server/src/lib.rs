@@ -13,6 +13,7 @@ mod client_process;
 mod codels;
 pub mod config;
 pub mod convert;
+pub mod disk;
 mod dispatch;
 pub mod ext;
 mod fixes;

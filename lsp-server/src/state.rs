@@ -105,6 +105,10 @@ pub(crate) struct State {
     worked: bool,
     /// The documents in other languages that the client was asked to send.
     foreign: ForeignDocuments,
+    /// How many times the files of the workspace are being listed.
+    listings: usize,
+    /// Requests that wait until they are listed.
+    waiting: Vec<Read>,
 }
 
 impl State {
@@ -114,7 +118,7 @@ impl State {
         events: WeakUnboundedSender<Event>,
         revisions: watch::Sender<u64>,
     ) -> State {
-        let vfs = Arc::new(Vfs::default());
+        let vfs = Arc::new(Vfs::for_editor());
         State {
             host: AnalysisHost::new(vfs.clone()),
             vfs,
@@ -140,6 +144,8 @@ impl State {
             readers: Arc::default(),
             worked: false,
             foreign: ForeignDocuments::default(),
+            listings: 0,
+            waiting: Vec::new(),
         }
     }
 

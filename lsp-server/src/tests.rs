@@ -8,6 +8,7 @@ mod diagnostics;
 mod editing;
 mod features;
 mod generate;
+mod harmless;
 mod lifecycle;
 mod ordering;
 mod pictures;

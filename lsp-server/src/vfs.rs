@@ -13,6 +13,8 @@ use camino::{Utf8Component, Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::{DirEntry, FileContent, Loader, PackageFlags};
 use dotgen_analysis::release::ReleaseChoice;
 
+use dotgen_syntax::encoding;
+
 use crate::config::PackageConfig;
 
 pub use pkg_config::query;
@@ -43,6 +45,8 @@ pub fn normalize(path: &Utf8Path) -> Utf8PathBuf {
 #[derive(Debug, Default)]
 pub struct Vfs {
     packages: RwLock<PackageConfig>,
+    /// What is no UTF-8 reads as editors show it.
+    for_editor: bool,
 }
 
 impl Vfs {
@@ -50,6 +54,16 @@ impl Vfs {
     pub fn new(packages: PackageConfig) -> Vfs {
         Vfs {
             packages: RwLock::new(packages),
+            for_editor: false,
+        }
+    }
+
+    /// For a server: what is no UTF-8 is read with U+FFFD, as editors show it, so that positions agree. Such a text is
+    /// never written: edits of the file are refused unless it is open, and then the text of the client counts.
+    pub fn for_editor() -> Vfs {
+        Vfs {
+            for_editor: true,
+            ..Vfs::default()
         }
     }
 
@@ -69,7 +83,11 @@ impl Vfs {
 
 impl Loader for Vfs {
     fn read(&self, path: &Utf8Path) -> FileContent {
-        read(path)
+        match read(path) {
+            FileContent::Text(text) if self.for_editor => FileContent::Text(shown(text)),
+            FileContent::NotUtf8(text) if self.for_editor => FileContent::NotUtf8(shown(text)),
+            content => content,
+        }
     }
 
     fn size(&self, path: &Utf8Path) -> Option<u64> {
@@ -116,6 +134,13 @@ impl Loader for Vfs {
     }
 }
 
+fn shown(text: String) -> String {
+    match encoding::shown(&text) {
+        std::borrow::Cow::Owned(shown) => shown,
+        std::borrow::Cow::Borrowed(_) => text,
+    }
+}
+
 /// More entries of a directory than anybody chooses from.
 const MAX_ENTRIES: usize = 2_000;
 
@@ -132,12 +157,14 @@ pub fn read(path: &Utf8Path) -> FileContent {
         Err(error) => return FileContent::Unreadable(reason(&error)),
     }
     match std::fs::read(path) {
-        Ok(bytes) => match String::from_utf8(bytes) {
-            Ok(text) => FileContent::Text(text),
-            Err(error) => {
-                FileContent::NotUtf8(String::from_utf8_lossy(error.as_bytes()).into_owned())
+        Ok(bytes) => {
+            let valid = std::str::from_utf8(&bytes).is_ok();
+            let text = encoding::decode(bytes);
+            match valid {
+                true => FileContent::Text(text),
+                false => FileContent::NotUtf8(text),
             }
-        },
+        }
         Err(error) if missing(&error) => FileContent::Missing,
         Err(error) => FileContent::Unreadable(reason(&error)),
     }

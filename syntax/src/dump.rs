@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use rowan::{NodeOrToken, WalkEvent};
 
-use crate::Parse;
+use crate::{Parse, encoding};
 
 /// One line for each node and token, indented, with its byte range; the errors below.
 ///
@@ -33,7 +33,7 @@ pub fn dump(parse: &Parse) -> String {
             NodeOrToken::Token(token) => {
                 let _ = match parse.expansion.virtual_token(&token) {
                     Some(it) => write!(out, " -> {:?}", it.text),
-                    None => write!(out, " {:?}", token.text()),
+                    None => write!(out, " {:?}", encoding::shown(token.text())),
                 };
             }
         }

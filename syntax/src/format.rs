@@ -16,7 +16,7 @@ mod print;
 mod rules;
 mod unit;
 
-use crate::{SyntaxNode, TextRange};
+use crate::{SyntaxNode, TextRange, TextSize};
 
 use print::Printer;
 pub use unit::{Unit, unit_of};
@@ -61,6 +61,9 @@ impl Default for Options {
     }
 }
 
+/// Some editors put it at the beginning of a text.
+const BYTE_ORDER_MARK: char = '\u{feff}';
+
 /// Replacement of blanks and line breaks.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TextEdit {
@@ -92,6 +95,11 @@ pub fn format(
     let text = root.text().to_string();
     let chunks = chunks::chunks(root, broken);
     let mut edits = Printer::new(&text, &chunks, options).print();
+    // A byte order mark goes with what is behind it.
+    if text.starts_with(BYTE_ORDER_MARK) {
+        let behind = TextSize::of(BYTE_ORDER_MARK);
+        edits.retain(|edit| edit.range.start() > behind);
+    }
     if let Some(within) = within {
         edits.retain(|edit| edit.range.intersect(within).is_some());
     }

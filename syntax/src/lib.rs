@@ -4,6 +4,7 @@ pub mod ast;
 pub mod codes;
 pub mod directive;
 mod dump;
+pub mod encoding;
 mod expansion;
 pub mod finding;
 pub mod format;

@@ -120,9 +120,23 @@ pub struct Parse {
     /// From here on texts seem to be taken for code and code for texts, because a quote is missing. What
     /// does not parse there is not in `errors`.
     pub inside_out: Option<TextSize>,
+    /// From here on errors are not listed: there are too many.
+    pub unlisted: Option<TextSize>,
 }
 
 impl Parse {
+    /// Where the text does not parse: the ranges of the errors, and what lies beyond the last one listed.
+    pub fn broken(&self) -> Vec<TextRange> {
+        let mut broken: Vec<TextRange> = self.errors.iter().map(|it| it.range).collect();
+        let from = self.inside_out.into_iter().chain(self.unlisted).min();
+        let end = self.syntax().text_range().end();
+        broken.extend(
+            from.filter(|from| *from < end)
+                .map(|from| TextRange::new(from, end)),
+        );
+        broken
+    }
+
     /// The root of the tree, of kind [`SOURCE_FILE`].
     pub fn syntax(&self) -> SyntaxNode {
         SyntaxNode::new_root(self.green.clone())
@@ -148,6 +162,9 @@ pub fn parse(text: &str, raw: &RawTokens, pre: &Preprocessed, fragment: Fragment
     grammar::fragment(&mut p, fragment);
     let inside_out = p.inside_out;
     let (events, mut errors) = p.finish();
+    let unlisted = errors
+        .get(MAX_ERRORS)
+        .map(|it| input.range(it.token).start());
     errors.retain(|it| inside_out.is_none_or(|from| it.token <= from));
     let mut errors = locate(&input, errors);
     let (green, expansion, of_directives) = sink::build(text, raw, pre, events);
@@ -160,6 +177,7 @@ pub fn parse(text: &str, raw: &RawTokens, pre: &Preprocessed, fragment: Fragment
         errors,
         expansion,
         inside_out: inside_out.map(|it| input.range(it).start()),
+        unlisted,
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use dotgen_syntax::{
     Parse, SyntaxKind,
     ast::{AstNode, Name},
-    format::{Options, format},
+    format::{self, Options, format},
     parse_text,
 };
 
@@ -115,9 +115,18 @@ fn a_forgotten_closing_brace_and_semicolon_are_one_error() {
 fn a_text_with_a_forgotten_brace_is_not_formatted() {
     let text = "component c {\n  task t {\n  period   5 ms;\n  port in n p;\n};\n";
     let parse = parse_text(text);
-    let broken: Vec<_> = parse.errors.iter().map(|it| it.range).collect();
-    assert_eq!(
-        format(&parse.syntax(), &broken, None, &Options::default()),
-        []
-    );
+    let style = Options::default();
+    assert_eq!(format(&parse.syntax(), &parse.broken(), None, &style), []);
+}
+
+#[test]
+fn what_does_not_parse_stays_beyond_the_last_error_that_is_listed() {
+    let broken = "struct  a { long ; };\n".repeat(600);
+    let text = format!("struct  good  {{ long x; }};\n{broken}struct  last  {{ long ; }};\n");
+    let parse = parse_text(&text);
+    assert!(parse.errors.len() < 600, "there are more than are listed");
+    let edits = format::format(&parse.syntax(), &parse.broken(), None, &Options::default());
+    let new = format::apply(&text, &edits);
+    assert!(new.starts_with("struct good {"), "{}", &new[..40]);
+    assert!(new.ends_with(&format!("{broken}struct  last  {{ long ; }};\n")));
 }

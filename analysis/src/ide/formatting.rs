@@ -24,8 +24,7 @@ pub(crate) fn format(
 }
 
 fn edits(view: &FileView<'_>, within: Option<TextRange>, options: &Options) -> Vec<FileEdit> {
-    let broken: Vec<TextRange> = view.parse().errors.iter().map(|it| it.range).collect();
-    let edits = format::format(&view.root(), &broken, within, options);
+    let edits = format::format(&view.root(), &view.parse().broken(), within, options);
     let edits = edits.into_iter().map(|it| FileEdit {
         path: view.file.path(view.db).clone(),
         range: bytes(it.range),

@@ -5,7 +5,7 @@ use crate::finding::{
     lints::{Names, Noticing, Round},
 };
 use crate::model::fsm::Machine;
-use crate::model::{Component, Name, Owner, ParamDir, ParamSource, Service, ServiceKind, State};
+use crate::model::{Component, Name, Owner, ParamDir, ParamSource, ServiceKind, State};
 
 use super::Lint;
 

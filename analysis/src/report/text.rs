@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use camino::Utf8Path;
 use dotgen_syntax::{
-    TextRange, TextSize,
+    TextRange, TextSize, encoding,
     finding::preprocessing::Preprocessing,
     preproc::{Element, MacroSite},
 };
@@ -102,9 +102,10 @@ fn reading(db: &dyn Db, file: SourceFile) -> Option<(Reading, TextRange)> {
             Some((Reading::TooLarge { size, limit }, start))
         }
         FileStatus::NotUtf8 => {
-            let at = file.text(db).find('\u{fffd}').unwrap_or(0);
-            let at = TextRange::at(offset(at), TextSize::of('\u{fffd}'));
-            Some((Reading::NotUtf8, at))
+            let at = encoding::first_escape(file.text(db));
+            let at = at.or_else(|| file.text(db).find('\u{fffd}')).unwrap_or(0);
+            let width = file.text(db)[at..].chars().next().map_or(0, char::len_utf8);
+            Some((Reading::NotUtf8, TextRange::at(offset(at), offset(width))))
         }
     }
 }

@@ -5,6 +5,8 @@ use std::path::Path;
 use dotgen_analysis::release::Release;
 use md5::{Digest, Md5};
 
+use crate::disk::{Disk, Entry};
+
 /// Name, release, and the digest of the folder's files: for each, in order of names, its name, its text and a
 /// zero after either.
 const KNOWN: &[(&str, Release, &str)] = &[
@@ -21,14 +23,13 @@ const KNOWN: &[(&str, Release, &str)] = &[
 ];
 
 /// Which template of which release a folder holds, if it holds exactly that.
-pub(super) fn template(dir: &Path) -> Option<(&'static str, Release)> {
+pub(super) fn template(disk: &dyn Disk, dir: &Path) -> Option<(&'static str, Release)> {
     let mut files = Vec::new();
-    for entry in std::fs::read_dir(dir).ok()? {
-        let entry = entry.ok()?;
-        if !entry.file_type().ok()?.is_file() {
+    for Entry { path, is_dir } in disk.list(dir).ok()? {
+        if is_dir || disk.is_link(&path) || !disk.is_file(&path) {
             return None;
         }
-        files.push((entry.file_name().into_string().ok()?, entry.path()));
+        files.push((path.file_name()?.to_str()?.to_owned(), path));
     }
     files.sort();
     // Those that are known have a dozen files at most.
@@ -39,7 +40,7 @@ pub(super) fn template(dir: &Path) -> Option<(&'static str, Release)> {
     for (name, path) in files {
         digest.update(name.as_bytes());
         digest.update([0]);
-        digest.update(std::fs::read(path).ok()?);
+        digest.update(disk.read(&path).ok()?);
         digest.update([0]);
     }
     let digest: String = digest
@@ -54,13 +55,14 @@ pub(super) fn template(dir: &Path) -> Option<(&'static str, Release)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::Files;
 
     #[test]
     fn a_folder_with_other_contents_is_not_known() {
         let dir = tempfile::tempdir().unwrap();
-        assert_eq!(template(dir.path()), None);
+        assert_eq!(template(&Files, dir.path()), None);
         std::fs::write(dir.path().join("template.tcl"), "puts {}").unwrap();
-        assert_eq!(template(dir.path()), None);
-        assert_eq!(template(Path::new("/nowhere")), None);
+        assert_eq!(template(&Files, dir.path()), None);
+        assert_eq!(template(&Files, Path::new("/nowhere")), None);
     }
 }

@@ -2,13 +2,15 @@
 
 use dotgen_analysis::model::{ComponentKind, Spec};
 use dotgen_analysis::release::Change;
+use dotgen_syntax::encoding;
 
 use super::words::{self, Next};
 use crate::command::Environment;
 use crate::compiler::Compiler;
 use crate::frontend::Frontend;
 use crate::lang::{Language, MapObject, Mapper, text};
-use crate::template::{notice, tcl};
+use crate::template::output::Staged;
+use crate::template::{OutputSink, notice, tcl};
 
 pub(super) const ABOUT: &str = "the types of a specification in C or C++, printed";
 
@@ -116,7 +118,7 @@ pub(super) fn run(
         tcl::list(&options.inputs)
     );
     for input in &options.inputs {
-        let text = std::fs::read(env.base.join(input)).unwrap_or_default();
+        let text = env.disk.read(&env.base.join(input)).unwrap_or_default();
         header += &notice(&tcl::decode(&text)).unwrap_or_default();
     }
     let out = format!("{}\n{mapping}", text::c_comment(&header));
@@ -128,11 +130,15 @@ pub(super) fn run(
             .map(|it| format!("{target}: {it}\n{it}:\n"))
             .collect();
         let file = options.file.unwrap_or_else(|| "out.d".into());
-        env.sink
-            .put(&env.base.join(&file), rules.as_bytes())
-            .map_err(|error| format!("cannot write {file}: {error}"))?;
+        let sink = std::mem::replace(&mut env.sink, OutputSink::Direct);
+        let mut files = Staged::new(sink);
+        let staged = files.write(&*env.disk, &env.base.join(&file), rules.as_bytes());
+        let (sink, written) = files.finish(&*env.disk, staged.is_err());
+        env.sink = sink;
+        staged.map_err(|error| format!("cannot write {file}: {error}"))?;
+        written.map_err(|error| error.to_string())?;
     }
-    env.console.out(out.as_bytes());
+    env.console.out(encoding::latin1(&out).as_bytes());
     env.console.out(b"\n");
     Ok(0)
 }

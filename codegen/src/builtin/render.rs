@@ -6,6 +6,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use dotgen_analysis::model::{ComponentKind, Spec};
 use dotgen_analysis::model_json;
+use dotgen_syntax::encoding;
 use minijinja::context;
 use minijinja::value::Value;
 use serde_json::Value as Json;
@@ -18,11 +19,12 @@ use crate::codels::stub::{StubOptions, Stubs};
 use crate::command::Pictures;
 use crate::command::{Environment, Options as General};
 use crate::compiler::Compiler;
+use crate::disk::Disk;
 use crate::frontend::Frontend;
 use crate::process::Processes;
 use crate::template::console::Console;
 use crate::template::output::Environment as Surroundings;
-use crate::template::{Failure, Modes, Output, OutputSink, notice, reach, tcl};
+use crate::template::{Failure, Output, OutputSink, notice, reach, tcl};
 
 /// Options that all these templates take.
 struct Options {
@@ -40,16 +42,11 @@ pub(super) fn run(
     compiler: &mut Compiler,
     env: &mut Environment<'_>,
 ) -> Result<i32, String> {
-    let manifest = texts.manifest()?;
-    let mut output = Output {
-        modes: Modes::new(general.debug),
-        merge_tool: "interactive".into(),
-        dir: String::new(),
-        base: env.base.clone(),
-        sink: std::mem::replace(&mut env.sink, OutputSink::Direct),
-        template: name.to_owned(),
-        confined: env.confined.clone(),
-    };
+    let manifest = texts.manifest(&*env.disk)?;
+    let sink = std::mem::replace(&mut env.sink, OutputSink::Direct);
+    let disk = Arc::clone(&env.disk);
+    let mut output = Output::new(name.to_owned(), env.base.clone(), general.debug, disk, sink);
+    output.confined = env.confined.clone();
     let result = write(
         name,
         &manifest,
@@ -60,8 +57,9 @@ pub(super) fn run(
         env,
         &mut output,
     );
-    env.sink = output.sink;
-    result
+    let (sink, written) = output.finish(!matches!(result, Ok(0)));
+    env.sink = sink;
+    written.map_err(|error| error.to_string()).and(result)
 }
 
 #[allow(clippy::too_many_arguments, reason = "the parts of a run")]
@@ -90,7 +88,7 @@ fn write(
         Some(directory) => directory.clone(),
         None => parent(&options.inputs[0]),
     };
-    let run = Data::new(compiler, &options, &output.dir, &output.base)?;
+    let run = Data::new(&*env.disk, compiler, &options, &output.dir, &output.base)?;
     let tmpdir = env
         .processes
         .folder(None)
@@ -109,11 +107,12 @@ fn write(
         if options.terse && !rule.terse {
             continue;
         }
-        let source = texts.read(&rule.source)?;
+        let source = texts.read(&*env.disk, &rule.source)?;
         for data in run.each(rule.each) {
             let path = expander.expand(&rule.path, &rule.path, &data)?;
             check_result(&path, texts, output)?;
             let text = expander.expand(&rule.source, &source, &data)?;
+            let text = encoding::latin1(&text);
             written += text.len() as u64;
             if written > limit {
                 return Err(format!("stopped: more than {} MiB", limit >> 20));
@@ -176,7 +175,11 @@ fn check_result(path: &str, texts: &Texts, output: &Output) -> Result<(), String
         &output.dir
     });
     let linked = matches!(texts, Texts::Folder(_))
-        && !reach::is_below(&folder.join(path), std::slice::from_ref(&folder));
+        && !reach::is_below(
+            &*output.disk,
+            &folder.join(path),
+            std::slice::from_ref(&folder),
+        );
     match plain && !linked {
         true => Ok(()),
         false => Err(format!(
@@ -269,7 +272,13 @@ struct Data {
 }
 
 impl Data {
-    fn new(compiler: &Compiler, options: &Options, dir: &str, base: &Path) -> Result<Data, String> {
+    fn new(
+        disk: &dyn Disk,
+        compiler: &Compiler,
+        options: &Options,
+        dir: &str,
+        base: &Path,
+    ) -> Result<Data, String> {
         let compiled = compiler.compiled();
         let spec = &*compiled.spec;
         let model = model_json::to_json(spec, None);
@@ -284,7 +293,7 @@ impl Data {
             .collect();
         let mut all_notices = String::new();
         for input in &options.inputs {
-            let text = std::fs::read(base.join(input)).unwrap_or_default();
+            let text = disk.read(&base.join(input)).unwrap_or_default();
             all_notices += &notice(&tcl::decode(&text)).unwrap_or_default();
         }
         let stub_options = StubOptions {
@@ -324,7 +333,9 @@ impl Data {
         let input = Path::new(&options.inputs[0])
             .file_name()
             .unwrap_or_default();
-        let below = std::fs::canonicalize(base.join(dir)).unwrap_or_else(|_| dir.into());
+        let below = disk
+            .canonical(&base.join(dir))
+            .unwrap_or_else(|_| dir.into());
         let inputs: Vec<String> = compiled
             .deps
             .iter()

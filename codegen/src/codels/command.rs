@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::model::Owner;
+use dotgen_syntax::encoding::LineEnd;
 use serde::Serialize;
 
 use super::{
@@ -252,7 +253,8 @@ impl Project<'_> {
         let created = edit.created.iter().map(|(path, text)| FileChange {
             path: path.clone(),
             before: self.text(path).map(|it: Arc<str>| it.to_string()),
-            after: text.clone(),
+            // What is copied from elsewhere brings no line ends along.
+            after: LineEnd::Lf.fit(text).into_owned(),
         });
         let changed = edit.changed.iter().filter_map(|(path, edits)| {
             let before = self.text(path)?;

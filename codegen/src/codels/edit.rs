@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_syntax::encoding::LineEnd;
 use serde::Serialize;
 
 /// Replaces a range of one text.
@@ -103,10 +104,11 @@ fn overlap(a: &TextEdit, b: &TextEdit) -> bool {
     a.range.start < b.range.end && b.range.start < a.range.end
 }
 
-/// Applies edits to a text. Edits that do not fit the text or overlap an earlier one are left out.
+/// Applies edits to a text, with its line ends. Edits that do not fit the text or overlap an earlier one are left out.
 pub fn apply(text: &str, edits: &[TextEdit]) -> String {
     let mut out = String::with_capacity(text.len());
     let mut at = 0;
+    let line_end = LineEnd::of(text);
     for edit in edits {
         let fits = edit.range.start >= at
             && edit.range.end >= edit.range.start
@@ -114,7 +116,7 @@ pub fn apply(text: &str, edits: &[TextEdit]) -> String {
             && text.is_char_boundary(edit.range.end);
         if fits && edit.range.end <= text.len() {
             out += &text[at..edit.range.start];
-            out += &edit.text;
+            out += &line_end.fit(&edit.text);
             at = edit.range.end;
         }
     }
@@ -153,6 +155,15 @@ mod tests {
         edit.replace("f".into(), 4..4, "+");
         let edits = &edit.changed[Utf8Path::new("f")];
         assert_eq!(apply("abcdef", edits), "bcX+ef");
+    }
+
+    #[test]
+    fn what_is_inserted_has_the_line_ends_of_the_text() {
+        let mut edit = Edit::default();
+        edit.replace("f".into(), 3..3, "x\ny\n");
+        let edits = &edit.changed[Utf8Path::new("f")];
+        assert_eq!(apply("a\r\nb\r\n", edits), "a\r\nx\r\ny\r\nb\r\n");
+        assert_eq!(apply("a\n\nb\n", edits), "a\n\nx\ny\nb\n");
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! General options, in the forms of GenoM3: those before the template's name.
 
+use std::path::{Path, PathBuf};
+
 use dotgen_analysis::release::Release;
 
 use crate::template::discover::absolute_text;
@@ -26,6 +28,8 @@ pub(crate) struct Options {
     pub(super) mode: Mode,
     /// The options as `dotgen genom cmdline` shows them.
     pub(super) cmdline: String,
+    /// Directory where relative paths start.
+    here: PathBuf,
     /// The template and everything after it, or the inputs.
     pub(super) rest: Vec<String>,
 }
@@ -75,8 +79,11 @@ const LONG: &[(&str, char)] = &[
     ("version", 'V'),
 ];
 
-pub(super) fn parse(args: &[String]) -> Result<Options, OptionError> {
-    let mut options = Options::default();
+pub(super) fn parse(args: &[String], here: &Path) -> Result<Options, OptionError> {
+    let mut options = Options {
+        here: here.to_owned(),
+        ..Options::default()
+    };
     let mut args = args.iter().peekable();
     while let Some(word) = args.peek() {
         let word = word.as_str();
@@ -129,7 +136,8 @@ pub(super) fn parse(args: &[String]) -> Result<Options, OptionError> {
     }
     options.rest = args.cloned().collect();
     if !options.directory.is_empty() {
-        options.cmdline += &format!(" -C {}", absolute_text(&options.directory));
+        let directory = absolute_text(&options.here, &options.directory);
+        options.cmdline += &format!(" -C {directory}");
     }
     Ok(options)
 }
@@ -160,7 +168,7 @@ impl Options {
     fn apply(&mut self, option: char, value: String, word: &str) -> Result<(), OptionError> {
         let mode = match option {
             'I' => {
-                self.cmdline += &format!(" -I{}", absolute_text(&value));
+                self.cmdline += &format!(" -I{}", absolute_text(&self.here, &value));
                 self.include_dirs.push(value);
                 return Ok(());
             }
@@ -171,12 +179,12 @@ impl Options {
                 return Ok(());
             }
             't' => {
-                self.cmdline += &format!(" -t {}", absolute_text(&value));
+                self.cmdline += &format!(" -t {}", absolute_text(&self.here, &value));
                 self.templates = Some(value);
                 return Ok(());
             }
             'T' => {
-                self.cmdline += &format!(" -T {}", absolute_text(&value));
+                self.cmdline += &format!(" -T {}", absolute_text(&self.here, &value));
                 self.tmpdir = Some(value);
                 return Ok(());
             }
@@ -195,7 +203,7 @@ impl Options {
             }
             // The engine is part of this program: another one cannot be named.
             's' => {
-                self.cmdline += &format!(" -s {}", absolute_text(&value));
+                self.cmdline += &format!(" -s {}", absolute_text(&self.here, &value));
                 return Ok(());
             }
             'v' => {
@@ -242,7 +250,7 @@ mod tests {
 
     fn read(line: &str) -> Result<Options, OptionError> {
         let words: Vec<String> = line.split(' ').map(str::to_owned).collect();
-        parse(&words)
+        parse(&words, Path::new("/here"))
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! General options that a project gives, for whoever leaves them out.
 
+use std::path::Path;
+
 use super::options;
 
 /// What a project says of how its specifications are read.
@@ -16,7 +18,7 @@ pub struct Project {
 impl Project {
     /// The arguments with what the project adds. `find` gives the project for what follows the general options.
     pub fn complete(args: &[String], find: impl FnOnce(&[String]) -> Project) -> Vec<String> {
-        let Ok(given) = options::parse(args) else {
+        let Ok(given) = options::parse(args, Path::new("")) else {
             // They will be refused, with the reason.
             return args.to_vec();
         };

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::{TemplatePlace, marker};
+use crate::disk::Disk;
 
 /// A script the interpreter has read: the path Tcl knows, the name to show, and the text.
 #[derive(Debug, Clone)]
@@ -130,14 +131,19 @@ pub(crate) fn explain(
 
 /// The place of an error in the files of a template: the one its message begins with
 /// (`SOURCE:LINE: TEXT`), else the innermost one that Tcl's trace names.
-pub(crate) fn place(dir: &Path, message: &str, trace: &str) -> Option<TemplatePlace> {
+pub(crate) fn place(
+    disk: &dyn Disk,
+    dir: &Path,
+    message: &str,
+    trace: &str,
+) -> Option<TemplatePlace> {
     let first = message.lines().next().unwrap_or_default();
     if let Some((name, rest)) = first.split_once(':') {
         let digits = rest.bytes().take_while(u8::is_ascii_digit).count();
         let file = dir.join(name);
         if let Ok(line) = rest[..digits].parse()
             && !name.is_empty()
-            && file.is_file()
+            && disk.is_file(&file)
         {
             let message = rest[digits..].trim_start_matches([':', ' ']).to_owned();
             return Some(TemplatePlace {

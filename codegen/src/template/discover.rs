@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 
 use dotgen_analysis::release::Release;
 
+use crate::disk::{Disk, Entry};
+
 /// Where templates are looked for.
 #[derive(Debug, Clone, Default)]
 pub struct SearchPath {
@@ -62,9 +64,9 @@ impl SearchPath {
     ///
     /// # Errors
     /// When there is none.
-    pub fn find(&self, name: &str) -> Result<PathBuf, FindError> {
+    pub fn find(&self, disk: &dyn Disk, name: &str) -> Result<PathBuf, FindError> {
         let path = Path::new(name);
-        if path.exists() && !path.is_dir() {
+        if disk.exists(path) && !disk.is_dir(path) {
             return Err(FindError::MissingArgument(name.to_owned()));
         }
         let dir = if path.is_absolute() {
@@ -72,34 +74,34 @@ impl SearchPath {
         } else {
             self.all()
                 .map(|dir| dir.join(name))
-                .find(|dir| dir.is_dir() && entry(dir).is_some())
+                .find(|dir| disk.is_dir(dir) && entry(disk, dir).is_some())
                 .ok_or_else(|| FindError::NotFound(name.to_owned()))?
         };
-        match entry(&dir) {
+        match entry(disk, &dir) {
             None => Err(FindError::NoEntry),
-            Some(engine) if engine == "tcl" => Ok(absolute(&dir)),
+            Some(engine) if engine == "tcl" => Ok(disk.absolute(&dir)),
             Some(engine) => Err(FindError::UnknownEngine(engine)),
         }
     }
 
     /// The directory of a template without Tcl (one with a `template.toml`), if the name is that of
     /// one and no directory before it has a Tcl template of that name.
-    pub(crate) fn find_manifest(&self, name: &str) -> Option<PathBuf> {
+    pub(crate) fn find_manifest(&self, disk: &dyn Disk, name: &str) -> Option<PathBuf> {
         let path = Path::new(name);
         let dir = if path.is_absolute() {
             Some(path.to_owned())
         } else {
             let mut dirs = self.all().map(|dir| dir.join(name));
-            dirs.find(|dir| dir.is_dir() && entry(dir).is_some())
+            dirs.find(|dir| disk.is_dir(dir) && entry(disk, dir).is_some())
         };
-        dir.filter(|dir| entry(dir).as_deref() == Some("toml"))
+        dir.filter(|dir| entry(disk, dir).as_deref() == Some("toml"))
     }
 
     /// Names of all templates at any depth, sorted, each once.
-    pub fn list(&self) -> Vec<String> {
+    pub fn list(&self, disk: &dyn Disk) -> Vec<String> {
         let mut names = BTreeSet::new();
         for dir in self.all() {
-            list_below(dir, "", &mut names, 16);
+            list_below(disk, dir, "", &mut names, 16);
         }
         names.into_iter().collect()
     }
@@ -107,10 +109,10 @@ impl SearchPath {
 
 /// The release of the GenoM3 that one of these directories of templates belongs to, and the file that says so: the
 /// version file of the template engine, which is installed beside them.
-pub fn release_of(dirs: &[PathBuf]) -> Option<(Release, PathBuf)> {
+pub fn release_of(disk: &dyn Disk, dirs: &[PathBuf]) -> Option<(Release, PathBuf)> {
     dirs.iter().find_map(|dir| {
         let file = dir.parent()?.join("engines/tcl/version.tcl");
-        let text = std::fs::read_to_string(&file).ok()?;
+        let text = String::from_utf8(disk.read(&file).ok()?).ok()?;
         let provided = text
             .lines()
             .find_map(|it| it.trim().strip_prefix("package provide genom-engine"))?;
@@ -118,48 +120,44 @@ pub fn release_of(dirs: &[PathBuf]) -> Option<(Release, PathBuf)> {
     })
 }
 
-/// The path, made absolute by putting the current directory in front.
-pub(crate) fn absolute(path: &Path) -> PathBuf {
-    if path.is_absolute() {
-        return path.to_owned();
-    }
-    std::env::current_dir().unwrap_or_default().join(path)
-}
-
-/// [`absolute`] for a text that need not be one path.
-pub(crate) fn absolute_text(text: &str) -> String {
+/// A path, made absolute by putting `here` in front; for a text that need not be one path.
+pub(crate) fn absolute_text(here: &Path, text: &str) -> String {
     if text.starts_with('/') {
         return text.to_owned();
     }
-    let here = std::env::current_dir().unwrap_or_default();
     format!("{}/{text}", here.display())
 }
 
 /// Suffix of the entry of a template directory. A Tcl entry is preferred.
-fn entry(dir: &Path) -> Option<String> {
-    let names = std::fs::read_dir(dir).ok()?.flatten();
-    let mut engines: Vec<String> = names
-        .filter_map(|it| it.file_name().into_string().ok())
+fn entry(disk: &dyn Disk, dir: &Path) -> Option<String> {
+    let entries = disk.list(dir).ok()?;
+    let mut engines: Vec<String> = (entries.iter())
+        .filter_map(|it| it.path.file_name()?.to_str())
         .filter_map(|name| name.strip_prefix("template.").map(str::to_owned))
         .collect();
     engines.sort_by_key(|engine| engine != "tcl");
     engines.into_iter().next()
 }
 
-fn list_below(dir: &Path, prefix: &str, names: &mut BTreeSet<String>, depth: usize) {
+fn list_below(
+    disk: &dyn Disk,
+    dir: &Path,
+    prefix: &str,
+    names: &mut BTreeSet<String>,
+    depth: usize,
+) {
     let Some(depth) = depth.checked_sub(1) else {
         return;
     };
-    let Ok(entries) = std::fs::read_dir(dir) else {
+    let Ok(entries) = disk.list(dir) else {
         return;
     };
-    for path in entries.flatten().map(|it| it.path()) {
+    for Entry { path, is_dir } in entries {
         // Links to directories are not followed: they could lead back.
-        let plain = std::fs::symlink_metadata(&path).is_ok_and(|it| it.is_dir());
         let Some(name) = path.file_name().and_then(|it| it.to_str()) else {
             continue;
         };
-        if !plain {
+        if !is_dir {
             continue;
         }
         let name = if prefix.is_empty() {
@@ -167,36 +165,9 @@ fn list_below(dir: &Path, prefix: &str, names: &mut BTreeSet<String>, depth: usi
         } else {
             format!("{prefix}/{name}")
         };
-        list_below(&path, &name, names, depth);
-        if entry(&path).is_some() {
+        list_below(disk, &path, &name, names, depth);
+        if entry(disk, &path).is_some() {
             names.insert(name);
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn templates_are_found_at_any_depth() {
-        let tree = tempfile::tempdir().unwrap();
-        for dir in ["a", "b/c", "d"] {
-            std::fs::create_dir_all(tree.path().join(dir)).unwrap();
-        }
-        for file in ["a/template.tcl", "b/c/template.tcl", "d/template.py"] {
-            std::fs::write(tree.path().join(file), "").unwrap();
-        }
-        let path = SearchPath {
-            dirs: SearchPath::parse(&format!("nowhere::{}", tree.path().display())),
-            builtin: None,
-        };
-        assert_eq!(path.list(), ["a", "b/c", "d"]);
-        assert_eq!(path.find("b/c"), Ok(tree.path().join("b/c")));
-        assert_eq!(path.find("b"), Err(FindError::NotFound("b".into())));
-        assert_eq!(path.find("d"), Err(FindError::UnknownEngine("py".into())));
-        let file = tree.path().join("a/template.tcl");
-        let file = file.to_str().unwrap().to_owned();
-        assert_eq!(path.find(&file), Err(FindError::MissingArgument(file)));
     }
 }

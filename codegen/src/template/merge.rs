@@ -1,5 +1,7 @@
 //! The built-in merge of a file the user has changed with what a template writes now.
 
+use dotgen_syntax::encoding::LineEnd;
+
 /// How a conflict is settled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Choice {
@@ -58,11 +60,19 @@ pub struct Merged {
 /// between, new ones are added, old ones are kept, and where both sides have something to say
 /// `settle` decides. Lines of sample code count for nothing.
 pub fn merge(new: &str, old: &str, settle: &mut dyn FnMut(&Conflict<'_>) -> Choice) -> Merged {
-    let new = lines(new);
-    let old = lines(old);
-    let mut out = Output::default();
+    let unfinished = !old.is_empty() && !old.ends_with('\n');
+    let line_end = LineEnd::of(old);
+    let new = lines(&line_end.fit(new));
+    let mut old = lines(old);
+    if unfinished && let Some(last) = old.last_mut() {
+        last.push_str(line_end.as_str().trim_end_matches('\n'));
+    }
+    let mut out = Output {
+        line_end,
+        ..Output::default()
+    };
     let (mut at_new, mut at_old) = (0, 0);
-    for (next_new, next_old) in common_lines(&new, &old) {
+    for (next_new, next_old) in common_lines(&bare(&new), &bare(&old)) {
         let only_new = &new[at_new.min(next_new)..next_new];
         let only_old = &old[at_old.min(next_old)..next_old];
         match (counts(only_new), counts(only_old)) {
@@ -78,11 +88,11 @@ pub fn merge(new: &str, old: &str, settle: &mut dyn FnMut(&Conflict<'_>) -> Choi
                     Choice::New => out.push(only_new),
                     Choice::Old => out.push(only_old),
                     Choice::Markers => {
-                        out.line("<<<<<<< user version");
+                        out.marker("<<<<<<< user version");
                         out.push(only_old);
-                        out.line("=======");
+                        out.marker("=======");
                         out.push(only_new);
-                        out.line(">>>>>>> template version");
+                        out.marker(">>>>>>> template version");
                         out.conflicts += 1;
                     }
                     Choice::Leave => {
@@ -103,6 +113,14 @@ pub fn merge(new: &str, old: &str, settle: &mut dyn FnMut(&Conflict<'_>) -> Choi
         at_new = next_new + 1;
         at_old = next_old + 1;
     }
+    // The last line of the file has no end, and goes on having none.
+    let ends_so = |last: &String| {
+        let text = out.text.strip_suffix('\n');
+        text.is_some_and(|it| it.ends_with(last))
+    };
+    if unfinished && old.last().is_some_and(ends_so) {
+        out.text.truncate(out.text.len() - line_end.as_str().len());
+    }
     Merged {
         text: Some(out.text),
         conflicts: out.conflicts,
@@ -112,6 +130,7 @@ pub fn merge(new: &str, old: &str, settle: &mut dyn FnMut(&Conflict<'_>) -> Choi
 #[derive(Default)]
 struct Output {
     text: String,
+    line_end: LineEnd,
     conflicts: usize,
 }
 
@@ -119,6 +138,11 @@ impl Output {
     fn line(&mut self, line: &str) {
         self.text.push_str(line);
         self.text.push('\n');
+    }
+
+    fn marker(&mut self, text: &str) {
+        self.text.push_str(text);
+        self.text.push_str(self.line_end.as_str());
     }
 
     fn push(&mut self, lines: &[String]) {
@@ -132,6 +156,14 @@ fn lines(text: &str) -> Vec<String> {
         return Vec::new();
     }
     text.split('\n').map(str::to_owned).collect()
+}
+
+/// The lines without what is left of their ends: `\r` tells none apart.
+fn bare(lines: &[String]) -> Vec<&str> {
+    lines
+        .iter()
+        .map(|it| it.strip_suffix('\r').unwrap_or(it))
+        .collect()
 }
 
 fn counts(block: &[String]) -> bool {
@@ -151,9 +183,9 @@ struct Candidate {
 /// Pairs of indexes of equal lines, growing on both sides, ending with the two lengths: a longest
 /// common subsequence by the method of Hunt and McIlroy ("An algorithm for differential file
 /// comparison", Bell Laboratories, 1976). Blank lines never match.
-fn common_lines(new: &[String], old: &[String]) -> Vec<(usize, usize)> {
+fn common_lines(new: &[&str], old: &[&str]) -> Vec<(usize, usize)> {
     let mut places: rustc_hash::FxHashMap<&str, Vec<usize>> = rustc_hash::FxHashMap::default();
-    for (index, line) in old.iter().enumerate() {
+    for (index, line) in old.iter().copied().enumerate() {
         if !line.trim().is_empty() {
             places.entry(line).or_default().push(index);
         }
@@ -162,7 +194,7 @@ fn common_lines(new: &[String], old: &[String]) -> Vec<(usize, usize)> {
     // best[n] is the candidate of length n + 1 that ends earliest in the old file.
     let mut best: Vec<usize> = Vec::new();
     for (at_new, line) in new.iter().enumerate() {
-        let Some(matches) = places.get(line.as_str()) else {
+        let Some(matches) = places.get(line) else {
             continue;
         };
         // A candidate found for this line takes its place only after the next one has been looked
@@ -239,6 +271,20 @@ mod tests {
     }
 
     #[test]
+    fn bytes_and_line_ends_of_the_file_stay() {
+        assert_eq!(
+            auto("a\nnew\nb\n", "a\r\nb\r\nmine\r\n"),
+            "a\r\nnew\r\nb\r\nmine\r\n"
+        );
+        assert_eq!(auto("a\nb\n", "a\r\nb\nc\r\nd\r\n"), "a\r\nb\nc\r\nd\r\n");
+        assert_eq!(
+            auto("a\nnew\nb\n", "a\r\nold\r\nb"),
+            "a\r\n<<<<<<< user version\r\nold\r\n=======\r\nnew\r\n>>>>>>> template version\r\nb"
+        );
+        assert_eq!(auto("a\nb\nc\n", "a\nb"), "a\nb\nc\n");
+    }
+
+    #[test]
     fn conflicts_are_marked() {
         assert_eq!(
             auto("a\nnew\nb\n", "a\nold\nb\n"),
@@ -277,7 +323,9 @@ mod tests {
 
     #[test]
     fn a_longest_common_subsequence_is_found() {
-        let split = |text: &str| -> Vec<String> { text.chars().map(String::from).collect() };
+        let split = |text: &'static str| -> Vec<&str> {
+            text.split("").filter(|it| !it.is_empty()).collect()
+        };
         let (new, old) = (split("abcabba"), split("cbabac"));
         let pairs = common_lines(&new, &old);
         assert_eq!(pairs.len(), 5, "four common lines and the end");

@@ -1,15 +1,22 @@
 //! Files that templates write: modes, merging, permissions, and where the bytes go.
 
+mod permissions;
+mod staged;
+
 use std::collections::BTreeMap;
 use std::io;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::SystemTime;
+
+use dotgen_syntax::encoding;
 
 use super::console::Console;
 use super::merge::{self, Choice, Conflict};
-use super::tcl;
 use super::{Confined, Failure, reach};
+use crate::disk::{Disk, WriteError};
 use crate::process::{Channels, Processes, Program, Resources};
+pub(crate) use staged::{Staged, plain};
 
 /// A file as a template wants it, in a run that writes nothing.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -25,9 +32,9 @@ pub struct PreviewFile {
 /// Where the files of a template go.
 #[derive(Debug)]
 pub enum OutputSink {
-    /// To their places.
+    /// To their places, when the template has ended well: all of them, or none.
     Direct,
-    /// Into memory, by absolute path; later reads see them.
+    /// Into memory, by absolute path.
     Preview(BTreeMap<PathBuf, PreviewFile>),
 }
 
@@ -37,137 +44,16 @@ impl OutputSink {
         OutputSink::Preview(BTreeMap::new())
     }
 
-    /// Bytes of a file, `None` when it does not exist.
-    fn read(&self, path: &Path) -> io::Result<Option<Vec<u8>>> {
-        if let OutputSink::Preview(files) = self
-            && let Some(file) = files.get(&plain(path))
-        {
-            return Ok(Some(file.after.clone()));
-        }
-        match std::fs::read(path) {
-            Ok(bytes) => Ok(Some(bytes)),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
-            Err(error) => Err(error),
-        }
-    }
-
-    fn exists(&self, path: &Path) -> bool {
-        match self {
-            OutputSink::Preview(files) if files.contains_key(&plain(path)) => true,
-            _ => path.exists(),
-        }
-    }
-
-    fn write(&mut self, path: &Path, bytes: &[u8], temporary: &Path) -> io::Result<()> {
-        match self {
-            OutputSink::Direct => {
-                if let Some(dir) = path.parent() {
-                    std::fs::create_dir_all(dir)?;
-                }
-                // Copied from a fresh file: the result has its permissions, whatever was there.
-                std::fs::write(temporary, bytes)?;
-                let copied = std::fs::copy(temporary, path).map(|_| ());
-                let _ = std::fs::remove_file(temporary);
-                copied
-            }
-            OutputSink::Preview(files) => {
-                let path = plain(path);
-                let before = match files.get(&path) {
-                    Some(file) => file.before.clone(),
-                    None => std::fs::read(&path).ok(),
-                };
-                files.insert(
-                    path,
-                    PreviewFile {
-                        before,
-                        after: bytes.to_vec(),
-                        mode: None,
-                    },
-                );
-                Ok(())
-            }
-        }
-    }
-
-    /// Writes the files that were kept.
+    /// Writes the files that were kept, all or none.
     ///
     /// # Errors
     /// The first that cannot be written, and why.
-    pub(crate) fn write_out(self) -> Result<(), (PathBuf, io::Error)> {
-        let OutputSink::Preview(files) = self else {
-            return Ok(());
-        };
-        for (path, file) in files {
-            let write = || {
-                if let Some(dir) = path.parent() {
-                    std::fs::create_dir_all(dir)?;
-                }
-                if file.before.as_ref() != Some(&file.after) {
-                    OutputSink::Direct.put(&path, &file.after)?;
-                }
-                file.mode.map_or(Ok(()), |mode| set_unix_mode(&path, mode))
-            };
-            write().map_err(|error| (path.clone(), error))?;
-        }
-        Ok(())
-    }
-
-    /// Puts bytes where they belong, whatever is there.
-    pub(crate) fn put(&mut self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+    pub(crate) fn write_out(self, disk: &dyn Disk) -> Result<(), WriteError> {
         match self {
-            OutputSink::Direct => std::fs::write(path, bytes),
-            OutputSink::Preview(_) => self.write(path, bytes, Path::new("")),
+            OutputSink::Preview(files) => Staged::direct(files).finish(disk, false).1,
+            OutputSink::Direct => Ok(()),
         }
     }
-
-    fn set_permissions(&mut self, path: &Path, permissions: &str) -> Result<(), Failure> {
-        let invalid = || {
-            Failure::Error(format!(
-                "unknown permission string format \"{permissions}\""
-            ))
-        };
-        match self {
-            OutputSink::Direct => {
-                let current = unix_mode(path);
-                let mode = parse_permissions(permissions, current).ok_or_else(invalid)?;
-                set_unix_mode(path, mode).map_err(|error| {
-                    Failure::Error(format!(
-                        "could not set permissions for file \"{}\": {}",
-                        path.display(),
-                        posix(&error)
-                    ))
-                })
-            }
-            OutputSink::Preview(files) => {
-                let file = files.get_mut(&plain(path));
-                let current = file.as_ref().and_then(|it| it.mode);
-                let current = current.unwrap_or_else(|| match unix_mode(path) {
-                    0 => 0o644,
-                    mode => mode,
-                });
-                let mode = parse_permissions(permissions, current).ok_or_else(invalid)?;
-                if let Some(file) = file {
-                    file.mode = Some(mode);
-                }
-                Ok(())
-            }
-        }
-    }
-}
-
-/// The path without `.` and `..`, absolute.
-pub(crate) fn plain(path: &Path) -> PathBuf {
-    let mut out = PathBuf::new();
-    for component in super::discover::absolute(path).components() {
-        match component {
-            Component::CurDir => {}
-            Component::ParentDir => {
-                out.pop();
-            }
-            other => out.push(other),
-        }
-    }
-    out
 }
 
 /// Switches of the engine that say what happens to files that exist.
@@ -251,26 +137,53 @@ pub(crate) trait Environment {
 
 /// The state of the engine that concerns files.
 #[derive(Debug)]
-pub struct Output {
+pub(crate) struct Output {
     /// See [`Modes`].
-    pub modes: Modes,
+    pub(crate) modes: Modes,
     /// `interactive`, `auto`, or a program.
-    pub merge_tool: String,
+    pub(crate) merge_tool: String,
     /// Output directory; empty when never set.
-    pub dir: String,
+    pub(crate) dir: String,
     /// Directory where relative paths start; empty for the current one.
-    pub base: PathBuf,
-    /// Where bytes go.
-    pub sink: OutputSink,
+    pub(crate) base: PathBuf,
+    /// What was written.
+    pub(crate) files: Staged,
+    /// What was there before.
+    pub(crate) disk: Arc<dyn Disk>,
     /// Name of the template, for messages.
-    pub template: String,
+    pub(crate) template: String,
     /// Where results may be, and that no program may be started, if it is so.
-    pub confined: Option<Confined>,
+    pub(crate) confined: Option<Confined>,
 }
 
 impl Output {
+    /// The state at the start of a run of the template of that name.
+    pub(crate) fn new(
+        template: String,
+        base: PathBuf,
+        debug: bool,
+        disk: Arc<dyn Disk>,
+        sink: OutputSink,
+    ) -> Output {
+        Output {
+            modes: Modes::new(debug),
+            merge_tool: "interactive".into(),
+            dir: String::new(),
+            base,
+            files: Staged::new(sink),
+            disk,
+            template,
+            confined: None,
+        }
+    }
+
+    /// Ends the run: a run that has failed writes nothing.
+    pub(crate) fn finish(self, failed: bool) -> (OutputSink, Result<(), WriteError>) {
+        self.files.finish(&*self.disk, failed)
+    }
+
     /// The path of a file that a template names: below the output directory.
-    pub fn path(&self, name: &str) -> String {
+    pub(crate) fn path(&self, name: &str) -> String {
         join(&self.dir, name)
     }
 
@@ -294,7 +207,7 @@ impl Output {
         let Some(confined) = &self.confined else {
             return Ok(());
         };
-        if reach::is_below(path, &confined.results) {
+        if reach::is_below(&*self.disk, path, &confined.results) {
             return Ok(());
         }
         let folders: Vec<String> = confined
@@ -320,7 +233,7 @@ impl Output {
         let path = self.base.join(&shown);
         self.check(&shown, &path)?;
         let silent = self.modes.is_on("silent");
-        let exists = self.sink.exists(&path);
+        let exists = self.files.exists(&*self.disk, &path);
         let say = |env: &mut dyn Environment, line: String| {
             if !silent {
                 env.print(&line);
@@ -330,10 +243,14 @@ impl Output {
             Failure::Error(format!("couldn't open \"{shown}\": {}", posix(error)))
         };
         if exists && self.modes.is_on("move-if-change") {
-            let old = self.sink.read(&path).map_err(|it| opening(&it))?;
+            let old = self
+                .files
+                .read(&*self.disk, &path)
+                .map_err(|it| opening(&it))?;
             if old.as_deref() == Some(text.as_bytes()) {
                 if !permissions.is_empty() {
-                    self.sink.set_permissions(&path, permissions)?;
+                    self.files
+                        .set_permissions(&*self.disk, &path, permissions)?;
                 }
                 say(env, format!("{shown} is up-to-date"));
                 return Ok(());
@@ -347,7 +264,8 @@ impl Output {
                 )));
             }
             if !permissions.is_empty() {
-                self.sink.set_permissions(&path, permissions)?;
+                self.files
+                    .set_permissions(&*self.disk, &path, permissions)?;
             }
             return Ok(());
         }
@@ -360,22 +278,16 @@ impl Output {
         }
         let verb = if exists { "overwriting" } else { "creating" };
         say(env, format!("{verb} {shown}"));
-        self.write(&shown, &path, text.as_bytes(), env)?;
+        self.write(&shown, &path, text.as_bytes())?;
         if !permissions.is_empty() {
-            self.sink.set_permissions(&path, permissions)?;
+            self.files
+                .set_permissions(&*self.disk, &path, permissions)?;
         }
         Ok(())
     }
 
-    fn write(
-        &mut self,
-        shown: &str,
-        path: &Path,
-        bytes: &[u8],
-        env: &mut dyn Environment,
-    ) -> Result<(), Failure> {
-        let temporary = env.temporary();
-        self.sink.write(path, bytes, &temporary).map_err(|error| {
+    fn write(&mut self, shown: &str, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+        self.files.write(&*self.disk, path, bytes).map_err(|error| {
             Failure::Error(format!("error copying to \"{shown}\": {}", posix(&error)))
         })
     }
@@ -393,18 +305,25 @@ impl Output {
         if !interactive && tool != "auto" {
             return self.merge_with(&tool, shown, path, text, env);
         }
-        let old = self.sink.read(path).ok().flatten().unwrap_or_default();
-        let old_text = tcl::decode(&old);
+        let old = self
+            .files
+            .read(&*self.disk, path)
+            .ok()
+            .flatten()
+            .unwrap_or_default();
+        // What only the file has goes through as it is, whatever its encoding.
+        let old_text = encoding::decode(old.clone());
+        let new_text = encoding::escape(text);
         let header = if interactive {
-            let time = std::fs::metadata(path).and_then(|it| it.modified());
-            let before = env.format_time(time.unwrap_or_else(|_| SystemTime::now()));
+            let time = self.disk.status(path).and_then(|it| it.modified);
+            let before = env.format_time(time.unwrap_or_else(SystemTime::now));
             let now = env.format_time(SystemTime::now());
             format!("--- {shown}\t{before}\n+++ {shown}\t{now}\n")
         } else {
             String::new()
         };
         let mut action = String::new();
-        let merged = merge::merge(text, &old_text, &mut |conflict| {
+        let merged = merge::merge(&new_text, &old_text, &mut |conflict| {
             if interactive {
                 ask(&header, conflict, &mut action, env)
             } else {
@@ -417,17 +336,18 @@ impl Output {
         let Some(text) = merged.text else {
             return Ok(true);
         };
-        if self.modes.is_on("move-if-change") && text.as_bytes() == old {
+        let bytes = encoding::encode(&text);
+        if self.modes.is_on("move-if-change") && *bytes == *old {
             if !self.modes.is_on("silent") {
                 env.print(&format!("{shown} was not modified"));
             }
             return Ok(true);
         }
-        self.write(shown, path, text.as_bytes(), env)?;
+        self.write(shown, path, &bytes)?;
         Ok(true)
     }
 
-    /// Runs `TOOL NEW OLD`; the tool updates OLD itself.
+    /// Runs `TOOL NEW OLD`; the tool updates OLD, which is a copy of the file.
     fn merge_with(
         &mut self,
         tool: &str,
@@ -436,19 +356,15 @@ impl Output {
         text: &str,
         env: &mut dyn Environment,
     ) -> Result<bool, Failure> {
-        let new = env.temporary();
         let failed = |error: io::Error| Failure::Error(format!("{shown}: {}", posix(&error)));
-        std::fs::write(&new, text).map_err(failed)?;
-        // A preview gives the tool a copy to work on.
-        let old = match &self.sink {
-            OutputSink::Direct => path.to_owned(),
-            OutputSink::Preview(_) => {
-                let copy = env.temporary();
-                let bytes = self.sink.read(path).map_err(failed)?.unwrap_or_default();
-                std::fs::write(&copy, bytes).map_err(failed)?;
-                copy
-            }
-        };
+        let before = self
+            .files
+            .read(&*self.disk, path)
+            .map_err(failed)?
+            .unwrap_or_default();
+        let (new, old) = (env.temporary(), env.temporary());
+        self.disk.put(&new, text.as_bytes()).map_err(failed)?;
+        self.disk.put(&old, &before).map_err(failed)?;
         let channels = match env.console().is_terminal() {
             true => Channels::Shared,
             // Who asks over pipes keeps them for himself: a tool that reads or writes there would break in.
@@ -463,7 +379,9 @@ impl Output {
             access: None,
         });
         let status = process.and_then(|mut it| it.wait_with_output());
-        let _ = std::fs::remove_file(&new);
+        let merged = self.disk.read(&old).map_err(failed);
+        self.disk.remove(&new);
+        self.disk.remove(&old);
         let problem = match status {
             Ok((status, _)) if status.success() => None,
             Ok(_) => Some("child process exited abnormally".to_owned()),
@@ -473,10 +391,9 @@ impl Output {
             env.message(&format!("{tool}: {problem}"));
             return Ok(false);
         }
-        if let OutputSink::Preview(_) = self.sink {
-            let bytes = std::fs::read(&old).map_err(failed)?;
-            let _ = std::fs::remove_file(&old);
-            self.write(shown, path, &bytes, env)?;
+        let merged = merged?;
+        if merged != before {
+            self.write(shown, path, &merged)?;
         }
         Ok(true)
     }
@@ -489,7 +406,7 @@ fn ask(
     action: &mut String,
     env: &mut dyn Environment,
 ) -> Choice {
-    let patch = format!("{header}{}", conflict.hunk());
+    let patch = format!("{header}{}", encoding::shown(&conflict.hunk()));
     env.print(&patch);
     loop {
         env.prompt("Apply this patch [y,n,c,a,q,?]? ");
@@ -550,107 +467,6 @@ pub(crate) fn posix(error: &io::Error) -> String {
     }
 }
 
-#[cfg(unix)]
-fn unix_mode(path: &Path) -> u32 {
-    use std::os::unix::fs::PermissionsExt;
-    std::fs::metadata(path).map_or(0, |it| it.permissions().mode() & 0o7777)
-}
-
-#[cfg(not(unix))]
-fn unix_mode(_: &Path) -> u32 {
-    0
-}
-
-#[cfg(unix)]
-fn set_unix_mode(path: &Path, mode: u32) -> io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    std::fs::set_permissions(path, std::fs::Permissions::from_mode(mode))
-}
-
-#[cfg(not(unix))]
-fn set_unix_mode(_: &Path, _: u32) -> io::Result<()> {
-    Ok(())
-}
-
-/// Reads permissions in the forms of Tcl's `file attributes -permissions`: octal, `rwxr-xr-x`,
-/// or `chmod` words.
-fn parse_permissions(text: &str, current: u32) -> Option<u32> {
-    let text = text.trim();
-    let digits = text.strip_prefix("0o").unwrap_or(text);
-    if !digits.is_empty() && digits.chars().all(|c| c.is_digit(8)) {
-        return u32::from_str_radix(digits, 8).ok().map(|it| it & 0o7777);
-    }
-    if text.len() == 9 && text.chars().all(|c| "rwxstST-".contains(c)) {
-        return parse_listing(text);
-    }
-    let mut mode = current;
-    for clause in text.split(',') {
-        mode = parse_clause(clause, mode)?;
-    }
-    Some(mode)
-}
-
-/// `rwxr-xr-x`.
-fn parse_listing(text: &str) -> Option<u32> {
-    let mut mode = 0;
-    for (index, c) in text.chars().enumerate() {
-        let bit = 0o400 >> index;
-        let (expected, special) = match index {
-            2 => ('x', 0o4000),
-            5 => ('x', 0o2000),
-            8 => ('x', 0o1000),
-            _ if index % 3 == 0 => ('r', 0),
-            _ => ('w', 0),
-        };
-        match c {
-            '-' => {}
-            c if c == expected => mode |= bit,
-            's' | 't' if special != 0 => mode |= bit | special,
-            'S' | 'T' if special != 0 => mode |= special,
-            _ => return None,
-        }
-    }
-    Some(mode)
-}
-
-/// `u+x`, `go-w`, `a=r`.
-fn parse_clause(clause: &str, mode: u32) -> Option<u32> {
-    let at = clause.find(['+', '-', '='])?;
-    let (who, rest) = clause.split_at(at);
-    let mut classes = 0;
-    for c in who.chars() {
-        classes |= match c {
-            'u' => 0o4700,
-            'g' => 0o2070,
-            'o' => 0o1007,
-            'a' => 0o7777,
-            _ => return None,
-        };
-    }
-    if who.is_empty() {
-        classes = 0o7777;
-    }
-    let mut characters = rest.chars();
-    let operator = characters.next()?;
-    let mut bits = 0;
-    for c in characters {
-        bits |= match c {
-            'r' => 0o444,
-            'w' => 0o222,
-            'x' => 0o111,
-            's' => 0o6000,
-            't' => 0o1000,
-            _ => return None,
-        };
-    }
-    let bits = bits & classes;
-    Some(match operator {
-        '+' => mode | bits,
-        '-' => mode & !bits,
-        _ => (mode & !classes) | bits,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -661,23 +477,6 @@ mod tests {
         assert_eq!(join(".", "a.txt"), "./a.txt");
         assert_eq!(join("out/", "sub//a.txt"), "out/sub/a.txt");
         assert_eq!(join("out", "/abs"), "/abs");
-    }
-
-    #[test]
-    fn permissions_in_every_form() {
-        for (text, mode) in [
-            ("0755", 0o755),
-            ("755", 0o755),
-            ("a+x", 0o755),
-            ("a+x,go-w", 0o755),
-            ("u=rwx,g=rx,o=", 0o750),
-            ("rwxr-x---", 0o750),
-            ("+x", 0o755),
-        ] {
-            assert_eq!(parse_permissions(text, 0o644), Some(mode), "{text}");
-        }
-        assert_eq!(parse_permissions("q+x", 0o644), None);
-        assert_eq!(parse_permissions("", 0o644), None);
     }
 
     #[test]

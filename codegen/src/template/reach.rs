@@ -6,7 +6,8 @@
 use std::path::{Path, PathBuf};
 
 use super::Failure;
-use super::discover::{SearchPath, absolute};
+use super::discover::SearchPath;
+use crate::disk::Disk;
 use crate::process::Access;
 
 /// What may be read.
@@ -20,6 +21,7 @@ impl Reach {
     /// Of a template in `dir` that is told `words`: its own folder and those beside it, the files that
     /// words name, and the temporary folder.
     pub(crate) fn new(
+        disk: &dyn Disk,
         dir: &Path,
         search: &SearchPath,
         base: &Path,
@@ -31,10 +33,10 @@ impl Reach {
         let files = words
             .iter()
             .map(|it| base.join(it))
-            .filter(|it| it.is_file());
+            .filter(|it| disk.is_file(it));
         let read = folders.map(Path::to_owned).chain(files);
         Reach {
-            read: read.filter_map(|it| it.canonicalize().ok()).collect(),
+            read: read.filter_map(|it| disk.canonical(&it).ok()).collect(),
             tmpdir: tmpdir.to_owned(),
         }
     }
@@ -48,8 +50,8 @@ impl Reach {
     }
 
     /// Refuses to read a file elsewhere. What cannot be found at all is for others to tell.
-    pub(crate) fn check_read(&self, path: &Path) -> Result<(), Failure> {
-        match path.canonicalize() {
+    pub(crate) fn check_read(&self, disk: &dyn Disk, path: &Path) -> Result<(), Failure> {
+        match disk.canonical(path) {
             Ok(path) if !self.read.iter().any(|it| path.starts_with(it)) => {
                 Err(Failure::Error(format!(
                     "\"{}\" is not to be read by a confined template: it is neither a file of a template \
@@ -63,37 +65,38 @@ impl Reach {
 }
 
 /// Whether a file, were it written, would be below one of the folders, whatever links there are on the way.
-pub(crate) fn is_below(path: &Path, folders: &[PathBuf]) -> bool {
-    let Some(path) = resolve(path) else {
+pub(crate) fn is_below(disk: &dyn Disk, path: &Path, folders: &[PathBuf]) -> bool {
+    let Some(path) = resolve(disk, path) else {
         return false;
     };
     folders
         .iter()
-        .any(|it| resolve(it).is_some_and(|it| path.starts_with(it)))
+        .any(|it| resolve(disk, it).is_some_and(|it| path.starts_with(it)))
 }
 
 /// The path without links, of which the last parts need not exist. `None` for a link that leads nowhere:
 /// a file that is written there would come to be where it points.
-fn resolve(path: &Path) -> Option<PathBuf> {
-    let path = super::output::plain(path);
+fn resolve(disk: &dyn Disk, path: &Path) -> Option<PathBuf> {
+    let path = super::output::plain(disk, path);
     for ancestor in path.ancestors() {
-        if let Ok(real) = ancestor.canonicalize() {
+        if let Ok(real) = disk.canonical(ancestor) {
             let rest = path.strip_prefix(ancestor).ok()?;
             return Some(match rest.as_os_str().is_empty() {
                 true => real,
                 false => real.join(rest),
             });
         }
-        if ancestor.symlink_metadata().is_ok_and(|it| it.is_symlink()) {
+        if disk.is_link(ancestor) {
             return None;
         }
     }
-    Some(absolute(&path))
+    Some(disk.absolute(&path))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::Files;
 
     #[cfg(unix)]
     #[test]
@@ -107,7 +110,7 @@ mod tests {
         symlink("../missing", root.join("nowhere")).unwrap();
         symlink("sub", root.join("inner")).unwrap();
         std::fs::create_dir(root.join("sub")).unwrap();
-        let below = |path: &str| is_below(&root.join(path), std::slice::from_ref(&root));
+        let below = |path: &str| is_below(&Files, &root.join(path), std::slice::from_ref(&root));
         for path in ["a", "a/b/c", "x/../a", "inner/a", "sub/new/a"] {
             assert!(below(path), "{path}");
         }
@@ -123,8 +126,12 @@ mod tests {
             assert!(!below(path), "{path}");
         }
         // A folder that is to be made is where it will be.
-        assert!(is_below(&root.join("out/new/a"), &[root.join("out/new")]));
+        assert!(is_below(
+            &Files,
+            &root.join("out/new/a"),
+            &[root.join("out/new")]
+        ));
         // A folder whose name begins alike is another one.
-        assert!(!is_below(&dir.path().join("root2/a"), &[root]));
+        assert!(!is_below(&Files, &dir.path().join("root2/a"), &[root]));
     }
 }

@@ -7,12 +7,14 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use dotgen_syntax::encoding::latin1;
+
 use super::api::Answer;
 use super::blame::{self, Script};
 use super::console::Console;
 use super::host::Host;
 use super::object::Registry;
-use super::output::{Environment, Modes, Output, posix};
+use super::output::{Environment, Output, posix};
 use super::reach::Reach;
 use super::{Failure, Outcome, Run, tcl};
 use crate::frontend::{Compiled, Frontend};
@@ -59,9 +61,11 @@ pub(super) fn run(
     tmpdir: PathBuf,
 ) -> Outcome {
     let name = run.name();
-    let reach = run
-        .confined
-        .map(|_| Reach::new(&run.dir, run.search, &run.base, &run.args, &tmpdir));
+    let reach = run.confined.map(|_| {
+        Reach::new(
+            &*run.disk, &run.dir, run.search, &run.base, &run.args, &tmpdir,
+        )
+    });
     if reach.is_some() {
         let gaps = run.processes.gaps();
         if !gaps.is_empty() {
@@ -86,7 +90,7 @@ pub(super) fn run(
             console.err(&format!("{name}: {message}"));
             return Outcome {
                 status: 2,
-                sink: output.sink,
+                sink: output.finish(true).0,
                 error: Some(message),
                 place: None,
             };
@@ -117,7 +121,7 @@ pub(super) fn run(
         Ok(done) => {
             session.host.finish();
             if done.failed {
-                place = blame::place(&run.dir, &done.message, &done.trace);
+                place = blame::place(&*run.disk, &run.dir, &done.message, &done.trace);
             }
             let shown = if run.verbose {
                 &done.trace
@@ -136,12 +140,24 @@ pub(super) fn run(
     if let Some(error) = &error {
         session.console.err(&format!("{name}: {error}"));
     }
-    Outcome {
+    let unwritten = session.output.files.changed();
+    let (sink, written) = session.output.finish(status != 0);
+    let mut outcome = Outcome {
         status,
-        sink: session.output.sink,
+        sink,
         error,
         place,
+    };
+    if let Err(problem) = written {
+        let message = problem.to_string();
+        session.console.err(&format!("{name}: {message}"));
+        outcome.status = 2;
+        outcome.error = Some(message);
+    } else if status != 0 && unwritten > 0 && matches!(outcome.sink, super::OutputSink::Direct) {
+        let message = format!("{name}: nothing was written, since the template did not end well");
+        session.console.err(&message);
     }
+    outcome
 }
 
 impl Session<'_> {
@@ -189,8 +205,12 @@ impl Session<'_> {
         match self.dispatch(&words, &mut more) {
             Ok(answer) => {
                 let pure: &[u8] = if answer.pure { b"1" } else { b"0" };
-                self.host
-                    .send(&[b"ok", answer.text.as_bytes(), pure, more.as_bytes()])
+                self.host.send(&[
+                    b"ok",
+                    latin1(&answer.text).as_bytes(),
+                    pure,
+                    latin1(&more).as_bytes(),
+                ])
             }
             Err(Failure::Error(message)) => {
                 // Whether a question fails depends on the same things as its answer.
@@ -233,7 +253,7 @@ impl Session<'_> {
                 // each time.
                 let path = self.run.dir.join(&name);
                 if name != "<string>" && !self.deps.contains(&path.display().to_string()) {
-                    self.deps.push(normalize(&path));
+                    self.deps.push(self.normalize(&path));
                 }
                 nothing()
             }
@@ -243,7 +263,7 @@ impl Session<'_> {
                 self.scripts.push(Script {
                     path: word(1).to_owned(),
                     name: word(1).to_owned(),
-                    text: std::fs::read(&path)
+                    text: (self.run.disk.read(&path))
                         .map(|it| tcl::decode(&it))
                         .unwrap_or_default(),
                 });
@@ -268,7 +288,7 @@ impl Session<'_> {
             }
             "commit_file" => {
                 self.check_read(Path::new(word(3)))?;
-                let text = std::fs::read(word(3)).map_err(|error| {
+                let text = self.run.disk.read(Path::new(word(3))).map_err(|error| {
                     Failure::Error(format!("couldn't open \"{}\": {}", word(3), posix(&error)))
                 })?;
                 self.commit(word(1), word(2), &tcl::decode(&text))?;
@@ -304,28 +324,27 @@ impl Session<'_> {
 
     fn check_read(&self, path: &Path) -> Result<(), Failure> {
         match &self.reach {
-            Some(reach) => reach.check_read(&self.run.base.join(path)),
+            Some(reach) => reach.check_read(&*self.run.disk, &self.run.base.join(path)),
             None => Ok(()),
         }
     }
 
+    /// Absolute path with links resolved but for the last component, as Tcl's `file normalize`.
+    fn normalize(&self, path: &Path) -> String {
+        let disk = &self.run.disk;
+        let path = disk.absolute(path);
+        let resolved = match (path.parent(), path.file_name()) {
+            (Some(dir), Some(name)) => disk.canonical(dir).map(|dir| dir.join(name)).ok(),
+            _ => None,
+        };
+        resolved.unwrap_or(path).display().to_string()
+    }
+
     fn add_dep(&mut self, path: &Path) {
-        let path = normalize(path);
+        let path = self.normalize(path);
         if !self.deps.contains(&path) {
             self.deps.push(path);
         }
-    }
-}
-
-fn empty_output() -> Output {
-    Output {
-        modes: Modes::new(false),
-        merge_tool: String::new(),
-        dir: String::new(),
-        base: PathBuf::new(),
-        sink: super::OutputSink::Direct,
-        template: String::new(),
-        confined: None,
     }
 }
 
@@ -336,8 +355,7 @@ impl Environment for Session<'_> {
 
     fn temporary(&mut self) -> PathBuf {
         self.temporaries += 1;
-        let name = format!("template{:04}{:04}", std::process::id(), self.temporaries);
-        self.tmpdir.join(name)
+        self.tmpdir.join(format!("template{:08}", self.temporaries))
     }
 
     fn format_time(&mut self, time: SystemTime) -> String {
@@ -357,14 +375,4 @@ impl Environment for Session<'_> {
             self.console.err(&format!("{}: {text}", self.run.name()));
         }
     }
-}
-
-/// Absolute path with links resolved but for the last component, as Tcl's `file normalize`.
-fn normalize(path: &Path) -> String {
-    let path = super::discover::absolute(path);
-    let resolved = match (path.parent(), path.file_name()) {
-        (Some(dir), Some(name)) => dir.canonicalize().map(|dir| dir.join(name)).ok(),
-        _ => None,
-    };
-    resolved.unwrap_or(path).display().to_string()
 }

@@ -2,8 +2,6 @@
 
 mod fix;
 
-use std::sync::Arc;
-
 use camino::Utf8PathBuf;
 use clap::Args;
 use dotgen_analysis::diagnostic::{Diagnostic, Severity};
@@ -12,7 +10,7 @@ use dotgen_timing::scn::names::Names;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::report::{self, Format, Report};
-use super::session::{self, ConfigProblems, Session, SourceFile, Texts};
+use super::session::{self, ConfigProblems, Session, SourceFile, Texts, Trouble};
 use super::{Outcome, Reading};
 use crate::convert::{Encoding, Lines};
 use crate::verification::Problem;
@@ -24,7 +22,7 @@ use crate::vfs;
 /// file cannot be read or written.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// Specifications, scenarios (.scn), and directories to search for .gen files
+    /// Specifications, scenarios (.scn), directories to search for .gen files, or - for standard input
     #[arg(value_name = "PATH", required = true)]
     paths: Vec<Utf8PathBuf>,
 
@@ -49,7 +47,10 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
-    let files = session::files(&arguments.paths)?;
+    let (files, mut trouble) = session::usable(&arguments.paths, &["gen"]);
+    if files.is_empty() {
+        return Ok(trouble.outcome(Outcome::Fine));
+    }
     let mut report = Report::default();
     let mut changed = fix::Changed::new();
     for mut session in session::open(files, &arguments.reading)? {
@@ -57,9 +58,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             say_release(&session)?;
         }
         if arguments.fix || arguments.diff {
-            fix::mend(&mut session, &mut changed)?;
+            trouble.or_tell(fix::mend(&mut session, &mut changed));
         }
-        check(&mut session, &mut report)?;
+        check(&mut session, &mut report, &mut trouble);
     }
     if arguments.diff {
         return fix::print(&changed);
@@ -67,16 +68,28 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     fix::write(&changed)?;
     report.finish();
     report::print(&report, arguments.format)?;
-    Ok(match report.count(Severity::Error) {
+    Ok(trouble.outcome(match report.count(Severity::Error) {
         0 => Outcome::Fine,
         _ => Outcome::Errors,
-    })
+    }))
 }
 
-fn check(session: &mut Session, report: &mut Report) -> anyhow::Result<()> {
+/// Adds what is wrong with the files of a session. A file that cannot be read is told, and the others go on.
+fn check(session: &mut Session, report: &mut Report, trouble: &mut Trouble) {
     if let Some(config) = &session.config {
         add_config_problems(config, &mut report.diagnostics, &mut report.texts);
     }
+    trouble.or_tell(check_specifications(session, report));
+    for file in session.files.iter().filter(|it| it.is_scenario()) {
+        if let Some(found) = trouble.or_tell(scenario(session, file)) {
+            trouble.or_tell(session.add_texts(&found, &mut report.texts));
+            report.diagnostics.extend(found);
+            report.checked += 1;
+        }
+    }
+}
+
+fn check_specifications(session: &mut Session, report: &mut Report) -> anyhow::Result<()> {
     let specifications = session.files.iter().filter(|it| !it.is_scenario());
     let specifications: Vec<Utf8PathBuf> = specifications.map(|it| it.path.clone()).collect();
     // What each includes has to be known before what is included anywhere.
@@ -99,17 +112,12 @@ fn check(session: &mut Session, report: &mut Report) -> anyhow::Result<()> {
         reports.insert(path.to_owned(), found);
         Ok(())
     })?;
-    for file in &session.files {
-        let found = match file.is_scenario() {
-            true => Arc::new(scenario(session, file)?),
-            false => match reports.remove(&file.path) {
-                Some(found) => found,
-                None => continue,
-            },
-        };
-        session.add_texts(&found, &mut report.texts)?;
-        report.diagnostics.extend(found.iter().cloned());
-        report.checked += 1;
+    for path in &wanted {
+        if let Some(found) = reports.remove(path) {
+            session.add_texts(&found, &mut report.texts)?;
+            report.diagnostics.extend(found.iter().cloned());
+            report.checked += 1;
+        }
     }
     Ok(())
 }

@@ -5,11 +5,13 @@ use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, Subcommand};
 use dotgen_analysis::diagnostic::Severity;
 use dotgen_analysis::terminal;
+use dotgen_codegen::codels::files::Files as _;
 use dotgen_codegen::codels::{
     command::{self, FileChange, Project, Side, StubTarget, SyncOptions},
     folder::Folder,
     stub::StubOptions,
 };
+use dotgen_syntax::encoding;
 use std::io::Write as _;
 
 use super::report::{self, Format, Report};
@@ -40,7 +42,7 @@ enum Command {
 /// Exit status: 0 when they do (hints do not count), 1 when not, 2 if something cannot be compared.
 #[derive(Debug, Args)]
 struct Check {
-    /// Specifications, and directories to search for .gen files
+    /// Specifications, directories to search for .gen files, or - for standard input
     #[arg(value_name = "PATH", required = true)]
     paths: Vec<Utf8PathBuf>,
 
@@ -127,7 +129,22 @@ fn project(session: &mut Session) -> Project<'_> {
         use_parameters: true,
         ..StubOptions::default()
     };
-    Project::new(session.host_mut(), &Disk, files, stubs)
+    let given: Vec<_> = (session.files.iter())
+        .filter_map(|it| Some((it.path.clone(), it.text.clone()?)))
+        .collect();
+    let mut project = Project::new(session.host_mut(), &Disk, files, stubs);
+    for (path, text) in given {
+        project.overlay(path, text.to_string());
+    }
+    project
+}
+
+/// What is written goes beside the specification, so this has to be a file.
+fn has_place(paths: &[Utf8PathBuf]) -> anyhow::Result<()> {
+    if let Some(path) = paths.iter().find(|it| session::is_standard_input(it)) {
+        bail!("`{path}` is no file beside which codels could be written; name the specification");
+    }
+    Ok(())
 }
 
 fn roots(session: &Session) -> Vec<Utf8PathBuf> {
@@ -135,7 +152,7 @@ fn roots(session: &Session) -> Vec<Utf8PathBuf> {
 }
 
 fn check(arguments: &Check) -> anyhow::Result<Outcome> {
-    let files = session::specifications(&arguments.paths)?;
+    let (files, mut trouble) = session::specifications(&arguments.paths);
     let mut report = Report::default();
     let mut errors = Vec::new();
     for mut session in session::open(files, &arguments.reading)? {
@@ -170,10 +187,10 @@ fn check(arguments: &Check) -> anyhow::Result<Outcome> {
     }
     report.finish();
     report::print(&report, arguments.format)?;
-    if let Some(first) = errors.first() {
-        bail!("{first}");
-    }
-    Ok(
+    errors
+        .into_iter()
+        .for_each(|it| trouble.tell(&anyhow::Error::msg(it)));
+    Ok(trouble.outcome(
         match report
             .diagnostics
             .iter()
@@ -182,7 +199,7 @@ fn check(arguments: &Check) -> anyhow::Result<Outcome> {
             true => Outcome::Fine,
             false => Outcome::Errors,
         },
-    )
+    ))
 }
 
 /// Says that a specification was compared with nothing: that is not the same as in step.
@@ -195,6 +212,7 @@ fn nothing_there(folder: &Folder) {
 }
 
 fn stub(arguments: &Stub) -> anyhow::Result<Outcome> {
+    has_place(std::slice::from_ref(&arguments.file))?;
     let mut session = session::single(&arguments.file, &arguments.reading)?;
     let root = roots(&session).pop().context("there is nothing to read")?;
     let target = match (&arguments.codel, &arguments.service) {
@@ -212,7 +230,8 @@ fn stub(arguments: &Stub) -> anyhow::Result<Outcome> {
 }
 
 fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
-    let files = session::specifications(&arguments.paths)?;
+    let (files, mut trouble) = session::specifications(&arguments.paths);
+    has_place(&arguments.paths)?;
     let options = SyncOptions {
         hints: arguments.hints,
         ..SyncOptions::default()
@@ -221,7 +240,12 @@ fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
     for mut session in session::open(files, &arguments.reading)? {
         let roots = roots(&session);
         let done = command::sync(&mut project(&mut session), &roots, &options);
-        write(&done.changes, arguments.dry_run)?;
+        if trouble
+            .or_tell(write(&done.changes, arguments.dry_run))
+            .is_none()
+        {
+            continue;
+        }
         let mut out = anstream::stdout();
         for title in &done.applied {
             writeln!(out, "{title}")?;
@@ -239,14 +263,15 @@ fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
             writeln!(out, "{left} left, see `dotgen codels check`")?;
             outcome = Outcome::Errors;
         }
-        if let Some(error) = done.left.errors.first() {
-            bail!("{error}");
+        for error in &done.left.errors {
+            trouble.tell(&anyhow::Error::msg(error.clone()));
         }
     }
-    Ok(outcome)
+    Ok(trouble.outcome(outcome))
 }
 
 fn headers(arguments: &Headers) -> anyhow::Result<Outcome> {
+    has_place(std::slice::from_ref(&arguments.file))?;
     let mut session = session::single(&arguments.file, &arguments.reading)?;
     let root = roots(&session).pop().context("there is nothing to read")?;
     let beside = root.parent().unwrap_or(Utf8Path::new("."));
@@ -260,7 +285,7 @@ fn headers(arguments: &Headers) -> anyhow::Result<Outcome> {
         .into_iter()
         .map(|file| {
             let path = output.join(file.path);
-            let before = std::fs::read_to_string(&path).ok();
+            let before = Disk.read(&path).map(|it| it.to_string());
             FileChange {
                 path,
                 before,
@@ -280,31 +305,28 @@ fn headers(arguments: &Headers) -> anyhow::Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
-/// Writes changes and names the files, or shows the differences.
+/// Writes changes, all or none, and names the files; or shows the differences.
 fn write(changes: &[FileChange], dry_run: bool) -> anyhow::Result<()> {
+    let changed = |it: &&FileChange| it.before.as_deref() != Some(&it.after);
+    let changes: Vec<&FileChange> = changes.iter().filter(changed).collect();
     let mut out = anstream::stdout();
-    for change in changes
-        .iter()
-        .filter(|it| it.before.as_deref() != Some(&it.after))
-    {
-        if dry_run {
+    if dry_run {
+        for change in changes {
             let path = session::display(&change.path).into();
             let shown = FileChange {
                 path,
                 ..change.clone()
             };
-            write!(out, "{}", shown.diff())?;
-            continue;
+            write!(out, "{}", encoding::shown(&shown.diff()))?;
         }
-        if let Some(folder) = change.path.parent() {
-            std::fs::create_dir_all(folder).with_context(|| format!("cannot make `{folder}`"))?;
-        }
-        std::fs::write(&change.path, &change.after)
-            .with_context(|| format!("cannot write `{}`", change.path))?;
-        let did = if change.before.is_some() {
-            "changed"
-        } else {
-            "created"
+        return Ok(());
+    }
+    let content = |it: &&FileChange| report::new_content(&it.path, &it.after);
+    report::write_files(&changes.iter().map(content).collect::<Vec<_>>())?;
+    for change in changes {
+        let did = match change.before.is_some() {
+            true => "changed",
+            false => "created",
         };
         writeln!(
             out,

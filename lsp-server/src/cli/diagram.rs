@@ -2,11 +2,13 @@
 
 use std::io::Write;
 
-use anyhow::{Context, bail};
-use camino::Utf8PathBuf;
+use anyhow::bail;
+use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, ValueEnum};
+use dotgen_codegen::disk::NewContent;
 use dotgen_diagram::render::png::png;
 use dotgen_diagram::theme::Theme;
+use dotgen_syntax::encoding;
 use serde_json::json;
 
 use super::{Outcome, Reading, report, session};
@@ -22,7 +24,7 @@ pub(super) struct Arguments {
     /// What to draw
     kind: Kind,
 
-    /// Specifications
+    /// Specifications, or - for standard input
     #[arg(value_name = "FILE", required = true)]
     files: Vec<Utf8PathBuf>,
 
@@ -38,9 +40,9 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "NAME")]
     task: Option<String>,
 
-    /// What to write
-    #[arg(long, value_enum, default_value_t = Format::Svg)]
-    format: Format,
+    /// What to write [default: what the name of OUT says, else svg]
+    #[arg(long, value_enum)]
+    format: Option<Format>,
 
     /// Colours of SVG and PNG
     #[arg(long, value_enum, default_value_t = Colours::Auto)]
@@ -94,15 +96,20 @@ enum Colours {
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    let format = format(arguments)?;
     let mut units = Vec::new();
     let mut connections = Vec::new();
     let mut outcome = Outcome::Fine;
-    for session in session::open(
-        session::specifications(&arguments.files)?,
-        &arguments.reading,
-    )? {
+    let (files, mut trouble) = session::specifications(&arguments.files);
+    if files.is_empty() {
+        return Ok(trouble.outcome(outcome));
+    }
+    for session in session::open(files, &arguments.reading)? {
         for file in &session.files {
-            let unit = session.ask(&file.path, |it| it.root_unit(&file.path))?;
+            let unit = session.ask(&file.path, |it| it.root_unit(&file.path));
+            let Some(unit) = trouble.or_tell(unit) else {
+                continue;
+            };
             if !unit.accepted() {
                 let mut texts = session::Texts::default();
                 session.add_texts(&unit.diagnostics, &mut texts)?;
@@ -127,36 +134,81 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     if drawn.is_empty() {
         bail!("{}", nothing(&wish));
     }
-    if arguments.format == Format::Json {
+    if format == Format::Json {
         let all = drawn.iter().map(|it| as_json(&units, it));
         let mut text = serde_json::to_string_pretty(&all.collect::<Vec<_>>())?;
         text.push('\n');
-        write(arguments.output.as_ref(), text.as_bytes())?;
-        return Ok(outcome);
+        let text = encoding::shown(&text).into_owned().into_bytes();
+        write(vec![(arguments.output.clone(), text)])?;
+        return Ok(trouble.outcome(outcome));
     }
+    let count = drawn.len();
     let directory = match &arguments.output {
-        Some(output) if drawn.len() > 1 => {
-            std::fs::create_dir_all(output)
-                .with_context(|| format!("cannot make directory `{output}`"))?;
+        Some(output) if count > 1 => {
+            if output.is_file() || by_name(output).is_some() {
+                bail!(
+                    "there are {count} pictures, and `{output}` is one file; name one picture with --service or \
+                     --task, or a directory with -o"
+                );
+            }
             Some(output)
         }
         _ => None,
     };
-    if drawn.len() > 1 && directory.is_none() && arguments.format == Format::Png {
+    if count > 1 && directory.is_none() && format == Format::Png {
         bail!(
-            "there are {} pictures; name one with --service or --task, or a directory with -o",
-            drawn.len()
+            "there are {count} pictures; name one with --service or --task, or a directory with -o"
         );
     }
+    let mut files = Vec::new();
     for picture in &drawn {
-        let bytes = bytes(picture, arguments)?;
         let output = match directory {
-            Some(directory) => Some(directory.join(file_name(picture, arguments.format))),
+            Some(directory) => Some(directory.join(file_name(picture, format))),
             None => arguments.output.clone(),
         };
-        write(output.as_ref(), &bytes)?;
+        files.push((output, bytes(picture, format, arguments.theme)?));
     }
-    Ok(outcome)
+    write(files)?;
+    Ok(trouble.outcome(outcome))
+}
+
+/// The format asked for, or that of the file's name. Both have to say the same.
+fn format(arguments: &Arguments) -> anyhow::Result<Format> {
+    let named = arguments
+        .output
+        .as_deref()
+        .filter(|it| !it.is_dir())
+        .and_then(by_name);
+    match (arguments.format, named, &arguments.output) {
+        (Some(asked), Some(named), Some(output)) if asked != named => bail!(
+            "`{output}` is the name of a {} file, and --format asks for {}; leave one of them out",
+            extension(named),
+            extension(asked)
+        ),
+        (asked, named, _) => Ok(asked.or(named).unwrap_or(Format::Svg)),
+    }
+}
+
+/// What the extension of a file says of what is in it.
+fn by_name(path: &Utf8Path) -> Option<Format> {
+    match path.extension()?.to_ascii_lowercase().as_str() {
+        "svg" => Some(Format::Svg),
+        "png" => Some(Format::Png),
+        "dot" | "gv" => Some(Format::Dot),
+        "mmd" | "mermaid" => Some(Format::Mermaid),
+        "json" => Some(Format::Json),
+        _ => None,
+    }
+}
+
+fn extension(format: Format) -> &'static str {
+    match format {
+        Format::Svg => "svg",
+        Format::Png => "png",
+        Format::Dot => "dot",
+        Format::Mermaid => "mmd",
+        Format::Json => "json",
+    }
 }
 
 fn nothing(wish: &Wish) -> String {
@@ -172,14 +224,14 @@ fn nothing(wish: &Wish) -> String {
     }
 }
 
-fn bytes(picture: &Picture, arguments: &Arguments) -> anyhow::Result<Vec<u8>> {
-    let theme = match arguments.theme {
+fn bytes(picture: &Picture, format: Format, theme: Colours) -> anyhow::Result<Vec<u8>> {
+    let theme = match theme {
         Colours::Auto => Theme::Auto,
         Colours::Light => Theme::Light,
         Colours::Dark => Theme::Dark,
         Colours::Editor => Theme::Editor,
     };
-    let form = match arguments.format {
+    let form = match format {
         Format::Png => {
             return png(&picture.graph, &picture.layout, theme).map_err(anyhow::Error::msg);
         }
@@ -187,17 +239,13 @@ fn bytes(picture: &Picture, arguments: &Arguments) -> anyhow::Result<Vec<u8>> {
         Format::Mermaid => Form::Mermaid,
         Format::Svg | Format::Json => Form::Svg,
     };
-    Ok(picture.text(form, theme).into_bytes())
+    Ok(encoding::shown(&picture.text(form, theme))
+        .into_owned()
+        .into_bytes())
 }
 
 fn file_name(picture: &Picture, format: Format) -> String {
-    let extension = match format {
-        Format::Svg => "svg",
-        Format::Png => "png",
-        Format::Dot => "dot",
-        Format::Mermaid => "mmd",
-        Format::Json => "json",
-    };
+    let extension = extension(format);
     let names = [&picture.component, &picture.owner];
     let names: Vec<&str> = names.into_iter().flatten().map(String::as_str).collect();
     format!("{}.{extension}", names.join("."))
@@ -221,9 +269,18 @@ fn as_json(units: &[dotgen_analysis::host::UnitResult], picture: &Picture) -> se
     })
 }
 
-fn write(output: Option<&Utf8PathBuf>, bytes: &[u8]) -> anyhow::Result<()> {
-    match output {
-        Some(path) => std::fs::write(path, bytes).with_context(|| format!("cannot write `{path}`")),
-        None => Ok(std::io::stdout().write_all(bytes)?),
+/// Writes pictures to their files, all or none; those without a name to standard output.
+fn write(pictures: Vec<(Option<Utf8PathBuf>, Vec<u8>)>) -> anyhow::Result<()> {
+    let mut files = Vec::new();
+    for (path, bytes) in pictures {
+        match path.filter(|it| it != "-") {
+            Some(path) => files.push(NewContent {
+                path: path.into(),
+                bytes,
+                mode: None,
+            }),
+            None => std::io::stdout().write_all(&bytes)?,
+        }
     }
+    report::write_files(&files)
 }

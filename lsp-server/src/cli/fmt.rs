@@ -1,11 +1,13 @@
 //! `dotgen fmt`
 
-use std::io::{Read as _, Write as _};
+use std::io::Write as _;
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 use camino::{Utf8Path, Utf8PathBuf};
 use clap::Args;
 use dotgen_analysis::diagnostic::FileEdit;
+use dotgen_analysis::host::FileContent;
+use dotgen_syntax::encoding::{self, LineEnd};
 use dotgen_syntax::{format, parse_text};
 use dotgen_timing::scn;
 use similar::TextDiff;
@@ -25,7 +27,8 @@ const CONTEXT: usize = 3;
 /// file in which a brace is missing.
 ///
 /// Exit status: 0 when everything is (now) in shape, 1 with --check when something is not, 2 if a
-/// file cannot be read or written.
+/// file cannot be read or written. All files are written, or none; one that cannot be read does not keep
+/// the others from being formatted.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// Files, directories to search for .gen, .idl and .scn files, or - for standard input [default: .]
@@ -41,7 +44,11 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
-    if arguments.paths.iter().any(|it| it == "-") {
+    if arguments
+        .paths
+        .iter()
+        .any(|it| session::is_standard_input(it))
+    {
         if arguments.paths.len() > 1 {
             bail!("`-` stands for standard input and goes with no other path");
         }
@@ -52,44 +59,44 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         [] => &here[..],
         paths => paths,
     };
-    let files = files(paths)?;
-    let mut changed = 0;
+    // Of directories, also the files that are only included.
+    let (files, mut trouble) = session::usable(paths, &["gen", "idl", "scn"]);
+    let mut changed = Vec::new();
     for session in session::open(files, &arguments.reading)? {
         for file in &session.files {
-            changed += usize::from(format_file(&session, file, arguments.check)?);
-        }
-    }
-    Ok(match arguments.check && changed > 0 {
-        true => Outcome::Errors,
-        false => Outcome::Fine,
-    })
-}
-
-/// The files that the arguments name; of directories, also those that are only included.
-fn files(arguments: &[Utf8PathBuf]) -> anyhow::Result<Vec<session::SourceFile>> {
-    let mut paths = Vec::new();
-    for argument in arguments {
-        match argument.is_dir() {
-            true => {
-                let found = vfs::files_below(argument, &["gen", "idl", "scn"]);
-                if found.is_empty() {
-                    bail!("no .gen, .idl or .scn file below `{argument}`");
+            let result = trouble.or_tell(formatted(&session, file));
+            if let Some((old, new)) = result.filter(|it| it.0 != it.1) {
+                if arguments.check {
+                    print_diff(&session::display(&file.path), &old, &new)?;
                 }
-                paths.extend(found);
+                changed.push(report::new_content(&file.path, &new));
             }
-            false => paths.push(argument.clone()),
         }
     }
-    session::files(&paths)
+    if !arguments.check {
+        trouble.or_tell(report::write_files(&changed));
+    }
+    Ok(
+        trouble.outcome(match arguments.check && !changed.is_empty() {
+            true => Outcome::Errors,
+            false => Outcome::Fine,
+        }),
+    )
 }
 
-/// Whether the file was not in shape.
-fn format_file(session: &Session, file: &SourceFile, check: bool) -> anyhow::Result<bool> {
+/// The text of a file, and in shape.
+fn formatted(session: &Session, file: &SourceFile) -> anyhow::Result<(String, String)> {
     let path: &Utf8Path = &file.path;
-    let old = session.ask(path, |it| it.text(path))?;
-    let old = old.with_context(|| format!("cannot read `{path}`"))?;
+    let old = match vfs::read(path) {
+        FileContent::Text(text) | FileContent::NotUtf8(text) => text,
+        FileContent::Unreadable(why) => bail!("cannot read `{}`: {why}", session::display(path)),
+        _ => bail!("cannot read `{}`", session::display(path)),
+    };
     let new = if file.is_scenario() {
-        scn::format(&old).unwrap_or_else(|| left(path, &old))
+        match scn::format(&old) {
+            Some(new) => LineEnd::of(&old).fit(&new).into_owned(),
+            None => left(path, &old),
+        }
     } else {
         let style = style::options(&session.format, path, None);
         let edits = session.ask(path, |it| it.format(path, None, &style))?;
@@ -98,19 +105,7 @@ fn format_file(session: &Session, file: &SourceFile, check: bool) -> anyhow::Res
         }
         apply(&old, &edits)
     };
-    if *old == *new {
-        return Ok(false);
-    }
-    if check {
-        print_diff(&session::display(path), &old, &new)?;
-    } else {
-        // What is not UTF-8 was read with replacements: writing it would lose text.
-        if !matches!(vfs::read(path), dotgen_analysis::host::FileContent::Text(_)) {
-            bail!("`{path}` is not UTF-8 text; it is left as it is");
-        }
-        std::fs::write(path, new).with_context(|| format!("cannot write `{path}`"))?;
-    }
-    Ok(true)
+    Ok((old, new))
 }
 
 /// Says that a file stays as it is, and gives its text.
@@ -142,19 +137,15 @@ fn apply(text: &str, edits: &[FileEdit]) -> String {
 
 /// A text without a place: its includes are not followed.
 fn standard_input(check: bool) -> anyhow::Result<Outcome> {
-    let mut old = String::new();
-    std::io::stdin()
-        .read_to_string(&mut old)
-        .context("cannot read standard input as UTF-8 text")?;
+    let old = session::standard_input()?;
     let parse = parse_text(&old);
-    let broken: Vec<_> = parse.errors.iter().map(|it| it.range).collect();
     let style = format::Options::default();
     let new = format::apply(
         &old,
-        &format::format(&parse.syntax(), &broken, None, &style),
+        &format::format(&parse.syntax(), &parse.broken(), None, &style),
     );
     if !check {
-        std::io::stdout().write_all(new.as_bytes())?;
+        std::io::stdout().write_all(&encoding::encode(&new))?;
     } else if old != new {
         print_diff("-", &old, &new)?;
         return Ok(Outcome::Errors);
@@ -168,6 +159,6 @@ pub(super) fn print_diff(name: &str, old: &str, new: &str) -> anyhow::Result<()>
     let mut unified = diff.unified_diff();
     unified.context_radius(CONTEXT).header(name, name);
     let mut out = std::io::stdout().lock();
-    write!(out, "{unified}")?;
+    write!(out, "{}", encoding::shown(&unified.to_string()))?;
     Ok(())
 }

@@ -15,6 +15,7 @@ use dotgen_codegen::template::console::StdConsole;
 use dotgen_codegen::template::{Limits, OutputSink};
 
 use crate::config::{self, Config, PackageConfig};
+use crate::disk::SystemDisk;
 use crate::vfs::Vfs;
 
 /// Run a template over specifications; takes the arguments of `genom3`
@@ -106,6 +107,7 @@ fn run(
         name,
         program: std::env::current_exe().unwrap_or_else(|_| name.into()),
         variables: &|name| std::env::var(name).ok(),
+        disk: Arc::new(SystemDisk),
         loader: Arc::new(Vfs::new(packages)),
         pictures: Arc::new(crate::pictures::machine),
         console: &mut StdConsole,

@@ -13,7 +13,7 @@ use super::{Outcome, Reading, report, session};
 /// error, and the exit status is 1.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// The specification
+    /// The specification, or - for standard input
     #[arg(value_name = "FILE")]
     file: Utf8PathBuf,
 
@@ -29,7 +29,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         let model = crate::model::document(&unit);
         let mut json = serde_json::to_string_pretty(&model)?;
         json.push('\n');
-        std::io::stdout().write_all(json.as_bytes())?;
+        std::io::stdout().write_all(dotgen_syntax::encoding::shown(&json).as_bytes())?;
         if !unit.accepted() {
             let mut texts = session::Texts::default();
             session.add_texts(&unit.diagnostics, &mut texts)?;

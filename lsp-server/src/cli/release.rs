@@ -84,18 +84,21 @@ struct CheckChange {
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let Action::Diff(diff) = &arguments.action;
     let mut reports = Vec::new();
-    for file in session::specifications(&diff.paths)? {
-        reports.push(compare(diff, &file.path)?);
+    let (files, mut trouble) = session::specifications(&diff.paths);
+    for file in files {
+        reports.extend(trouble.or_tell(compare(diff, &file.path)));
     }
     let mut out = anstream::stdout().lock();
     match diff.format {
         Format::Json => writeln!(out, "{:#}", json!({ "specifications": reports }))?,
         Format::Text => reports.iter().try_for_each(|it| print(it, &mut out))?,
     }
-    match reports.iter().all(FileDiff::is_empty) {
-        true => Ok(Outcome::Fine),
-        false => Ok(Outcome::Errors),
-    }
+    Ok(
+        trouble.outcome(match reports.iter().all(FileDiff::is_empty) {
+            true => Outcome::Fine,
+            false => Outcome::Errors,
+        }),
+    )
 }
 
 fn compare(diff: &Diff, path: &Utf8PathBuf) -> anyhow::Result<FileDiff> {

@@ -6,11 +6,15 @@ pub(super) mod text;
 
 use std::collections::HashSet;
 
+use camino::Utf8Path;
 use clap::ValueEnum;
 use dotgen_analysis::diagnostic::{Diagnostic, Severity};
 use dotgen_analysis::terminal;
+use dotgen_codegen::disk::{Disk as _, NewContent};
+use dotgen_syntax::encoding;
 
 use super::session::Texts;
+use crate::disk::SystemDisk;
 
 /// Diagnostics of all files checked.
 #[derive(Default)]
@@ -63,8 +67,23 @@ pub(super) fn print(report: &Report, format: Format) -> anyhow::Result<()> {
 pub(super) fn note(text: &str) {
     use std::io::Write;
     let style = clap::builder::styling::AnsiColor::Cyan.on_default().bold();
-    let text = terminal::text(text);
+    let text = encoding::shown(text);
+    let text = terminal::text(&text);
     let _ = writeln!(anstream::stderr(), "{style}note{style:#}: {text}");
+}
+
+/// Gives files their new content, all of them or none.
+pub(super) fn write_files(files: &[NewContent]) -> anyhow::Result<()> {
+    Ok(SystemDisk.write(files)?)
+}
+
+/// The new content of a file that is edited as text.
+pub(super) fn new_content(path: &Utf8Path, text: &str) -> NewContent {
+    NewContent {
+        path: path.as_std_path().to_owned(),
+        bytes: encoding::encode(text).into_owned(),
+        mode: None,
+    }
 }
 
 /// Says on standard error why a command could not do its work.
@@ -74,5 +93,9 @@ pub(super) fn failure(error: &anyhow::Error) {
     let error = format!("{error:#}");
     let error = terminal::text(&error);
     // There is nowhere left to complain if this fails.
-    let _ = writeln!(anstream::stderr(), "{style}error{style:#}: {error}");
+    let _ = writeln!(
+        anstream::stderr(),
+        "{style}error{style:#}: {}",
+        encoding::shown(&error)
+    );
 }

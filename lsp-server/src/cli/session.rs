@@ -7,11 +7,12 @@ use dotgen_analysis::host::{Analysis, AnalysisHost, Cancellable, Change, FileCon
 use dotgen_analysis::parallel;
 use dotgen_analysis::release::ReleaseOrigin;
 use dotgen_codegen::codels::files::FilesConfig;
+use dotgen_syntax::encoding;
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::Reading;
+use super::{Outcome, Reading};
 use crate::config::{self, Config, Level, Problem, Settings};
 use crate::convert::{Encoding, Lines};
 use crate::panic;
@@ -41,6 +42,8 @@ pub(super) struct SourceFile {
     pub(super) path: Utf8PathBuf,
     /// Named by the user, not found in a directory.
     pub(super) named: bool,
+    /// Its text, if that is not read from the disk: standard input.
+    pub(super) text: Option<Arc<str>>,
 }
 
 impl SourceFile {
@@ -57,41 +60,178 @@ pub(super) struct ConfigProblems {
     pub(super) problems: Vec<Problem>,
 }
 
-/// The files that the arguments name: files themselves, directories all `.gen` below them.
+/// The files that the arguments name: files themselves, directories all `.gen` below them. The first that
+/// cannot be used is an error.
 pub(super) fn files(arguments: &[Utf8PathBuf]) -> anyhow::Result<Vec<SourceFile>> {
-    let mut files: Vec<SourceFile> = Vec::new();
-    let mut known = FxHashSet::default();
-    let mut add = |path: Utf8PathBuf, named| {
-        if known.insert(path.clone()) {
-            files.push(SourceFile { path, named });
-        }
-    };
+    let mut found = Found::default();
     for argument in arguments {
+        found.add(argument, &["gen"])?;
+    }
+    Ok(found.files)
+}
+
+/// As [`files`], for commands that go on without what cannot be used.
+pub(super) fn usable(arguments: &[Utf8PathBuf], extensions: &[&str]) -> (Vec<SourceFile>, Trouble) {
+    let (mut found, mut trouble) = (Found::default(), Trouble::default());
+    for argument in arguments {
+        match found.add(argument, extensions) {
+            Ok(skipped) => skipped.iter().for_each(|it| trouble.tell(it)),
+            Err(error) => trouble.tell(&error),
+        }
+    }
+    (found.files, trouble)
+}
+
+/// As [`usable`], for commands that have nothing to do with scenarios.
+pub(super) fn specifications(arguments: &[Utf8PathBuf]) -> (Vec<SourceFile>, Trouble) {
+    let (mut files, mut trouble) = usable(arguments, &["gen"]);
+    files.retain(|it| match no_scenario(it) {
+        Ok(()) => true,
+        Err(error) => {
+            trouble.tell(&error);
+            false
+        }
+    });
+    (files, trouble)
+}
+
+fn no_scenario(file: &SourceFile) -> anyhow::Result<()> {
+    if file.is_scenario() {
+        let path = display(&file.path);
+        bail!("`{path}` is a scenario, not a specification: `dotgen verify {path}` verifies it");
+    }
+    Ok(())
+}
+
+/// The files that arguments name, each once.
+#[derive(Default)]
+struct Found {
+    files: Vec<SourceFile>,
+    known: FxHashSet<Utf8PathBuf>,
+}
+
+impl Found {
+    fn push(&mut self, path: Utf8PathBuf, named: bool, text: Option<Arc<str>>) {
+        if self.known.insert(path.clone()) {
+            self.files.push(SourceFile { path, named, text });
+        }
+    }
+
+    /// Adds what an argument names. Returns what is wrong with files below a directory.
+    fn add(
+        &mut self,
+        argument: &Utf8Path,
+        extensions: &[&str],
+    ) -> anyhow::Result<Vec<anyhow::Error>> {
+        if is_standard_input(argument) {
+            let path = absolute(Utf8Path::new(STANDARD_INPUT))?;
+            self.push(path, true, Some(standard_input()?.into()));
+            return Ok(Vec::new());
+        }
         let path = absolute(argument)?;
+        let mut skipped = Vec::new();
         match vfs::read(&path) {
             FileContent::Directory => {
-                let found = vfs::files_below(&path, &["gen"]);
-                if found.is_empty() {
-                    bail!("no .gen file below `{argument}`");
+                let found = vfs::files_below(&path, extensions);
+                skipped = unusable_names(&path, extensions);
+                if found.is_empty() && skipped.is_empty() {
+                    let all: Vec<String> = extensions.iter().map(|it| format!(".{it}")).collect();
+                    let all = match all.split_last() {
+                        Some((last, rest)) if !rest.is_empty() => {
+                            format!("{} or {last}", rest.join(", "))
+                        }
+                        _ => all.concat(),
+                    };
+                    bail!("no {all} file below `{argument}`");
                 }
-                found.into_iter().for_each(|it| add(it, false));
+                found.into_iter().for_each(|it| self.push(it, false, None));
             }
-            FileContent::Text(_) | FileContent::NotUtf8(_) => add(path, true),
+            FileContent::Text(_) | FileContent::NotUtf8(_) => self.push(path, true, None),
             FileContent::Missing => bail!("cannot read `{argument}`: no such file or directory"),
             FileContent::Unreadable(why) => bail!("cannot read `{argument}`: {why}"),
         }
+        Ok(skipped)
     }
-    Ok(files)
 }
 
-/// As [`files`], for commands that have nothing to do with scenarios.
-pub(super) fn specifications(arguments: &[Utf8PathBuf]) -> anyhow::Result<Vec<SourceFile>> {
-    let files = files(arguments)?;
-    if let Some(it) = files.iter().find(|it| it.is_scenario()) {
-        let path = display(&it.path);
-        bail!("`{path}` is a scenario, not a specification: `dotgen verify {path}` verifies it");
+/// Files below a directory whose names are no UTF-8, as errors: nobody could name them in a message or an include.
+fn unusable_names(directory: &Utf8Path, extensions: &[&str]) -> Vec<anyhow::Error> {
+    let entries = walkdir::WalkDir::new(directory)
+        .into_iter()
+        .filter_entry(|it| {
+            let hidden = it.file_name().to_string_lossy().starts_with('.');
+            it.depth() == 0 || !(hidden && it.file_type().is_dir())
+        });
+    let wanted = |it: &walkdir::DirEntry| {
+        let extension = it.path().extension().and_then(|it| it.to_str());
+        it.path().to_str().is_none() && extension.is_some_and(|it| extensions.contains(&it))
+    };
+    let found = entries.filter_map(Result::ok).filter(wanted);
+    let error = |it: walkdir::DirEntry| {
+        anyhow::anyhow!(
+            "`{}` is left out: its name is not UTF-8; rename it",
+            it.path().display()
+        )
+    };
+    found.map(error).collect()
+}
+
+/// How people write standard input.
+const STANDARD_INPUT: &str = "-";
+
+/// Whether an argument stands for standard input.
+pub(super) fn is_standard_input(argument: &Utf8Path) -> bool {
+    matches!(
+        argument.as_str(),
+        STANDARD_INPUT | "/dev/stdin" | "/dev/fd/0" | "/proc/self/fd/0"
+    )
+}
+
+/// All of standard input, as the text of a file.
+pub(super) fn standard_input() -> anyhow::Result<String> {
+    let mut bytes = Vec::new();
+    std::io::Read::read_to_end(&mut std::io::stdin(), &mut bytes)
+        .context("cannot read standard input")?;
+    Ok(encoding::decode(bytes))
+}
+
+/// Remembers that something could not be used, while the rest is done.
+#[derive(Debug, Default)]
+#[must_use]
+pub(super) struct Trouble {
+    any: bool,
+    silent: bool,
+}
+
+impl Trouble {
+    /// For a first look, when a second one tells what is wrong.
+    pub(super) fn silent() -> Trouble {
+        Trouble {
+            any: false,
+            silent: true,
+        }
     }
-    Ok(files)
+
+    /// Says on standard error what is wrong.
+    pub(super) fn tell(&mut self, error: &anyhow::Error) {
+        if !self.silent {
+            super::report::failure(error);
+        }
+        self.any = true;
+    }
+
+    /// The value; `None` when there is none, and that is told.
+    pub(super) fn or_tell<T>(&mut self, result: anyhow::Result<T>) -> Option<T> {
+        result.inspect_err(|error| self.tell(error)).ok()
+    }
+
+    /// What the command comes to.
+    pub(super) fn outcome(&self, otherwise: Outcome) -> Outcome {
+        match self.any {
+            true => Outcome::Unusable,
+            false => otherwise,
+        }
+    }
 }
 
 /// The one file that a command is about.
@@ -99,7 +239,9 @@ pub(super) fn single(argument: &Utf8Path, reading: &Reading) -> anyhow::Result<S
     if argument.is_dir() {
         bail!("`{argument}` is a directory; name a file");
     }
-    let mut sessions = open(specifications(&[argument.to_owned()])?, reading)?;
+    let files = files(&[argument.to_owned()])?;
+    files.iter().try_for_each(no_scenario)?;
+    let mut sessions = open(files, reading)?;
     sessions.pop().context("there is nothing to read")
 }
 
@@ -178,7 +320,11 @@ impl Session {
         let configuration = Config::new(&settings, here, true);
         let vfs = Arc::new(Vfs::new(configuration.packages.clone()));
         let mut host = AnalysisHost::new(vfs);
+        let given = files
+            .iter()
+            .filter_map(|it| Some((it.path.clone(), Some(it.text.as_deref()?.to_owned()))));
         host.apply(Change {
+            files: given.collect(),
             roots: Some(files.iter().map(|it| it.path.clone()).collect()),
             config: Some(configuration.for_analysis()),
             ..Change::default()

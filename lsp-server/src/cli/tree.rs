@@ -10,7 +10,7 @@ use super::{Outcome, Reading, session};
 /// Print the syntax tree of a file
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// The file
+    /// The file, or - for standard input
     #[arg(value_name = "FILE")]
     file: Utf8PathBuf,
 
@@ -24,7 +24,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         let tree = session
             .ask(&file.path, |it| it.syntax_tree(&file.path))?
             .unwrap_or_default();
-        std::io::stdout().write_all(tree.as_bytes())?;
+        std::io::stdout().write_all(dotgen_syntax::encoding::shown(&tree).as_bytes())?;
     }
     Ok(Outcome::Fine)
 }

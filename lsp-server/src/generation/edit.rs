@@ -35,15 +35,26 @@ pub(crate) fn changes<'a>(
             continue;
         }
         let bad = |what: &str| format!("{}: {what} is not UTF-8 text", path.display());
+        let line = file.before.as_deref().and_then(not_utf8);
+        let old = match line {
+            Some(line) => format!("line {line} of the file"),
+            None => "the file".to_owned(),
+        };
         let before = file.before.clone().map(String::from_utf8).transpose();
         all.push(FileChange {
             uri: uri_of(path).ok_or_else(|| bad("the path"))?,
-            before: before.map_err(|_| bad("the file"))?,
+            before: before.map_err(|_| bad(&old))?,
             after: String::from_utf8(file.after.clone()).map_err(|_| bad("the new text"))?,
             mode: file.mode,
         });
     }
     Ok(all)
+}
+
+/// The first line that is not UTF-8.
+fn not_utf8(bytes: &[u8]) -> Option<usize> {
+    let valid = std::str::from_utf8(bytes).err()?.valid_up_to();
+    Some(1 + bytes[..valid].iter().filter(|it| **it == b'\n').count())
 }
 
 fn uri_of(path: &Path) -> Option<Uri> {

@@ -1,7 +1,8 @@
 //! One run of a template of which nothing is written.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::io;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -10,6 +11,7 @@ use dotgen_analysis::host::{Cancellable, FileContent, Loader, PackageFlags};
 use dotgen_analysis::release::ReleaseChoice;
 use dotgen_codegen::catalog::{self, TemplateInfo, TemplateOption};
 use dotgen_codegen::command::{self, Environment};
+use dotgen_codegen::disk::{Disk, Entry, NewContent, Status, WriteError};
 use dotgen_codegen::template::console::Captured;
 use dotgen_codegen::template::discover::SearchPath;
 use dotgen_codegen::template::{Confined, Limits, OutputSink, PreviewFile, TemplatePlace};
@@ -19,6 +21,7 @@ use super::choices;
 use crate::caps::ClientCaps;
 use crate::config::{Config, Generate};
 use crate::convert::uri;
+use crate::disk::SystemDisk;
 use crate::snapshot::{Snapshot, Subject};
 use crate::vfs::Vfs;
 
@@ -118,7 +121,7 @@ impl Job {
 
     /// The templates there are.
     pub(crate) fn templates(&self) -> Vec<TemplateInfo> {
-        catalog::templates(&self.search())
+        catalog::templates(&SystemDisk, &self.search())
     }
 
     /// What a template says about itself, and its options.
@@ -188,6 +191,7 @@ impl Job {
             name: "dotgen",
             program: std::env::current_exe().unwrap_or_else(|_| "dotgen".into()),
             variables: &environment,
+            disk: Arc::new(OpenFirst(self.open.clone())),
             loader: Arc::new(Overlay {
                 open: self.open.clone(),
                 disk: Vfs::new(self.config.packages.clone()),
@@ -226,6 +230,55 @@ impl Job {
 
 fn environment(name: &str) -> Option<String> {
     std::env::var(name).ok()
+}
+
+/// The disk with the open documents over it: what a template merges with is what the client will change.
+#[derive(Debug)]
+struct OpenFirst(Arc<FxHashMap<Utf8PathBuf, String>>);
+
+impl Disk for OpenFirst {
+    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+        match Utf8Path::from_path(path).and_then(|it| self.0.get(it)) {
+            Some(text) => Ok(text.clone().into_bytes()),
+            None => SystemDisk.read(path),
+        }
+    }
+
+    fn status(&self, path: &Path) -> Option<Status> {
+        SystemDisk.status(path)
+    }
+
+    fn list(&self, directory: &Path) -> io::Result<Vec<Entry>> {
+        SystemDisk.list(directory)
+    }
+
+    fn canonical(&self, path: &Path) -> io::Result<PathBuf> {
+        SystemDisk.canonical(path)
+    }
+
+    fn current_dir(&self) -> PathBuf {
+        SystemDisk.current_dir()
+    }
+
+    fn write(&self, files: &[NewContent]) -> Result<(), WriteError> {
+        SystemDisk.write(files)
+    }
+
+    fn set_mode(&self, path: &Path, mode: u32) -> io::Result<()> {
+        SystemDisk.set_mode(path, mode)
+    }
+
+    fn is_link(&self, path: &Path) -> bool {
+        SystemDisk.is_link(path)
+    }
+
+    fn put(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        SystemDisk.put(path, bytes)
+    }
+
+    fn remove(&self, path: &Path) {
+        SystemDisk.remove(path);
+    }
 }
 
 /// Open documents over the disk.

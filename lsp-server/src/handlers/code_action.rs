@@ -6,7 +6,7 @@ use dotgen_analysis::ide::AssistKind;
 
 use super::codels::actions;
 use crate::convert::diagnostic;
-use crate::convert::edit::workspace_edit;
+use crate::convert::edit::{Edited, workspace_edit};
 use crate::fixes::together;
 use crate::proto::*;
 use crate::snapshot::{Snapshot, Subject};
@@ -125,18 +125,16 @@ fn quick_fix(
     fix: &Fix,
     first: bool,
 ) -> Cancellable<Option<CodeActionOrCommand>> {
-    let Some(edit) = workspace_edit(snapshot, &fix.edits)? else {
-        return Ok(None);
-    };
-    Ok(Some(CodeActionOrCommand::CodeAction(CodeAction {
+    let action = CodeAction {
         title: fix.title.clone(),
         kind: Some(CodeActionKind::QUICKFIX),
         diagnostics: diagnostic::to_proto(snapshot, it)?.map(|it| vec![it]),
-        edit: Some(edit),
         // Editors may apply a preferred fix without showing it.
         is_preferred: Some(first && fix.plain),
         ..CodeAction::default()
-    })))
+    };
+    let action = with_edit(snapshot, action, workspace_edit(snapshot, &fix.edits)?);
+    Ok(action.map(CodeActionOrCommand::CodeAction))
 }
 
 /// Refactorings of the selection, and what changes the whole file when it is asked for.
@@ -167,15 +165,14 @@ fn refactorings(
             AssistKind::Rewrite => CodeActionKind::REFACTOR_REWRITE,
             AssistKind::OrganizeIncludes => organize.clone(),
         };
-        if wanted(&kind)
-            && let Some(edit) = workspace_edit(snapshot, &it.edits)?
-        {
-            actions.push(CodeActionOrCommand::CodeAction(CodeAction {
+        if wanted(&kind) {
+            let action = CodeAction {
                 title: it.title,
                 kind: Some(kind),
-                edit: Some(edit),
                 ..CodeAction::default()
-            }));
+            };
+            let action = with_edit(snapshot, action, workspace_edit(snapshot, &it.edits)?);
+            actions.extend(action.map(CodeActionOrCommand::CodeAction));
         }
     }
     Ok(())
@@ -232,10 +229,33 @@ fn fix_all(
     if edits.is_empty() {
         return Ok(None);
     }
-    Ok(workspace_edit(snapshot, &edits)?.map(|edit| CodeAction {
+    let action = CodeAction {
         title: title.to_owned(),
         kind: Some(CodeActionKind::QUICKFIX),
-        edit: Some(edit),
         ..CodeAction::default()
-    }))
+    };
+    Ok(with_edit(
+        snapshot,
+        action,
+        workspace_edit(snapshot, &edits)?,
+    ))
+}
+
+/// An action with its edit. One that cannot be made is shown with the reason, where the client does that.
+pub(super) fn with_edit(
+    snapshot: &Snapshot,
+    action: CodeAction,
+    edit: Edited,
+) -> Option<CodeAction> {
+    match edit {
+        Ok(edit) => Some(CodeAction {
+            edit: Some(edit),
+            ..action
+        }),
+        Err(reason) => snapshot.client.disabled_actions.then(|| CodeAction {
+            disabled: Some(CodeActionDisabled { reason }),
+            is_preferred: None,
+            ..action
+        }),
+    }
 }

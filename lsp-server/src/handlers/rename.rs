@@ -100,21 +100,21 @@ pub(crate) fn rename(
         Err(why) => return Ok(Refusable(Err(why))),
     };
     if sources.is_empty() {
-        return Ok(Refusable(Ok(workspace_edit(snapshot, &edits)?)));
+        return Ok(Refusable(workspace_edit(snapshot, &edits)?.map(Some)));
     }
     let mut all = sources;
     for it in edits {
         all.replace(&it.path, it.range, it.new_text);
     }
     let label = format!("Rename to {}", params.new_name);
-    Ok(Refusable(Ok(annotated_edit(snapshot, &label, &all)?)))
+    Ok(Refusable(annotated_edit(snapshot, &label, &all)?.map(Some)))
 }
 
 /// The edits of includes that follow from moving files.
 pub(crate) fn files(
     snapshot: &Snapshot,
     params: &RenameFilesParams,
-) -> Cancellable<Option<WorkspaceEdit>> {
+) -> Cancellable<Refusable<WorkspaceEdit>> {
     let path = |it: &str| -> Option<Utf8PathBuf> { Some(uri::to_path(&it.parse().ok()?)) };
     let moves = params.files.iter();
     let moves: Vec<_> = moves
@@ -122,7 +122,7 @@ pub(crate) fn files(
         .collect();
     let edits = snapshot.analysis.files_moved(&moves)?;
     match edits.is_empty() {
-        true => Ok(None),
-        false => workspace_edit(snapshot, &edits),
+        true => Ok(Refusable::default()),
+        false => Ok(Refusable(workspace_edit(snapshot, &edits)?.map(Some))),
     }
 }

@@ -128,6 +128,12 @@ impl State {
                     true => self.reconfigure(),
                     false => self.register_documents(),
                 }
+                self.listings = self.listings.saturating_sub(1);
+                if self.listings == 0 {
+                    for read in std::mem::take(&mut self.waiting) {
+                        self.admit(read);
+                    }
+                }
             }
         }
     }
@@ -223,11 +229,12 @@ impl State {
     }
 
     /// Lists the files of the workspace folders, with progress.
-    pub(super) fn scan(&self) {
+    pub(super) fn scan(&mut self) {
         let folders = self.workspace.scanned_folders();
         let Some(events) = self.events.upgrade().filter(|_| !folders.is_empty()) else {
             return;
         };
+        self.listings += 1;
         let wants_progress = self.client.progress;
         self.outbox.converse(move |client| async move {
             let progress = crate::progress::begin(&client, wants_progress, "Indexing").await;

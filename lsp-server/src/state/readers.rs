@@ -33,6 +33,15 @@ impl State {
         if read.control.is_cancelled() {
             return;
         }
+        if read.whole && self.listings > 0 {
+            // What is asked is about the text as it is now.
+            let mut read = read;
+            let subject = read.subject.as_ref().map(uri::to_path);
+            let version =
+                subject.and_then(|it| self.documents.open_files().get(&it).map(|it| it.version));
+            read.expected.get_or_insert(version);
+            return self.waiting.push(read);
+        }
         let subject = read.subject.map(|uri| {
             let path = uri::to_path(&uri);
             let version = self.documents.open_files().get(&path).map(|it| it.version);

@@ -294,6 +294,10 @@ impl Folder {
     }
 
     pub(super) fn write(&self, name: &str, text: &str) {
+        self.write_bytes(name, text.as_bytes());
+    }
+
+    pub(super) fn write_bytes(&self, name: &str, text: &[u8]) {
         let path = self.directory.path().join(name);
         let parent = path.parent().expect("it has one");
         std::fs::create_dir_all(parent).expect("a directory");

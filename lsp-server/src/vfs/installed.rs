@@ -24,7 +24,7 @@ pub(super) fn release(config: &PackageConfig) -> Option<ReleaseChoice> {
         templates = search.dirs;
     }
     templates.extend(search.builtin);
-    if let Some((release, file)) = discover::release_of(&templates) {
+    if let Some((release, file)) = discover::release_of(&crate::disk::SystemDisk, &templates) {
         let file = Utf8PathBuf::from_path_buf(file).unwrap_or_default();
         return Some(ReleaseChoice {
             release,

@@ -27,6 +27,23 @@ impl Directory {
         self.command(arguments).output().expect("the program runs")
     }
 
+    /// With a text on standard input.
+    pub(crate) fn pipe(&self, arguments: &[&str], input: &[u8]) -> Output {
+        use std::io::Write as _;
+        use std::process::Stdio;
+        let mut command = self.command(arguments);
+        command
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        let mut child = command.spawn().expect("the program starts");
+        let mut stdin = child.stdin.take().expect("it is piped");
+        // A program that refuses its arguments reads nothing.
+        let _ = stdin.write_all(input);
+        drop(stdin);
+        child.wait_with_output().expect("the program runs")
+    }
+
     pub(crate) fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_dotgen"));
         command.args(arguments).current_dir(self.0.path());

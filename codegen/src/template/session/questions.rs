@@ -109,7 +109,7 @@ impl Session<'_> {
                 "genom {}",
                 self.compiled.spec.release
             ))),
-            ("genom", "templates") => Ok(Answer::pure(tcl::list(run.search.list()))),
+            ("genom", "templates") => Ok(Answer::pure(tcl::list(run.search.list(&*run.disk)))),
             ("genom", "debug") => flag(run.debug),
             ("genom", "verbose") => flag(run.verbose),
             ("template", "name") => Ok(Answer::pure(run.name())),
@@ -298,7 +298,7 @@ impl Session<'_> {
     fn check_input(&self, file: &str) -> Result<(), Failure> {
         let path = self.run.base.join(file);
         let results = self.run.confined.map(|it| it.results.as_slice());
-        match results.is_some_and(|it| reach::is_below(&path, it)) {
+        match results.is_some_and(|it| reach::is_below(&*self.run.disk, &path, it)) {
             true => Ok(()),
             false => self.check_read(&path),
         }
@@ -316,7 +316,10 @@ impl Session<'_> {
         let mut report = |line: &str| console.err(line);
         let result = if what == "file" {
             for file in inputs {
-                if let Ok(bytes) = std::fs::read(Path::new(&self.run.input_path).join(file))
+                if let Ok(bytes) = self
+                    .run
+                    .disk
+                    .read(&Path::new(&self.run.input_path).join(file))
                     && let Some(notice) = notice(&String::from_utf8_lossy(&bytes))
                 {
                     self.notice.get_or_insert_default().push_str(&notice);

@@ -1,9 +1,11 @@
 //! Sources of templates, the places of their errors, and what the engine does with files.
 
-use super::{Reply, Session, empty_output};
+use std::path::Path;
+
+use super::{Reply, Session};
 use crate::template::api::Answer;
 use crate::template::blame::{self, Frame, Script};
-use crate::template::output::{Environment, join, posix};
+use crate::template::output::{Environment, Output, OutputSink, join, posix};
 use crate::template::{Failure, marker, tcl};
 
 impl Session<'_> {
@@ -13,7 +15,7 @@ impl Session<'_> {
             let path = join(&self.run.dir.display().to_string(), source);
             self.message(&format!("reading {path}"));
             self.check_read(path.as_ref())?;
-            let bytes = std::fs::read(&path).map_err(|error| {
+            let bytes = self.run.disk.read(Path::new(&path)).map_err(|error| {
                 Failure::Error(format!("couldn't open \"{path}\": {}", posix(&error)))
             })?;
             (source.to_owned(), tcl::decode(&bytes))
@@ -29,13 +31,16 @@ impl Session<'_> {
                 path.display()
             ));
         }
-        std::fs::write(&path, &program.text).map_err(|error| {
-            Failure::Error(format!(
-                "couldn't open \"{}\": {}",
-                path.display(),
-                posix(&error)
-            ))
-        })?;
+        self.run
+            .disk
+            .put(&path, program.text.as_bytes())
+            .map_err(|error| {
+                Failure::Error(format!(
+                    "couldn't open \"{}\": {}",
+                    path.display(),
+                    posix(&error)
+                ))
+            })?;
         let path = path.display().to_string();
         self.scripts.push(Script {
             path: path.clone(),
@@ -75,7 +80,17 @@ impl Session<'_> {
     ) -> Result<(), Failure> {
         self.files += text.len() as u64;
         self.check_output(self.files).map_err(Failure::Stop)?;
-        let mut output = std::mem::replace(&mut self.output, empty_output());
+        let mut output = {
+            let disk = std::sync::Arc::clone(&self.run.disk);
+            let empty = Output::new(
+                String::new(),
+                Default::default(),
+                false,
+                disk,
+                OutputSink::Direct,
+            );
+            std::mem::replace(&mut self.output, empty)
+        };
         let result = output.commit(name, permissions, text, self);
         self.output = output;
         result

@@ -2,12 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use anyhow::Context;
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::{FileEdit, Fix};
 use dotgen_analysis::host::Change;
 
-use super::{Outcome, Report, Session, check};
+use super::{Outcome, Report, Session, Trouble, check};
 use crate::cli::{fmt, report, session};
 use crate::fixes::together;
 
@@ -21,7 +20,8 @@ pub(super) type Changed = BTreeMap<Utf8PathBuf, (String, String)>;
 pub(super) fn mend(session: &mut Session, changed: &mut Changed) -> anyhow::Result<()> {
     for _ in 0..MOST_ROUNDS {
         let mut report = Report::default();
-        check(session, &mut report)?;
+        // What cannot be read is told once, with the report.
+        check(session, &mut report, &mut Trouble::silent());
         let first = report.diagnostics.iter().filter_map(|it| it.fixes.first());
         let plain = first.filter(|it| it.plain && is_ours(session, it));
         let mut edits = together(plain);
@@ -57,18 +57,13 @@ pub(super) fn print(changed: &Changed) -> anyhow::Result<Outcome> {
     })
 }
 
-/// Gives the files their new texts.
+/// Gives the files their new texts: all of them, or none.
 pub(super) fn write(changed: &Changed) -> anyhow::Result<()> {
-    for (path, (_, new)) in changed {
-        let parent = path.parent().unwrap_or(Utf8Path::new("."));
-        let fresh = parent.join(format!(".{}.dotgen", path.file_name().unwrap_or_default()));
-        let written = std::fs::write(&fresh, new).and_then(|()| {
-            let mode = std::fs::metadata(path)?.permissions();
-            std::fs::set_permissions(&fresh, mode)?;
-            std::fs::rename(&fresh, path)
-        });
-        written.with_context(|| format!("cannot write `{}`", session::display(path)))?;
-    }
+    let files = changed.iter();
+    let files: Vec<_> = files
+        .map(|(path, (_, new))| report::new_content(path, new))
+        .collect();
+    report::write_files(&files)?;
     if !changed.is_empty() {
         let files = if changed.len() == 1 { "file" } else { "files" };
         report::note(&format!("mended {} {files}", changed.len()));

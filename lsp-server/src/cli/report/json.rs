@@ -165,7 +165,7 @@ pub(in crate::cli) fn print(report: &Report) -> anyhow::Result<()> {
     };
     let mut json = serde_json::to_string_pretty(&document)?;
     json.push('\n');
-    Ok(std::io::stdout().write_all(json.as_bytes())?)
+    Ok(std::io::stdout().write_all(dotgen_syntax::encoding::shown(&json).as_bytes())?)
 }
 
 /// Lines from 0, characters in UTF-16 units.

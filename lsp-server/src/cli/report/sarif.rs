@@ -15,7 +15,7 @@ use crate::manual;
 pub(in crate::cli) fn print(report: &Report) -> anyhow::Result<()> {
     let mut text = serde_json::to_string_pretty(&document(report))?;
     text.push('\n');
-    Ok(std::io::stdout().write_all(text.as_bytes())?)
+    Ok(std::io::stdout().write_all(dotgen_syntax::encoding::shown(&text).as_bytes())?)
 }
 
 fn document(report: &Report) -> Value {

@@ -10,6 +10,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::{Diagnostic, Fix, Severity};
 use dotgen_analysis::parallel;
 use dotgen_analysis::terminal;
+use dotgen_syntax::encoding;
 
 use super::Report;
 use crate::cli::session::{self, Texts};
@@ -33,7 +34,7 @@ pub(in crate::cli) fn print(report: &Report) -> anyhow::Result<()> {
             all.collect()
         };
         for text in parallel::map(&parts, || (), one, |(), part| one(part)) {
-            out.write_all(text.as_bytes())?;
+            out.write_all(encoding::shown(&text).as_bytes())?;
         }
     }
     writeln!(out, "{}", summary(report))?;
@@ -58,7 +59,7 @@ pub(in crate::cli) fn print_to_stderr<'d>(
 ) -> anyhow::Result<()> {
     let mut out = anstream::AutoStream::auto(std::io::stderr().lock());
     for diagnostic in diagnostics {
-        writeln!(out, "{}\n", render(diagnostic, texts))?;
+        writeln!(out, "{}\n", encoding::shown(&render(diagnostic, texts)))?;
     }
     Ok(())
 }

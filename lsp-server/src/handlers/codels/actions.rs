@@ -16,7 +16,9 @@ use serde_json::json;
 
 use crate::codels::{self, Texts};
 use crate::convert::diagnostic;
-use crate::convert::edit::annotated_edit;
+use crate::convert::edit::{Edited, annotated_edit};
+use crate::handlers::code_action::with_edit;
+use crate::handlers::rename::Refusable;
 use crate::proto::*;
 use crate::snapshot::{Snapshot, Subject};
 
@@ -108,14 +110,15 @@ impl Work<'_> {
         let repairs = codels::repairs(self.folder, expected, self.texts, &stubs);
         let mut push = |title: String, edit: Edit, preferred: bool| -> Cancellable<()> {
             if let Some(edit) = self.edit(&title, &edit)? {
-                out.push(CodeActionOrCommand::CodeAction(CodeAction {
+                let action = CodeAction {
                     title,
                     kind: Some(CodeActionKind::QUICKFIX),
                     diagnostics: shown.clone().map(|it| vec![it]),
-                    edit: Some(edit),
                     is_preferred: Some(preferred),
                     ..CodeAction::default()
-                }));
+                };
+                let action = with_edit(self.snapshot, action, edit);
+                out.extend(action.map(CodeActionOrCommand::CodeAction));
             }
             Ok(())
         };
@@ -183,12 +186,13 @@ impl Work<'_> {
                     continue;
                 };
                 if let Some(edit) = self.edit(&title, &edit)? {
-                    out.push(CodeActionOrCommand::CodeAction(CodeAction {
+                    let action = CodeAction {
                         title,
                         kind: Some(CodeActionKind::REFACTOR_REWRITE),
-                        edit: Some(edit),
                         ..CodeAction::default()
-                    }));
+                    };
+                    let action = with_edit(self.snapshot, action, edit);
+                    out.extend(action.map(CodeActionOrCommand::CodeAction));
                 }
             }
         }
@@ -196,13 +200,13 @@ impl Work<'_> {
     }
 
     /// `None` when there is nothing to do, or when a file that is there would have to be replaced.
-    fn edit(&self, title: &str, edit: &Edit) -> Cancellable<Option<WorkspaceEdit>> {
+    fn edit(&self, title: &str, edit: &Edit) -> Cancellable<Option<Edited>> {
         use dotgen_codegen::codels::files::Files as _;
         let mut created = edit.created.keys();
         if edit.is_empty() || created.any(|it| self.texts.read(it).is_some()) {
             return Ok(None);
         }
-        annotated_edit(self.snapshot, title, edit)
+        annotated_edit(self.snapshot, title, edit).map(Some)
     }
 }
 
@@ -246,36 +250,41 @@ fn sync_action(
     subject: &Subject,
     fix: bool,
 ) -> Cancellable<Option<CodeActionOrCommand>> {
-    let mut action = CodeAction {
+    let action = CodeAction {
         title: "Fix all differences between specification and codels".to_owned(),
         kind: Some(if fix { CodeActionKind::QUICKFIX } else { SYNC }),
         ..CodeAction::default()
     };
-    if snapshot.client.resolves_edits {
-        action.data = Some(json!({ "sync": subject.path }));
-    } else {
-        action.edit = sync_edit(snapshot, &subject.path)?;
-        if action.edit.is_none() {
-            return Ok(None);
-        }
-    }
-    Ok(Some(CodeActionOrCommand::CodeAction(action)))
+    let action = match snapshot.client.resolves_edits {
+        true => Some(CodeAction {
+            data: Some(json!({ "sync": subject.path })),
+            ..action
+        }),
+        false => sync_edit(snapshot, &subject.path)?.and_then(|it| with_edit(snapshot, action, it)),
+    };
+    Ok(action.map(CodeActionOrCommand::CodeAction))
 }
 
 /// `codeAction/resolve`
-pub(crate) fn resolve(snapshot: &Snapshot, action: &CodeAction) -> Cancellable<Option<CodeAction>> {
+pub(crate) fn resolve(
+    snapshot: &Snapshot,
+    action: &CodeAction,
+) -> Cancellable<Refusable<CodeAction>> {
     let data = action.data.clone().map(serde_json::from_value::<Data>);
     let Some(Ok(data)) = data else {
-        return Ok(None);
+        return Ok(Refusable::default());
     };
-    Ok(Some(CodeAction {
-        edit: sync_edit(snapshot, &data.sync)?,
-        ..action.clone()
-    }))
+    let edit = sync_edit(snapshot, &data.sync)?.transpose();
+    Ok(Refusable(edit.map(|edit| {
+        Some(CodeAction {
+            edit,
+            ..action.clone()
+        })
+    })))
 }
 
 /// Everything that can be mended around a document, hints included.
-fn sync_edit(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Option<WorkspaceEdit>> {
+fn sync_edit(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Option<Edited>> {
     let mut roots: Vec<Utf8PathBuf> = Vec::new();
     for compared in codels::around(snapshot, path)? {
         for folder in compared.folders() {
@@ -323,7 +332,7 @@ fn sync_edit(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Option<Workspa
     if edit.is_empty() {
         return Ok(None);
     }
-    annotated_edit(snapshot, "Fix all differences", &edit)
+    annotated_edit(snapshot, "Fix all differences", &edit).map(Some)
 }
 
 /// A database of our own with the texts of a snapshot, for work that tries changes.

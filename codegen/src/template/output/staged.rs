@@ -1,0 +1,172 @@
+//! What a template has written so far. It goes to the disk when the template has ended.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::path::{Component, Path, PathBuf};
+
+use super::{OutputSink, PreviewFile, permissions};
+use crate::disk::{Disk, NewContent, WriteError};
+use crate::template::Failure;
+
+/// Files in memory over those of the disk. Reads see what was written before.
+#[derive(Debug)]
+pub(crate) struct Staged {
+    files: BTreeMap<PathBuf, PreviewFile>,
+    /// Whether the files go to the disk in the end.
+    direct: bool,
+}
+
+impl Staged {
+    /// For a sink.
+    pub(crate) fn new(sink: OutputSink) -> Staged {
+        match sink {
+            OutputSink::Direct => Staged {
+                files: BTreeMap::new(),
+                direct: true,
+            },
+            OutputSink::Preview(files) => Staged {
+                files,
+                direct: false,
+            },
+        }
+    }
+
+    /// Files that are to go to the disk.
+    pub(crate) fn direct(files: BTreeMap<PathBuf, PreviewFile>) -> Staged {
+        Staged {
+            files,
+            direct: true,
+        }
+    }
+
+    /// Number of files that differ from those of the disk.
+    pub(crate) fn changed(&self) -> usize {
+        let differ = |it: &&PreviewFile| it.before.as_ref() != Some(&it.after);
+        self.files.values().filter(differ).count()
+    }
+
+    /// Ends the run: gives the files to the disk, unless they are only to be seen or the run has failed.
+    pub(crate) fn finish(
+        self,
+        disk: &dyn Disk,
+        failed: bool,
+    ) -> (OutputSink, Result<(), WriteError>) {
+        if !self.direct {
+            return (OutputSink::Preview(self.files), Ok(()));
+        }
+        let mut written = Ok(());
+        if !failed {
+            let (mut contents, mut modes) = (Vec::new(), Vec::new());
+            for (path, file) in self.files {
+                // A file with its old content stays as it is: build tools look at times.
+                match file.before.as_ref() == Some(&file.after) {
+                    true => modes.extend(file.mode.map(|mode| (path, mode))),
+                    false => contents.push(NewContent {
+                        path,
+                        bytes: file.after,
+                        mode: file.mode,
+                    }),
+                }
+            }
+            written = disk.write(&contents);
+            for (path, mode) in modes {
+                if let (Ok(()), Err(reason)) = (&written, disk.set_mode(&path, mode)) {
+                    written = Err(WriteError {
+                        path,
+                        reason,
+                        changed: Vec::new(),
+                        of: 1,
+                    });
+                }
+            }
+        }
+        (OutputSink::Direct, written)
+    }
+
+    /// Bytes of a file, `None` when it does not exist.
+    pub(crate) fn read(&self, disk: &dyn Disk, path: &Path) -> io::Result<Option<Vec<u8>>> {
+        match self.files.get(&plain(disk, path)) {
+            Some(file) => Ok(Some(file.after.clone())),
+            None => on_disk(disk, path),
+        }
+    }
+
+    /// Whether there is something at a path.
+    pub(crate) fn exists(&self, disk: &dyn Disk, path: &Path) -> bool {
+        self.files.contains_key(&plain(disk, path)) || disk.exists(path)
+    }
+
+    /// Puts bytes where they belong, whatever is there.
+    pub(crate) fn write(&mut self, disk: &dyn Disk, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        let path = plain(disk, path);
+        let known = self.files.get(&path);
+        let (before, mode) = match known {
+            Some(file) => (file.before.clone(), file.mode),
+            None => (on_disk(disk, &path)?, None),
+        };
+        let file = PreviewFile {
+            before,
+            after: bytes.to_vec(),
+            mode,
+        };
+        self.files.insert(path, file);
+        Ok(())
+    }
+
+    /// Gives a file permissions, in one of the forms of Tcl.
+    pub(crate) fn set_permissions(
+        &mut self,
+        disk: &dyn Disk,
+        path: &Path,
+        text: &str,
+    ) -> Result<(), Failure> {
+        let key = plain(disk, path);
+        let on_disk_mode = || disk.status(path).map_or(0, |it| it.mode);
+        let known = self.files.get(&key).and_then(|it| it.mode);
+        let current = known.unwrap_or_else(|| match on_disk_mode() {
+            0 => 0o644,
+            mode => mode,
+        });
+        let mode = permissions::parse(text, current).ok_or_else(|| {
+            Failure::Error(format!("unknown permission string format \"{text}\""))
+        })?;
+        match self.files.get_mut(&key) {
+            Some(file) => file.mode = Some(mode),
+            // Up to date, but for its permissions.
+            None if mode != on_disk_mode() => {
+                let bytes = on_disk(disk, &key).ok().flatten().unwrap_or_default();
+                let file = PreviewFile {
+                    before: Some(bytes.clone()),
+                    after: bytes,
+                    mode: Some(mode),
+                };
+                self.files.insert(key, file);
+            }
+            None => {}
+        }
+        Ok(())
+    }
+}
+
+fn on_disk(disk: &dyn Disk, path: &Path) -> io::Result<Option<Vec<u8>>> {
+    match disk.read(path) {
+        Ok(bytes) => Ok(Some(bytes)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// The path without `.` and `..`, absolute.
+pub(crate) fn plain(disk: &dyn Disk, path: &Path) -> PathBuf {
+    let mut out = PathBuf::new();
+    for component in disk.absolute(path).components() {
+        match component {
+            Component::CurDir => {}
+            Component::ParentDir => {
+                out.pop();
+            }
+            other => out.push(other),
+        }
+    }
+    out
+}

@@ -1,0 +1,48 @@
+//! `dotgen man`
+
+use camino::Utf8PathBuf;
+use clap::{Args, CommandFactory};
+use clap_mangen::Man;
+use dotgen_codegen::disk::NewContent;
+
+use super::{Cli, Outcome, report};
+
+/// Write manual pages for `man`: one for the program, and one for each command
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// Where to write them
+    #[arg(value_name = "DIR")]
+    directory: Utf8PathBuf,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    let mut command = Cli::command();
+    // Names of commands and what all of them take go down to the innermost.
+    command.build();
+    let mut pages = Vec::new();
+    add(&command, "dotgen", arguments, &mut pages)?;
+    report::write_files(&pages)?;
+    Ok(Outcome::Fine)
+}
+
+fn add(
+    command: &clap::Command,
+    name: &str,
+    arguments: &Arguments,
+    pages: &mut Vec<NewContent>,
+) -> anyhow::Result<()> {
+    let mut bytes = Vec::new();
+    let own = command.clone().display_name(name.to_owned());
+    Man::new(own).render(&mut bytes)?;
+    pages.push(NewContent {
+        path: arguments.directory.join(format!("{name}.1")).into(),
+        bytes,
+        mode: None,
+    });
+    for it in command.get_subcommands().filter(|it| !it.is_hide_set()) {
+        if it.get_name() != "help" {
+            add(it, &format!("{name}-{}", it.get_name()), arguments, pages)?;
+        }
+    }
+    Ok(())
+}

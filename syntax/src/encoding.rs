@@ -1,0 +1,142 @@
+//! Files as text, without loss: bytes that are no UTF-8 are kept through every edit.
+//!
+//! A byte that is no part of valid UTF-8 becomes one scalar of a private-use plane, its *escape* (after
+//! Python's `surrogateescape`, PEP 383). Text that holds such scalars already is escaped byte by byte, so
+//! every byte string has exactly one text, and [`encode`] gives it back. Escapes are for edits alone: what
+//! people or other programs are shown goes through [`shown`].
+
+#[cfg(test)]
+mod tests;
+
+use std::borrow::Cow;
+
+/// The escape of byte 0, which needs none. Those in use are U+10F780 to U+10F7FF.
+const BASE: u32 = 0x10_F700;
+
+/// The escape of a byte that is no ASCII.
+fn escape_of(byte: u8) -> char {
+    char::from_u32(BASE + u32::from(byte)).unwrap_or(char::REPLACEMENT_CHARACTER)
+}
+
+/// The byte that a scalar stands for, if it is an escape.
+pub fn escaped_byte(c: char) -> Option<u8> {
+    let byte = u32::from(c).checked_sub(BASE)?;
+    u8::try_from(byte).ok().filter(|it| !it.is_ascii())
+}
+
+/// Whether a text holds escapes, and where the first is.
+pub fn first_escape(text: &str) -> Option<usize> {
+    // All escapes begin with this byte, and hardly anything else does.
+    if !text.as_bytes().contains(&0xf4) {
+        return None;
+    }
+    text.find(|c| escaped_byte(c).is_some())
+}
+
+/// The text of a file, with escapes where it is no UTF-8.
+pub fn decode(bytes: Vec<u8>) -> String {
+    let bytes = match String::from_utf8(bytes) {
+        Ok(text) if first_escape(&text).is_none() => return text,
+        Ok(text) => return escape(&text).into_owned(),
+        Err(error) => error.into_bytes(),
+    };
+    let mut out = String::with_capacity(bytes.len() + bytes.len() / 8);
+    for chunk in bytes.utf8_chunks() {
+        out += &escape(chunk.valid());
+        out.extend(chunk.invalid().iter().copied().map(escape_of));
+    }
+    out
+}
+
+/// Text that is no file (typed by somebody, or sent by a client), to go into the text of one.
+pub fn escape(text: &str) -> Cow<'_, str> {
+    if first_escape(text).is_none() {
+        return text.into();
+    }
+    let mut out = String::with_capacity(text.len() + 16);
+    for c in text.chars() {
+        match escaped_byte(c) {
+            Some(_) => {
+                let mut buffer = [0; 4];
+                let bytes = c.encode_utf8(&mut buffer).bytes();
+                out.extend(bytes.map(escape_of));
+            }
+            None => out.push(c),
+        }
+    }
+    out.into()
+}
+
+/// The bytes of a text: what [`decode`] was given, where it was not edited.
+pub fn encode(text: &str) -> Cow<'_, [u8]> {
+    if first_escape(text).is_none() {
+        return text.as_bytes().into();
+    }
+    let mut out = Vec::with_capacity(text.len());
+    let mut buffer = [0; 4];
+    for c in text.chars() {
+        match escaped_byte(c) {
+            Some(byte) => out.push(byte),
+            None => out.extend_from_slice(c.encode_utf8(&mut buffer).as_bytes()),
+        }
+    }
+    out.into()
+}
+
+/// The text as people and other programs may see it: without escapes, with U+FFFD for what is no UTF-8. Never to be
+/// written to a file.
+pub fn shown(text: &str) -> Cow<'_, str> {
+    match encode(text) {
+        Cow::Borrowed(_) => text.into(),
+        Cow::Owned(bytes) => String::from_utf8_lossy(&bytes).into_owned().into(),
+    }
+}
+
+/// The text as Tcl reads such a file: bytes that are no UTF-8 are Latin-1.
+pub fn latin1(text: &str) -> Cow<'_, str> {
+    if first_escape(text).is_none() {
+        return text.into();
+    }
+    let chars = text.chars().map(|c| escaped_byte(c).map_or(c, char::from));
+    chars.collect::<String>().into()
+}
+
+/// How lines end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LineEnd {
+    /// `\n`
+    #[default]
+    Lf,
+    /// `\r\n`
+    CrLf,
+}
+
+impl LineEnd {
+    /// That of most lines of a text; `\n` for a text of one line.
+    pub fn of(text: &str) -> LineEnd {
+        let all = text.bytes().filter(|it| *it == b'\n').count();
+        let crlf = text.matches("\r\n").count();
+        match crlf * 2 > all {
+            true => LineEnd::CrLf,
+            false => LineEnd::Lf,
+        }
+    }
+
+    /// The characters.
+    pub fn as_str(self) -> &'static str {
+        match self {
+            LineEnd::Lf => "\n",
+            LineEnd::CrLf => "\r\n",
+        }
+    }
+
+    /// A new text with these line ends.
+    pub fn fit(self, text: &str) -> Cow<'_, str> {
+        match self {
+            _ if !text.contains('\n') => text.into(),
+            LineEnd::Lf if !text.contains("\r\n") => text.into(),
+            LineEnd::Lf => text.replace("\r\n", "\n").into(),
+            LineEnd::CrLf => text.replace("\r\n", "\n").replace('\n', "\r\n").into(),
+        }
+    }
+}

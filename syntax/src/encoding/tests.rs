@@ -1,0 +1,86 @@
+use proptest::prelude::*;
+
+use super::*;
+
+/// Bytes in which all that matters is near: parts of sequences, escapes, line ends.
+fn bytes() -> impl Strategy<Value = Vec<u8>> {
+    let piece = prop_oneof![
+        any::<Vec<u8>>(),
+        any::<String>().prop_map(String::into_bytes),
+        (0x80u8..).prop_map(|byte| escape_of(byte).to_string().into_bytes()),
+        proptest::sample::select(vec![
+            &b"\xe9"[..],
+            b"caf\xe9 \xc3",
+            b"\xf4\x8f\x9e",
+            b"\xf4\x8f\x9f\xbf",
+            b"\xef\xbb\xbf",
+            b"\xef\xbf\xbd",
+            b"\r\n",
+            b"\n",
+            b"\xed\xa0\x80",
+            b"\0",
+        ])
+        .prop_map(<[u8]>::to_vec),
+    ];
+    proptest::collection::vec(piece, 0..8).prop_map(|it| it.concat())
+}
+
+proptest! {
+    #[test]
+    fn every_byte_string_comes_back(bytes in bytes()) {
+        let text = decode(bytes.clone());
+        prop_assert_eq!(encode(&text).into_owned(), bytes.clone());
+        prop_assert_eq!(first_escape(&shown(&text)).is_some(), has_real_escape(&bytes));
+        if String::from_utf8(bytes.clone()).is_ok_and(|it| first_escape(&it).is_none()) {
+            prop_assert_eq!(text.as_bytes(), &bytes[..], "valid text is not touched");
+        }
+    }
+
+    #[test]
+    fn an_edit_leaves_other_bytes_alone(
+        bytes in bytes(), new in any::<String>(), from in any::<prop::sample::Index>(), to in any::<prop::sample::Index>()
+    ) {
+        let text = decode(bytes.clone());
+        let places: Vec<usize> = text.char_indices().map(|it| it.0).chain([text.len()]).collect();
+        let (from, to) = (from.index(places.len()), to.index(places.len()));
+        let (from, to) = (places[from.min(to)], places[from.max(to)]);
+        let edited = format!("{}{}{}", &text[..from], escape(&new), &text[to..]);
+        let expected = [&encode(&text[..from])[..], new.as_bytes(), &encode(&text[to..])].concat();
+        prop_assert_eq!(encode(&edited).into_owned(), expected);
+        // Both sides are what they were in the file.
+        let at = bytes.len() - encode(&text[to..]).len();
+        prop_assert_eq!(&encode(&text[..from])[..], &bytes[..encode(&text[..from]).len()]);
+        prop_assert_eq!(&encode(&text[to..])[..], &bytes[at..]);
+    }
+
+    #[test]
+    fn text_of_others_is_taken_as_it_is(text in any::<String>()) {
+        let escaped = escape(&text).into_owned();
+        prop_assert_eq!(encode(&escaped).into_owned(), text.clone().into_bytes());
+        prop_assert_eq!(decode(text.clone().into_bytes()), escaped);
+    }
+}
+
+/// Whether a file holds scalars that look like escapes: they are shown as what they are.
+fn has_real_escape(bytes: &[u8]) -> bool {
+    first_escape(&String::from_utf8_lossy(bytes)).is_some()
+}
+
+#[test]
+fn bytes_that_are_no_utf8_are_one_scalar_each() {
+    let text = decode(b"/* caf\xe9, \xff\xfe */".to_vec());
+    assert_eq!(text, "/* caf\u{10f7e9}, \u{10f7ff}\u{10f7fe} */");
+    assert_eq!(shown(&text), "/* caf\u{fffd}, \u{fffd}\u{fffd} */");
+    assert_eq!(latin1(&text), "/* café, ÿþ */");
+    assert_eq!(first_escape(&text), Some(6));
+    assert_eq!(first_escape("/* café 😀 */"), None);
+}
+
+#[test]
+fn line_ends_are_those_of_most_lines() {
+    assert_eq!(LineEnd::of("a\r\nb\r\nc\n"), LineEnd::CrLf);
+    assert_eq!(LineEnd::of("a\r\nb\n"), LineEnd::Lf);
+    assert_eq!(LineEnd::of("a"), LineEnd::Lf);
+    assert_eq!(LineEnd::CrLf.fit("a\nb\r\nc"), "a\r\nb\r\nc");
+    assert_eq!(LineEnd::Lf.fit("a\nb\r\nc"), "a\nb\nc");
+}

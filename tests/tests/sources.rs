@@ -1,0 +1,90 @@
+//! What the sources of a crate may do: nothing below the server reaches the system by itself.
+
+use std::path::Path;
+
+use dotgen_tests::workspace_root;
+
+/// Crates that do no input or output: they ask a trait.
+const PURE: [&str; 5] = ["syntax", "analysis", "diagram", "codegen", "timing"];
+
+/// Words that reach the system.
+const REACHING: [&str; 14] = [
+    "std::fs",
+    "std::process",
+    "std::net",
+    "std::env",
+    "use std::{fs",
+    "fs::read",
+    "fs::write",
+    "env::var",
+    "env::current_dir",
+    "tempfile::",
+    "walkdir::",
+    ".read_dir(",
+    ".canonicalize(",
+    "absolute_utf8(",
+];
+
+/// Files whose processes are not behind a trait yet.
+const PROCESSES: [&str; 2] = [
+    "codegen/src/template/host.rs",
+    "codegen/src/template/output.rs",
+];
+
+/// The code of a file without its tests: `#[cfg(test)]` ends a file here, but for modules of their own.
+fn code(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let mut tests = false;
+    text.lines().enumerate().filter(move |(_, line)| {
+        tests |= line.trim_start().starts_with("#[cfg(test)]");
+        let module =
+            tests && line.trim_start().starts_with("mod ") && line.trim_end().ends_with(';');
+        let skip = tests;
+        tests &= !module;
+        !skip && !line.trim_start().starts_with("//")
+    })
+}
+
+/// Whether a file is compiled for tests alone: its module says so, or that around it.
+fn is_test(path: &Path) -> bool {
+    let name = |it: &Path| {
+        it.file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned()
+    };
+    path.ancestors().any(|it| matches!(name(it).as_str(), "tests" | "fixture"))
+        // Writes the typed tree, in a test.
+        || path.ends_with("ast/generator.rs")
+}
+
+#[test]
+fn nothing_below_the_server_reaches_the_system() {
+    let mut found = Vec::new();
+    let mut files = 0;
+    for folder in PURE {
+        let source = workspace_root().join(folder).join("src");
+        for entry in walkdir::WalkDir::new(&source).into_iter().flatten() {
+            let path = entry.path();
+            let shown = path.strip_prefix(workspace_root()).unwrap_or(path);
+            if path.extension().is_none_or(|it| it != "rs") || is_test(shown) {
+                continue;
+            }
+            files += 1;
+            let text = std::fs::read_to_string(path).expect("a source");
+            let may_start = PROCESSES.iter().any(|it| shown == Path::new(it));
+            for (line, text) in code(&text) {
+                let word = REACHING.iter().find(|it| text.contains(**it));
+                let allowed = may_start && (text.contains("process") || text.contains("env::"));
+                if let Some(word) = word.filter(|_| !allowed) {
+                    found.push(format!("{}:{}: {word}", shown.display(), line + 1));
+                }
+            }
+        }
+    }
+    assert!(files > 300, "the sources are found: {files}");
+    assert_eq!(
+        found,
+        Vec::<String>::new(),
+        "see docs/architecture.md: files come by a trait"
+    );
+}
