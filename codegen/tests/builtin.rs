@@ -198,7 +198,7 @@ fn a_semicolon_in_what_is_reported_does_not_cut_the_line() {
     std::fs::write(dir.path().join("twice.gen"), text).unwrap();
     let (_, _, err) = run(dir.path(), &["-n", "DIR/twice.gen"]);
     assert!(
-        err.starts_with("twice.gen:2: warning: \"a; b\" is already in this codels-require list\n"),
+        err.starts_with("twice.gen:2: warning: \"a; b\" is already in this codels-requires list\n"),
         "{err}"
     );
 }

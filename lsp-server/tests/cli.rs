@@ -315,7 +315,7 @@ fn formatting_what_cannot_be_formatted() {
     let output = it.run(&["fmt", "b.gen"]);
     assert_eq!(status(&output), 0, "{}", stderr(&output));
     let bytes = std::fs::read(it.path().join("b.gen")).expect("a file");
-    assert_eq!(bytes, b"typedef long t;  // \xe9\n", "other bytes stay");
+    assert_eq!(bytes, b"typedef long t; // \xe9\n", "other bytes stay");
     assert_eq!(status(&it.run(&["fmt", "missing.gen"])), 2);
 }
 

@@ -14,7 +14,7 @@ const SPEC: &str = "/* Andr\u{e9} */\ncomponent c {\n  version \"1.0\";\n  lang 
 /// Its codels, with a byte order mark.
 const SOURCE: &str = "\u{feff}/* \u{e9}t\u{e9} */\n#include \"acc.h\"\n#include \"c_c_types.h\"\n\n/* --- Task t \
                       ---------------------------------------------------------- */\n\n\n/** Codel f of task t.\n \
-                      *\n * Triggered by c_start.\n * Yields to c_ether.\n */\ngenom_event\nf(long x, const genom_context \
+                      *\n * Triggered by c_start.\n * Yields to c_ether.\n */\ngenom_event\nf(int32_t x, const genom_context \
                       self)\n{\n  /* \u{e0} faire */ return c_ether;\n}\n";
 
 /// As Latin-1, but for the byte order mark, with the line ends given.
@@ -68,7 +68,7 @@ fn stubs_leave_the_other_bytes_of_a_source() {
         let new = read(&it, "codels/c_t_codels.c");
         kept(&bytes(SOURCE, line_end), &new, line_end);
         assert!(
-            String::from_utf8_lossy(&new).contains("\ng(long x,"),
+            String::from_utf8_lossy(&new).contains("\ng(int32_t x,"),
             "the stub is there"
         );
         assert_eq!(read(&it, "c.gen"), bytes(SPEC, line_end));
@@ -136,7 +136,7 @@ fn formatting_leaves_all_but_blanks() {
         let new = read(&it, "c.gen");
         assert_eq!(text(new.clone()), text(bytes(SPEC, "\n")));
         kept(
-            &bytes("\u{feff}/* Andr\u{e9} */\n", line_end),
+            &bytes("/* Andr\u{e9} */\n", line_end),
             &new,
             line_end,
         );

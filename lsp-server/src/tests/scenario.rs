@@ -87,8 +87,8 @@ async fn completion_knows_the_place() {
             "scenario a {\n $0",
             "use unit semantics cores policy affinity durations duration loop idle ticks turns locks ports pause exceptions order async aperiodic connect slots client check",
         ),
-        ("scenario a { policy $0", "fifo edf any"),
-        ("scenario a { policy f$0", "fifo edf any"),
+        ("scenario a { policy $0", "fifo edf any priority fair"),
+        ("scenario a { policy f$0", "fifo edf any priority fair"),
         ("scenario a { use \"$0\"; }", "other.gen pump.gen"),
         (
             "scenario a { use \"pump.gen\"; check $0",

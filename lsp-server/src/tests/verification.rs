@@ -81,7 +81,7 @@ async fn a_longer_codel_misses_the_deadline_until_it_is_shorter_again() {
     assert_eq!(miss.len(), 1, "{report}");
     let message = miss[0]["message"].as_str().expect("text");
     assert!(
-        message.contains("`pump.t`") && message.contains("20 ms"),
+        message.contains("`pump.t`") && message.contains("30 ms"),
         "{message}"
     );
     let related = miss[0]["relatedInformation"].as_array().expect("places");
@@ -343,7 +343,7 @@ async fn one_answer_has_everything_a_panel_needs() {
     assert_eq!(answer["written"], true);
     assert_eq!(
         answer["platform"],
-        "2 cores, policy fifo, durations interval"
+        "2 cores, policy fifo, durations interval, semantics published"
     );
     let checks = answer["checks"].as_array().expect("a list");
     assert_eq!(checks.len(), 3);
@@ -375,7 +375,7 @@ async fn one_answer_has_everything_a_panel_needs() {
     );
     assert_eq!(
         answer["platform"],
-        "1 core, policy fifo, durations interval"
+        "1 core, policy fifo, durations interval, semantics published"
     );
     assert_eq!(answer["timeline"]["check"], 1);
     assert_eq!(
@@ -451,7 +451,7 @@ async fn the_default_scenario_can_be_written_out() {
     assert_eq!(edits[0]["kind"], "create");
     let text = edits[1]["edits"][0]["newText"].as_str().expect("text");
     assert!(
-        text.starts_with("scenario pump {\n  use \"pump.gen\"; semantics published;\n"),
+        text.starts_with("scenario pump {\n  use \"pump.gen\";\n"),
         "{text}"
     );
     let scn = folder.uri("pump.scn");

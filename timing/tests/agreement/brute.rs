@@ -66,9 +66,19 @@ impl Brute<'_> {
         }
     }
 
-    fn reach(&self, before: Option<&State>, now: &State, out: &mut Results) {
+    fn reach(&self, before: Option<&State>, now: &State, at: u64, out: &mut Results) {
         for (it, reached) in self.reach.iter().zip(&mut out.reached) {
             *reached |= self.predicate(before, now, it);
+        }
+        // What is answered in the moment in which it is asked takes no time, which is a time.
+        for (i, it) in self.within.iter().enumerate() {
+            let was = before.is_some_and(|it_was| self.predicate(Some(it_was), it_was, &it.trigger));
+            if !was && self.predicate(before, now, &it.trigger) {
+                out.within[i] = out.within[i].max(Some(0));
+                if out.within_at[i].is_empty() {
+                    out.within_at[i].push(at);
+                }
+            }
         }
     }
 
@@ -92,7 +102,7 @@ impl Brute<'_> {
     pub(crate) fn explore(&self, limit: usize) -> Option<Results> {
         let mut out = self.blank();
         let initial = self.initial();
-        self.reach(None, &initial, &mut out);
+        self.reach(None, &initial, 0, &mut out);
         // Moment by moment, so that a state is seen at the earliest moment at which it can be reached.
         let mut seen: HashSet<State> = HashSet::new();
         let mut later = vec![initial];
@@ -108,7 +118,7 @@ impl Brute<'_> {
                 let (actions, urgent) = self.actions(&s);
                 for action in actions {
                     let next = self.perform(&s, action, &mut out);
-                    self.reach(Some(&s), &next, &mut out);
+                    self.reach(Some(&s), &next, now, &mut out);
                     if seen.insert(next.clone()) {
                         todo.push(next);
                     }
@@ -151,7 +161,7 @@ impl Brute<'_> {
         advance(&mut s, &mut now, end)?;
         let mut last = self.blank();
         self.inspect(&s, end, &mut last);
-        self.reach(before.as_ref(), &s, &mut last);
+        self.reach(before.as_ref(), &s, end, &mut last);
         last.deadlock = self.dead(&s);
         Ok(last)
     }
