@@ -505,7 +505,14 @@ fn a_specification_alone_is_answered_step_by_step() {
         "component lift {\n  ids { long position; };\n  task sense { period 10 ms; codel<start> look(in position) yield pause::start wcet 2 ms; };\n  task move { period 20 ms; };\n  activity go() { task move; codel<start> go_start(out position) yield pause::start, ether wcet 15 ms; };\n  activity rest() { task move; codel<start> rest_start() yield ether wcet 1 ms; };\n};\n",
     )]);
     let published = ["--semantics", "published"];
-    let output = it.run(&["verify", "--format", "json", published[0], published[1], "lift.gen"]);
+    let output = it.run(&[
+        "verify",
+        "--format",
+        "json",
+        published[0],
+        published[1],
+        "lift.gen",
+    ]);
     let document = json_of(&output);
     let first = document["first-answers"].as_array().expect("a list").iter();
     let first: Vec<String> = first

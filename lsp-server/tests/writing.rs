@@ -135,11 +135,7 @@ fn formatting_leaves_all_but_blanks() {
         };
         let new = read(&it, "c.gen");
         assert_eq!(text(new.clone()), text(bytes(SPEC, "\n")));
-        kept(
-            &bytes("/* Andr\u{e9} */\n", line_end),
-            &new,
-            line_end,
-        );
+        kept(&bytes("/* Andr\u{e9} */\n", line_end), &new, line_end);
         assert_eq!(
             read(&it, "a.scn"),
             bytes("use \"c.gen\"; // \u{e9}t\u{e9}\n", line_end)

@@ -72,7 +72,8 @@ impl Brute<'_> {
         }
         // What is answered in the moment in which it is asked takes no time, which is a time.
         for (i, it) in self.within.iter().enumerate() {
-            let was = before.is_some_and(|it_was| self.predicate(Some(it_was), it_was, &it.trigger));
+            let was =
+                before.is_some_and(|it_was| self.predicate(Some(it_was), it_was, &it.trigger));
             if !was && self.predicate(before, now, &it.trigger) {
                 out.within[i] = out.within[i].max(Some(0));
                 if out.within_at[i].is_empty() {
