@@ -118,13 +118,11 @@ fn synchronising_leaves_the_other_bytes_of_both_sides() {
 
 #[test]
 fn formatting_leaves_all_but_blanks() {
+    let scenario = |uses: &str| format!("scenario s {{\n  {uses}\"c.gen\"; // \u{e9}t\u{e9}\n}}\n");
     for line_end in ["\n", "\r\n"] {
         let it = Directory::new(&[]);
         it.write("c.gen", &bytes(&SPEC.replace("ids {", "ids   {"), line_end));
-        it.write(
-            "a.scn",
-            &bytes("use   \"c.gen\"; // \u{e9}t\u{e9}\n", line_end),
-        );
+        it.write("a.scn", &bytes(&scenario("use   "), line_end));
         let output = it.run(&["fmt"]);
         assert_eq!(status(&output), 0, "{}", stderr(&output));
         let text = |bytes: Vec<u8>| -> Vec<u8> {
@@ -136,10 +134,7 @@ fn formatting_leaves_all_but_blanks() {
         let new = read(&it, "c.gen");
         assert_eq!(text(new.clone()), text(bytes(SPEC, "\n")));
         kept(&bytes("/* Andr\u{e9} */\n", line_end), &new, line_end);
-        assert_eq!(
-            read(&it, "a.scn"),
-            bytes("use \"c.gen\"; // \u{e9}t\u{e9}\n", line_end)
-        );
+        assert_eq!(read(&it, "a.scn"), bytes(&scenario("use "), line_end));
         let piped = it.pipe(&["fmt", "-"], &bytes(SPEC, line_end));
         assert_eq!(piped.stdout, new);
     }

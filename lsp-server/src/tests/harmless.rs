@@ -84,7 +84,7 @@ async fn a_file_in_another_encoding_is_changed_only_when_it_is_open() {
 #[tokio::test(flavor = "multi_thread")]
 async fn new_text_has_the_line_ends_of_the_document() {
     let spec = "component c {\r\n  ids { long x; };\r\n  task t {\r\n    codel<start> f(in x) yield ether;\r\n    \
-                codel<stop> g(in x) yield ether;\r\n    codel<go> h(in x) yield ether;\r\n  };\r\n};\r\n";
+                codel<stop> g(in x) yield ether;\r\n  };\r\n};\r\n";
     let code = "#include \"acc.h\"\r\n#include \"c_c_types.h\"\r\n\r\ngenom_event\r\nf(int32_t x, const genom_context \
                 self)\r\n{\r\n  return c_ether;\r\n}\r\n";
     let folder = Folder::new(&[("c.gen", spec), ("codels/c_t_codels.c", code)]);

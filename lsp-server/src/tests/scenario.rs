@@ -118,7 +118,10 @@ async fn completion_knows_the_place() {
             "scenario a { use \"pump.gen\"; duration pump.t.main [1,2] $0",
             "ms us s",
         ),
-        ("scenario a { use \"pump.gen\"; slots $0", "pump.drain"),
+        (
+            "scenario a { use \"pump.gen\"; slots $0",
+            "pump.t pump.drain",
+        ),
         ("scenario a { use \"pump.gen\"; connect $0", "pump.inflow"),
         (
             "scenario a { use \"pump.gen\"; connect pump.inflow $0",
