@@ -92,7 +92,7 @@ impl Loader for Vfs {
 
     fn size(&self, path: &Utf8Path) -> Option<u64> {
         let metadata = std::fs::metadata(path).ok()?;
-        metadata.is_file().then(|| metadata.len())
+        metadata.is_file().then_some(metadata.len())
     }
 
     fn packages(&self, arguments: &[String]) -> Result<PackageFlags, String> {

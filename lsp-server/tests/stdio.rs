@@ -5,6 +5,7 @@ use std::process::{Command, Stdio};
 
 use serde_json::json;
 
+#[allow(dead_code, reason = "shared with other tests")]
 #[path = "support/server.rs"]
 mod server;
 

@@ -97,7 +97,7 @@ fn path_with(p: &mut Parser<'_>, no_colon: bool) -> bool {
         if !name_ref(p) {
             break;
         }
-        if !p.eat(COLON2) && !(no_colon && joined_by_other(p, COLON)) {
+        if !(p.eat(COLON2) || no_colon && joined_by_other(p, COLON)) {
             break;
         }
     }

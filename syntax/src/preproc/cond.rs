@@ -97,7 +97,7 @@ fn lexemes(
                     [] => (None, rest),
                 };
                 let name = name.filter(|it| is_word(it.kind, &it.text));
-                let name = name.ok_or_else(|| Preprocessing::DefinedWithoutName)?;
+                let name = name.ok_or(Preprocessing::DefinedWithoutName)?;
                 value = is_defined(&name.text);
                 rest = after;
             }

@@ -65,20 +65,16 @@ fn list(p: &mut Parser<'_>) {
     p.bump(L_CURLY);
     const END: TokenSet = TokenSet::new(&[R_CURLY, R_PAREN, SEMICOLON, EOF]);
     // Nothing may stand before the first comma.
-    if p.eat(COMMA) && p.at(R_CURLY) {
-        if p.expected_because("a value", "remove the comma") {
-            let comma = p.position() - 1;
-            p.replace(comma..comma + 1, "", true);
-        }
+    if p.eat(COMMA) && p.at(R_CURLY) && p.expected_because("a value", "remove the comma") {
+        let comma = p.position() - 1;
+        p.replace(comma..comma + 1, "", true);
     }
     while !p.at_ts(END) {
         initializer(p);
         if p.eat(COMMA) {
-            if p.at(R_CURLY) {
-                if p.expected_because("a value", "remove the last comma") {
-                    let comma = p.position() - 1;
-                    p.replace(comma..comma + 1, "", true);
-                }
+            if p.at(R_CURLY) && p.expected_because("a value", "remove the last comma") {
+                let comma = p.position() - 1;
+                p.replace(comma..comma + 1, "", true);
             }
             continue;
         }
