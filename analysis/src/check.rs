@@ -12,12 +12,13 @@ mod usage;
 use rustc_hash::FxHashSet;
 
 use crate::{
-    elab::{ElabDiagnostic, Elaborated},
+    elab::Elaborated,
+    finding::Finding,
     model::{Component, Spec},
 };
 
 /// Everything that must hold when the body of a component or interface ends.
-pub fn component(spec: &Spec, component: &Component) -> Vec<ElabDiagnostic> {
+pub fn component(spec: &Spec, component: &Component) -> Vec<Finding> {
     let mut found = Vec::new();
     machine::check(spec, component, &mut found);
     concurrency::check(spec, component, &mut found);
@@ -25,7 +26,7 @@ pub fn component(spec: &Spec, component: &Component) -> Vec<ElabDiagnostic> {
 }
 
 /// What is suspicious about a component as a whole, once all of it is read.
-pub(crate) fn lints(component: &Component) -> Vec<ElabDiagnostic> {
+pub(crate) fn lints(component: &Component) -> Vec<Finding> {
     let mut found = Vec::new();
     usage::check(component, &mut found);
     found
@@ -33,12 +34,12 @@ pub(crate) fn lints(component: &Component) -> Vec<ElabDiagnostic> {
 
 /// Every diagnostic of a unit: those of elaboration, then those of each body that ended, without
 /// repetitions.
-pub fn all(elaborated: &Elaborated) -> Vec<ElabDiagnostic> {
+pub fn all(elaborated: &Elaborated) -> Vec<Finding> {
     let spec = &elaborated.spec;
     let mut found = elaborated.diagnostics.clone();
     let mut seen = FxHashSet::default();
-    let mut add = |it: ElabDiagnostic| {
-        if seen.insert((it.code, it.at, it.message.clone())) {
+    let mut add = |it: Finding| {
+        if seen.insert((it.at, it.kind.clone())) {
             found.push(it);
         }
     };

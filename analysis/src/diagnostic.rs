@@ -36,6 +36,8 @@ pub struct Diagnostic {
     pub severity: Severity,
     /// What is wrong, and what would be right.
     pub message: String,
+    /// What the reference compiler says of it, where it says something.
+    pub reference: Option<Reference>,
     /// File it is in.
     pub path: Utf8PathBuf,
     /// Where in the file.
@@ -46,6 +48,15 @@ pub struct Diagnostic {
     pub tags: Vec<Tag>,
     /// Ways to mend it, the best first.
     pub fixes: Vec<Fix>,
+}
+
+/// A line of the reference compiler.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Reference {
+    /// Its words.
+    pub text: String,
+    /// Where in the file it sees the problem.
+    pub at: usize,
 }
 
 /// A place that explains a diagnostic ("previous declaration").
@@ -80,6 +91,27 @@ pub struct FileEdit {
 }
 
 impl Diagnostic {
+    /// A diagnostic at a place, with nothing that explains or mends it.
+    pub fn new(
+        code: &'static str,
+        severity: Severity,
+        message: impl Into<String>,
+        path: Utf8PathBuf,
+        range: Range<usize>,
+    ) -> Diagnostic {
+        Diagnostic {
+            code,
+            severity,
+            message: message.into(),
+            reference: None,
+            path,
+            range,
+            related: Vec::new(),
+            tags: Vec::new(),
+            fixes: Vec::new(),
+        }
+    }
+
     /// The key by which diagnostics are sorted and deduplicated: place first.
     pub(crate) fn sort_key(&self) -> (&str, usize, usize, Severity, &str, &str) {
         (

@@ -28,12 +28,12 @@ mod task;
 pub(crate) mod types;
 mod union;
 
-pub use crate::diagnostic::Severity;
 use std::sync::Arc;
 
 use smol_str::SmolStr;
 
 use crate::{
+    finding::Finding,
     item_tree::ItemTree,
     model::{Component, Spec, Src, TypeId},
 };
@@ -69,60 +69,13 @@ pub struct Elaborated {
     pub spec: Arc<Spec>,
     /// Every problem found while elaborating, in the order of the text as it is visited. The checks
     /// made at the end of bodies are separate: see [`crate::check`].
-    pub diagnostics: Vec<ElabDiagnostic>,
+    pub diagnostics: Vec<Finding>,
     /// One entry for each use of a name that was resolved, in the order of elaboration.
     pub references: Vec<Reference>,
     /// Everything declared, by [`DefId`].
     pub definitions: Vec<Definition>,
     /// One entry for each body of a component or interface, in the order in which they end.
     pub closings: Vec<Closing>,
-}
-
-/// A problem, at a node of the item tree.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ElabDiagnostic {
-    /// Id of the rule: an entry of [`crate::check::codes`].
-    pub code: &'static str,
-    /// How bad it is.
-    pub severity: Severity,
-    /// What is wrong and what would be right.
-    pub message: String,
-    /// Where.
-    pub at: Src,
-    /// Other places that matter, each with what it is.
-    pub related: Vec<(Src, String)>,
-    /// A change of the text that would resolve it.
-    pub fix: Option<Fix>,
-}
-
-/// A change of the text, in terms of the item tree.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Fix {
-    /// Put `text` in the place of the node.
-    Replace {
-        /// The node to replace.
-        at: Src,
-        /// The new text.
-        text: SmolStr,
-        /// What this does, in the imperative.
-        title: String,
-    },
-    /// Insert `text` just before the node.
-    InsertBefore {
-        /// The node.
-        at: Src,
-        /// The text to insert.
-        text: SmolStr,
-        /// What this does, in the imperative.
-        title: String,
-    },
-    /// Remove the node.
-    Remove {
-        /// The node.
-        at: Src,
-        /// What this does, in the imperative.
-        title: String,
-    },
 }
 
 /// Index into [`Elaborated::definitions`].

@@ -1,7 +1,7 @@
 //! Quick fixes that need the text: one function for each rule that has one.
 //!
-//! Rules work on the model and know no text. Here a finding, back at its place in a file, gets the
-//! edits that remove its cause, made from the tree around it.
+//! Rules work on the model and know no text. Which fixes a finding has is said beside its words, in
+//! [`crate::finding`]; here are the edits, made from the tree around its place.
 
 mod braces;
 mod slips;
@@ -43,66 +43,10 @@ impl TextFix {
 }
 
 /// A finding at its place, with the places related to it in the same file.
-pub(crate) struct Finding<'a> {
-    pub(crate) code: &'a str,
-    pub(crate) message: &'a str,
+pub(crate) struct Place<'a> {
+    pub(crate) root: &'a SyntaxNode,
     pub(crate) range: TextRange,
     pub(crate) related: &'a [TextRange],
-}
-
-/// The fixes of a finding, the best first.
-pub(crate) fn fixes(root: &SyntaxNode, finding: &Finding<'_>) -> Vec<TextFix> {
-    let here = Place { root, finding };
-    let mut fixes = here.near_name();
-    fixes.extend(match finding.code {
-        "fsm/undefined-state" => here.declare_state(),
-        "throw/undeclared-use" => here.declare_throw(),
-        "fsm/unreachable-state" => here.connect_or_remove_codel(),
-        "fsm/busy-loop" => here.pause_somewhere(),
-        "fsm/no-termination" => {
-            let mut fixes = here.end_somewhere();
-            fixes.extend(here.pause_somewhere());
-            fixes
-        }
-        "fsm/missing-stop" => here.add_stop_codel(),
-        "timing/missing-wcet" => here.add_wcet(),
-        "service/blind-validate" => here.validate_new_value(),
-        "service/concurrent-instances" => here.interrupt_itself(),
-        "unused/exception" | "unused/type" | "unused/local" => here.remove_declaration(),
-        "lint/unused-suppression" => here.remove_comment(),
-        _ => here.slip().into_iter().collect(),
-    });
-    fixes
-}
-
-/// How a message suggests a name that comes close to what was written.
-const SUGGESTION: &str = "did you mean `";
-
-/// Whether [`fixes`] has anything for a code and message.
-pub(crate) fn has_fixes(code: &str, message: &str) -> bool {
-    message.contains(SUGGESTION)
-        || slips::CODES.contains(&code)
-        || matches!(
-            code,
-            "fsm/undefined-state"
-                | "throw/undeclared-use"
-                | "fsm/unreachable-state"
-                | "fsm/busy-loop"
-                | "fsm/no-termination"
-                | "fsm/missing-stop"
-                | "timing/missing-wcet"
-                | "service/blind-validate"
-                | "service/concurrent-instances"
-                | "unused/exception"
-                | "unused/type"
-                | "unused/local"
-                | "lint/unused-suppression"
-        )
-}
-
-struct Place<'a> {
-    root: &'a SyntaxNode,
-    finding: &'a Finding<'a>,
 }
 
 impl Place<'_> {
@@ -133,53 +77,10 @@ impl Place<'_> {
         }
     }
 
-    /// Puts the suggested name in the place of the one that was written.
-    fn near_name(&self) -> Vec<TextFix> {
-        let message = self.finding.message;
-        let Some(start) = message.find(SUGGESTION) else {
-            return Vec::new();
-        };
-        let Some((name, _)) = message[start + SUGGESTION.len()..].split_once('`') else {
-            return Vec::new();
-        };
-        // An undefined state is reported at the codel that leads to it.
-        let at = match (self.finding.code, self.finding.related) {
-            ("fsm/undefined-state", [state, ..]) => *state,
-            _ => self.finding.range,
-        };
-        // Of a path or parameter, the part that is wrong is the one the message quotes first.
-        let wrong = message.split('`').nth(1).unwrap_or_default();
-        let wrong = if self.finding.code == "fsm/undefined-state" {
-            message.split('`').nth(3).unwrap_or_default()
-        } else {
-            wrong
-        };
-        let wrong = wrong.rsplit("::").next().unwrap_or_default();
-        let text = self.text(at);
-        let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
-        let found = text.match_indices(wrong).find(|(i, _)| {
-            !wrong.is_empty()
-                && !text[..*i].ends_with(is_word)
-                && !text[i + wrong.len()..].starts_with(is_word)
-        });
-        let Some((offset, _)) = found else {
-            return Vec::new();
-        };
-        let size = |it: usize| TextSize::try_from(it).unwrap_or_default();
-        let range = TextRange::at(at.start() + size(offset), size(wrong.len()));
-        let new_text = name.rsplit("::").next().unwrap_or(name).to_owned();
-        vec![TextFix {
-            title: format!("Change to `{new_text}`"),
-            edits: vec![(range, new_text)],
-        }]
-    }
-
     /// `Declare a codel for the state`: after the codel that yields it.
-    fn declare_state(&self) -> Vec<TextFix> {
+    pub(crate) fn declare_state(&self, state: &str) -> Vec<TextFix> {
         let found = || {
-            let codel: ast::CodelProperty = self.node(self.finding.range)?;
-            let state = self.text(*self.finding.related.first()?);
-            let state = state.rsplit("::").next()?.trim().to_owned();
+            let codel: ast::CodelProperty = self.node(self.range)?;
             let owner = self.owner_name(codel.syntax())?;
             let indent = indent_of(codel.syntax());
             let text = format!("\n{indent}codel<{state}> {owner}_{state}() yield ether;");
@@ -192,11 +93,9 @@ impl Place<'_> {
     }
 
     /// `Throw it instead`: out of the states, into the `throw` of the task or service.
-    fn declare_throw(&self) -> Vec<TextFix> {
+    pub(crate) fn declare_throw(&self, path: &str) -> Vec<TextFix> {
         let found = || {
-            let state = self.node::<ast::State>(self.finding.range)?;
-            let (_, path) = self.finding.message.split_once("`throw ")?;
-            let path = path.split('`').next()?;
+            let state = self.node::<ast::State>(self.range)?;
             let yields = ast::Yields::cast(state.syntax().parent()?)?;
             let left_out = match yields.states().count() {
                 // Some state must follow.
@@ -227,12 +126,12 @@ impl Place<'_> {
         })
     }
 
-    fn connect_or_remove_codel(&self) -> Vec<TextFix> {
+    pub(crate) fn connect_or_remove_codel(&self) -> Vec<TextFix> {
         let mut fixes = Vec::new();
-        let Some(codel) = self.node::<ast::CodelProperty>(self.finding.range) else {
+        let Some(codel) = self.node::<ast::CodelProperty>(self.range) else {
             return fixes;
         };
-        let name = self.text(self.finding.range);
+        let name = self.text(self.range);
         let state = codel
             .syntax()
             .descendants()
@@ -256,8 +155,8 @@ impl Place<'_> {
 
     /// One fix for each transition of a cycle.
     /// `Pause before …`, the state that closes the round first: the message advises that.
-    fn pause_somewhere(&self) -> Vec<TextFix> {
-        let mut around = self.finding.related.to_vec();
+    pub(crate) fn pause_somewhere(&self) -> Vec<TextFix> {
+        let mut around = self.related.to_vec();
         if !around.is_empty() {
             around.rotate_right(1);
         }
@@ -271,19 +170,19 @@ impl Place<'_> {
             .collect()
     }
 
-    fn end_somewhere(&self) -> Vec<TextFix> {
-        let codel = self.node::<ast::CodelProperty>(self.finding.range);
+    pub(crate) fn end_somewhere(&self) -> Vec<TextFix> {
+        let codel = self.node::<ast::CodelProperty>(self.range);
         codel
             .and_then(|it| add_yield(it.syntax(), "ether"))
             .into_iter()
             .collect()
     }
 
-    fn add_stop_codel(&self) -> Vec<TextFix> {
-        let Some(service) = self.node::<ast::Service>(self.finding.range) else {
+    pub(crate) fn add_stop_codel(&self) -> Vec<TextFix> {
+        let Some(service) = self.node::<ast::Service>(self.range) else {
             return Vec::new();
         };
-        let name = self.text(self.finding.range);
+        let name = self.text(self.range);
         let property = format!("codel<stop> {name}_stop() yield ether;");
         add_property(
             service.syntax(),
@@ -294,11 +193,11 @@ impl Place<'_> {
         .collect()
     }
 
-    fn interrupt_itself(&self) -> Vec<TextFix> {
-        let Some(service) = self.node::<ast::Service>(self.finding.range) else {
+    pub(crate) fn interrupt_itself(&self) -> Vec<TextFix> {
+        let Some(service) = self.node::<ast::Service>(self.range) else {
             return Vec::new();
         };
-        let name = self.text(self.finding.range);
+        let name = self.text(self.range);
         let property = format!("interrupts {name};");
         let title = format!("Let `{name}` interrupt itself");
         add_property(service.syntax(), &property, title)
@@ -306,7 +205,7 @@ impl Place<'_> {
             .collect()
     }
 
-    fn add_wcet(&self) -> Vec<TextFix> {
+    pub(crate) fn add_wcet(&self) -> Vec<TextFix> {
         const PLACEHOLDER: &str = " wcet 1 ms";
         let edit = |range: TextRange| {
             let codel: ast::Codel = self.node(range)?;
@@ -315,11 +214,11 @@ impl Place<'_> {
                 PLACEHOLDER.to_owned(),
             ))
         };
-        let one = edit(self.finding.range);
+        let one = edit(self.range);
         let all: Vec<_> = one
             .iter()
             .cloned()
-            .chain(self.finding.related.iter().filter_map(|&it| edit(it)))
+            .chain(self.related.iter().filter_map(|&it| edit(it)))
             .collect();
         let mut fixes: Vec<TextFix> = one
             .map(|edit| TextFix {
@@ -344,9 +243,8 @@ impl Place<'_> {
         fixes
     }
 
-    fn validate_new_value(&self) -> Vec<TextFix> {
+    pub(crate) fn validate_new_value(&self) -> Vec<TextFix> {
         let edits: Vec<(TextRange, String)> = self
-            .finding
             .related
             .iter()
             .map(|&range| {
@@ -370,9 +268,9 @@ impl Place<'_> {
     }
 
     /// Removes the declaration of a name: its statement, or its part of a list.
-    fn remove_declaration(&self) -> Vec<TextFix> {
-        let name = self.text(self.finding.range);
-        let Some(token) = self.token_at(self.finding.range) else {
+    pub(crate) fn remove_declaration(&self) -> Vec<TextFix> {
+        let name = self.text(self.range);
+        let Some(token) = self.token_at(self.range) else {
             return Vec::new();
         };
         let part = token.parent_ancestors().find(|it| {
@@ -410,8 +308,8 @@ impl Place<'_> {
             .collect()
     }
 
-    fn remove_comment(&self) -> Vec<TextFix> {
-        let Some(comment) = self.token_at(self.finding.range) else {
+    pub(crate) fn remove_comment(&self) -> Vec<TextFix> {
+        let Some(comment) = self.token_at(self.range) else {
             return Vec::new();
         };
         if !matches!(

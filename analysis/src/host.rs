@@ -9,7 +9,7 @@ mod features;
 use std::{fmt, panic::AssertUnwindSafe, sync::Arc};
 
 use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_syntax::line_index::LineIndex;
+use dotgen_syntax::{TextRange, line_index::LineIndex};
 use rustc_hash::FxHashSet;
 use salsa::{Database as _, Setter as _};
 use smol_str::SmolStr;
@@ -387,9 +387,17 @@ impl Analysis {
         self.with(|db| report::is_switched_off(db, code))
     }
 
-    /// What is said of a code that a comment allows and that nothing has.
-    pub fn unused_allowance(code: &str, known: bool) -> String {
-        report::unused_allowance(code, known)
+    /// A comment in a file that is no specification allows a code that nothing there has.
+    pub fn unused_allowance(
+        code: &str,
+        known: bool,
+        path: &Utf8Path,
+        range: std::ops::Range<usize>,
+    ) -> Diagnostic {
+        let kind = report::unused_allowance(code, known).into();
+        let offset = crate::source_map::offset;
+        let range = TextRange::new(offset(range.start), offset(range.end.max(range.start)));
+        report::shown(&kind, None, None, path, range)
     }
 
     /// The unit that serves a file: the unit of the active document, else of the first other root

@@ -5,17 +5,21 @@ pub mod check;
 pub mod codes;
 pub mod diagnostic;
 pub mod elab;
+pub mod finding;
 mod fixes;
 pub mod host;
 pub mod ide;
 pub mod item_tree;
 pub mod lint;
+pub mod markdown;
 pub mod model;
 pub mod model_json;
+pub mod quantity;
 mod queries;
 mod report;
 pub mod source_map;
 mod suppress;
+pub mod terminal;
 #[cfg(test)]
 mod test_support;
 #[cfg(test)]

@@ -16,7 +16,11 @@ mod unused;
 
 use num_rational::Ratio;
 
-use crate::elab::{ElabDiagnostic, Severity};
+use crate::finding::{
+    Finding,
+    codels::OwnerName,
+    lints::{CodelName, Noticing},
+};
 use crate::model::{Codel, CodelRef, Component, ComponentKind, Owner, Seconds, Spec, Src};
 
 pub use unused::unused;
@@ -52,7 +56,7 @@ impl Default for LintConfig {
 }
 
 /// Checks one component (nothing is reported for interfaces, which are incomplete by nature).
-pub fn component(spec: &Spec, component: &Component, config: &LintConfig) -> Vec<ElabDiagnostic> {
+pub fn component(spec: &Spec, component: &Component, config: &LintConfig) -> Vec<Finding> {
     let mut lint = Lint {
         spec,
         component,
@@ -75,21 +79,13 @@ struct Lint<'a> {
     spec: &'a Spec,
     component: &'a Component,
     config: &'a LintConfig,
-    found: Vec<ElabDiagnostic>,
+    found: Vec<Finding>,
 }
 
 impl<'a> Lint<'a> {
     /// Reports a finding with the default severity of its code.
-    fn report(&mut self, code: &'static str, at: Src, message: String) -> &mut ElabDiagnostic {
-        let severity = codes::find(code).map_or(Severity::Warning, |c| c.severity);
-        self.found.push(ElabDiagnostic {
-            code,
-            severity,
-            message,
-            at,
-            related: Vec::new(),
-            fix: None,
-        });
+    fn report(&mut self, at: Src, kind: Noticing) -> &mut Finding {
+        self.found.push(Finding::new(kind, at));
         let last = self.found.len() - 1;
         &mut self.found[last]
     }
@@ -100,20 +96,8 @@ impl<'a> Lint<'a> {
         tasks.chain((0..self.component.services.len() as u32).map(Owner::Service))
     }
 
-    /// `task `exec`` or `activity `goto``.
-    fn owner_text(&self, owner: Owner) -> String {
-        match owner {
-            Owner::Task(i) => format!("task `{}`", self.component.tasks[i as usize].name),
-            Owner::Service(i) => {
-                let service = &self.component.services[i as usize];
-                let kind = match service.kind {
-                    crate::model::ServiceKind::Attribute => "attribute",
-                    crate::model::ServiceKind::Function => "function",
-                    crate::model::ServiceKind::Activity => "activity",
-                };
-                format!("{kind} `{}`", service.name)
-            }
-        }
+    fn owner_name(&self, owner: Owner) -> OwnerName {
+        OwnerName::of(self.component, owner)
     }
 
     /// The task in which the machine of an owner runs.
@@ -134,13 +118,11 @@ impl<'a> Lint<'a> {
         self.component.codel(it)
     }
 
-    /// `codel `mv_exec` of task `exec``.
-    fn codel_text(&self, it: CodelRef) -> String {
-        format!(
-            "codel `{}` of {}",
-            self.codel(it).name,
-            self.owner_text(it.owner)
-        )
+    fn codel_name(&self, it: CodelRef) -> CodelName {
+        CodelName {
+            name: self.codel(it).name.clone(),
+            owner: self.owner_name(it.owner),
+        }
     }
 
     /// Whether any codel of the component has an execution time.
@@ -151,29 +133,7 @@ impl<'a> Lint<'a> {
     }
 }
 
-/// `a`, `b` and `c`, each in back quotes.
-fn list<S: AsRef<str>>(names: &[S]) -> String {
-    let quoted: Vec<String> = names.iter().map(|n| format!("`{}`", n.as_ref())).collect();
-    match quoted.split_last() {
-        Some((last, [])) => last.clone(),
-        Some((last, rest)) => format!("{} and {last}", rest.join(", ")),
-        None => String::new(),
-    }
-}
-
-/// A duration with the unit that gives the shortest exact text.
+/// A duration as [`crate::quantity::time`] writes it.
 pub fn duration(seconds: Seconds) -> String {
-    for (unit, per_second) in [
-        ("s", 1),
-        ("ms", 1_000),
-        ("µs", 1_000_000),
-        ("ns", 1_000_000_000),
-    ] {
-        let value = seconds * Seconds::from_integer(per_second);
-        if value.is_integer() {
-            return format!("{} {unit}", value.to_integer());
-        }
-    }
-    let value = seconds * Seconds::from_integer(1_000_000);
-    format!("{:.3} µs", *value.numer() as f64 / *value.denom() as f64)
+    crate::quantity::time(seconds)
 }

@@ -11,7 +11,8 @@ use smol_str::SmolStr;
 use crate::{
     base::Db,
     check,
-    elab::{self, ElabDiagnostic, Elaborated, UnitInput},
+    elab::{self, Elaborated, UnitInput},
+    finding::Finding,
     item_tree::{Item, ItemTree, Ptr},
     lint,
     model::Component,
@@ -98,11 +99,7 @@ pub(crate) fn body_view<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> 
 /// What is suspicious about one component, once all of it is read. Nothing for a body that is reopened
 /// later.
 #[salsa::tracked]
-pub(crate) fn lint_body<'db>(
-    db: &'db dyn Db,
-    unit: UnitKey<'db>,
-    body: u32,
-) -> Arc<Vec<ElabDiagnostic>> {
+pub(crate) fn lint_body<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> Arc<Vec<Finding>> {
     if !is_last_body(db, unit, body) {
         return Arc::default();
     }
@@ -125,7 +122,7 @@ fn is_last_body<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> bool {
 
 /// Declarations of the root files of a unit that nothing uses.
 #[salsa::tracked]
-pub(crate) fn lint_unused<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<ElabDiagnostic>> {
+pub(crate) fn lint_unused<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<Finding>> {
     let visits = &visits(db, unit).visits;
     let is_root = |visit: u32| {
         let it = visit
@@ -138,11 +135,7 @@ pub(crate) fn lint_unused<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<E
 
 /// The diagnostics of one body.
 #[salsa::tracked]
-pub(crate) fn check_body<'db>(
-    db: &'db dyn Db,
-    unit: UnitKey<'db>,
-    body: u32,
-) -> Arc<Vec<ElabDiagnostic>> {
+pub(crate) fn check_body<'db>(db: &'db dyn Db, unit: UnitKey<'db>, body: u32) -> Arc<Vec<Finding>> {
     let view = body_view(db, unit, body);
     Arc::new(match view.component() {
         Some(component) => check::component(&view.spec, component),

@@ -16,9 +16,9 @@ use rustc_hash::FxHashSet;
 use crate::{
     base::{Db, SourceFile},
     check, codes,
-    diagnostic::{Diagnostic, FileEdit, Fix, Severity, Tag},
-    elab::{self, ElabDiagnostic},
-    fixes::{self, Finding},
+    diagnostic::{Diagnostic, Fix, Reference, Severity, Tag},
+    finding::{Finding, Kind, Near, files::Reading, lints::Noticing},
+    fixes::{Place, TextFix},
     ide::FileView,
     lint,
     model::Src,
@@ -37,9 +37,6 @@ use text::{expanded_from, macro_call_at, related_at, text_report};
 /// Units of which the diagnostics of a file are brought together.
 const MAX_UNITS: usize = 16;
 
-/// Text left out by a conditional.
-const INACTIVE: &str = "inactive-code";
-
 /// All diagnostics of a unit, by file and place.
 #[salsa::tracked]
 pub(crate) fn unit_report<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<Diagnostic>> {
@@ -57,11 +54,11 @@ pub(crate) fn unit_report<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<D
         }
     }
     for it in &elaborated(db, unit).diagnostics {
-        report.elab(it);
+        report.finding(it);
     }
     for body in 0..body_count(db, unit) {
         for it in check_body(db, unit, body).iter() {
-            report.elab(it);
+            report.finding(it);
         }
     }
     let rejected = report.out.iter().any(|it| it.severity == Severity::Error);
@@ -70,7 +67,6 @@ pub(crate) fn unit_report<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Arc<Vec<D
     }
     report.lints(lint_unused(db, unit), rejected);
     report.suppress();
-    report.attach_fixes();
     let mut out = report.out;
     configure(db, &mut out);
     sort_and_dedup(&mut out);
@@ -102,14 +98,8 @@ pub(crate) fn file_diagnostics(db: &dyn Db, file: SourceFile) -> Vec<Diagnostic>
 pub(crate) fn inactive_hints<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<Diagnostic> {
     let path = key.file(db).path(db);
     let hint = |&range: &TextRange| Diagnostic {
-        code: INACTIVE,
-        severity: Severity::Hint,
-        message: "left out by the preprocessor: the condition above does not hold".into(),
-        path: path.clone(),
-        range: bytes(range),
-        related: Vec::new(),
         tags: vec![Tag::Unnecessary],
-        fixes: Vec::new(),
+        ..shown(&Reading::Inactive.into(), None, None, path, range)
     };
     let mut out: Vec<Diagnostic> = preprocessed(db, key).inactive.iter().map(hint).collect();
     configure(db, &mut out);
@@ -131,26 +121,6 @@ struct Report<'db> {
 }
 
 impl<'db> Report<'db> {
-    fn push_with(
-        &mut self,
-        file: SourceFile,
-        code: &'static str,
-        severity: Severity,
-        range: TextRange,
-        message: String,
-    ) {
-        self.out.push(Diagnostic {
-            code,
-            severity,
-            message,
-            path: file.path(self.db).clone(),
-            range: bytes(range),
-            related: Vec::new(),
-            tags: Vec::new(),
-            fixes: Vec::new(),
-        });
-    }
-
     /// What the text of one file gives.
     fn text(&mut self, visit: usize, key: FileKey<'db>) {
         for it in text_report(self.db, key).iter() {
@@ -181,74 +151,50 @@ impl<'db> Report<'db> {
         }
     }
 
-    fn elab(&mut self, it: &ElabDiagnostic) {
+    fn finding(&mut self, it: &Finding) {
         let Some((key, range)) = self.place(it.at) else {
             return;
         };
-        if self.missing.explains(self.db, key, it.code, range) {
+        if self.missing.explains(self.db, key, it.code(), range) {
             return;
         }
-        let severity = it.severity;
-        self.push_with(
-            key.file(self.db),
-            it.code,
-            severity,
-            range,
-            it.message.clone(),
-        );
+        let file = key.file(self.db);
+        let near = it.near.as_ref();
+        let path = file.path(self.db);
+        let mut out = shown(&it.kind, near, it.because, path, range);
+        out.severity = it.severity;
+        let mut related = Vec::new();
         for (src, message) in &it.related {
-            if let Some((key, range)) = self.place(*src) {
-                self.related(key.file(self.db), range, message.clone());
+            if let Some((other, range)) = self.place(*src) {
+                let at = related_at(self.db, other.file(self.db), range, message.clone());
+                if at.path == *path {
+                    related.push(range);
+                }
+                out.related.push(at);
             }
         }
-        let expanded = expanded_from(self.db, key, range);
-        if let Some(last) = self.out.last_mut() {
-            last.related.extend(expanded);
-        }
-        let fix = it.fix.as_ref().and_then(|it| self.fix(it));
-        if let (Some(fix), Some(last)) = (fix, self.out.last_mut()) {
-            last.fixes.push(fix);
-        }
+        out.related.extend(expanded_from(self.db, key, range));
+        out.fixes.extend(near.and_then(|it| self.change(it)));
+        let fixes = fixes_at(self.db, key, &it.kind, range, &related);
+        out.fixes.extend(fixes);
+        self.out.push(out);
     }
 
     /// In a rejected unit, what is missing may be what could not be read: rules about absence wait.
-    fn lints(&mut self, found: &[ElabDiagnostic], rejected: bool) {
+    fn lints(&mut self, found: &[Finding], rejected: bool) {
         for it in found {
-            let Some(code) = lint::codes::find(it.code) else {
+            let Some(code) = lint::codes::find(it.code()) else {
                 continue;
             };
-            if (rejected && code.absence) || (!code.on && !is_configured(self.db, it.code)) {
+            if (rejected && code.absence) || (!code.on && !is_configured(self.db, it.code())) {
                 continue;
             }
             let before = self.out.len();
-            self.elab(it);
+            self.finding(it);
             if code.unnecessary {
                 self.out[before..]
                     .iter_mut()
                     .for_each(|it| it.tags.push(Tag::Unnecessary));
-            }
-        }
-    }
-
-    /// Adds the fixes that are made from the text.
-    fn attach_fixes(&mut self) {
-        let mut seen = FxHashSet::default();
-        for visit in self.visits.visits.iter().filter(|it| it.reached) {
-            if !seen.insert(visit.key) {
-                continue;
-            }
-            let path = visit.key.file(self.db).path(self.db);
-            let wanting =
-                |it: &&mut Diagnostic| it.path == *path && fixes::has_fixes(it.code, &it.message);
-            let mut root = None;
-            for found in self.out.iter_mut().filter(wanting) {
-                // A place that a macro made cannot be edited.
-                let at = text_range(&found.range);
-                if macro_call_at(self.db, visit.key, at).is_some() {
-                    continue;
-                }
-                let root = root.get_or_insert_with(|| parsed(self.db, visit.key).syntax());
-                attach_fixes(root, found);
             }
         }
     }
@@ -285,27 +231,18 @@ impl<'db> Report<'db> {
                     }
                     let known =
                         lint::codes::find(code).is_some() || check::codes::find(code).is_some();
-                    let message = unused_allowance(code, known);
-                    self.push_with(
-                        file,
-                        lint::codes::UNUSED_SUPPRESSION,
-                        Severity::Hint,
-                        *range,
-                        message,
-                    );
+                    self.remark(visit.key, unused_allowance(code, known), *range);
                 }
                 if !it.has_reason {
-                    let message = "say why this is allowed, after the parenthesis".to_owned();
-                    self.push_with(
-                        file,
-                        lint::codes::NO_REASON,
-                        Severity::Hint,
-                        it.comment,
-                        message,
-                    );
+                    self.remark(visit.key, Noticing::NoReason, it.comment);
                 }
             }
         }
+    }
+
+    /// Reports something about a comment.
+    fn remark(&mut self, key: FileKey<'db>, kind: Noticing, range: TextRange) {
+        self.out.push(remark(self.db, key, kind, range));
     }
 
     fn place(&self, src: Src) -> Option<(FileKey<'db>, TextRange)> {
@@ -314,58 +251,82 @@ impl<'db> Report<'db> {
         Some((key, lowered(self.db, key).ranges.get(ptr(src))?))
     }
 
-    /// `None` if the text to change is not the text that was meant, because a macro made it.
-    fn fix(&self, fix: &elab::Fix) -> Option<Fix> {
-        let (at, text, title) = match fix {
-            elab::Fix::Replace { at, text, title } => (*at, text.as_str(), title),
-            elab::Fix::InsertBefore { at, text, title } => (*at, text.as_str(), title),
-            elab::Fix::Remove { at, title } => (*at, "", title),
-        };
-        let (key, range) = self.place(at)?;
+    /// Puts the name that was meant in the place of the token that is misspelt. `None` if a macro made it.
+    fn change(&self, near: &Near) -> Option<Fix> {
+        let (key, range) = self.place(near.at)?;
         if macro_call_at(self.db, key, range).is_some() {
             return None;
         }
-        let range = match fix {
-            elab::Fix::InsertBefore { .. } => TextRange::empty(range.start()),
-            _ => range,
+        let fix = TextFix {
+            title: format!("Change to `{}`", near.name),
+            edits: vec![(range, near.text.to_string())],
         };
-        Some(Fix {
-            title: title.clone(),
-            edits: vec![FileEdit {
-                path: key.file(self.db).path(self.db).clone(),
-                range: bytes(range),
-                new_text: text.to_owned(),
-            }],
-        })
+        Some(fix.within(key.file(self.db).path(self.db)))
     }
 }
 
-fn text_range(range: &std::ops::Range<usize>) -> TextRange {
-    let offset = crate::source_map::offset;
-    TextRange::new(offset(range.start), offset(range.end.max(range.start)))
+/// A finding as every front end shows it, at its place in a file.
+pub(crate) fn shown(
+    kind: &Kind,
+    near: Option<&Near>,
+    because: Option<&str>,
+    path: &Utf8Path,
+    range: TextRange,
+) -> Diagnostic {
+    let wording = kind.wording(near, because);
+    Diagnostic {
+        reference: Some(Reference {
+            text: kind.reference(),
+            at: usize::from(range.start()),
+        }),
+        ..Diagnostic::new(
+            kind.code(),
+            kind.severity(),
+            wording.to_string(),
+            path.to_owned(),
+            bytes(range),
+        )
+    }
 }
 
-/// Adds to a diagnostic of a file the fixes that are made from its text.
-fn attach_fixes(root: &dotgen_syntax::SyntaxNode, found: &mut Diagnostic) {
-    let path = &found.path;
-    let related = found.related.iter().filter(|it| it.path == *path);
-    let related: Vec<TextRange> = related.map(|it| text_range(&it.range)).collect();
-    let finding = Finding {
-        code: found.code,
-        message: &found.message,
-        range: text_range(&found.range),
-        related: &related,
+/// The fixes of a finding that are made from the text around it.
+pub(crate) fn fixes_at<'db>(
+    db: &'db dyn Db,
+    key: FileKey<'db>,
+    kind: &Kind,
+    range: TextRange,
+    related: &[TextRange],
+) -> Vec<Fix> {
+    // A place that a macro made cannot be edited.
+    if macro_call_at(db, key, range).is_some() {
+        return Vec::new();
+    }
+    let root = parsed(db, key).syntax();
+    let here = Place {
+        root: &root,
+        range,
+        related,
     };
-    let fixes = fixes::fixes(root, &finding).into_iter();
-    let fixes: Vec<Fix> = fixes.map(|it| it.within(path)).collect();
-    found.fixes.extend(fixes);
+    let path = key.file(db).path(db);
+    let fixes = kind.fixes(&here).into_iter();
+    fixes.map(|it| it.within(path)).collect()
 }
 
-/// What is said of a code that a comment allows and that nothing has.
-pub(crate) fn unused_allowance(code: &str, known: bool) -> String {
+/// A diagnostic about a comment.
+fn remark<'db>(db: &'db dyn Db, key: FileKey<'db>, kind: Noticing, range: TextRange) -> Diagnostic {
+    let kind = Kind::from(kind);
+    Diagnostic {
+        fixes: fixes_at(db, key, &kind, range, &[]),
+        ..shown(&kind, None, None, key.file(db).path(db), range)
+    }
+}
+
+/// What there is to say of a code that a comment allows and that nothing has.
+pub(crate) fn unused_allowance(code: &str, known: bool) -> Noticing {
+    let code = code.into();
     match known {
-        true => format!("nothing here is reported as `{code}`: remove it from the comment"),
-        false => format!("`{code}` is no code of a diagnostic"),
+        true => Noticing::UnusedAllowance { code },
+        false => Noticing::UnknownAllowance { code },
     }
 }
 
@@ -400,21 +361,9 @@ pub(crate) fn unused_allowances(
             if is_switched_off(db, code) || found.iter().any(|it| has(it, code)) {
                 continue;
             }
-            out.push(Diagnostic {
-                code: lint::codes::UNUSED_SUPPRESSION,
-                severity: Severity::Hint,
-                message: unused_allowance(code, known.contains(&code.as_str())),
-                path: path.to_owned(),
-                range: bytes(*range),
-                related: Vec::new(),
-                tags: Vec::new(),
-                fixes: Vec::new(),
-            });
+            let kind = unused_allowance(code, known.contains(&code.as_str()));
+            out.push(remark(db, key, kind, *range));
         }
-    }
-    if !out.is_empty() {
-        let root = parsed(db, key).syntax();
-        out.iter_mut().for_each(|it| attach_fixes(&root, it));
     }
     configure(db, &mut out);
     out

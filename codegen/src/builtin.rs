@@ -3,17 +3,20 @@
 //! Some are part of dotgen; any folder with a `template.toml` on the search path is one too. See
 //! docs/templates.md for the format.
 
+mod expand;
 mod json_schema;
 mod manifest;
 mod mappings;
 mod render;
 mod words;
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use crate::command::{Environment, Options};
 use crate::compiler::Compiler;
+use crate::template::reach;
 
+pub use expand::serve as serve_renderer;
 pub use manifest::{Each, FileRule, Manifest};
 
 /// A template that is part of dotgen.
@@ -69,6 +72,8 @@ impl Texts {
             .map_err(|error| format!("template.toml: {}", error.message()))
     }
 
+    /// A text. That of a folder is in the folder, whatever links there are: a template may be anybody's, and what it
+    /// reads is shown.
     fn read(&self, name: &str) -> Result<String, String> {
         match self {
             Texts::Embedded(files) => files
@@ -78,6 +83,12 @@ impl Texts {
                 .ok_or_else(|| format!("no text {name}")),
             Texts::Folder(dir) => {
                 let path = dir.join(name);
+                let plain = Path::new(name)
+                    .components()
+                    .all(|it| matches!(it, Component::Normal(_)));
+                if !plain || !reach::is_below(&path, std::slice::from_ref(dir)) {
+                    return Err(format!("{name} is not in the folder of the template"));
+                }
                 std::fs::read_to_string(&path)
                     .map_err(|error| format!("cannot read {}: {error}", path.display()))
             }

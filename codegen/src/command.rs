@@ -4,7 +4,7 @@ mod options;
 mod preprocess;
 mod project;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use camino::Utf8PathBuf;
@@ -13,9 +13,11 @@ use dotgen_analysis::model::Spec;
 
 use crate::compiler::Compiler;
 use crate::frontend::Frontend;
+use crate::process::Processes;
 use crate::template::console::Console;
 use crate::template::discover::{FindError, SearchPath};
-use crate::template::{Limits, OutputSink, Run, TemplatePlace, VERSION};
+use crate::template::output::posix;
+use crate::template::{Confined, Limits, OutputSink, Run, TemplatePlace, VERSION};
 pub(crate) use options::Options;
 use options::{Mode, OptionError};
 pub use project::Project;
@@ -40,6 +42,10 @@ pub struct Environment<'a> {
     pub base: PathBuf,
     /// Where files go. Afterwards it has what was kept of them.
     pub sink: OutputSink,
+    /// Starts interpreters and tools.
+    pub processes: Arc<dyn Processes>,
+    /// Keeps templates from what is not their business; `None` lets them do what their user can.
+    pub confined: Option<Confined>,
     /// Where the template failed, if it did and that is known.
     pub failed_at: Option<TemplatePlace>,
 }
@@ -82,6 +88,7 @@ pub fn generate(args: &[String], env: &mut Environment<'_>) -> i32 {
             env.console.err(&usage(env.name));
             1
         }
+        Mode::Template if options.confined && env.confined.is_none() => confined(&options, env),
         Mode::Template => template(&options, env),
         Mode::Parse | Mode::Dump => parse_only(&options, env),
         Mode::Preprocess => preprocess_only(&options, env),
@@ -182,6 +189,38 @@ fn list(options: &Options, env: &mut Environment<'_>) -> i32 {
     0
 }
 
+/// Runs a template as a preview does, and writes what comes of it if the template succeeds.
+fn confined(options: &Options, env: &mut Environment<'_>) -> i32 {
+    let here = if env.base.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        &env.base
+    };
+    let results = vec![crate::template::discover::absolute(here)];
+    env.confined = Some(Confined { results });
+    env.limits = Limits {
+        cancel: env.limits.cancel.take(),
+        ..Limits::preview()
+    };
+    let direct = std::mem::replace(&mut env.sink, OutputSink::preview());
+    let status = template(options, env);
+    let kept = std::mem::replace(&mut env.sink, direct);
+    if status != 0 {
+        return status;
+    }
+    match kept.write_out() {
+        Ok(()) => 0,
+        Err((path, error)) => {
+            env.warn(&format!(
+                "cannot write {}: {}",
+                path.display(),
+                posix(&error)
+            ));
+            2
+        }
+    }
+}
+
 fn template(options: &Options, env: &mut Environment<'_>) -> i32 {
     let search = env.search_path(options);
     let (name, arguments) = match options.rest.split_first() {
@@ -223,6 +262,8 @@ fn template(options: &Options, env: &mut Environment<'_>) -> i32 {
         tmpdir: options.tmpdir.clone().map(PathBuf::from),
         limits: env.limits.clone(),
         base: env.base.clone(),
+        processes: Arc::clone(&env.processes),
+        confined: env.confined.as_ref(),
     };
     let sink = std::mem::replace(&mut env.sink, OutputSink::Direct);
     let outcome = run.execute(&mut compiler, env.console, sink);
@@ -296,6 +337,8 @@ General options:
   -n, --parse-only  read the files and report what is wrong
   -N, --dump        read the files and print the resulting model, as JSON
   -E                preprocess the files
+      --confined    as a preview in an editor: TEMPLATE starts no program, has no network, reads
+                    itself and its inputs, and writes below the current directory
   -T, --tmpdir DIR  directory for temporary files
   -v, --verbose     say what is done
   -d, --debug       keep temporary files

@@ -112,44 +112,27 @@ impl Compiler {
 
     /// `BASENAME:LINE: TEXT`, as GenoM3 prints diagnostics.
     fn line(&self, it: &Diagnostic) -> String {
+        let (text, at) = match &it.reference {
+            Some(reference) => (reference.text.as_str(), reference.at),
+            None => (it.message.as_str(), it.range.start),
+        };
         let line = match self.host.analysis().text(&it.path) {
             Ok(Some(text)) => {
-                let before = text.as_bytes().iter().take(it.range.start);
+                let before = text.as_bytes().iter().take(at);
                 1 + before.filter(|byte| **byte == b'\n').count()
             }
             _ => 1,
         };
-        if let Some(message) = preprocessing(it) {
-            return format!("{}:{line}: {message}", it.path);
+        let is_error = it.severity == Severity::Error;
+        // GenoM3's preprocessor gives the whole path and a word for the severity.
+        if it.code.starts_with("pp-") {
+            let word = if is_error { "error" } else { "warning" };
+            return format!("{}:{line}: {word}: {text}", it.path);
         }
         let name = it.path.file_name().unwrap_or(INLINE);
-        let warning = match it.severity {
-            Severity::Error => "",
-            _ => " warning:",
-        };
-        // What to do about it is for people at an editor; tools compare these lines.
-        let message = it.message.split("; ").next().unwrap_or_default();
-        format!("{name}:{line}:{warning} {}", message.replace('`', ""))
+        let warning = if is_error { "" } else { " warning:" };
+        format!("{name}:{line}:{warning} {text}")
     }
-}
-
-/// What GenoM3's preprocessor says, if it says it: with the whole path and the word for the severity.
-fn preprocessing(it: &Diagnostic) -> Option<String> {
-    if !it.code.starts_with("pp-") {
-        return None;
-    }
-    let word = match it.severity {
-        Severity::Error => "error",
-        _ => "warning",
-    };
-    let message = it.message.replace('`', "");
-    let missing = message
-        .strip_prefix("cannot find the file ")
-        .and_then(|rest| rest.split_once(", "));
-    Some(match missing {
-        Some((name, searched)) => format!("{word}: cannot find '{name}'\n  {searched}"),
-        None => format!("{word}: {message}"),
-    })
 }
 
 /// Errors, and the warnings that GenoM3 gives too: advice of our own is for editors and `check`.

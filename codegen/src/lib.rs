@@ -7,4 +7,5 @@ pub mod command;
 pub mod compiler;
 pub mod frontend;
 pub mod lang;
+pub mod process;
 pub mod template;

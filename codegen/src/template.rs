@@ -13,21 +13,24 @@ mod closure;
 pub mod console;
 pub mod discover;
 pub mod files;
-mod host;
+pub(crate) mod host;
 mod marker;
 pub mod merge;
 mod mutex;
 mod notice;
 mod object;
 pub(crate) mod output;
+pub(crate) mod reach;
 mod script;
 mod session;
 pub(crate) mod tcl;
 pub(crate) mod throws;
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use crate::frontend::Frontend;
+use crate::process::Processes;
 use console::Console;
 use discover::SearchPath;
 
@@ -51,7 +54,6 @@ pub(crate) enum Failure {
 }
 
 /// What to run and how.
-#[derive(Debug)]
 pub struct Run<'a> {
     /// Absolute path of the template.
     pub dir: PathBuf,
@@ -73,6 +75,18 @@ pub struct Run<'a> {
     pub limits: Limits,
     /// Directory where relative paths start; empty for the current one.
     pub base: PathBuf,
+    /// Starts the interpreter.
+    pub processes: Arc<dyn Processes>,
+    /// Keeps the template from what is not its business; `None` lets it do what its user can.
+    pub confined: Option<&'a Confined>,
+}
+
+/// What a confined run may do. It starts no program, has no network, reads its template and its inputs, and writes
+/// nothing itself: its results are kept.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Confined {
+    /// Folders in which its results may be.
+    pub results: Vec<PathBuf>,
 }
 
 /// The end of a run.
@@ -113,10 +127,7 @@ impl Run<'_> {
         console: &mut dyn Console,
         sink: OutputSink,
     ) -> Outcome {
-        let mut builder = tempfile::Builder::new();
-        builder.prefix("genom").disable_cleanup(self.debug);
-        let base = self.tmpdir.clone().unwrap_or_else(std::env::temp_dir);
-        let tmpdir = match builder.tempdir_in(base.canonicalize().unwrap_or(base)) {
+        let tmpdir = match self.processes.folder(self.tmpdir.as_deref()) {
             Ok(tmpdir) => tmpdir,
             Err(error) => {
                 let message = format!("cannot create a temporary directory: {error}");
@@ -136,7 +147,12 @@ impl Run<'_> {
             base: self.base.clone(),
             sink,
             template: self.name(),
+            confined: self.confined.cloned(),
         };
+        let mut tmpdir = tmpdir;
+        if self.debug {
+            tmpdir.keep();
+        }
         session::run(self, frontend, console, output, tmpdir.path().to_owned())
     }
 }

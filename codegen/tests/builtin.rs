@@ -9,6 +9,8 @@ use dotgen_codegen::template::console::Captured;
 
 #[path = "support/disk.rs"]
 mod disk;
+#[path = "support/processes.rs"]
+mod processes;
 
 const SPECIFICATION: &str = "/*/ A lamp. */
 component lamp {
@@ -44,6 +46,8 @@ fn run(dir: &Path, args: &[&str]) -> (i32, String, String) {
         limits: Limits::default(),
         base: std::path::PathBuf::new(),
         sink: dotgen_codegen::template::OutputSink::Direct,
+        processes: Arc::new(processes::Plain),
+        confined: None,
         failed_at: None,
     };
     let dir = dir.display().to_string();
@@ -176,6 +180,18 @@ fn errors_in_the_specification_are_reported() {
     );
     let (status, _, err) = run(dir.path(), &["-n", "DIR/bad.gen"]);
     assert_eq!((status, err.lines().count()), (1, 2));
+}
+
+#[test]
+fn a_semicolon_in_what_is_reported_does_not_cut_the_line() {
+    let dir = folder();
+    let text = "component c {\n  codels-require \"a; b\", \"a; b\";\n};\n";
+    std::fs::write(dir.path().join("twice.gen"), text).unwrap();
+    let (_, _, err) = run(dir.path(), &["-n", "DIR/twice.gen"]);
+    assert!(
+        err.starts_with("twice.gen:2: \"a; b\" is already in this codels-require list\n"),
+        "{err}"
+    );
 }
 
 #[test]

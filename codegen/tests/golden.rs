@@ -13,6 +13,8 @@ use dotgen_codegen::template::{Limits, find_tclsh};
 
 #[path = "support/disk.rs"]
 mod disk;
+#[path = "support/processes.rs"]
+mod processes;
 
 const ROLE: &str = "DOTGEN_TEST_IS_GENERATOR";
 
@@ -78,6 +80,8 @@ fn generator() -> ExitCode {
         limits: Limits::default(),
         base: std::path::PathBuf::new(),
         sink: dotgen_codegen::template::OutputSink::Direct,
+        processes: Arc::new(processes::Plain),
+        confined: None,
         failed_at: None,
     };
     let status = generate(&arguments, &mut environment);

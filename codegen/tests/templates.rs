@@ -9,10 +9,12 @@ use std::time::Duration;
 use dotgen_codegen::compiler::Compiler;
 use dotgen_codegen::template::console::Captured;
 use dotgen_codegen::template::discover::SearchPath;
-use dotgen_codegen::template::{Limits, Outcome, OutputSink, Run, find_tclsh};
+use dotgen_codegen::template::{Confined, Limits, Outcome, OutputSink, Run, find_tclsh};
 
 #[path = "support/disk.rs"]
 mod disk;
+#[path = "support/processes.rs"]
+mod processes;
 
 const SPECIFICATION: &str = r#"/*/ A lamp.
  * Second line.
@@ -50,6 +52,9 @@ fn run(
         dirs: vec![templates],
         builtin: None,
     };
+    // What is not written is confined: the results of these tests are in temporary folders.
+    let results = vec![std::env::temp_dir()];
+    let confined = matches!(sink, OutputSink::Preview(_)).then_some(Confined { results });
     let run = Run {
         dir: search.find(template).unwrap(),
         args: args.iter().map(|it| (*it).to_owned()).collect(),
@@ -61,6 +66,8 @@ fn run(
         tmpdir: None,
         limits,
         base: PathBuf::new(),
+        processes: Arc::new(processes::Plain),
+        confined: confined.as_ref(),
     };
     let mut compiler = Compiler::new(Arc::new(disk::Disk), Vec::new(), Vec::new());
     let mut console = Captured::default();
@@ -442,6 +449,8 @@ fn a_preview_shows_what_a_run_writes() {
             tmpdir: None,
             limits: Limits::preview(),
             base: PathBuf::new(),
+            processes: Arc::new(processes::Plain),
+            confined: None,
         };
         let mut compiler = Compiler::new(Arc::new(disk::Disk), Vec::new(), Vec::new());
         let mut console = Captured::default();

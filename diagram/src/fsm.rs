@@ -8,6 +8,7 @@ use dotgen_analysis::model::fsm;
 use dotgen_analysis::model::mutex;
 use dotgen_analysis::model::turn::Turn;
 use dotgen_analysis::model::{Codel, CodelRef, Component, Owner, Seconds, Spec, Src};
+use dotgen_analysis::quantity::load;
 use rustc_hash::{FxHashMap, FxHashSet};
 use serde::{Deserialize, Serialize};
 
@@ -156,7 +157,7 @@ impl Machine<'_> {
             if let Some(period) = self.period.filter(|p| p.numer() > &0) {
                 let share = wcet.value / period;
                 classes.extend(heat(share));
-                text.push_str(&format!(" · {}", percent(share)));
+                text.push_str(&format!(" · {}", load(share)));
             }
             lines.push(Line::new(LineStyle::Detail, text));
         }
@@ -399,13 +400,4 @@ fn heat(share: Seconds) -> Option<String> {
         _ => 5,
     };
     Some(format!("heat-{level}"))
-}
-
-fn percent(share: Seconds) -> String {
-    let share = *share.numer() as f64 / *share.denom() as f64 * 100.0;
-    if share < 1.0 {
-        "<1 %".to_owned()
-    } else {
-        format!("{share:.0} %")
-    }
 }

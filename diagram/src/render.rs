@@ -5,3 +5,6 @@ pub mod mermaid;
 #[cfg(feature = "png")]
 pub mod png;
 pub mod svg;
+
+#[cfg(test)]
+mod hostile;

@@ -71,6 +71,11 @@ impl Backend {
         self.dispatch.send(Event::Mutation(mutation));
     }
 
+    /// The text of a document came with something that is no text; see `transport`.
+    pub(crate) fn mended(&self, document: Uri) {
+        self.mutate(Mutation::Mended(document));
+    }
+
     /// Waits for a change; false if there will be none, for the client has gone.
     async fn changed(&self, revisions: &mut watch::Receiver<u64>) -> bool {
         let mut closed = self.closed.clone();
@@ -224,7 +229,9 @@ impl LanguageServer for Backend {
         self.mutate(Mutation::Change(params));
     }
 
-    async fn did_save(&self, _: DidSaveTextDocumentParams) {}
+    async fn did_save(&self, params: DidSaveTextDocumentParams) {
+        self.mutate(Mutation::Saved(params.text_document.uri));
+    }
 
     async fn did_close(&self, params: DidCloseTextDocumentParams) {
         self.tokens.forget(&params.text_document.uri);

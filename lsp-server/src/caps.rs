@@ -40,6 +40,8 @@ pub struct ClientCaps {
     pub snippets: bool,
     /// Offsets in the labels of parameters.
     pub label_offsets: bool,
+    /// Answers `dotgen/documentText` (`initializationOptions.documentText`).
+    pub document_text: bool,
     /// Images in hovers, with a size after `|` (`initializationOptions.hoverImages`).
     pub hover_images: bool,
     /// Wants to be told where verifications stand (`initializationOptions.verificationStatus`).
@@ -136,6 +138,7 @@ impl ClientCaps {
                 raw,
                 "/capabilities/textDocument/signatureHelp/signatureInformation/parameterInformation/labelOffsetSupport",
             ),
+            document_text: flag(raw, "/initializationOptions/documentText"),
             hover_images: flag(raw, "/initializationOptions/hoverImages"),
             verification_status: flag(raw, "/initializationOptions/verificationStatus"),
             inline_diagrams: flag(raw, "/initializationOptions/inlineDiagrams"),
@@ -211,6 +214,7 @@ pub fn server_capabilities(client: &ClientCaps) -> ServerCapabilities {
             TextDocumentSyncOptions {
                 open_close: Some(true),
                 change: Some(TextDocumentSyncKind::INCREMENTAL),
+                save: Some(TextDocumentSyncSaveOptions::Supported(true)),
                 ..TextDocumentSyncOptions::default()
             },
         )),

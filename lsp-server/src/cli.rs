@@ -17,6 +17,8 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 use dotgen_syntax::preproc::MacroEnv;
 
+use crate::process;
+
 /// Language server and tools for GenoM3 specifications.
 #[derive(Debug, Parser)]
 #[command(name = "dotgen", version, max_term_width = 100)]
@@ -71,6 +73,10 @@ enum Outcome {
 /// Runs the program. Exit status 0: fine; 1: errors in a specification; 2: wrong usage, or a file
 /// that cannot be read or written.
 pub fn main() -> ExitCode {
+    if let Some(status) = process::launch::intercept() {
+        return status;
+    }
+    process::is_dotgen();
     if let Some(status) = generate::intercept() {
         return status;
     }

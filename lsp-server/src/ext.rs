@@ -25,6 +25,26 @@ pub struct InactiveRegionsParams {
     pub regions: Vec<Range>,
 }
 
+/// `dotgen/documentText`, a request of the server: the text of an open document as its client has it.
+#[derive(Debug)]
+pub enum DocumentTextRequest {}
+
+impl crate::proto::request::Request for DocumentTextRequest {
+    type Params = TextDocumentIdentifier;
+    type Result = Option<DocumentText>;
+    const METHOD: &'static str = "dotgen/documentText";
+}
+
+/// Answer of [`DocumentTextRequest`].
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub struct DocumentText {
+    /// Version of the document.
+    pub version: i32,
+    /// All of its text.
+    pub text: String,
+}
+
 /// Parameters of requests about a document.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]

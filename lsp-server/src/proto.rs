@@ -10,4 +10,4 @@ pub use tower_lsp::ls_types::request::{
     GotoImplementationResponse, GotoTypeDefinitionParams, GotoTypeDefinitionResponse,
 };
 pub use tower_lsp::ls_types::*;
-pub use tower_lsp::{Client, ClientSocket, LanguageServer, LspService, Server};
+pub use tower_lsp::{Client, ClientSocket, LanguageServer, LspService};

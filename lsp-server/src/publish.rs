@@ -201,6 +201,11 @@ impl Publisher {
         }
     }
 
+    /// A document was opened: what is known of it is sent again, under the URI that its client uses now.
+    pub(crate) fn reopen(&mut self, path: &Utf8Path) {
+        self.sent.remove(path);
+    }
+
     /// A document was closed: its client forgets the regions.
     pub(crate) fn forget(&mut self, path: &Utf8Path) {
         if let Some(sent) = self.sent.get_mut(path) {

@@ -1,23 +1,16 @@
-//! The server around the backend: transport, custom methods, and a look at what the protocol types
-//! would lose.
+//! The server around the backend: custom methods, and when it ends.
 
 use std::pin::Pin;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::task::{Context, Poll};
 
-use serde_json::Value;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::sync::watch;
-use tower_lsp::jsonrpc::Request;
-use tower_service::Service;
 
 use crate::backend::Backend;
-use crate::proto::{LspService, Server};
-
-/// Messages that may be in work at once. The library's default of 4 counts notifications too: four
-/// waiting requests would keep `didChange` and `$/cancelRequest` out.
-const CONCURRENCY: usize = 256;
+use crate::proto::LspService;
+use crate::transport;
 
 /// Serves one client until it sends `exit` or closes its end. Whether it said `shutdown` before.
 pub async fn serve(input: impl AsyncRead + Unpin, output: impl AsyncWrite) -> bool {
@@ -31,13 +24,7 @@ pub async fn serve(input: impl AsyncRead + Unpin, output: impl AsyncWrite) -> bo
         let builder = LspService::build(backend);
         custom_methods(builder).finish()
     };
-    Server::new(input, output, socket)
-        .concurrency_level(CONCURRENCY)
-        .serve(Listen {
-            service,
-            initialize,
-        })
-        .await;
+    transport::serve(input, output, service, socket, initialize).await;
     shut_down.load(Ordering::Acquire)
 }
 
@@ -59,33 +46,6 @@ fn custom_methods(builder: Builder) -> Builder {
     #[cfg(test)]
     let builder = crate::tests::custom_methods(builder);
     builder
-}
-
-/// Keeps the parameters of `initialize` as they came: the typed ones lose capabilities that are
-/// not of the protocol, such as clangd's inactive regions.
-struct Listen<S> {
-    service: S,
-    initialize: Arc<OnceLock<Value>>,
-}
-
-impl<S: Service<Request>> Service<Request> for Listen<S> {
-    type Response = S::Response;
-    type Error = S::Error;
-    type Future = S::Future;
-
-    fn poll_ready(&mut self, context: &mut Context<'_>) -> Poll<Result<(), Self::Error>> {
-        self.service.poll_ready(context)
-    }
-
-    fn call(&mut self, request: Request) -> Self::Future {
-        tracing::debug!(method = request.method(), id = ?request.id(), "received");
-        if request.method() == "initialize"
-            && let Some(params) = request.params()
-        {
-            self.initialize.get_or_init(|| params.clone());
-        }
-        self.service.call(request)
-    }
 }
 
 /// Tells when the client has closed its end: nobody waits for news then.

@@ -7,6 +7,7 @@
 mod changes;
 mod documents;
 mod flush;
+mod mended;
 mod readers;
 mod session;
 mod settings;
@@ -76,6 +77,8 @@ pub(crate) struct State {
     client: Arc<ClientCaps>,
     config: Arc<Config>,
     roots: Arc<Vec<Utf8PathBuf>>,
+    /// Open documents whose text had to be mended.
+    mended: FxHashSet<Utf8PathBuf>,
     /// The document edited last.
     active: Option<Utf8PathBuf>,
     /// Files and the roots they are to be shown as included by.
@@ -114,6 +117,7 @@ impl State {
             client: Arc::default(),
             config: Arc::default(),
             roots: Arc::default(),
+            mended: FxHashSet::default(),
             active: None,
             chosen: Vec::new(),
             pending: Pending::default(),

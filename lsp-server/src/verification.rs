@@ -1,15 +1,17 @@
 //! Real-time verification: what the command line and the editor share.
 //!
 //! A [`Problem`] is a scenario and the specifications it uses; `dotgen_timing` answers it; [`summary`]
-//! turns the answer into what people look at. Nothing here does I/O or knows the protocol.
+//! has the words, and [`view`] what people look at: made once, shown by command line, lenses, panel and diagnostics. Nothing here does I/O or knows the protocol.
 
 pub(crate) mod advice;
 pub(crate) mod blocking;
+pub(crate) mod first;
 pub(crate) mod folded;
 pub mod problem;
 pub(crate) mod quick;
 pub mod summary;
 pub(crate) mod timeline;
+pub(crate) mod view;
 pub(crate) mod what_if;
 
 pub use problem::Problem;

@@ -24,6 +24,7 @@ use crate::ext::{VerificationStatus, VerificationStatusParams};
 use crate::outbox::Outbox;
 use crate::snapshot::Snapshot;
 use crate::state::Event;
+use crate::verification::view::View;
 use crate::verification::{Problem, TaskBound};
 
 pub(crate) use job::{Found, Verified, run};
@@ -52,6 +53,8 @@ pub enum Status {
     Refuted,
     /// Nothing was refuted, but not everything answered.
     GaveUp,
+    /// Nothing was refuted and everything answered, but somewhere execution times are missing.
+    Nothing,
     /// There are errors first.
     Blocked,
 }
@@ -107,6 +110,11 @@ pub(crate) struct Answer {
 }
 
 impl Answer {
+    /// What people look at.
+    pub(crate) fn view(&self) -> View<'_> {
+        View::new(&self.problem, &self.options, &self.report)
+    }
+
     /// What it amounts to.
     pub(crate) fn status(&self) -> Status {
         let mut checks = self.report.checks.iter();
@@ -116,6 +124,8 @@ impl Answer {
             Status::Refuted
         } else if checks.any(|it| it.verdict == Verdict::Unknown) {
             Status::GaveUp
+        } else if self.report.nothing() {
+            Status::Nothing
         } else {
             Status::Proved
         }

@@ -1,83 +1,14 @@
 //! `dotgen lsp`, the built program, over its standard input and output.
 
-use std::io::{BufRead, BufReader, Read, Write};
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::io::BufReader;
+use std::process::{Command, Stdio};
 
-use serde_json::{Value, json};
+use serde_json::json;
 
-struct Server {
-    child: Child,
-    to: Option<ChildStdin>,
-    from: BufReader<ChildStdout>,
-}
+#[path = "support/server.rs"]
+mod server;
 
-impl Server {
-    fn start() -> Server {
-        Server::start_with(json!({ "capabilities": {} }), &[])
-    }
-
-    fn start_with(params: Value, environment: &[(&str, &std::path::Path)]) -> Server {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_dotgen"))
-            .args(["lsp", "--stdio"])
-            .envs(environment.iter().copied())
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .expect("the program runs");
-        let to = child.stdin.take();
-        let from = BufReader::new(child.stdout.take().expect("a pipe"));
-        let mut server = Server { child, to, from };
-        server.send(json!({ "id": 0, "method": "initialize", "params": params }));
-        let answer = server.receive(|it| it["id"] == 0);
-        assert_eq!(answer["result"]["serverInfo"]["name"], "dotgen");
-        server.send(json!({ "method": "initialized", "params": {} }));
-        server
-    }
-
-    fn send(&mut self, mut message: Value) {
-        message["jsonrpc"] = json!("2.0");
-        let text = message.to_string();
-        let to = self.to.as_mut().expect("the pipe is open");
-        write!(to, "Content-Length: {}\r\n\r\n{text}", text.len()).expect("the server reads");
-        to.flush().expect("the server reads");
-    }
-
-    /// The next message of some kind; others are skipped.
-    fn receive(&mut self, wanted: impl Fn(&Value) -> bool) -> Value {
-        loop {
-            let mut length = 0;
-            loop {
-                let mut line = String::new();
-                let read = self.from.read_line(&mut line).expect("UTF-8 headers");
-                assert_ne!(read, 0, "the server goes on");
-                match line.trim_end().strip_prefix("Content-Length: ") {
-                    Some(value) => length = value.parse().expect("a number"),
-                    None if line.trim_end().is_empty() => break,
-                    None => {}
-                }
-            }
-            let mut body = vec![0; length];
-            self.from.read_exact(&mut body).expect("a whole message");
-            let message = serde_json::from_slice(&body).expect("JSON and nothing else");
-            if wanted(&message) {
-                return message;
-            }
-        }
-    }
-
-    fn open(&mut self, text: &str) {
-        let document = json!({ "uri": "file:///nowhere/arm.gen", "languageId": "gen",
-                               "version": 1, "text": text });
-        let params = json!({ "textDocument": document });
-        self.send(json!({ "method": "textDocument/didOpen", "params": params }));
-    }
-
-    fn diagnostics(&mut self) -> Value {
-        let message = self.receive(|it| it["method"] == "textDocument/publishDiagnostics");
-        message["params"]["diagnostics"].clone()
-    }
-}
+use server::Server;
 
 #[test]
 fn an_error_comes_and_goes() {

@@ -223,6 +223,36 @@ fn what_was_given_up_says_why_and_what_helps() {
 }
 
 #[test]
+fn reductions_are_explained_and_can_be_switched_off() {
+    let it = lift("3 ms");
+    let run = |more: &[&str]| {
+        let output = it.run(&[&["verify", "scenarios/ride.scn"], more].concat());
+        let text = stdout(&output);
+        let (before, after) = text.split_once("\nreductions\n").unwrap_or((&text, ""));
+        let table: Vec<String> = (before.lines().filter(|it| !it.contains(" states in ")))
+            .map(str::to_owned)
+            .collect();
+        let line = |name: &str| -> String {
+            let line = after
+                .lines()
+                .find_map(|it| it.trim_start().strip_prefix(name));
+            line.unwrap_or_default().trim().to_owned()
+        };
+        (status(&output), table, line("window-union"), line("zones"))
+    };
+    let (code, table, union, zones) = run(&["--explain"]);
+    assert_eq!(union, "used");
+    assert!(zones.starts_with("not used"), "{zones}");
+    let (other_code, other_table, union, _) = run(&["--explain", "--without", "window-union"]);
+    assert_eq!(union, "not used: switched off");
+    assert_eq!((other_code, other_table), (code, table));
+    assert_eq!(run(&[]).2, "", "only where it is asked for");
+    let wrong = it.run(&["verify", "--without", "luck", "scenarios/ride.scn"]);
+    assert_eq!(status(&wrong), 2);
+    assert!(stderr(&wrong).contains("give one of persistent-sets, "));
+}
+
+#[test]
 fn a_timeout_ends_the_search_for_limits_as_well() {
     let it = lift("3 ms");
     let output = it.run(&[
@@ -466,4 +496,51 @@ fn how_far_a_system_is_from_missing_a_deadline() {
             .any(|it| it["verdict"] == "refuted");
         assert_eq!(refuted, verdict == "refuted", "{wcet} ms: {answer:#}");
     }
+}
+
+#[test]
+fn a_specification_alone_is_answered_step_by_step() {
+    let it = Directory::new(&[(
+        "lift.gen",
+        "component lift {\n  ids { long position; };\n  task sense { period 10 ms; codel<start> look(in position) yield pause::start wcet 2 ms; };\n  task move { period 20 ms; };\n  activity go() { task move; codel<start> go_start(out position) yield pause::start, ether wcet 15 ms; };\n  activity rest() { task move; codel<start> rest_start() yield ether wcet 1 ms; };\n};\n",
+    )]);
+    let output = it.run(&["verify", "--format", "json", "lift.gen"]);
+    let document = json_of(&output);
+    let first = document["first-answers"].as_array().expect("a list").iter();
+    let first: Vec<String> = first
+        .map(|it| format!("{}: {}", it["assuming"], it["outcome"]))
+        .collect();
+    assert_eq!(
+        first,
+        [
+            r#""permanent activities only, no requests": "proved""#,
+            r#""lift.go alone, requested at any time": "refuted""#,
+            r#""lift.rest alone, requested at any time": "proved""#,
+        ]
+    );
+    let text = stdout(&it.run(&["verify", "lift.gen"]));
+    let (told, _) = text.split_once("any client:").expect("what is assumed");
+    assert!(
+        told.contains("permanent activities only, no requests  proved"),
+        "{told}"
+    );
+}
+
+#[test]
+fn without_execution_times_nothing_was_verified() {
+    let it = lift("5 ms");
+    it.write(
+        "spec/lift.gen",
+        LIFT.replace(" wcet WCET", "")
+            .replace(" wcet 2 ms", "")
+            .as_bytes(),
+    );
+    let output = it.run(&["verify", "spec/lift.gen"]);
+    assert_eq!(status(&output), 3, "{}", stdout(&output));
+    let text = stdout(&output);
+    assert!(
+        text.contains("6 nothing to verify") && !text.contains("proved"),
+        "{text}"
+    );
+    assert!(!text.contains('%'), "{text}");
 }

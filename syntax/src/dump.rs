@@ -43,7 +43,10 @@ pub fn dump(parse: &Parse) -> String {
         let _ = writeln!(
             out,
             "{:?} {:?} {}: {}",
-            error.severity, error.range, error.code, error.message
+            error.severity,
+            error.range,
+            error.code(),
+            error.wording()
         );
         if let Some((range, what)) = &error.related {
             let _ = writeln!(out, "  {range:?}: {what}");

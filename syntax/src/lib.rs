@@ -5,6 +5,7 @@ pub mod codes;
 pub mod directive;
 mod dump;
 mod expansion;
+pub mod finding;
 pub mod format;
 pub mod kind;
 pub mod lexer;

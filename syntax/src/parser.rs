@@ -17,6 +17,7 @@ mod token_set;
 use std::cell::Cell;
 
 use rowan::GreenNode;
+use smol_str::SmolStr;
 
 pub(crate) use self::{
     event::Event,
@@ -31,6 +32,7 @@ use crate::{
     ExpansionMap, SyntaxNode, TextRange, TextSize,
     ast::{AstNode, SourceFile},
     directive::DirectiveKind,
+    finding::{Wording, parsing::Parsing},
     kind::SyntaxKind::{self, *},
     lexer::{self, RawTokens},
     preproc::{Element, MacroEnv, NoIncludes, Preprocessed, preprocess},
@@ -65,18 +67,40 @@ pub enum Fragment {
 /// Something wrong with the text.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct SyntaxError {
-    /// The Id of the table in section 19 of the language reference, such as `missing-semicolon`.
-    pub code: &'static str,
+    /// What is wrong.
+    pub kind: Parsing,
     /// Error, or warning.
     pub severity: Severity,
-    /// What was found, what was expected and what to do.
-    pub message: String,
+    /// Whether the text ends there.
+    pub at_end: bool,
+    /// The macro that the text comes out of.
+    pub in_macro: Option<SmolStr>,
     /// Where, in bytes of this file.
     pub range: TextRange,
     /// Another place that explains it, and what is there.
     pub related: Option<(TextRange, &'static str)>,
     /// The brace that is missing before it, with what goes with it: `{`, `}` or `};`.
     pub missing: Option<&'static str>,
+}
+
+impl SyntaxError {
+    /// The Id of the table in section 19 of the language reference, such as `missing-semicolon`.
+    pub fn code(&self) -> &'static str {
+        match self.kind.code() {
+            "syntax" if self.at_end => "syntax-eof",
+            code => code,
+        }
+    }
+
+    /// What was found, what was expected and what to do.
+    pub fn wording(&self) -> Wording {
+        let mut wording = self.kind.wording();
+        if let Some(name) = &self.in_macro {
+            let last = wording.advice.as_mut().unwrap_or(&mut wording.what);
+            last.push_str(&format!(" (in what the macro `{name}` expands to)"));
+        }
+        wording
+    }
 }
 
 /// The result of parsing one file: always a tree whose text is the text of the file, and the errors.
@@ -153,7 +177,7 @@ pub(crate) fn parse_wcet_pragma(
     let mut p = Parser::new(&input);
     grammar::wcet_pragma(&mut p);
     let (events, mut errors) = p.finish();
-    errors.retain(|it| it.code == "wcet-pragma");
+    errors.retain(|it| it.kind.code() == "wcet-pragma");
     (events, locate(&input, errors))
 }
 
@@ -169,14 +193,11 @@ fn locate(input: &Input<'_>, errors: Vec<RawError>) -> Vec<SyntaxError> {
             }
             last_call = Some(range);
         }
-        let mut message = error.message;
-        if let Some(name) = input.macro_name(error.token) {
-            message.push_str(&format!(" (in what the macro `{name}` expands to)"));
-        }
         located.push(SyntaxError {
-            code: error.code,
+            kind: error.kind,
             severity: Severity::Error,
-            message,
+            at_end: error.at_end,
+            in_macro: input.macro_name(error.token).map(SmolStr::new),
             range,
             related: error
                 .related
@@ -190,9 +211,9 @@ fn locate(input: &Input<'_>, errors: Vec<RawError>) -> Vec<SyntaxError> {
 
 /// An error at a token of the input.
 struct RawError {
-    code: &'static str,
-    message: String,
+    kind: Parsing,
     token: usize,
+    at_end: bool,
     /// Another token that explains it, and what it is.
     related: Option<(usize, &'static str)>,
     missing: Option<&'static str>,
@@ -349,54 +370,44 @@ impl<'i> Parser<'i> {
 
     /// Reports the current token: something else was expected.
     pub(crate) fn expected(&mut self, what: &str) {
-        self.expected_because(what, "");
+        let (what, found) = (what.into(), self.describe_current().into());
+        self.error_here(Parsing::Expected { what, found });
     }
 
     /// Reports the current token: something else was expected, with a sentence that helps.
-    pub(crate) fn expected_because(&mut self, what: &str, help: &str) {
-        let found = self.describe_current();
-        let message = if help.is_empty() {
-            format!("expected {what}, found {found}")
-        } else {
-            format!("expected {what}, found {found}; {help}")
-        };
-        self.error_here(message);
+    pub(crate) fn expected_because(&mut self, what: &str, help: &'static str) {
+        let (what, found) = (what.into(), self.describe_current().into());
+        self.error_here(Parsing::ExpectedBecause { what, found, help });
     }
 
-    /// Reports the current token with a message of its own, as `syntax` or `syntax-eof`.
-    pub(crate) fn error_here(&mut self, message: String) {
-        let code = if self.at(EOF) { "syntax-eof" } else { "syntax" };
-        self.error_at(code, self.pos, message);
+    /// Reports the current token.
+    pub(crate) fn error_here(&mut self, kind: Parsing) {
+        self.error_at(self.pos, kind);
     }
 
     /// Reports a token, unless it was the last one reported.
-    pub(crate) fn error_at(&mut self, code: &'static str, token: usize, message: String) {
+    pub(crate) fn error_at(&mut self, token: usize, kind: Parsing) {
         if self.last_error.is_some_and(|last| last >= token) {
             return;
         }
         self.last_error = Some(token);
-        self.push_error(code, token, message);
+        self.push_error(token, kind);
     }
 
     /// Reports a token that the grammar goes on from as if nothing was wrong.
-    pub(crate) fn push_error(&mut self, code: &'static str, token: usize, message: String) {
-        if self.errors.len() < MAX_ERRORS {
-            self.errors.push(RawError {
-                code,
-                message,
-                token,
-                related: None,
-                missing: None,
-            });
-        } else if self.errors.len() == MAX_ERRORS {
-            self.errors.push(RawError {
-                code: "syntax",
-                message: "too many syntax errors; those further down are not listed".to_owned(),
-                token,
-                related: None,
-                missing: None,
-            });
-        }
+    pub(crate) fn push_error(&mut self, token: usize, kind: Parsing) {
+        let kind = match self.errors.len() {
+            ..MAX_ERRORS => kind,
+            MAX_ERRORS => Parsing::TooMany,
+            _ => return,
+        };
+        self.errors.push(RawError {
+            kind,
+            token,
+            at_end: self.at(EOF),
+            related: None,
+            missing: None,
+        });
     }
 
     /// Adds to the last error another token that explains it.
@@ -447,9 +458,7 @@ impl<'i> Parser<'i> {
             self.depth += 1;
             return true;
         }
-        self.error_here(format!(
-            "this is nested more than {MAX_DEPTH} levels deep; declare parts of it separately"
-        ));
+        self.error_here(Parsing::TooNested { most: MAX_DEPTH });
         self.swallow();
         false
     }

@@ -65,13 +65,13 @@ fn error_lines(text: &str) -> Vec<(usize, String)> {
     own.map(|it| {
         (
             line(it.range.start().into()),
-            format!("{}: {}", it.code, it.message),
+            format!("{}: {}", it.code(), it.wording()),
         )
     })
     .chain(other.map(|it| {
         (
             line(it.range.start().into()),
-            format!("{}: {}", it.code, it.message),
+            format!("{}: {}", it.kind.code(), it.kind.wording()),
         )
     }))
     .collect()

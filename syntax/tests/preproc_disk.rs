@@ -240,7 +240,7 @@ fn corpus() {
             .reports
             .iter()
             .filter(|(_, _, it)| it.severity != Severity::Hint)
-            .map(|(_, _, it)| it.code)
+            .map(|(_, _, it)| it.kind.code())
             .collect();
         // Files of packages that are not part of the corpus.
         assert!(

@@ -26,7 +26,7 @@ fn check(text: &str) -> Parse {
             error.range.end() <= end,
             "error outside the text: {error:?}"
         );
-        assert!(!error.message.is_empty());
+        assert!(!error.wording().what.is_empty());
     }
     for token in root
         .descendants_with_tokens()

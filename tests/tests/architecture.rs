@@ -107,3 +107,180 @@ fn libraries_stay_in_their_layer() {
         }
     }
 }
+
+/// The Rust files below a folder, without those of tests.
+fn sources(folder: &str) -> Vec<(String, String)> {
+    let root = workspace_root();
+    let mut waiting = vec![root.join(folder).join("src")];
+    let mut out = Vec::new();
+    while let Some(at) = waiting.pop() {
+        if at.is_dir() {
+            let entries = std::fs::read_dir(&at).expect("a folder");
+            waiting.extend(entries.flatten().map(|it| it.path()));
+            continue;
+        }
+        let name = at
+            .strip_prefix(&root)
+            .expect("below it")
+            .display()
+            .to_string();
+        // The generator of the typed tree runs in a test.
+        let tests = name.contains("/tests") || name.ends_with("/generator.rs");
+        if name.ends_with(".rs") && !tests {
+            let text = std::fs::read_to_string(&at).expect("UTF-8");
+            let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+            out.push((name, code.to_owned()));
+        }
+    }
+    assert!(!out.is_empty(), "no sources in {folder}");
+    out
+}
+
+#[test]
+fn programs_are_started_in_one_place() {
+    for (folder, _) in ALLOWED
+        .iter()
+        .filter(|it| !["tests", "xtask"].contains(&it.0))
+    {
+        for (name, code) in sources(folder) {
+            let starts =
+                code.contains("process::Command") || code.contains("process::{Child, Command");
+            let starts =
+                starts || code.contains("Command, Stdio") || code.contains("Command, ExitCode");
+            let allowed = name.starts_with("lsp-server/src/process");
+            assert!(
+                !starts || allowed,
+                "{name} starts programs; `lsp-server/src/process` does that"
+            );
+        }
+    }
+}
+
+/// Ways to look into a text.
+const PEEKS: [&str; 14] = [
+    "split",
+    "rsplit",
+    "contains(",
+    "strip_",
+    "find(",
+    "rfind(",
+    "starts_with(",
+    "ends_with(",
+    "matches(",
+    "match_indices(",
+    "trim_start_matches(",
+    "trim_end_matches(",
+    "lines()",
+    "replace(",
+];
+
+/// How texts made for people are called.
+const TEXTS: [&str; 5] = [
+    "message",
+    "message()",
+    "wording()",
+    "wording().what",
+    "advice",
+];
+
+/// Places of a source that look into a message, by line.
+fn peeks(source: &str) -> Vec<usize> {
+    // Without blanks, so that a chain over several lines is seen, with the line of each byte.
+    let mut text = String::new();
+    let mut lines = Vec::new();
+    for (number, line) in (1..).zip(source.lines()) {
+        let code = line.split("//").next().unwrap_or_default();
+        for c in code.chars().filter(|it| !it.is_whitespace()) {
+            text.push(c);
+            lines.extend(std::iter::repeat_n(number, c.len_utf8()));
+        }
+    }
+    let through = ["", ".as_str()", ".as_ref()", ".to_string()", ".clone()"];
+    let mut found = Vec::new();
+    for subject in TEXTS {
+        for (i, _) in text.match_indices(&format!("{subject}.")) {
+            let before = text[..i].chars().next_back();
+            if before.is_some_and(|c| c.is_alphanumeric() || c == '_') {
+                continue;
+            }
+            let rest = &text[i + subject.len()..];
+            let peeks = through.iter().any(|it| {
+                let rest = rest.strip_prefix(it).and_then(|it| it.strip_prefix('.'));
+                rest.is_some_and(|rest| PEEKS.iter().any(|it| rest.starts_with(it)))
+            });
+            if peeks {
+                found.push(lines[i]);
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn nothing_looks_into_a_message() {
+    let crates = [
+        "syntax",
+        "analysis",
+        "diagram",
+        "codegen",
+        "timing",
+        "lsp-server",
+    ];
+    let mut bad = Vec::new();
+    for folder in crates {
+        let sources = walk(&workspace_root().join(folder).join("src"));
+        assert!(!sources.is_empty(), "no sources in {folder}");
+        for path in sources {
+            // Tests may look at what is said.
+            let name = path.to_string_lossy().replace('\\', "/");
+            if name.contains("/tests/") || name.ends_with("tests.rs") {
+                continue;
+            }
+            // Where words are made; and where those of another program, of Tcl, are all there is.
+            if name.contains("/finding/") || name.ends_with("/template/blame.rs") {
+                continue;
+            }
+            let source = std::fs::read_to_string(&path).unwrap();
+            bad.extend(peeks(&source).iter().map(|line| format!("{name}:{line}")));
+        }
+    }
+    assert!(
+        bad.is_empty(),
+        "a message is read back; let the finding say it: {bad:#?}"
+    );
+}
+
+#[test]
+fn a_look_into_a_message_is_seen() {
+    for source in [
+        "let a = it.message.split('`');",
+        "if it\n    .message\n    .as_str()\n    .contains(\"x\") {}",
+        "let (a, b) = message.split_once(';')?;",
+        "error.message().starts_with(\"no\")",
+    ] {
+        assert_eq!(peeks(source).len(), 1, "{source}");
+    }
+    for source in [
+        "let a = it.message.clone();",
+        "// it.message.split(';')",
+        "self.messages.contains(&it)",
+        "out.push_str(&it.message);",
+    ] {
+        assert_eq!(peeks(source).len(), 0, "{source}");
+    }
+}
+
+/// The sources below a folder.
+fn walk(folder: &std::path::Path) -> Vec<std::path::PathBuf> {
+    let mut out = Vec::new();
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            out.extend(walk(&path));
+        } else if path.extension().is_some_and(|it| it == "rs") {
+            out.push(path);
+        }
+    }
+    out.sort();
+    out
+}

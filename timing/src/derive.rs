@@ -203,6 +203,7 @@ impl<'a> Asked<'a> {
             states,
             bytes,
             threads,
+            without,
         } = options.limits;
         let together = threads.clamp(1, questions.max(1));
         Asked {
@@ -215,6 +216,7 @@ impl<'a> Asked<'a> {
                 states,
                 bytes: bytes / together,
                 threads,
+                without,
             },
             memory: RwLock::default(),
         }

@@ -7,24 +7,23 @@
 //! merged and compared with all earlier nodes (see `explore::store`), and jump to their next moment.
 //! Where nothing is periodic and something lasts long, zones are tried beside (see `search::zones`).
 
-mod ample;
 mod findings;
-mod lazy;
 mod liveness;
 mod measure;
 mod observe;
-mod overtake;
+mod reductions;
+mod rules;
 mod run;
 mod search;
 mod state;
-mod step;
 mod store;
-mod symmetry;
 mod watch;
 
 pub use findings::{Bound, Findings, Found, Measured};
 pub use liveness::{Liveness, LivenessQuery, liveness};
+pub use reductions::{Activity, Kind, Kinds, Reason};
+pub use rules::Action;
 pub use run::{Moment, MomentKind, Run};
 pub use search::{InZones, chase, explore, explore_telling, in_zones};
-pub use step::Action;
+
 pub use watch::{Limits, ResponseTime, Stop, Watch, Within};

@@ -6,6 +6,7 @@
 pub mod analytic;
 mod cancel;
 pub mod derive;
+pub mod explained;
 pub mod explore;
 pub mod property;
 pub mod remark;

@@ -1,6 +1,8 @@
 //! What can be asked about a system.
 
+mod kind;
 pub mod predicate;
 pub(crate) mod resolve;
 
+pub use kind::PropertyKind;
 pub use predicate::{Atom, Predicate, SlotStatus, StatePhase, TaskState};

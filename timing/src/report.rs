@@ -1,15 +1,18 @@
 //! Results, as data and as text. The JSON form is part of the interface of `dotgen verify`.
 
-use std::fmt::Write;
-
 use dotgen_analysis::model::Src;
 use serde::Serialize;
 use serde::ser::Serializer;
 
+use crate::explained::Explained;
 use crate::explore::Findings;
 use crate::explore::MomentKind;
 use crate::explore::Stop;
+use crate::property::PropertyKind;
 use crate::scn::{Diagnostic, Severity};
+
+/// Version of the JSON form: raised when a field changes its meaning or goes. `docs/verify.schema.json` is its schema.
+pub const FORMAT: u32 = 1;
 
 /// What a verification found.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -28,6 +31,9 @@ pub struct Report {
     pub memory: usize,
     /// Time it took.
     pub seconds: f64,
+    /// Which reductions the explorations used.
+    #[serde(skip)]
+    pub reductions: Explained,
     /// What the results depend on.
     pub assumptions: Vec<String>,
     /// Things seen on the way that the user should know.
@@ -47,6 +53,8 @@ pub enum Verdict {
     Refuted,
     /// Given up.
     Unknown,
+    /// There is nothing that could hold or fail: execution times are missing.
+    Nothing,
     /// Not answered yet. Only in what is told before the end.
     Open,
 }
@@ -67,16 +75,53 @@ pub enum Soundness {
     UpperBound,
 }
 
+/// A task: number of its component, as in [`crate::scn::names::Names::components`], and its index there.
+pub type TaskId = (usize, u32);
+
+/// Which check an answer is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct CheckId {
+    /// Its number among the checks of the scenario, or among those that replace them.
+    pub written: usize,
+    /// The task, if it is about one; a check of all tasks has an answer for each.
+    pub task: Option<TaskId>,
+}
+
+/// What a value must not exceed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Limit {
+    /// The check states it.
+    Stated(f64),
+    /// The period of the task, where the check states nothing.
+    Period(f64),
+}
+
+impl Limit {
+    /// In the unit of the report.
+    pub fn time(self) -> f64 {
+        match self {
+            Limit::Stated(it) | Limit::Period(it) => it,
+        }
+    }
+}
+
 /// The answer to one check.
 #[derive(Debug, Clone, Serialize)]
 pub struct CheckReport {
+    /// Which check it is.
+    #[serde(skip)]
+    pub id: CheckId,
     /// Its name, if the scenario gives one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Its kind: `schedulable`, `response`, …
-    pub check: &'static str,
-    /// The task, or the predicates.
+    /// What kind of property it asks for.
+    #[serde(rename = "check")]
+    pub kind: PropertyKind,
+    /// The task, or the predicates, in words.
     pub of: String,
+    /// What its value must not exceed.
+    #[serde(skip)]
+    pub limit: Option<Limit>,
     /// The bound that was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bound: Option<Value>,
@@ -97,6 +142,12 @@ pub struct CheckReport {
     /// A run that ends in the violation.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub counterexample: Vec<Event>,
+    /// Instead, where durations were rounded: such a run with the rounded ones, which need not exist.
+    #[serde(skip_serializing_if = "Vec::is_empty", rename = "possible-run")]
+    pub possible_run: Vec<Event>,
+    /// Why the job at the end of such a run is late: what it waited for, in order.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub reason: Vec<Delay>,
     /// A run that reaches the value, or the predicate.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub witness: Vec<Event>,
@@ -106,6 +157,54 @@ pub struct CheckReport {
     /// There is a run, but there was no time to find its steps.
     #[serde(skip)]
     pub left_out: bool,
+    /// Durations of what it is about were rounded: its value is an upper bound, and a failure may be a false alarm.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub rounded: bool,
+}
+
+/// What a job waits for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Awaited {
+    /// A core.
+    Core,
+    /// Data or ports that other codels use.
+    Lock,
+}
+
+/// A part of a run in which a job waited.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Delay {
+    /// What for.
+    #[serde(rename = "for")]
+    pub awaited: Awaited,
+    /// The codel that waited for its locks: `component.owner.state`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub codel: Option<String>,
+    /// Since when, in the unit of the report.
+    #[serde(serialize_with = "serialize_time")]
+    pub from: f64,
+    /// Until when; the end of the run if it still waits there.
+    #[serde(serialize_with = "serialize_time")]
+    pub until: f64,
+    /// Who had it meanwhile, one after the other. Between them it was free, and the next one took it.
+    pub held: Vec<Holder>,
+}
+
+/// Who kept somebody waiting.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Holder {
+    /// The codel, where it is about locks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub codel: Option<String>,
+    /// The task, `component.task`; the component for its control task.
+    pub by: String,
+    /// Since when it had it, in the unit of the report.
+    #[serde(serialize_with = "serialize_time")]
+    pub from: f64,
+    /// Until when, or the end of the run.
+    #[serde(serialize_with = "serialize_time")]
+    pub until: f64,
 }
 
 /// Said of such a check.
@@ -152,6 +251,12 @@ pub enum Value {
     Unbounded,
 }
 
+/// A time without the noise of binary fractions: at most nine digits after the point.
+fn clean(time: f64) -> f64 {
+    let clean = (time * 1e9).round() / 1e9;
+    if clean.is_finite() { clean } else { time }
+}
+
 impl Serialize for Value {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         match *self {
@@ -164,7 +269,7 @@ impl Serialize for Value {
 impl std::fmt::Display for Value {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Value::Time(it) => write!(f, "{it}"),
+            Value::Time(it) => write!(f, "{}", clean(*it)),
             Value::Unbounded => f.write_str("unbounded"),
         }
     }
@@ -172,10 +277,11 @@ impl std::fmt::Display for Value {
 
 /// Whole numbers are written as such.
 fn serialize_time<S: Serializer>(time: &f64, to: S) -> Result<S::Ok, S::Error> {
+    let time = clean(*time);
     if time.fract() == 0.0 && time.abs() < 9e15 {
-        to.serialize_i64(*time as i64)
+        to.serialize_i64(time as i64)
     } else {
-        to.serialize_f64(*time)
+        to.serialize_f64(time)
     }
 }
 
@@ -192,8 +298,11 @@ pub struct Event {
     pub task: Option<String>,
     /// Words.
     pub what: String,
-    /// Kind of event.
+    /// Kind of event: the rule that acted.
     pub kind: MomentKind,
+    /// Whether the task waits for a core from here on.
+    #[serde(skip)]
+    pub for_core: bool,
     /// The codel it is about: `component.owner.state`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub codel: Option<String>,
@@ -244,6 +353,10 @@ impl Report {
     pub(crate) fn effort(&mut self, found: &Findings) {
         self.states += found.states;
         self.steps += found.steps;
+        found
+            .reductions
+            .iter()
+            .for_each(|it| self.reductions.add(it));
         self.memory = self.memory.max(found.bytes);
     }
 
@@ -257,103 +370,47 @@ impl Report {
         self.checks.iter().any(|it| it.verdict == Verdict::Unknown)
     }
 
+    /// Whether there was nothing to verify for some check.
+    pub fn nothing(&self) -> bool {
+        self.checks.iter().any(|it| it.verdict == Verdict::Nothing)
+    }
+
     /// Whether the scenario or model has errors.
     pub fn has_errors(&self) -> bool {
         self.diagnostics
             .iter()
             .any(|it| it.severity == Severity::Error)
     }
-
-    /// For people. `runs` shows counterexamples.
-    pub fn to_text(&self, runs: bool) -> String {
-        let mut out = String::new();
-        for it in &self.diagnostics {
-            let word = match it.severity {
-                Severity::Error => "error",
-                Severity::Warning => "warning",
-            };
-            let _ = writeln!(out, "{word}[{}]: {}", it.code, it.message);
-        }
-        let width = self
-            .checks
-            .iter()
-            .map(|it| it.check.len() + it.of.len())
-            .max()
-            .unwrap_or(0);
-        for it in &self.checks {
-            let verdict = match it.verdict {
-                Verdict::Proved => "proved ",
-                Verdict::Refuted => "REFUTED",
-                Verdict::Unknown => "unknown",
-                Verdict::Open => "open   ",
-            };
-            let title = format!("{} {}", it.check, it.of);
-            let _ = write!(out, "{verdict}  {title:<0$}", width + 1);
-            if let Some(value) = it.value {
-                let at_least = if it.verdict == Verdict::Unknown {
-                    "at least "
-                } else {
-                    ""
-                };
-                let _ = match value {
-                    Value::Time(_) => write!(out, "  {at_least}{value} {}", unit_word(&self.unit)),
-                    Value::Unbounded => write!(out, "  unbounded"),
-                };
-            }
-            if let Some(bound) = it.bound {
-                let _ = write!(out, "  (bound {bound} {})", unit_word(&self.unit));
-            }
-            match it.soundness {
-                Soundness::Exact => {}
-                Soundness::Safe => out.push_str("  [safe: may be a false alarm]"),
-                Soundness::Under => out.push_str("  [for worst-case durations only]"),
-                Soundness::UpperBound => out.push_str("  [an upper bound]"),
-                Soundness::Neither => out.push_str("  [for worst-case durations only, indicative]"),
-            }
-            out.truncate(out.trim_end().len());
-            out.push('\n');
-            if let Some(note) = &it.note {
-                let _ = writeln!(out, "         {note}");
-            }
-            if runs && !it.counterexample.is_empty() {
-                run_text(&it.counterexample, it.cycle, &mut out);
-            }
-        }
-        let _ = writeln!(
-            out,
-            "{} states, {} steps, {:.3} s, {:.1} MB",
-            self.states,
-            self.steps,
-            self.seconds,
-            self.memory as f64 / 1e6
-        );
-        for it in &self.notes {
-            let _ = writeln!(out, "note: {it}");
-        }
-        for it in &self.assumptions {
-            let _ = writeln!(out, "assuming {it}");
-        }
-        out
-    }
 }
 
-/// `ms` as it is, `10 us` as a factor.
-fn unit_word(unit: &str) -> String {
-    if unit.contains(' ') {
-        format!("x {unit}")
-    } else {
-        unit.to_owned()
+impl CheckReport {
+    /// The run that shows most: one that refutes it, that may do so, or that reaches the value.
+    pub fn run(&self) -> &[Event] {
+        let runs = [&self.counterexample, &self.possible_run, &self.witness];
+        runs.into_iter()
+            .find(|it| !it.is_empty())
+            .map_or(&[], |it| it)
     }
-}
 
-fn run_text(run: &[Event], cycle: Option<usize>, out: &mut String) {
-    for (i, it) in run.iter().enumerate() {
-        if cycle == Some(i) {
-            out.push_str("         from here on for ever:\n");
+    /// How much of its limit is left, in percent of it; below 0 if it is exceeded. Only of a value that is known, or
+    /// bounded.
+    pub fn slack(&self) -> Option<f64> {
+        let known = matches!(self.verdict, Verdict::Proved | Verdict::Refuted);
+        match (self.value, self.limit) {
+            (Some(Value::Time(value)), Some(limit)) if known => {
+                Some((limit.time() - value) / limit.time() * 100.0)
+            }
+            _ => None,
         }
-        let task = it.task.as_ref().map_or(it.component.clone(), |task| {
-            format!("{}.{task}", it.component)
-        });
-        let _ = writeln!(out, "         {:>8}  {task:<24}  {}", it.time, it.what);
+    }
+
+    /// Whether its value exceeds its limit for certain, stated or not.
+    pub fn exceeds(&self) -> bool {
+        let beyond = match (self.value, self.limit) {
+            (Some(Value::Unbounded), Some(_)) => true,
+            (Some(Value::Time(value)), Some(limit)) => value > limit.time(),
+            _ => false,
+        };
+        beyond && self.soundness != Soundness::UpperBound && !self.rounded
     }
 }

@@ -11,7 +11,7 @@ pub(crate) mod loops;
 mod patience;
 mod program;
 pub mod settings;
-mod units;
+pub(crate) mod units;
 
 use dotgen_analysis::model::{CodelRef, Seconds, Src};
 

@@ -5,6 +5,9 @@ mod answers;
 mod checks;
 mod events;
 mod groups;
+mod nothing;
+mod reason;
+mod rounding;
 mod soon;
 mod units;
 mod watch;
@@ -111,6 +114,7 @@ fn verify_settings(
     let whole = build(names, settings, &|_| true);
     report.diagnostics.clone_from(&whole.diagnostics);
     report.assumptions.clone_from(&whole.assumptions);
+    report.notes.extend(rounding::note(&whole));
     let checks = expand(names, &whole, settings, &mut report.diagnostics);
     if names.components.is_empty() {
         let message = "there is no component to verify".to_owned();
@@ -206,7 +210,9 @@ impl Group<'_> {
         report: &mut Report,
     ) {
         for &i in of_group {
-            if let Some(bound) = analysed.deadline(&checks[i]) {
+            if let Some(missing) = self.nothing(&checks[i]) {
+                report.answer(i, missing);
+            } else if let Some(bound) = analysed.deadline(&checks[i]) {
                 report.answer(i, self.meets_deadlines(&checks[i], bound));
             } else if analysed.is_zero(&checks[i]) {
                 report.answer(i, self.takes_no_time(&checks[i]));

@@ -13,7 +13,7 @@ import {
   type ServerOptions,
 } from 'vscode-languageclient/node';
 import { SECTION, serverSettings } from './config';
-import { LANGUAGE, SCENARIO, TEMPLATE, verificationStatus, type InitializationOptions, type VerificationStatus } from './protocol';
+import { LANGUAGE, SCENARIO, TEMPLATE, documentText, verificationStatus, type InitializationOptions, type VerificationStatus } from './protocol';
 import { locateServer, surroundings, type Located } from './server';
 
 /** What the server is doing. */
@@ -143,6 +143,11 @@ export class Server implements vscode.Disposable {
       }
     });
     client.onNotification(verificationStatus, (status) => this.verified.fire(status));
+    client.onRequest(documentText, ({ uri }) => {
+      const wanted = client.protocol2CodeConverter.asUri(uri).toString();
+      const document = vscode.workspace.textDocuments.find((it) => it.uri.toString() === wanted);
+      return document ? { version: document.version, text: document.getText() } : null;
+    });
     try {
       await client.start();
     } catch (error) {
@@ -171,7 +176,7 @@ export class Server implements vscode.Disposable {
       // A request that fails is in the output; what the user has to know is told by the server, or below.
       revealOutputChannelOn: RevealOutputChannelOn.Never,
       stdioOptions: { stdout: forwardLog, stderr: forwardLog },
-      initializationOptions: (): InitializationOptions => ({ trusted: vscode.workspace.isTrusted, hoverImages: true, inlineDiagrams: true, verificationStatus: true }),
+      initializationOptions: (): InitializationOptions => ({ trusted: vscode.workspace.isTrusted, hoverImages: true, inlineDiagrams: true, verificationStatus: true, documentText: true }),
       initializationFailedHandler: (error) => {
         this.startError = text(error);
         return false;

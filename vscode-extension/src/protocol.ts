@@ -13,7 +13,18 @@ export interface InitializationOptions {
   verificationStatus: boolean;
   /** The client executes `dotgen.toggleInlineDiagram`. */
   inlineDiagrams: boolean;
+  /** The client answers `dotgen/documentText`. */
+  documentText: boolean;
 }
+
+/** An open document, whole. `null` for one that is not open. */
+export interface DocumentText {
+  version: number;
+  text: string;
+}
+
+/** Asked by the server when an edit brought half a character: it cannot know what the text is. */
+export const documentText = new RequestType<TextDocumentIdentifier, DocumentText | null, void>('dotgen/documentText');
 
 /** The concrete syntax tree of a file, as indented text. */
 export const syntaxTree = new RequestType<{ textDocument: TextDocumentIdentifier }, string, void>('dotgen/syntaxTree');
@@ -117,7 +128,7 @@ export const SCENARIO = 'genom3-scenario';
 /** Sources of templates that the user calls so; others are asked for by the server. */
 export const TEMPLATE = 'genom3-template';
 
-export type VerificationState = 'stale' | 'running' | 'proved' | 'refuted' | 'gave-up' | 'blocked';
+export type VerificationState = 'stale' | 'running' | 'proved' | 'refuted' | 'gave-up' | 'nothing' | 'blocked';
 
 /** Where the verification of a document stands; sent whenever it changes. */
 export interface VerificationStatus {
@@ -156,12 +167,14 @@ export interface VerificationCheck {
   check: string;
   of: string;
   /** `open`: not answered yet. */
-  verdict: 'proved' | 'refuted' | 'gave up' | 'open';
+  verdict: 'proved' | 'bounded' | 'exceeds' | 'refuted' | 'refuted?' | 'gave up' | 'nothing' | 'open';
   worth: string | null;
   value: string | null;
   limit: string | null;
   slack: string | null;
   note: string | null;
+  /** Why a job is late, a sentence for each wait. */
+  reason: string[];
   hasRun: boolean;
   location: Place | null;
 }

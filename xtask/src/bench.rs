@@ -7,6 +7,7 @@ mod fischer;
 mod growth;
 mod measure;
 mod periodic;
+mod reductions;
 mod rivals;
 mod session;
 
@@ -44,6 +45,8 @@ enum What {
     Verify,
     /// Verification of growing systems; draws the charts in docs/charts.
     Growth,
+    /// Verification with and without each reduction.
+    Reductions,
 }
 
 /// The scale of times in charts.
@@ -76,6 +79,7 @@ pub(crate) fn bench(options: &Options) -> Result<bool> {
         What::Rivals => return rivals::rivals(&dotgen, runs(5), options.sets),
         What::Verify => growth::corpus(&dotgen, runs(5))?,
         What::Growth => growth::growth(&dotgen, runs(5))?,
+        What::Reductions => reductions::reductions(&dotgen, runs(1))?,
     }
     Ok(true)
 }

@@ -3,7 +3,7 @@
 //! The codes are those of the language reference, section 19; further ones, which the reference
 //! compiler does not have, stand at the end.
 
-use crate::elab::Severity;
+use crate::diagnostic::Severity;
 
 /// What is known about one code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,7 +2,10 @@
 //! section 14).
 
 use crate::{
-    elab::ElabDiagnostic,
+    finding::{
+        Finding,
+        codels::{OwnerName, Using},
+    },
     model::{
         CodelRef, Component, ComponentKind, Owner, Spec,
         fsm::Machine,
@@ -10,7 +13,7 @@ use crate::{
     },
 };
 
-pub(super) fn check(spec: &Spec, component: &Component, found: &mut Vec<ElabDiagnostic>) {
+pub(super) fn check(spec: &Spec, component: &Component, found: &mut Vec<Finding>) {
     for codel in component.all_codels() {
         if !component.codel(codel).is_async {
             continue;
@@ -21,44 +24,41 @@ pub(super) fn check(spec: &Spec, component: &Component, found: &mut Vec<ElabDiag
     }
 }
 
-fn report(
-    component: &Component,
-    codel: CodelRef,
-    exclusion: &Exclusion,
-    found: &mut Vec<ElabDiagnostic>,
-) {
+fn report(component: &Component, codel: CodelRef, exclusion: &Exclusion, found: &mut Vec<Finding>) {
     let own = component.codel(codel);
     let Some(through) = exclusion.through.first() else {
         return;
     };
     let shared = through.shared.describe(component);
-    let (code, other, src, params) = match exclusion.with {
+    let codel_name = own.name.clone();
+    let (kind, other, src, params) = match exclusion.with {
         Excluded::Codel(other) => {
             if !runs_meanwhile(component, other) {
                 return;
             }
             let codel = component.codel(other);
-            let owner = match other.owner {
-                Owner::Task(it) => format!("task `{}`", component.tasks[it as usize].name),
-                Owner::Service(it) => {
-                    format!("service `{}`", component.services[it as usize].name)
-                }
-            };
+            let owner = OwnerName::of(component, other.owner);
             let text = format!("codel `{}` of {owner}", codel.name);
-            ("async/shared-resource", text, codel.src, &codel.params)
+            let kind = Using::SharedWithCodel {
+                codel: codel_name,
+                shared: shared.into(),
+                with: codel.name.clone(),
+                owner,
+            };
+            (kind, text, codel.src, &codel.params)
         }
         Excluded::Service(other) => {
             let service = &component.services[other as usize];
             let text = format!("attribute `{}`", service.name);
-            ("async/shared-attribute", text, service.src, &service.params)
+            let kind = Using::SharedWithAttribute {
+                codel: codel_name,
+                shared: shared.into(),
+                with: service.name.clone(),
+            };
+            (kind, text, service.src, &service.params)
         }
     };
-    let message = format!(
-        "async codel `{}` shares {shared} with {other}, which may run at the same time; leave out \
-         `async`, or let them use different data",
-        own.name
-    );
-    let mut diagnostic = ElabDiagnostic::new(code, own.src, message).related(src, other);
+    let mut diagnostic = Finding::new(kind, own.src).related(src, other);
     if let Some(param) = own.params.get(through.own as usize) {
         diagnostic = diagnostic.related(param.src, "used here");
     }

@@ -1,7 +1,12 @@
 //! State machines (language reference, section 13).
 
+use smol_str::format_smolstr;
+
 use crate::{
-    elab::ElabDiagnostic,
+    finding::{
+        Finding, Near,
+        codels::{OwnerName, Using},
+    },
     model::{
         Codel, Component, ComponentKind, Name, Spec, Src, Type, TypeId, TypeKind, fsm::Machine,
     },
@@ -15,7 +20,16 @@ struct Owner<'a> {
     throws: &'a [TypeId],
 }
 
-pub(super) fn check(spec: &Spec, component: &Component, found: &mut Vec<ElabDiagnostic>) {
+impl Owner<'_> {
+    fn name(&self) -> OwnerName {
+        OwnerName {
+            kind: self.what,
+            name: self.name.clone(),
+        }
+    }
+}
+
+pub(super) fn check(spec: &Spec, component: &Component, found: &mut Vec<Finding>) {
     // Interfaces may leave their machines to be completed by whoever imports them.
     if component.kind != ComponentKind::Component {
         return;
@@ -40,13 +54,8 @@ pub(super) fn check(spec: &Spec, component: &Component, found: &mut Vec<ElabDiag
     }
 }
 
-fn check_machine(
-    spec: &Spec,
-    owner: &Owner<'_>,
-    codels: &[Codel],
-    found: &mut Vec<ElabDiagnostic>,
-) {
-    let Owner { what, name, .. } = owner;
+fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut Vec<Finding>) {
+    let what = owner.what;
     let machine = Machine::new(codels);
     if machine.is_empty() {
         return;
@@ -61,14 +70,11 @@ fn check_machine(
         && complete
         && !ends
     {
-        let message = format!(
-            "in {what} `{name}`, no path leads from `stop` to `ether`, so it could never be \
-             interrupted; let a codel reached from `stop` yield `ether`"
-        );
-        found.push(ElabDiagnostic::new(
-            "fsm/stop-without-ether",
+        found.push(Finding::new(
+            Using::StopWithoutEther {
+                owner: owner.name(),
+            },
             stop.src,
-            message,
         ));
     }
     reached.extend(from_stop);
@@ -79,25 +85,21 @@ fn check_machine(
             .any(|it| reached.contains(it.name.as_str()));
         if !is_reached {
             if complete && let Some(state) = codel.triggers.first() {
-                let message = format!(
-                    "state `{}` of {what} `{name}` can be reached neither from `start` nor from \
-                     `stop`",
-                    state.name
-                );
                 found.push(
-                    ElabDiagnostic::new("fsm/unreachable-state", codel.src, message)
-                        .related(owner.src, format!("the {what}")),
+                    Finding::new(
+                        Using::Unreachable {
+                            state: state.name.clone(),
+                            owner: owner.name(),
+                        },
+                        codel.src,
+                    )
+                    .related(owner.src, format!("the {what}")),
                 );
             }
             continue;
         }
         if let Some(ether) = codel.triggers.iter().find(|it| it.name == "ether") {
-            found.push(ElabDiagnostic::new(
-                "ether-codel",
-                ether.src,
-                "`ether` is the end of the state machine; a codel for it keeps the machine from \
-                 ending there",
-            ));
+            found.push(Finding::new(Using::EtherCodel, ether.src));
         }
         let mut missing: Vec<&Name> = Vec::new();
         for state in &codel.yields {
@@ -109,30 +111,44 @@ fn check_machine(
             }
             missing.push(&state.name);
             if let Some(exception) = thrown_elsewhere(spec, owner, &state.name) {
-                let message = format!(
-                    "codel `{}` yields `{}`, which is an exception that {what} `{name}` does not \
-                     throw; declare `throw {}` and leave it out of the states: a codel leaves with \
-                     an exception from wherever it is",
-                    codel.name,
-                    state.name,
-                    spec.full_name(exception)
-                        .unwrap_or_else(|| state.name.to_string()),
-                );
                 found.push(
-                    ElabDiagnostic::new("throw/undeclared-use", state.src, message)
-                        .related(owner.src, format!("the {what}")),
+                    Finding::new(
+                        Using::UndeclaredThrow {
+                            codel: codel.name.clone(),
+                            state: state.name.clone(),
+                            owner: owner.name(),
+                            exception: spec
+                                .full_name(exception)
+                                .map_or_else(|| state.name.clone(), Into::into),
+                        },
+                        state.src,
+                    )
+                    .related(owner.src, format!("the {what}")),
                 );
                 continue;
             }
             let states = machine.states().map(|it| it.as_str());
-            let hint = crate::elab::suggest::hint(&state.name, states.chain(["ether"]));
-            let message = format!(
-                "codel `{}` leads to state `{}`, which no codel of {what} `{name}` implements{hint}",
-                codel.name, state.name
-            );
+            let near = crate::elab::suggest::nearest(&state.name, states.chain(["ether"]));
+            let near = near.map(|name| {
+                let pause = if state.paused { "pause::" } else { "" };
+                Near {
+                    at: state.src,
+                    name: name.into(),
+                    text: format_smolstr!("{pause}{name}"),
+                }
+            });
+
             found.push(
-                ElabDiagnostic::new("fsm/undefined-state", codel.src, message)
-                    .related(state.src, "this state"),
+                Finding::new(
+                    Using::Undefined {
+                        codel: codel.name.clone(),
+                        state: state.name.clone(),
+                        owner: owner.name(),
+                    },
+                    codel.src,
+                )
+                .related(state.src, "this state")
+                .near(near),
             );
         }
     }

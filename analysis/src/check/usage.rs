@@ -1,11 +1,11 @@
 //! Declared and never used.
 
 use crate::{
-    elab::ElabDiagnostic,
+    finding::{Finding, codels::Using},
     model::{Component, ComponentKind},
 };
 
-pub(super) fn check(component: &Component, found: &mut Vec<ElabDiagnostic>) {
+pub(super) fn check(component: &Component, found: &mut Vec<Finding>) {
     if component.kind != ComponentKind::Component {
         return;
     }
@@ -13,11 +13,12 @@ pub(super) fn check(component: &Component, found: &mut Vec<ElabDiagnostic>) {
         let runs =
             !task.codels.is_empty() || component.services.iter().any(|it| it.task == Some(index));
         if !runs && task.imported_from.is_none() {
-            let message = format!(
-                "task `{}` runs nothing: it has no codels, and no activity has `task {};`",
-                task.name, task.name
-            );
-            found.push(ElabDiagnostic::new("unused-task", task.src, message));
+            found.push(Finding::new(
+                Using::IdleTask {
+                    task: task.name.clone(),
+                },
+                task.src,
+            ));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What verification reports (`dotgen_timing` computes it, the editor shows it). It stands here so that
 //! the manual and the configuration see one table.
 
-use crate::elab::Severity;
+use crate::diagnostic::Severity;
 use crate::lint::codes::LintCode;
 
 const fn code(

@@ -3,10 +3,11 @@
 use num_rational::Ratio;
 
 use super::{
-    Access, DefId, DefKind, ElabDiagnostic, constant::Const, context::Elaborator,
-    property::glued_microseconds, scope::ScopeId, types,
+    Access, DefId, DefKind, constant::Const, context::Elaborator, property::glued_microseconds,
+    scope::ScopeId, types,
 };
 use crate::{
+    finding::{Finding, codels::Using, values::Valuing},
     item_tree::{CodelDecl, Duration, Name, StateRef, Unit},
     model::{
         Codel, CodelKind, Name as Text, Owner, Param, ParamDir, ParamSource, Quantity, Seconds,
@@ -31,6 +32,15 @@ pub(super) struct KnownCodel {
     src: Src,
     /// `None` when a parameter could not be resolved.
     signature: Option<Vec<(ParamDir, TypeId)>>,
+}
+
+/// Where an execution time is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum TimePlace {
+    /// In the `wcet` of a codel.
+    Clause,
+    /// In a `#pragma wcet`.
+    Pragma,
 }
 
 impl<'a> Elaborator<'a> {
@@ -75,13 +85,13 @@ impl<'a> Elaborator<'a> {
             .iter()
             .find(|it| it.name == name.text);
         if let Some(first) = known {
-            let message = format!(
-                "codel `{}` is already used here; within one task or service a codel can be used \
-                 once",
-                name.text
-            );
-            let diagnostic = ElabDiagnostic::new("prop-duplicate", at, message)
-                .related(first.src, "first used here");
+            let diagnostic = Finding::new(
+                Using::CodelTwice {
+                    name: name.text.clone(),
+                },
+                at,
+            )
+            .related(first.src, "first used here");
             self.report(diagnostic);
             return;
         }
@@ -95,13 +105,16 @@ impl<'a> Elaborator<'a> {
                     ParamSource::Port(_) => "port",
                     _ => "remote service",
                 };
-                let message = format!(
-                    "codel `{}` cannot use {what} `{}`: codels without states have access to the \
-                     ids and to the parameters of their service only",
-                    name.text, param.name
-                );
-                let diagnostic = ElabDiagnostic::new("codel-param-source", at, message)
-                    .related(param.src, "this parameter");
+
+                let diagnostic = Finding::new(
+                    Using::NoAccess {
+                        codel: name.text.clone(),
+                        what,
+                        name: param.name.clone(),
+                    },
+                    at,
+                )
+                .related(param.src, "this parameter");
                 self.report(diagnostic);
             }
         }
@@ -171,12 +184,13 @@ impl<'a> Elaborator<'a> {
                 continue;
             };
             if let Some(first) = params.iter().find(|it| it.name == param.name) {
-                let message = format!(
-                    "two parameters of this codel are called `{}`; rename one of them with `::`",
-                    param.name
-                );
-                let diagnostic = ElabDiagnostic::new("param-duplicate", param.src, message)
-                    .related(first.src, "the first one");
+                let diagnostic = Finding::new(
+                    Using::ParamTwice {
+                        name: param.name.clone(),
+                    },
+                    param.src,
+                )
+                .related(first.src, "the first one");
                 self.report(diagnostic);
                 complete = false;
                 continue;
@@ -224,15 +238,15 @@ impl<'a> Elaborator<'a> {
                 .zip(&signature)
                 .all(|((d, t), (e, u))| d == e && types::equal(&self.spec, *t, *u));
         if !same {
-            let message = format!(
-                "codel `{}` is used elsewhere as ({}), here as ({}); it is one function, so all \
-                 uses need the same directions and types in the same order",
-                name.text,
-                self.signature_text(expected),
-                self.signature_text(&signature)
-            );
-            let diagnostic =
-                ElabDiagnostic::new("codel-conflict", at, message).related(first, "the other use");
+            let diagnostic = Finding::new(
+                Using::OtherSignature {
+                    name: name.text.clone(),
+                    there: self.signature_text(expected).into(),
+                    here: self.signature_text(&signature).into(),
+                },
+                at,
+            )
+            .related(first, "the other use");
             self.report(diagnostic);
         }
     }
@@ -279,19 +293,17 @@ impl<'a> Elaborator<'a> {
             if state.paused
                 && let Some(codel) = codel
             {
-                let message = format!(
-                    "a codel cannot implement the paused state `pause::{name}`; write `<{name}>`"
-                );
                 let codel = self.src(codel.ptr);
-                let diagnostic = ElabDiagnostic::new("fsm/paused-trigger", codel, message)
-                    .related(at, "this state");
+                let diagnostic = Finding::new(
+                    Using::PausedTrigger {
+                        state: name.clone(),
+                    },
+                    codel,
+                )
+                .related(at, "this state");
                 self.report(diagnostic);
             } else if state.paused && name == "ether" {
-                self.error(
-                    "fsm/paused-ether",
-                    at,
-                    "`ether` ends the state machine, so it cannot be paused; write `ether`",
-                );
+                self.error(at, Using::PausedEther);
             }
             let paused = state.paused && codel.is_none() && name != "ether";
             if let Some(first) = states
@@ -299,9 +311,14 @@ impl<'a> Elaborator<'a> {
                 .find(|it| it.name == *name && it.paused == paused)
             {
                 let pause = if paused { "pause::" } else { "" };
-                let message = format!("`{pause}{name}` is already in this list; remove it");
-                let diagnostic = ElabDiagnostic::new("fsm/duplicate-yield", at, message)
-                    .related(first.src, "first here");
+
+                let diagnostic = Finding::new(
+                    Using::StateTwice {
+                        state: format!("{pause}{name}").into(),
+                    },
+                    at,
+                )
+                .related(first.src, "first here");
                 self.report(diagnostic);
                 continue;
             }
@@ -369,10 +386,7 @@ impl<'a> Elaborator<'a> {
             }
         }
         for (state, codel, place) in clashes {
-            let message = format!(
-                "state `{state}` is already implemented by codel `{codel}`; a state has one codel"
-            );
-            let diagnostic = ElabDiagnostic::new("fsm/duplicate-state", at, message)
+            let diagnostic = Finding::new(Using::StateTaken { state, codel }, at)
                 .related(place, "the other codel");
             self.report(diagnostic);
         }
@@ -386,41 +400,18 @@ impl<'a> Elaborator<'a> {
         for clause in &decl.wcet {
             let at = self.src(clause.ptr);
             if let Some(first) = first {
-                self.report(
-                    ElabDiagnostic::new(
-                        "wcet-value",
-                        at,
-                        "a codel has one worst-case execution time; remove one of them",
-                    )
-                    .related(first, "the first one"),
-                );
+                self.report(Finding::new(Valuing::WcetTwice, at).related(first, "the first one"));
                 continue;
             }
             first = Some(at);
             let Some(duration) = &clause.duration else {
-                self.error(
-                    "wcet-value",
-                    at,
-                    "`wcet` needs a duration, for instance `wcet 2 ms`",
-                );
+                self.error(at, Valuing::WcetEmpty);
                 continue;
             };
             if clause.bare {
-                self.report(
-                    ElabDiagnostic::new(
-                        "wcet-bare",
-                        at,
-                        "a duration after the states is taken for the worst-case execution time; \
-                         write `wcet` before it",
-                    )
-                    .fix(super::Fix::InsertBefore {
-                        at,
-                        text: "wcet ".into(),
-                        title: "Write `wcet` before the duration".to_owned(),
-                    }),
-                );
+                self.report(Finding::new(Valuing::WcetBare, at));
             }
-            if let Some((number, unit)) = self.execution_time(duration, "wcet-value", at) {
+            if let Some((number, unit)) = self.execution_time(duration, TimePlace::Clause, at) {
                 result = Some(self.seconds(number, unit, at));
             }
         }
@@ -431,7 +422,7 @@ impl<'a> Elaborator<'a> {
     pub(super) fn execution_time(
         &mut self,
         duration: &'a Duration,
-        code: &'static str,
+        place: TimePlace,
         at: Src,
     ) -> Option<(Seconds, Option<Unit>)> {
         let value = self.eval(&duration.value);
@@ -439,15 +430,27 @@ impl<'a> Elaborator<'a> {
             return None;
         }
         let Some(number) = value.exact() else {
-            let message = format!(
-                "an execution time is a number with a unit, but this is {}",
-                value.describe()
+            self.error(
+                at,
+                match place {
+                    TimePlace::Clause => Valuing::WcetNoNumber {
+                        value: value.describe(),
+                    },
+                    TimePlace::Pragma => Valuing::PragmaNoNumber {
+                        value: value.describe(),
+                    },
+                },
             );
-            self.error(code, at, message);
             return None;
         };
         if number < Ratio::from_integer(0) {
-            self.error(code, at, "an execution time cannot be negative");
+            self.error(
+                at,
+                match place {
+                    TimePlace::Clause => Valuing::WcetNegative,
+                    TimePlace::Pragma => Valuing::PragmaNegative,
+                },
+            );
             return None;
         }
         let unit = if glued_microseconds(duration) {

@@ -3,7 +3,7 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{
-    Closing, DefId, DefKind, ElabDiagnostic, Entity,
+    Closing, DefId, DefKind, Entity,
     codel::CodelSource,
     context::Elaborator,
     scope::{Clash, ScopeId},
@@ -11,6 +11,7 @@ use super::{
     types,
 };
 use crate::{
+    finding::{Finding, names::Naming, services::Declaring},
     item_tree::{Item, Name, PortDecl, PropertyKind, Ptr},
     model::{
         Component, ComponentKind, Name as Text, Port, PortDir, ScopeKind, Src, TypeId, TypeKind,
@@ -109,11 +110,18 @@ impl<'a> Elaborator<'a> {
                 ComponentKind::Component => ("an interface", "a component"),
                 ComponentKind::Interface => ("a component", "an interface"),
             };
-            let message = format!("`{}` is {was}; it cannot be reopened as {is}", known.name);
+
             let place = self.definitions[def.0 as usize].src;
             self.report(
-                ElabDiagnostic::new("comp-kind-conflict", at, message)
-                    .related(place, "first declared here"),
+                Finding::new(
+                    Naming::OtherKind {
+                        name: known.name.clone(),
+                        was,
+                        is,
+                    },
+                    at,
+                )
+                .related(place, "first declared here"),
             );
             return false;
         }
@@ -348,21 +356,21 @@ impl<'a> Elaborator<'a> {
         let at = self.src(name.ptr);
         let anonymous = self.spec.ty(data).name.is_none() && !self.is_unknown(data);
         if anonymous {
-            let message = format!(
-                "the type of port `{}` must have a name; write `typedef {} {}_data;` and use that",
-                name.text,
-                types::display(&self.spec, data),
-                name.text
+            self.error(
+                keyword,
+                Declaring::AnonymousPort {
+                    name: name.text.clone(),
+                    ty: types::display(&self.spec, data).into(),
+                },
             );
-            self.error("port-anonymous", keyword, message);
         } else if types::has_native(&self.spec, data) {
-            let message = format!(
-                "port `{}` cannot hold the native type in `{}`; native data stays inside a \
-                 component",
-                name.text,
-                types::display(&self.spec, data)
+            self.error(
+                keyword,
+                Declaring::NativePort {
+                    name: name.text.clone(),
+                    ty: types::display(&self.spec, data).into(),
+                },
             );
-            self.error("port-native", keyword, message);
         }
         let mut docs = None;
         self.for_each(&decl.properties, |this, item| {
@@ -375,10 +383,9 @@ impl<'a> Elaborator<'a> {
                 PropertyKind::Doc(text) => this.add_doc(&mut docs, text),
                 _ => {
                     let at = this.src(property.ptr);
-                    let what = super::property::keyword(&property.kind);
-                    let message =
-                        format!("a port cannot have `{what}`; its only property is `doc`");
-                    this.error("prop-not-in-task", at, message);
+                    let word = super::property::keyword(&property.kind);
+
+                    this.error(at, Declaring::NotInPort { word });
                 }
             }
         });
@@ -404,9 +411,16 @@ impl<'a> Elaborator<'a> {
         let taken = state.service_by_name.get(&port.name).copied();
         if let Some(service) = taken {
             let place = self.spec.components[index as usize].services[service as usize].src;
-            let message = format!("`{}` is already a service of this component", port.name);
+
             self.report(
-                ElabDiagnostic::new("redefinition", at, message).related(place, "the service"),
+                Finding::new(
+                    Naming::Taken {
+                        name: port.name.clone(),
+                        what: "a service",
+                    },
+                    at,
+                )
+                .related(place, "the service"),
             );
             self.lose(index, &port.name);
             return false;

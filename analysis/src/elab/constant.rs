@@ -3,12 +3,12 @@
 use num_rational::Ratio;
 
 use super::{
-    ElabDiagnostic,
     context::Elaborator,
     operator::{BinaryProblem, binary, unary, unary_text},
     types,
 };
 use crate::{
+    finding::{Finding, values::Valuing},
     item_tree::{Expr, ExprKind},
     model::{Seconds, TypeId, TypeKind, Value},
 };
@@ -165,22 +165,17 @@ impl<'a> Elaborator<'a> {
                 Some((value, odd)) => {
                     if odd {
                         self.error(
-                            "octal-digit",
                             at,
-                            format!(
-                                "`{text}` starts with 0, so it is read as octal, and ends at the \
-                                 first 8 or 9: its value is {value}"
-                            ),
+                            Valuing::OctalDigit {
+                                text: text.clone(),
+                                value,
+                            },
                         );
                     }
                     Const::unsigned(value)
                 }
                 None => {
-                    self.error(
-                        "const-range",
-                        at,
-                        format!("`{text}` does not fit in 64 bits"),
-                    );
+                    self.error(at, Valuing::TooLong { text: text.clone() });
                     Const::Unknown
                 }
             },
@@ -189,22 +184,14 @@ impl<'a> Elaborator<'a> {
                 digits.parse().map_or(Const::Unknown, Const::Float)
             }
             ExprKind::Fixed => {
-                self.error(
-                    "fixed-unsupported",
-                    at,
-                    "fixed point numbers are not supported; leave out the suffix `d`",
-                );
+                self.error(at, Valuing::FixedLiteral);
                 Const::Unknown
             }
             ExprKind::Char(text) => {
                 let content = text.strip_prefix('\'').unwrap_or(text);
                 let content = content.strip_suffix('\'').unwrap_or(content);
                 if !is_one_character(content) {
-                    let message = format!(
-                        "{text} is no character: there is room for one, or one escape; texts are \
-                         written in double quotes"
-                    );
-                    self.error("const-convert", at, message);
+                    self.error(at, Valuing::NotACharacter { text: text.clone() });
                     return Const::Unknown;
                 }
                 Const::Char(content.to_owned())
@@ -223,13 +210,12 @@ impl<'a> Elaborator<'a> {
                     TypeKind::Unknown => Const::Unknown,
                     _ => {
                         let what = types::describe(&self.spec, ty);
-                        let mut diagnostic = ElabDiagnostic::new(
-                            "const-operand",
+                        let mut diagnostic = Finding::new(
+                            Valuing::HasNoValue {
+                                path: types::path_text(path).into(),
+                                what,
+                            },
                             at,
-                            format!(
-                                "`{}` is {what}; only constants and enumerators have a value",
-                                types::path_text(path)
-                            ),
                         );
                         if let Some(place) = self.type_place(ty) {
                             diagnostic = diagnostic.related(place, "declared here");
@@ -249,12 +235,14 @@ impl<'a> Elaborator<'a> {
                 let result = unary(*op, &value);
                 result.unwrap_or_else(|| {
                     let at = self.src(*op_ptr);
-                    let message = format!(
-                        "`{}` does not apply to {}",
-                        unary_text(*op),
-                        value.describe()
+
+                    self.error(
+                        at,
+                        Valuing::Unary {
+                            op: unary_text(*op),
+                            value: value.describe(),
+                        },
                     );
-                    self.error("const-unary", at, message);
                     value
                 })
             }
@@ -270,8 +258,7 @@ impl<'a> Elaborator<'a> {
                     Ok(value) => value,
                     Err(problem) => {
                         let at = self.src(*op_ptr);
-                        let (code, message) = problem.explain(*op, &left, &right);
-                        self.error(code, at, message);
+                        self.error(at, problem.explain(*op, &left, &right));
                         match problem {
                             BinaryProblem::Kinds => left,
                             _ => Const::Unknown,
@@ -284,7 +271,7 @@ impl<'a> Elaborator<'a> {
     }
 
     /// A value that must be a non-negative integer; `None` when it is not, which was reported.
-    pub(super) fn positive(&mut self, expr: &'a Expr, what: &str) -> Option<u64> {
+    pub(super) fn positive(&mut self, expr: &'a Expr, what: &'static str) -> Option<u64> {
         let value = self.eval(expr);
         if value == Const::Unknown {
             return None;
@@ -292,11 +279,14 @@ impl<'a> Elaborator<'a> {
         let integer = value.integral().and_then(|it| u64::try_from(it).ok());
         if integer.is_none() {
             let at = self.src(expr.ptr);
-            let message = format!(
-                "the {what} must be a non-negative integer, but this is {}",
-                value.describe()
+
+            self.error(
+                at,
+                Valuing::NotNatural {
+                    what,
+                    value: value.describe(),
+                },
             );
-            self.error("const-positive", at, message);
         }
         integer
     }

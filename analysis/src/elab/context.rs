@@ -6,8 +6,7 @@ use std::{cell::Cell, sync::Arc};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{
-    Access, Closing, DefId, DefKind, Definition, ElabDiagnostic, Elaborated, Entity, Reference,
-    UnitInput, Visit,
+    Access, Closing, DefId, DefKind, Definition, Elaborated, Entity, Reference, UnitInput, Visit,
     codel::KnownCodel,
     component::ComponentState,
     pragma::PragmaWcet,
@@ -15,6 +14,7 @@ use super::{
     suggest,
 };
 use crate::{
+    finding::{Finding, Kind, Near, Severity, names::Naming},
     item_tree::{Item, Name, Ptr},
     model::{Name as Text, Spec, Src, Type, TypeId, TypeKind},
 };
@@ -61,8 +61,8 @@ pub(super) struct Elaborator<'a> {
     pub(super) pragma_provides: Vec<u32>,
     pub(super) pragma_wcet: Vec<PragmaWcet>,
 
-    diagnostics: Vec<ElabDiagnostic>,
-    reported: FxHashSet<(&'static str, Src, u64)>,
+    diagnostics: Vec<Finding>,
+    reported: FxHashSet<(Src, Kind)>,
     reported_at: FxHashSet<(&'static str, Src)>,
     /// Suggestions that may still be searched: it takes time, and a text with that many unknown
     /// names is not misspelt.
@@ -199,54 +199,54 @@ impl<'a> Elaborator<'a> {
     /// Reports a problem, once. While an interface is imported, problems are reported at its name in
     /// the importing property, unless they are problems of the interface itself, which were
     /// reported when it was read.
-    pub(super) fn report(&mut self, mut diagnostic: ElabDiagnostic) {
+    pub(super) fn report(&mut self, mut finding: Finding) {
         if let Some(importing) = self.importing
-            && importing.at != diagnostic.at
+            && importing.at != finding.at
         {
-            if self.reported_at.contains(&(diagnostic.code, diagnostic.at)) {
+            if self.reported_at.contains(&(finding.code(), finding.at)) {
                 return;
             }
-            let place = (diagnostic.at, "in the interface".to_owned());
-            diagnostic.related.insert(0, place);
-            diagnostic.at = importing.at;
+            let place = (finding.at, "in the interface".to_owned());
+            finding.related.insert(0, place);
+            finding.at = importing.at;
         }
         if let Some(Importing {
             at,
             again: Some(why),
         }) = self.importing
         {
-            let is_error = diagnostic.severity == super::Severity::Error;
+            let is_error = finding.severity == Severity::Error;
             if is_error && !self.repeated_imports.insert(at) {
                 return;
             }
-            diagnostic.message.push_str("; ");
-            diagnostic.message.push_str(why);
+            finding.because = Some(why);
         }
-        let key = (diagnostic.code, diagnostic.at, hash(&diagnostic.message));
-        if self.reported.insert(key) {
-            self.reported_at.insert((diagnostic.code, diagnostic.at));
-            self.diagnostics.push(diagnostic);
+        if self.reported.insert((finding.at, finding.kind.clone())) {
+            self.reported_at.insert((finding.code(), finding.at));
+            self.diagnostics.push(finding);
         }
     }
 
-    /// `; did you mean …?`, or nothing.
-    pub(super) fn hint<'n>(
+    /// What was probably meant by a name that means nothing; `at` is its token.
+    pub(super) fn near<'n>(
         &self,
+        at: Src,
         name: &str,
         candidates: impl IntoIterator<Item = &'n str>,
-    ) -> String {
-        match self.hints.get() {
-            0 => String::new(),
-            left => {
-                self.hints.set(left - 1);
-                suggest::hint(name, candidates)
-            }
-        }
+    ) -> Option<Near> {
+        let left = self.hints.get().checked_sub(1)?;
+        self.hints.set(left);
+        suggest::nearest(name, candidates).map(|it| Near::new(at, it))
     }
 
     /// Reports a problem that has one place only.
-    pub(super) fn error(&mut self, code: &'static str, at: Src, message: impl Into<String>) {
-        self.report(ElabDiagnostic::new(code, at, message));
+    pub(super) fn error(&mut self, at: Src, kind: impl Into<Kind>) {
+        self.report(Finding::new(kind, at));
+    }
+
+    /// Reports a name that means nothing.
+    pub(super) fn unresolved(&mut self, at: Src, kind: impl Into<Kind>, near: Option<Near>) {
+        self.report(Finding::new(kind, at).near(near));
     }
 
     // Types
@@ -370,15 +370,17 @@ impl<'a> Elaborator<'a> {
             Clash::Name(previous) => {
                 let what = super::types::describe(&self.spec, previous);
                 let place = self.type_place(previous);
-                let message = if place.is_some() {
-                    format!("`{name}` is already declared in this scope, as {what}")
-                } else {
-                    format!(
-                        "`{name}` is already {what}: every component has the states `ether`, \
-                         `start` and `stop`"
-                    )
+                let kind = match place {
+                    Some(_) => Naming::Clash {
+                        name: name.clone(),
+                        what,
+                    },
+                    None => Naming::ClashWithState {
+                        name: name.clone(),
+                        what,
+                    },
                 };
-                let diagnostic = ElabDiagnostic::new("name-clash", at, message);
+                let diagnostic = Finding::new(kind, at);
                 match place {
                     Some(place) => diagnostic.related(place, "first declared here"),
                     None => diagnostic,
@@ -393,10 +395,12 @@ impl<'a> Elaborator<'a> {
                     Some(_) => "a type",
                     None => "the scope of paused states",
                 };
-                let diagnostic = ElabDiagnostic::new(
-                    "name-clash-module",
+                let diagnostic = Finding::new(
+                    Naming::ClashWithScope {
+                        name: name.clone(),
+                        what,
+                    },
                     at,
-                    format!("`{name}` is already the name of {what} in this scope"),
                 );
                 match def {
                     Some(def) => {
@@ -408,14 +412,8 @@ impl<'a> Elaborator<'a> {
             }
             Clash::Enclosing => {
                 let def = self.scopes.get(scope).def;
-                let diagnostic = ElabDiagnostic::new(
-                    "name-clash-enclosing",
-                    at,
-                    format!(
-                        "`{name}` cannot be declared here, because it is the name of the scope it \
-                         would be in; choose another name"
-                    ),
-                );
+                let diagnostic =
+                    Finding::new(Naming::ClashWithEnclosing { name: name.clone() }, at);
                 match def {
                     Some(def) => {
                         let place = self.definitions[def.0 as usize].src;
@@ -489,39 +487,4 @@ impl<'a> Elaborator<'a> {
             });
         }
     }
-}
-
-impl ElabDiagnostic {
-    /// A problem with the severity that the table of codes gives it.
-    pub fn new(code: &'static str, at: Src, message: impl Into<String>) -> Self {
-        let severity = crate::check::codes::find(code).map(|it| it.severity);
-        debug_assert!(severity.is_some(), "{code} is not in the table of codes");
-        Self {
-            code,
-            severity: severity.unwrap_or(super::Severity::Error),
-            message: message.into(),
-            at,
-            related: Vec::new(),
-            fix: None,
-        }
-    }
-
-    /// Adds another place that matters.
-    pub fn related(mut self, at: Src, message: impl Into<String>) -> Self {
-        self.related.push((at, message.into()));
-        self
-    }
-
-    /// Adds a change that resolves the problem.
-    pub fn fix(mut self, fix: super::Fix) -> Self {
-        self.fix = Some(fix);
-        self
-    }
-}
-
-fn hash(text: &str) -> u64 {
-    use std::hash::{Hash, Hasher};
-    let mut hasher = rustc_hash::FxHasher::default();
-    text.hash(&mut hasher);
-    hasher.finish()
 }

@@ -1,7 +1,12 @@
 //! Conversion of constant values to declared types (language reference, section 7.1).
 
+use smol_str::format_smolstr;
+
 use super::{constant::Const, types};
-use crate::model::{Spec, TypeId, TypeKind, Value};
+use crate::{
+    finding::values::{Purpose, Valuing},
+    model::{Spec, TypeId, TypeKind, Value},
+};
 
 /// Why a value does not convert.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,43 +81,37 @@ pub(super) fn convert(spec: &Spec, value: &Const, ty: TypeId) -> Result<Value, M
     }
 }
 
-/// The code and message for a value that does not convert.
+/// What is wrong with a value that does not convert.
 pub(super) fn explain_misfit(
     spec: &Spec,
     misfit: Misfit,
     value: &Const,
     ty: TypeId,
-) -> (&'static str, String) {
-    let name = types::display(spec, ty);
+    of: Purpose,
+) -> Valuing {
+    let ty = types::display(spec, ty).into();
     match misfit {
-        Misfit::Type => (
-            "const-type",
-            format!(
-                "`{name}` cannot hold a constant; only numbers, booleans, characters, strings and enums can"
-            ),
-        ),
-        Misfit::Kind => (
-            "const-convert",
-            match value {
-                Const::Enum(it) => format!(
-                    "`{}` is an enumerator of another type than `{name}`",
-                    spec.ty(*it).name.as_deref().unwrap_or_default()
-                ),
-                Const::Float(it) => {
-                    format!("{it} is no value of type `{name}`")
-                }
-                Const::Int { value, .. } => {
-                    format!("{value} is no value of type `{name}`")
-                }
-                _ => format!("{} is no value of type `{name}`", value.describe()),
+        Misfit::Type => Valuing::NoConstants { of, ty },
+        Misfit::Kind => match value {
+            Const::Enum(it) => Valuing::OtherEnum {
+                of,
+                name: spec.ty(*it).name.clone().unwrap_or_default(),
+                ty,
             },
-        ),
-        Misfit::Range => {
-            let number = value.integer().unwrap_or_default();
-            (
-                "const-range",
-                format!("{number} is out of the range of type `{name}`"),
-            )
-        }
+            _ => Valuing::OtherKind {
+                of,
+                value: match value {
+                    Const::Float(it) => format_smolstr!("{it}"),
+                    Const::Int { value, .. } => format_smolstr!("{value}"),
+                    _ => value.describe().into(),
+                },
+                ty,
+            },
+        },
+        Misfit::Range => Valuing::OutOfRange {
+            of,
+            number: value.integer().unwrap_or_default(),
+            ty,
+        },
     }
 }

@@ -1,7 +1,7 @@
 //! Modules, constants and type declarations (language reference, sections 4.1, 4.2, 5 and 6).
 
 use super::{
-    DefId, DefKind, ElabDiagnostic,
+    DefId, DefKind,
     constant::Const,
     context::{Elaborator, Forward},
     convert::{convert, explain_misfit},
@@ -9,6 +9,11 @@ use super::{
     types,
 };
 use crate::{
+    finding::{
+        Finding,
+        names::Naming,
+        values::{Purpose, Valuing},
+    },
     item_tree::{
         ConstDecl, Declarator, ExceptionDecl, Item, Name, Ptr, TypeDecl, TypeDeclKind, TypeRef,
     },
@@ -140,11 +145,15 @@ impl<'a> Elaborator<'a> {
                     }
                 }
                 Err(misfit) => {
-                    let (code, message) = explain_misfit(&self.spec, misfit, &value, ty);
-                    let diagnostic = ElabDiagnostic::new(
-                        code,
+                    let diagnostic = Finding::new(
+                        explain_misfit(
+                            &self.spec,
+                            misfit,
+                            &value,
+                            ty,
+                            Purpose::Constant(name.text.clone()),
+                        ),
                         at,
-                        format!("constant `{}`: {message}", name.text),
                     );
                     self.report(diagnostic);
                     TypeKind::Unknown
@@ -163,11 +172,13 @@ impl<'a> Elaborator<'a> {
             (value, &self.spec.ty(last).kind)
             && text.len() as u64 > *bound
         {
-            let message = format!(
-                "this string has {} characters, but its type holds {bound}",
-                text.len()
+            self.error(
+                at,
+                Valuing::StringTooLong {
+                    length: text.len(),
+                    bound: *bound,
+                },
             );
-            self.error("string-too-long", at, message);
         }
     }
 
@@ -277,13 +288,15 @@ impl<'a> Elaborator<'a> {
                 clash = None;
                 if !same_file {
                     let place = types::place(&self.spec, previous);
-                    let message = format!(
-                        "`{}` was declared in another file; it must be defined in that file",
-                        name.text
-                    );
+
                     self.report(
-                        ElabDiagnostic::new("forward-other-file", at, message)
-                            .related(place, "declared here"),
+                        Finding::new(
+                            Naming::DefinedElsewhere {
+                                name: name.text.clone(),
+                            },
+                            at,
+                        )
+                        .related(place, "declared here"),
                     );
                 }
             }

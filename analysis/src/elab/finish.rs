@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use num_rational::Ratio;
 
-use super::{Access, ElabDiagnostic, Elaborated, context::Elaborator, property::to_f64};
+use super::{Access, Elaborated, context::Elaborator, property::to_f64};
+use crate::finding::{Finding, names::Naming, values::Valuing};
 use crate::model::{ComponentKind, Quantity, Seconds, Spec, TypeId, TypeKind, visit::TypeIds};
 
 impl Elaborator<'_> {
@@ -40,13 +41,10 @@ impl Elaborator<'_> {
                 _ => continue,
             };
             if undefined && !forward.excused {
-                let name = ty.name.as_deref().unwrap_or_default();
-                let message = format!(
-                    "{keyword} `{name}` is declared but never defined; define it in the same \
-                     scope and file, or remove the declaration"
-                );
+                let name = ty.name.clone().unwrap_or_default();
+
                 let at = ty.src;
-                self.error("forward-undefined", at, message);
+                self.error(at, Naming::NeverDefined { keyword, name });
             }
         }
     }
@@ -55,9 +53,15 @@ impl Elaborator<'_> {
         for pragma in std::mem::take(&mut self.pragma_wcet) {
             let Some(def) = self.codel_def(&pragma.codel) else {
                 let names = self.codels.keys().map(|it| it.as_str());
-                let hint = self.hint(&pragma.codel, names);
-                let message = format!("there is no codel `{}`{hint}", pragma.codel);
-                self.error("wcet-pragma", pragma.at, message);
+                let near = self.near(pragma.name, &pragma.codel, names);
+
+                self.unresolved(
+                    pragma.at,
+                    Valuing::PragmaUnknown {
+                        codel: pragma.codel.clone(),
+                    },
+                    near,
+                );
                 continue;
             };
             self.refer_as(pragma.name, def, Access::None, false);
@@ -77,13 +81,14 @@ impl Elaborator<'_> {
                 }
             }
             if let Some(clause) = clause {
-                let message = format!(
-                    "codel `{}` has a `wcet` in its declaration; keep one of them",
-                    pragma.codel
-                );
                 self.report(
-                    ElabDiagnostic::new("wcet-pragma", pragma.at, message)
-                        .related(clause, "in the declaration"),
+                    Finding::new(
+                        Valuing::PragmaAndClause {
+                            codel: pragma.codel.clone(),
+                        },
+                        pragma.at,
+                    )
+                    .related(clause, "in the declaration"),
                 );
             }
         }
@@ -105,15 +110,17 @@ impl Elaborator<'_> {
             for (word, time) in times {
                 let Some(time) = time else { continue };
                 if !is_multiple(time.value, rate.value) {
-                    let message = format!(
-                        "the {word} of task `{}`, {} s, is no multiple of the clock-rate, {} s",
-                        task.name,
-                        to_f64(time.value),
-                        to_f64(rate.value)
-                    );
                     problems.push(
-                        ElabDiagnostic::new("clock-rate-multiple", time.src, message)
-                            .related(rate.src, "the clock-rate"),
+                        Finding::new(
+                            Valuing::NoMultiple {
+                                word,
+                                task: task.name.clone(),
+                                time: to_f64(time.value).to_string().into(),
+                                rate: to_f64(rate.value).to_string().into(),
+                            },
+                            time.src,
+                        )
+                        .related(rate.src, "the clock-rate"),
                     );
                 }
             }

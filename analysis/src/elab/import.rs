@@ -6,12 +6,12 @@
 //! D14). Problems are reported at the name in the importing property.
 
 use super::{
-    ElabDiagnostic,
     context::{Elaborator, Importing},
     property::{join_doc, union},
     scope::Clash,
 };
 use crate::{
+    finding::{Finding, names::Naming, services::Declaring},
     item_tree::Name,
     model::{
         ComponentKind, Name as Text, Owner, Param, ParamDir, Port, PortDir, Remote, Service,
@@ -36,16 +36,23 @@ impl<'a> Elaborator<'a> {
         for name in names {
             let at = self.src(name.ptr);
             if let Some((_, first)) = seen.iter().find(|(it, _)| *it == &name.text) {
-                let message = format!("`{}` is already in this list; remove it", name.text);
-                let diagnostic = ElabDiagnostic::new("iface-repeated", at, message)
-                    .related(*first, "first here");
+                let diagnostic = Finding::new(
+                    Naming::ImportedTwice {
+                        name: name.text.clone(),
+                    },
+                    at,
+                )
+                .related(*first, "first here");
                 self.report(diagnostic);
                 continue;
             }
             seen.push((&name.text, at));
-            let Some(interface) =
-                self.interface(&name.text, at, "iface-unknown", "iface-is-component")
-            else {
+            let Some(interface) = self.interface(
+                &name.text,
+                at,
+                |name| Naming::UnknownInterface { name },
+                |name| Naming::NotAnInterface { name },
+            ) else {
                 self.components[index as usize].incomplete = true;
                 continue;
             };
@@ -77,8 +84,8 @@ impl<'a> Elaborator<'a> {
         &mut self,
         name: &Text,
         at: Src,
-        unknown: &'static str,
-        is_component: &'static str,
+        unknown: fn(Text) -> Naming,
+        is_component: fn(Text) -> Naming,
     ) -> Option<u32> {
         let Some(&found) = self.component_by_name.get(name) else {
             let interfaces = self
@@ -87,22 +94,17 @@ impl<'a> Elaborator<'a> {
                 .iter()
                 .filter(|it| it.kind == ComponentKind::Interface)
                 .map(|it| it.name.as_str());
-            let hint = self.hint(name, interfaces);
-            let message =
-                format!("unknown interface `{name}`; it must be declared before it is used{hint}");
-            self.error(unknown, at, message);
+            let near = self.near(at, name, interfaces);
+
+            self.unresolved(at, unknown(name.clone()), near);
             return None;
         };
         let def = self.components[found as usize].def;
         self.refer(at, def);
         if self.spec.components[found as usize].kind == ComponentKind::Component {
-            let message = format!(
-                "`{name}` is a component; only interfaces can be imported, so move what is shared \
-                 into an interface that both provide"
-            );
             let place = self.spec.components[found as usize].src;
             self.report(
-                ElabDiagnostic::new(is_component, at, message).related(place, "the component"),
+                Finding::new(is_component(name.clone()), at).related(place, "the component"),
             );
             return None;
         }
@@ -207,14 +209,9 @@ impl<'a> Elaborator<'a> {
             let state = &mut self.components[index as usize];
             if let Some(&own) = state.given.get(word) {
                 self.report(
-                    ElabDiagnostic::new(
-                        "codels-requires-again",
-                        at,
-                        "the `codels-requires` of the interface is added to another one; \
-                         generators before version 2.99.41 refuse that",
-                    )
-                    .related(theirs, "in the interface")
-                    .related(own, "the other one"),
+                    Finding::new(Declaring::RequiresImported, at)
+                        .related(theirs, "in the interface")
+                        .related(own, "the other one"),
                 );
             } else {
                 state.given.insert(word, at);
@@ -242,11 +239,14 @@ impl<'a> Elaborator<'a> {
             return true;
         };
         let name = &self.spec.components[interface as usize].name;
-        let message = format!(
-            "interface `{name}` brings a `{word}`, but the component has one already; keep one of \
-             them"
+
+        let mut diagnostic = Finding::new(
+            Declaring::PropertyImported {
+                interface: name.clone(),
+                word,
+            },
+            at,
         );
-        let mut diagnostic = ElabDiagnostic::new("prop-duplicate", at, message);
         if let Some(theirs) = theirs {
             diagnostic = diagnostic.related(theirs, "in the interface");
         }
@@ -344,15 +344,16 @@ impl<'a> Elaborator<'a> {
             union(&mut to.throws, task.throws);
             let place = to.src;
             for word in conflicts {
-                let message = format!(
-                    "task `{}` of the interface has a `{word}`, and so has the task of that name \
-                     here; keep one of them",
-                    task.name
-                );
                 let theirs = self.components[interface as usize].tasks[number]
                     .given
                     .get(word);
-                let mut diagnostic = ElabDiagnostic::new("prop-duplicate", at, message);
+                let mut diagnostic = Finding::new(
+                    Declaring::TaskPropertyImported {
+                        task: task.name.clone(),
+                        word,
+                    },
+                    at,
+                );
                 if let Some(theirs) = theirs {
                     diagnostic = diagnostic.related(*theirs, "in the interface");
                 }
@@ -488,15 +489,17 @@ impl<'a> Elaborator<'a> {
             };
             let same = old.dir == local.dir && super::types::equal(&self.spec, old.ty, local.ty);
             if !same {
-                let message = format!(
-                    "local variable `{}` of `{}` is something else in the interface",
-                    local.name, known.name
-                );
                 let place = old.src;
                 self.report(
-                    ElabDiagnostic::new("service-param-conflict", at, message)
-                        .related(local.src, "in the interface")
-                        .related(place, "here"),
+                    Finding::new(
+                        Declaring::OtherLocal {
+                            name: local.name.clone(),
+                            service: known.name.clone(),
+                        },
+                        at,
+                    )
+                    .related(local.src, "in the interface")
+                    .related(place, "here"),
                 );
             }
         }
@@ -543,14 +546,16 @@ impl<'a> Elaborator<'a> {
             }
         }
         for (word, place, ours) in conflicts {
-            let message = format!(
-                "`{}` has a `{word}` both here and in the interface; keep one of them",
-                service.name
-            );
             self.report(
-                ElabDiagnostic::new("prop-duplicate", at, message)
-                    .related(place, "in the interface")
-                    .related(ours, "the other one"),
+                Finding::new(
+                    Declaring::ServicePropertyImported {
+                        service: service.name.clone(),
+                        word,
+                    },
+                    at,
+                )
+                .related(place, "in the interface")
+                .related(ours, "the other one"),
             );
         }
     }
@@ -598,15 +603,16 @@ impl<'a> Elaborator<'a> {
     fn add_remote(&mut self, index: u32, mut remote: Remote, def: crate::elab::DefId, at: Src) {
         let state = &self.components[index as usize];
         if let Some(&service) = state.service_by_name.get(&remote.name) {
-            let message = format!(
-                "remote service `{}` has the name of a service of this component",
-                remote.name
-            );
             let place = self.spec.components[index as usize].services[service as usize].src;
             self.report(
-                ElabDiagnostic::new("redefinition", at, message)
-                    .related(place, "the service")
-                    .related(remote.src, "the remote service"),
+                Finding::new(
+                    Naming::RemoteTaken {
+                        name: remote.name.clone(),
+                    },
+                    at,
+                )
+                .related(place, "the service")
+                .related(remote.src, "the remote service"),
             );
             self.lose(index, &remote.name);
             return;

@@ -2,13 +2,16 @@
 //! section 16).
 
 use super::{
-    ElabDiagnostic,
     constant::Const,
     context::Elaborator,
     convert::{convert, explain_misfit},
     property, types,
 };
 use crate::{
+    finding::{
+        Finding, Near,
+        values::{Count, Purpose, Valuing},
+    },
     item_tree::{self, Designator},
     model::{InitValue, Initializer, PathElement, Src, TypeId, TypeKind},
 };
@@ -59,11 +62,12 @@ impl<'a> Elaborator<'a> {
                         | TypeKind::Struct { .. }
                         | TypeKind::Union { .. }
                 ) {
-                    let message = format!(
-                        "`{}` has several parts; write its default value in braces, `{{ … }}`",
-                        types::display(&self.spec, ty)
+                    self.error(
+                        at,
+                        Valuing::NeedsBraces {
+                            ty: types::display(&self.spec, ty).into(),
+                        },
                     );
-                    self.error("init-scalar-compound", at, message);
                     return None;
                 }
                 match convert(&self.spec, &value, ty) {
@@ -72,8 +76,10 @@ impl<'a> Elaborator<'a> {
                         InitValue::Scalar(converted)
                     }
                     Err(misfit) => {
-                        let (code, message) = explain_misfit(&self.spec, misfit, &value, ty);
-                        self.error(code, at, format!("default value: {message}"));
+                        self.error(
+                            at,
+                            explain_misfit(&self.spec, misfit, &value, ty, Purpose::Default),
+                        );
                         return None;
                     }
                 }
@@ -118,11 +124,12 @@ impl<'a> Elaborator<'a> {
             }
             TypeKind::Unknown => None,
             _ => {
-                let message = format!(
-                    "`{}` has a single value; write it without braces",
-                    types::display(&self.spec, ty)
+                self.error(
+                    at,
+                    Valuing::NeedsNoBraces {
+                        ty: types::display(&self.spec, ty).into(),
+                    },
                 );
-                self.error("init-compound-scalar", at, message);
                 None
             }
         }
@@ -148,18 +155,20 @@ impl<'a> Elaborator<'a> {
                     None => complete = false,
                 },
                 Some(Designator::Member(name)) => {
-                    let message = format!(
-                        "an array or sequence has no member `{}`; select an element with `[n] =`",
-                        name.text
+                    self.report_part(
+                        Valuing::ElementByName {
+                            name: name.text.clone(),
+                        },
+                        None,
+                        first,
+                        here,
                     );
-                    self.report_part("init-array-member", message, first, here);
                     return None;
                 }
                 None => {}
             }
             if let Some(length) = length.filter(|it| position >= *it) {
-                let message = format!("there is no element {position}; the length is {length}");
-                self.report_part("init-bounds", message, first, here);
+                self.report_part(Valuing::NoElement { position, length }, None, first, here);
                 return None;
             }
             match self.fit(part, element, Some(PathElement::Index(position))) {
@@ -191,36 +200,45 @@ impl<'a> Elaborator<'a> {
                         let names = members
                             .iter()
                             .filter_map(|it| self.spec.ty(*it).name.as_deref());
-                        let hint = self.hint(&name.text, names);
-                        let message = format!(
-                            "`{}` has no member `{}`{hint}",
-                            types::display(&self.spec, ty),
-                            name.text
+                        let near = self.near(self.src(name.ptr), &name.text, names);
+
+                        self.report_part(
+                            Valuing::NoMember {
+                                ty: types::display(&self.spec, ty).into(),
+                                name: name.text.clone(),
+                            },
+                            near,
+                            first,
+                            here,
                         );
-                        self.report_part("init-member", message, first, here);
                         return None;
                     };
                     self.refer_type(self.src(name.ptr), members[found]);
                     position = found;
                 }
                 Some(Designator::Index(_)) => {
-                    let message = format!(
-                        "`{}` has members, not elements; select one with `.name =`",
-                        types::display(&self.spec, ty)
+                    self.report_part(
+                        Valuing::MemberByIndex {
+                            ty: types::display(&self.spec, ty).into(),
+                        },
+                        None,
+                        first,
+                        here,
                     );
-                    self.report_part("init-struct-index", message, first, here);
                     return None;
                 }
                 None => {}
             }
             let Some(&member) = members.get(position) else {
-                let message = format!(
-                    "`{}` has {} member{}, there is none left for this value",
-                    types::display(&self.spec, ty),
-                    members.len(),
-                    if members.len() == 1 { "" } else { "s" }
+                self.report_part(
+                    Valuing::TooMany {
+                        ty: types::display(&self.spec, ty).into(),
+                        members: Count(members.len(), "member"),
+                    },
+                    None,
+                    first,
+                    here,
                 );
-                self.report_part("init-too-many", message, first, here);
                 return None;
             };
             let (TypeKind::StructMember { ty } | TypeKind::UnionMember { ty, .. }) =
@@ -238,8 +256,8 @@ impl<'a> Elaborator<'a> {
         complete.then_some(fitted)
     }
 
-    fn report_part(&mut self, code: &'static str, message: String, first: Src, here: Src) {
-        let mut diagnostic = ElabDiagnostic::new(code, first, message);
+    fn report_part(&mut self, kind: Valuing, near: Option<Near>, first: Src, here: Src) {
+        let mut diagnostic = Finding::new(kind, first).near(near);
         if here != first {
             diagnostic = diagnostic.related(here, "this initializer");
         }

@@ -1,7 +1,10 @@
 //! The operators of constant expressions (language reference, section 7).
 
 use super::constant::Const;
-use crate::item_tree::{BinaryOp, UnaryOp};
+use crate::{
+    finding::values::Valuing,
+    item_tree::{BinaryOp, UnaryOp},
+};
 
 pub(super) fn unary_text(op: UnaryOp) -> &'static str {
     match op {
@@ -53,30 +56,16 @@ pub(super) enum BinaryProblem {
 }
 
 impl BinaryProblem {
-    pub(super) fn explain(
-        self,
-        op: BinaryOp,
-        left: &Const,
-        right: &Const,
-    ) -> (&'static str, String) {
+    pub(super) fn explain(self, op: BinaryOp, left: &Const, right: &Const) -> Valuing {
         let op = binary_text(op);
         match self {
-            Self::Kinds => (
-                "const-binary",
-                format!(
-                    "`{op}` does not apply to {} and {}",
-                    left.describe(),
-                    right.describe()
-                ),
-            ),
-            Self::DivisionByZero => (
-                "const-div-zero",
-                format!("the right side of `{op}` is zero; integers cannot be divided by it"),
-            ),
-            Self::Overflow => (
-                "const-range",
-                format!("the result of `{op}` is too large for any type"),
-            ),
+            Self::Kinds => Valuing::Binary {
+                op,
+                left: left.describe(),
+                right: right.describe(),
+            },
+            Self::DivisionByZero => Valuing::DivisionByZero { op },
+            Self::Overflow => Valuing::Overflow { op },
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Parameters of codels and attributes: what they name (language reference, sections 11.1 and 12).
 
-use super::{Access, DefId, DefKind, ElabDiagnostic, context::Elaborator, types};
+use super::{Access, DefId, DefKind, context::Elaborator, types};
 use crate::{
+    finding::{Finding, codels::Using},
     item_tree::{Dir, Name, ParamDecl, ParamSpec, PathStep, Source},
     model::{
         CodelKind, Name as Text, Param, ParamDir, ParamSource, PathElement, PortDir, Src, TypeId,
@@ -114,12 +115,14 @@ impl<'a> Elaborator<'a> {
                     Source::Port => "a port",
                     _ => "a remote service",
                 };
-                let message = format!(
-                    "`::{}` alone stands for the whole ids; to use {what}, write its name without \
-                     `::`",
-                    rename.text
+
+                self.error(
+                    at,
+                    Using::WholeIds {
+                        name: rename.text.clone(),
+                        what,
+                    },
                 );
-                self.error("param-unnamed", at, message);
                 return None;
             }
             return self.whole_ids(index, decl, rename, codel_access(decl.dir));
@@ -192,41 +195,36 @@ impl<'a> Elaborator<'a> {
         let name = &written.first.text;
         let state = &self.components[index as usize];
         let component = &self.spec.components[index as usize];
-        let (found, code, what) = match source {
+        let name = name.clone();
+        let (found, kind) = match source {
             Source::Ids => {
                 if component.ids.is_none() {
                     self.report_no_ids(index, written.at);
                     return None;
                 }
-                let found = self.ids_member(index, name).map(Target::Ids);
-                (found, "param-member", "member of the ids")
+                let found = self.ids_member(index, &name).map(Target::Ids);
+                (found, Using::UnknownMember { name: name.clone() })
             }
             Source::Local => {
-                let found = self.local_named(index, service, name).map(Target::Local);
-                (
-                    found,
-                    "param-unknown-local",
-                    "parameter or local variable declared before in this service",
-                )
+                let found = self.local_named(index, service, &name).map(Target::Local);
+                (found, Using::UnknownLocal { name: name.clone() })
             }
             Source::Port => {
-                let found = state.port_by_name.get(name).copied().map(Target::Port);
-                (found, "param-unknown-port", "port of this component")
+                let found = state.port_by_name.get(&name).copied().map(Target::Port);
+                (found, Using::UnknownPort { name: name.clone() })
             }
             Source::Remote => {
-                let found = state.remote_by_name.get(name).copied().map(Target::Remote);
-                (
-                    found,
-                    "param-unknown-remote",
-                    "remote service of this component",
-                )
+                let found = state.remote_by_name.get(&name).copied();
+                let kind = Using::UnknownRemote { name: name.clone() };
+                (found.map(Target::Remote), kind)
             }
         };
-        if found.is_none() && !self.is_excused(index, name) {
+        if found.is_none() && !self.is_excused(index, &name) {
             let candidates = self.sources(index, service, Some(source));
-            let hint = self.hint(name, candidates.iter().map(|it| it.as_str()));
-            let message = format!("there is no {what} called `{name}`{hint}");
-            self.error(code, written.at, message);
+            let candidates = candidates.iter().map(|it| it.as_str());
+            let near = self.near(self.src(written.first.ptr), &name, candidates);
+
+            self.unresolved(written.at, kind, near);
         }
         found
     }
@@ -250,14 +248,16 @@ impl<'a> Elaborator<'a> {
         match (found.next(), found.next()) {
             (Some(only), None) => Some(only),
             (Some(a), Some(b)) => {
-                let message = format!(
-                    "`{name}` is {} and {}; say which one you mean, for instance `{} {} {name}`",
-                    a.describe(),
-                    b.describe(),
-                    b.keyword(),
-                    dir_text(direction(written.decl.dir)),
+                let diagnostic = Finding::new(
+                    Using::Ambiguous {
+                        name: name.clone(),
+                        one: a.describe(),
+                        other: b.describe(),
+                        source: b.keyword(),
+                        dir: dir_text(direction(written.decl.dir)),
+                    },
+                    written.at,
                 );
-                let diagnostic = ElabDiagnostic::new("param-ambiguous", written.at, message);
                 let places = [a, b].map(|it| self.target_def(index, service, it));
                 let diagnostic = places
                     .into_iter()
@@ -273,7 +273,8 @@ impl<'a> Elaborator<'a> {
             (None, _) if self.is_excused(index, name) => None,
             (None, _) => {
                 let candidates = self.sources(index, service, None);
-                let hint = self.hint(name, candidates.iter().map(|it| it.as_str()));
+                let candidates = candidates.iter().map(|it| it.as_str());
+                let near = self.near(self.src(written.first.ptr), name, candidates);
                 let places = match service {
                     Some(_) => {
                         "no member of the ids, no parameter of this service, no port and no remote \
@@ -281,8 +282,15 @@ impl<'a> Elaborator<'a> {
                     }
                     None => "no member of the ids, no port and no remote service",
                 };
-                let message = format!("`{name}` is {places} of this component{hint}");
-                self.error("param-unknown", written.at, message);
+
+                self.unresolved(
+                    written.at,
+                    Using::Unknown {
+                        name: name.clone(),
+                        places,
+                    },
+                    near,
+                );
                 None
             }
         }
@@ -327,8 +335,13 @@ impl<'a> Elaborator<'a> {
             return;
         }
         let name = &self.spec.components[index as usize].name;
-        let message = format!("`{name}` has no ids so far; declare them before, in `ids {{ … }};`");
-        self.error("param-no-ids", at, message);
+
+        self.error(
+            at,
+            Using::NoIds {
+                component: name.clone(),
+            },
+        );
     }
 
     // One function for each source
@@ -397,13 +410,13 @@ impl<'a> Elaborator<'a> {
         let mut path = Vec::new();
         let ty = self.walk(base, written, &mut path)?;
         if dir == ParamDir::In && written.decl.dir != Dir::In && kind != CodelKind::Validate {
-            let message = format!(
-                "this codel writes `{}`, an `in` parameter of the service: nobody will see the \
-                 value",
-                written.first.text
-            );
-            let diagnostic = ElabDiagnostic::new("writes-input", written.at, message)
-                .related(place, "the parameter");
+            let diagnostic = Finding::new(
+                Using::WritesInput {
+                    name: written.first.text.clone(),
+                },
+                written.at,
+            )
+            .related(place, "the parameter");
             self.report(diagnostic);
         }
         let name = self.param_name(written, written.first);
@@ -425,23 +438,20 @@ impl<'a> Elaborator<'a> {
         let (dir, data, place) = (known.dir, known.data, known.src);
         let name = &written.first.text;
         if !written.rest.is_empty() {
-            let message = format!(
-                "port `{name}` is used as a whole; a codel selects what it needs from it itself"
-            );
-            self.error("param-port-member", written.at, message);
+            self.error(written.at, Using::PortMember { name: name.clone() });
             return None;
         }
         match (dir, written.decl.dir) {
             (PortDir::In, Dir::Out) => {
-                let message = format!("`{name}` is an input port, it cannot be written; use `in`");
-                let diagnostic = ElabDiagnostic::new("param-read-only-port", written.at, message)
-                    .related(place, "the port");
+                let diagnostic =
+                    Finding::new(Using::WritesInputPort { name: name.clone() }, written.at)
+                        .related(place, "the port");
                 self.report(diagnostic);
             }
             (PortDir::In, Dir::Inout) => {
-                let message = format!("`{name}` is an input port; `in` says so");
-                let diagnostic = ElabDiagnostic::new("inout-input-port", written.at, message)
-                    .related(place, "the port");
+                let diagnostic =
+                    Finding::new(Using::InoutInputPort { name: name.clone() }, written.at)
+                        .related(place, "the port");
                 self.report(diagnostic);
             }
             _ => {}
@@ -464,13 +474,11 @@ impl<'a> Elaborator<'a> {
         let ty = self.spec.components[index as usize].remotes[remote as usize].ty;
         let name = &written.first.text;
         if !written.rest.is_empty() {
-            let message = format!("remote service `{name}` has no members to select");
-            self.error("param-remote-member", written.at, message);
+            self.error(written.at, Using::RemoteMember { name: name.clone() });
             return None;
         }
         if written.decl.dir != Dir::In {
-            let message = format!("remote service `{name}` can only be called; use `in`");
-            self.error("param-remote-direction", written.at, message);
+            self.error(written.at, Using::RemoteDirection { name: name.clone() });
         }
         let name = self.param_name(written, written.first);
         Some(Param {
@@ -550,25 +558,29 @@ impl<'a> Elaborator<'a> {
                         return None;
                     }
                     let Some((element, length)) = types::elements(&self.spec, last) else {
-                        let message = format!(
-                            "`{}` is neither an array nor a sequence, so it has no element {number}",
-                            types::display(&self.spec, ty)
+                        self.error(
+                            written.at,
+                            Using::NoElements {
+                                ty: types::display(&self.spec, ty).into(),
+                                number,
+                            },
                         );
-                        self.error("param-scalar", written.at, message);
                         return None;
                     };
                     if let Some(length) = length
                         && number >= length
                     {
-                        let message = format!(
-                            "index {number} is beyond the {length} elements of `{}`{}",
-                            types::display(&self.spec, ty),
-                            match length {
-                                0 => String::new(),
-                                _ => format!("; the last one is {}", length - 1),
-                            }
-                        );
-                        self.error("param-bounds", written.at, message);
+                        let ty = types::display(&self.spec, ty).into();
+                        let kind = match length.checked_sub(1) {
+                            Some(last) => Using::Beyond {
+                                number,
+                                length,
+                                ty,
+                                last,
+                            },
+                            None => Using::BeyondEmpty { number, ty },
+                        };
+                        self.error(written.at, kind);
                     }
                     path.push(PathElement::Index(number));
                     ty = element;
@@ -590,20 +602,22 @@ impl<'a> Elaborator<'a> {
 
     fn report_no_member(&mut self, ty: TypeId, last: TypeId, name: &Name, at: Src) {
         let members = types::members(&self.spec, last);
-        let shown = types::display(&self.spec, ty);
-        let message = match members {
+        let ty = types::display(&self.spec, ty).into();
+        let (kind, near) = match members {
             Some(members) => {
                 let names = members
                     .iter()
                     .filter_map(|it| self.spec.ty(*it).name.as_deref());
-                let hint = self.hint(&name.text, names);
-                format!("`{shown}` has no member `{}`{hint}", name.text)
+                let near = self.near(self.src(name.ptr), &name.text, names);
+                let name = name.text.clone();
+                (Using::NoMember { ty, name }, near)
             }
-            None => format!(
-                "`{shown}` has no members, so `.{}` selects nothing",
-                name.text
-            ),
+            None => {
+                let name = name.text.clone();
+                (Using::NoMembers { ty, name }, None)
+            }
         };
-        self.error("param-member", at, message);
+
+        self.unresolved(at, kind, near);
     }
 }

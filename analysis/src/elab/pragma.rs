@@ -2,8 +2,9 @@
 
 use smol_str::SmolStr;
 
-use super::{ElabDiagnostic, context::Elaborator, property::union};
+use super::{codel::TimePlace, context::Elaborator, property::union};
 use crate::{
+    finding::{Finding, names::Naming, values::Valuing},
     item_tree::{Duration, Name, Path, Pragma, Ptr, Unit},
     model::{Name as Text, Seconds, Src},
 };
@@ -31,19 +32,14 @@ impl<'a> Elaborator<'a> {
                 for (name, ptr) in arguments {
                     let at = self.src(*ptr);
                     if name.starts_with("//") || name.starts_with("/*") {
-                        self.error(
-                            "pragma-provides-unknown",
-                            at,
-                            "in a pragma, comments are read as names of interfaces; write it on a \
-                             line of its own",
-                        );
+                        self.error(at, Naming::CommentInPragma);
                         break;
                     }
                     let found = self.interface(
                         name,
                         at,
-                        "pragma-provides-unknown",
-                        "pragma-provides-component",
+                        |name| Naming::UnknownInPragma { name },
+                        |name| Naming::ComponentInPragma { name },
                     );
                     union(&mut self.pragma_provides, found);
                 }
@@ -62,24 +58,28 @@ impl<'a> Elaborator<'a> {
     fn masquerade(&mut self, arguments: &[(SmolStr, Ptr)], ty: Option<&'a Path>, ptr: Ptr) {
         let at = self.src(ptr);
         let [(template, _), (name, _), (data, _)] = arguments else {
-            let message = format!(
-                "`#pragma masquerade` takes three arguments, a template, a type and a text, but \
-                 there {} {}; put texts with blanks in quotes",
-                if arguments.len() == 1 { "is" } else { "are" },
-                arguments.len()
+            self.error(
+                at,
+                Naming::MasqueradeArguments {
+                    are: if arguments.len() == 1 { "is" } else { "are" },
+                    count: arguments.len(),
+                },
             );
-            self.error("pragma-masquerade-syntax", at, message);
             return;
         };
         let Some(ty) = ty.and_then(|it| self.resolve_path(it)) else {
-            let message = format!("there is no type `{name}` so far, so it cannot masquerade");
-            self.error("pragma-masquerade-type", at, message);
+            self.error(at, Naming::MasqueradeUnknown { name: name.clone() });
             return;
         };
         let known = &mut self.spec.types[ty.0 as usize].masquerade;
         if known.iter().any(|(it, _)| it == template.as_str()) {
-            let message = format!("`{name}` has a masquerade for template `{template}` already");
-            self.error("pragma-masquerade-duplicate", at, message);
+            self.error(
+                at,
+                Naming::MasqueradeTwice {
+                    name: name.clone(),
+                    template: template.clone(),
+                },
+            );
         } else {
             known.push((template.to_string(), data.to_string()));
         }
@@ -88,32 +88,25 @@ impl<'a> Elaborator<'a> {
     fn pragma_wcet(&mut self, codel: Option<&'a Name>, duration: Option<&'a Duration>, ptr: Ptr) {
         let at = self.src(ptr);
         let (Some(codel), Some(duration)) = (codel, duration) else {
-            self.error(
-                "wcet-pragma",
-                at,
-                "write `#pragma wcet CODEL DURATION UNIT`, for instance `#pragma wcet compute 2 ms`",
-            );
+            self.error(at, Valuing::PragmaForm);
             return;
         };
         if duration.unit.is_none() {
-            self.error(
-                "wcet-pragma",
-                at,
-                "the execution time needs a unit: `s`, `ms` or `us`",
-            );
+            self.error(at, Valuing::PragmaUnit);
             return;
         }
-        let Some((number, unit)) = self.execution_time(duration, "wcet-pragma", at) else {
+        let Some((number, unit)) = self.execution_time(duration, TimePlace::Pragma, at) else {
             return;
         };
         let first = self.pragma_wcet.iter().find(|it| it.codel == codel.text);
         if let Some(first) = first {
-            let message = format!(
-                "codel `{}` is given an execution time twice; keep one of them",
-                codel.text
-            );
-            let diagnostic =
-                ElabDiagnostic::new("wcet-pragma", at, message).related(first.at, "the first one");
+            let diagnostic = Finding::new(
+                Valuing::PragmaTwice {
+                    codel: codel.text.clone(),
+                },
+                at,
+            )
+            .related(first.at, "the first one");
             self.report(diagnostic);
             return;
         }

@@ -4,11 +4,16 @@ use num_rational::Ratio;
 use rustc_hash::FxHashMap;
 
 use super::{
-    ElabDiagnostic, Fix,
     constant::{Const, string_content},
     context::Elaborator,
 };
 use crate::{
+    finding::{
+        Finding,
+        names::{Naming, Noun},
+        services::Declaring,
+        values::Valuing,
+    },
     item_tree::{Duration, Expr, ExprKind, Path, Property, PropertyKind, Unit},
     model::{Quantity, Seconds, Src, TypeId, TypeKind, Value},
 };
@@ -114,13 +119,7 @@ impl<'a> Elaborator<'a> {
                 let given = &mut self.components[index as usize].given;
                 if let Some(&first) = given.get(word) {
                     self.report(
-                        ElabDiagnostic::new(
-                            "codels-requires-again",
-                            at,
-                            "a second `codels-requires`: the lists are joined, but generators \
-                             before version 2.99.41 refuse it; use one list",
-                        )
-                        .related(first, "the first one"),
+                        Finding::new(Declaring::RequiresTwice, at).related(first, "the first one"),
                     );
                 } else {
                     given.insert(word, at);
@@ -148,18 +147,19 @@ impl<'a> Elaborator<'a> {
                 self.local_outside(at, "a component or interface");
             }
             kind => {
-                let message = format!("`{word}` cannot stand here; it belongs {}", home(kind));
-                self.error("prop-not-in-component", at, message);
+                self.error(
+                    at,
+                    Declaring::NotInComponent {
+                        word,
+                        home: home(kind),
+                    },
+                );
             }
         }
     }
 
-    pub(super) fn local_outside(&mut self, at: Src, place: &str) {
-        let message = format!(
-            "{place} has no local variables; only functions and activities do (for data \
-                     that lasts, use the ids)"
-        );
-        self.error("local-outside-service", at, message);
+    pub(super) fn local_outside(&mut self, at: Src, place: &'static str) {
+        self.error(at, Declaring::LocalOutside { place });
     }
 
     fn once_in_component(&mut self, index: u32, word: &'static str, at: Src) -> bool {
@@ -178,9 +178,8 @@ impl<'a> Elaborator<'a> {
     ) -> bool {
         match given.get(word) {
             Some(&first) => {
-                let message = format!("`{word}` is given twice; keep one of them");
                 self.report(
-                    ElabDiagnostic::new("prop-duplicate", at, message)
+                    Finding::new(Declaring::PropertyTwice { word }, at)
                         .related(first, "first given here"),
                 );
                 false
@@ -206,8 +205,14 @@ impl<'a> Elaborator<'a> {
             let Some(string) = text(expr) else { continue };
             if strings.contains(&string) {
                 let at = self.src(expr.ptr);
-                let message = format!("\"{string}\" is already in this `{word}` list; remove it");
-                self.error("list-duplicate-string", at, message);
+
+                self.error(
+                    at,
+                    Declaring::ListedTwice {
+                        text: string.into(),
+                        word: word.into(),
+                    },
+                );
             } else {
                 strings.push(string);
             }
@@ -230,11 +235,14 @@ impl<'a> Elaborator<'a> {
                 _ => {
                     let what = super::types::describe(&self.spec, ty);
                     let name = super::types::path_text(path);
-                    let message = format!(
-                        "`{name}` is {what}, not an exception; only what is declared with \
-                         `exception` can be thrown"
+
+                    let mut diagnostic = Finding::new(
+                        Naming::NotAnException {
+                            path: name.into(),
+                            what,
+                        },
+                        at,
                     );
-                    let mut diagnostic = ElabDiagnostic::new("throw-not-exception", at, message);
                     if let Some(place) = self.type_place(ty) {
                         diagnostic = diagnostic.related(place, "declared here");
                     }
@@ -244,8 +252,8 @@ impl<'a> Elaborator<'a> {
             }
             if exceptions.contains(&ty) {
                 let name = super::types::path_text(path);
-                let message = format!("`{name}` is already in this list; remove it");
-                self.error("throw-duplicate", at, message);
+
+                self.error(at, Naming::ThrownTwice { path: name.into() });
             } else {
                 exceptions.push(ty);
             }
@@ -266,12 +274,16 @@ impl<'a> Elaborator<'a> {
             .visible(self.scope)
             .filter(|(_, ty)| matches!(self.spec.ty(*ty).kind, TypeKind::Exception { .. }))
             .map(|(name, _)| name.as_str());
-        let hint = self.hint(&name.text, candidates);
-        let message = format!(
-            "unknown exception `{}`; it must be declared before it is used{hint}",
-            name.text
+        let near = self.near(self.src(name.ptr), &name.text, candidates);
+
+        self.unresolved(
+            at,
+            Naming::Unknown {
+                noun: Noun::Exception,
+                name: name.text.clone(),
+            },
+            near,
         );
-        self.error("unknown-type", at, message);
     }
 
     // Quantities
@@ -293,31 +305,23 @@ impl<'a> Elaborator<'a> {
                 Some((_, ptr)) => self.src(*ptr),
                 None => self.src(duration.value.ptr),
             };
-            let message = format!("a `{word}` is a number, but this is {}", value.describe());
-            self.error("const-numeric", at, message);
+
+            self.error(
+                at,
+                Valuing::NotANumber {
+                    word: word.into(),
+                    value: value.describe(),
+                },
+            );
             return None;
         };
         if number < Ratio::from_integer(0) {
-            let message = format!("a `{word}` cannot be negative");
-            self.error("clock-rate-value", property, message);
+            self.error(property, Valuing::Negative { word: word.into() });
             return None;
         }
         let unit = if glued {
             let at = self.src(duration.value.ptr);
-            let mut diagnostic = ElabDiagnostic::new(
-                "glued-unit",
-                at,
-                "without a blank, the generator reads `u` as part of the number and `s` as the \
-                 unit: this is a number of seconds; insert a blank for microseconds",
-            );
-            if let Some((Unit::Us, ptr)) = duration.unit {
-                diagnostic = diagnostic.fix(Fix::InsertBefore {
-                    at: self.src(ptr),
-                    text: " ".into(),
-                    title: "Insert a blank before the unit".to_owned(),
-                });
-            }
-            self.report(diagnostic);
+            self.error(at, Valuing::GluedUnit);
             Some(Unit::S)
         } else {
             duration.unit.map(|(unit, _)| unit)
@@ -346,8 +350,8 @@ impl<'a> Elaborator<'a> {
         let value = self.positive(expr, "priority")?;
         if value > 255 {
             let at = self.src(expr.ptr);
-            let message = format!("priority {value} is above 255, the highest that is documented");
-            self.error("priority-range", at, message);
+
+            self.error(at, Valuing::PriorityRange { value });
         }
         Some(self.amount(value, src))
     }
@@ -364,7 +368,7 @@ impl<'a> Elaborator<'a> {
             Some(bytes) => Some(self.amount(bytes, src)),
             None => {
                 let at = self.src(size.value.ptr);
-                self.error("const-range", at, "this stack size does not fit in 64 bits");
+                self.error(at, Valuing::StackTooLarge);
                 None
             }
         }

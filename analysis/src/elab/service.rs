@@ -3,7 +3,7 @@
 use rustc_hash::FxHashMap;
 
 use super::{
-    Access, DefId, DefKind, ElabDiagnostic, Entity,
+    Access, DefId, DefKind, Entity,
     codel::CodelSource,
     context::Elaborator,
     property::{self, keyword, union},
@@ -11,6 +11,11 @@ use super::{
     signature::NewParam,
 };
 use crate::{
+    finding::{
+        Finding,
+        names::Naming,
+        services::{Declaring, ImportedBy},
+    },
     item_tree::{Item, Name, ParamDecl, Property, PropertyKind, ServiceDecl},
     model::{
         CodelKind, ComponentKind, Name as Text, Owner, Service, ServiceKind, ServiceList, Src,
@@ -67,12 +72,7 @@ impl<'a> Elaborator<'a> {
         let Some(name) = &decl.name else { return };
         let at = self.src(name.ptr);
         if name.text == "all" {
-            self.error(
-                "service-reserved",
-                at,
-                "`all` stands for every service in `interrupts`, `before` and `after`; choose \
-                 another name",
-            );
+            self.error(at, Declaring::Reserved);
         }
         if self.taken_by_other(index, &name.text, at) {
             return;
@@ -143,9 +143,16 @@ impl<'a> Elaborator<'a> {
             return false;
         };
         self.lose(index, name);
-        let message = format!("`{name}` is already {what} of this component");
+
         self.report(
-            ElabDiagnostic::new("redefinition", at, message).related(place, "declared here"),
+            Finding::new(
+                Naming::Taken {
+                    name: name.clone(),
+                    what,
+                },
+                at,
+            )
+            .related(place, "declared here"),
         );
         true
     }
@@ -162,16 +169,18 @@ impl<'a> Elaborator<'a> {
         if known.kind == kind {
             return true;
         }
-        let message = format!(
-            "`{}` is {}; it cannot be declared again as {}",
-            known.name,
-            kind_text(known.kind),
-            kind_text(kind)
-        );
+
         let place = known.src;
         self.report(
-            ElabDiagnostic::new("service-kind-conflict", at, message)
-                .related(place, "first declared here"),
+            Finding::new(
+                Declaring::OtherKind {
+                    name: known.name.clone(),
+                    was: kind_text(known.kind),
+                    is: kind_text(kind),
+                },
+                at,
+            )
+            .related(place, "first declared here"),
         );
         false
     }
@@ -267,8 +276,13 @@ impl<'a> Elaborator<'a> {
                     let which = if word == "before" { BEFORE } else { AFTER };
                     for (it, src) in &names {
                         if *it == name.text {
-                            let message = format!("`{it}` cannot run {word} itself");
-                            self.error("lists-itself", *src, message);
+                            self.error(
+                                *src,
+                                Declaring::ListsItself {
+                                    name: it.clone(),
+                                    word,
+                                },
+                            );
                         }
                     }
                     self.components[c].services[s].lists[which] = NameList { names };
@@ -276,15 +290,16 @@ impl<'a> Elaborator<'a> {
             }
             PropertyKind::Task(task) => {
                 if kind != ServiceKind::Activity {
-                    let message = format!(
-                        "`{}` is {}, so it has no task; only activities run in one",
-                        name.text,
-                        kind_text(kind)
-                    );
                     let service = self.src(name.ptr);
                     self.report(
-                        ElabDiagnostic::new("service-task", service, message)
-                            .related(at, "this property"),
+                        Finding::new(
+                            Declaring::NoTask {
+                                name: name.text.clone(),
+                                kind: kind_text(kind),
+                            },
+                            service,
+                        )
+                        .related(at, "this property"),
                     );
                 } else if let Some(task) = task
                     && self.once_in_service(index, service, word, at)
@@ -307,35 +322,20 @@ impl<'a> Elaborator<'a> {
                 let stateful = codel.triggers.is_some();
                 match (kind, stateful) {
                     (ServiceKind::Activity, false) => {
-                        self.misplaced_codel(
-                            "service-simple-codel",
-                            name,
-                            at,
-                            "an activity is a state machine, its codels have states: write \
-                             `codel<start> …`",
-                        );
+                        self.misplaced_codel(name, at, Declaring::CodelWithoutState);
                         let owner = Owner::Service(service);
                         self.misplaced_params(index, owner, codel, CodelKind::Fsm);
                         return;
                     }
                     (ServiceKind::Attribute | ServiceKind::Function, true) => {
-                        let message = format!(
-                            "{} runs no state machine, so its codels have no states; leave out the \
-                             `< >` and the `yields`, or make it an activity",
-                            kind_text(kind)
-                        );
-                        self.misplaced_codel("service-fsm-codel", name, at, &message);
+                        let kind = kind_text(kind);
+                        self.misplaced_codel(name, at, Declaring::CodelWithState { kind });
                         let owner = Owner::Service(service);
                         self.misplaced_params(index, owner, codel, CodelKind::Fsm);
                         return;
                     }
                     (ServiceKind::Attribute, false) => {
-                        self.error(
-                            "attribute-codel",
-                            at,
-                            "generators before version 2.99.41 refuse codels of attributes other \
-                             than `validate`; use a function to be accepted by all",
-                        );
+                        self.error(at, Declaring::AttributeCodel);
                     }
                     _ => {}
                 }
@@ -347,19 +347,21 @@ impl<'a> Elaborator<'a> {
                 self.codel_here(index, Owner::Service(service), codel, kind);
             }
             other => {
-                let home = property::home(other);
-                let message = format!(
-                    "{} cannot have `{word}`; it belongs {home}",
-                    kind_text(kind)
+                self.error(
+                    at,
+                    Declaring::NotInService {
+                        kind: kind_text(kind),
+                        word,
+                        home: property::home(other),
+                    },
                 );
-                self.error("prop-not-in-service", at, message);
             }
         }
     }
 
-    fn misplaced_codel(&mut self, code: &'static str, service: &Name, codel: Src, message: &str) {
+    fn misplaced_codel(&mut self, service: &Name, codel: Src, kind: Declaring) {
         let at = self.src(service.ptr);
-        self.report(ElabDiagnostic::new(code, at, message).related(codel, "this codel"));
+        self.report(Finding::new(kind, at).related(codel, "this codel"));
     }
 
     fn once_in_service(&mut self, index: u32, service: u32, word: &'static str, at: Src) -> bool {
@@ -376,13 +378,16 @@ impl<'a> Elaborator<'a> {
             if self.is_excused(index, &task.text) {
                 return;
             }
-            let hint = self.hint(&task.text, state.task_by_name.keys().map(|it| it.as_str()));
-            let message = format!(
-                "there is no task `{}` so far; tasks are declared before the activities that run \
-                 in them{hint}",
-                task.text
+            let names = state.task_by_name.keys().map(|it| it.as_str());
+            let near = self.near(self.src(task.ptr), &task.text, names);
+
+            self.unresolved(
+                at,
+                Declaring::UnknownTask {
+                    name: task.text.clone(),
+                },
+                near,
             );
-            self.error("task-unknown", at, message);
             return;
         };
         let def = state.tasks[found as usize].def;
@@ -396,12 +401,14 @@ impl<'a> Elaborator<'a> {
         for name in list {
             let at = self.src(name.ptr);
             if let Some((_, first)) = names.iter().find(|(it, _)| *it == name.text) {
-                let message = format!(
-                    "`{}` is already in this `{word}` list; remove it",
-                    name.text
-                );
-                let diagnostic = ElabDiagnostic::new("identifier-duplicate", at, message)
-                    .related(*first, "first here");
+                let diagnostic = Finding::new(
+                    Declaring::NamedTwice {
+                        name: name.text.clone(),
+                        word: word.into(),
+                    },
+                    at,
+                )
+                .related(*first, "first here");
                 self.report(diagnostic);
             } else {
                 names.push((name.text.clone(), at));
@@ -449,17 +456,16 @@ impl<'a> Elaborator<'a> {
                 None if self.is_excused(index, name) => {}
                 None => {
                     let candidates = state.service_by_name.keys().map(|it| it.as_str());
-                    let hint = self.hint(name, candidates);
-                    let remote = if state.remote_by_name.contains_key(name) {
-                        ", only a remote one"
-                    } else {
-                        ""
+                    let near = self.near(*at, name, candidates);
+                    let remote = state.remote_by_name.contains_key(name);
+                    let name = name.clone();
+                    let component = self.spec.components[index as usize].name.clone();
+                    let kind = match remote {
+                        true => Declaring::OnlyRemote { name, component },
+                        false => Declaring::UnknownService { name, component },
                     };
-                    let message = format!(
-                        "there is no service `{name}` in `{}`{remote}{hint}",
-                        self.spec.components[index as usize].name
-                    );
-                    self.error("service-unknown", *at, message);
+
+                    self.unresolved(*at, kind, near);
                 }
             }
         }
@@ -478,11 +484,8 @@ impl<'a> Elaborator<'a> {
         }
         let given = &state.services[service].given;
         let at = activity.src;
-        let from = if activity.imported_from.is_some() {
-            format!(", imported by `{}`,", component.name)
-        } else {
-            String::new()
-        };
+        let importer = activity.imported_from.map(|_| component.name.clone());
+        let by = ImportedBy(importer);
         let no_task = activity.task.is_none() && !given.contains_key("task");
         let starts = activity
             .codels
@@ -490,19 +493,20 @@ impl<'a> Elaborator<'a> {
             .any(|it| it.triggers.iter().any(|it| it.name == "start"));
         let name = activity.name.clone();
         if no_task {
-            let hint = match component.tasks.first() {
-                Some(task) => format!("; add for instance `task {};`", task.name),
-                None => "; declare one and add `task …;`".to_owned(),
+            let (name, by) = (name.clone(), by.clone());
+            let kind = match component.tasks.first() {
+                Some(task) => Declaring::ActivityWithoutTask {
+                    name,
+                    by,
+                    task: task.name.clone(),
+                },
+                None => Declaring::ActivityWithoutAnyTask { name, by },
             };
-            let message = format!("activity `{name}`{from} runs in no task{hint}");
-            self.error("activity-task", at, message);
+
+            self.error(at, kind);
         }
         if !starts {
-            let message = format!(
-                "activity `{name}`{from} has no codel for the state `start`, where it begins; add \
-                 `codel<start> …`"
-            );
-            self.error("activity-start", at, message);
+            self.error(at, Declaring::ActivityWithoutStart { name, by });
         }
     }
 }

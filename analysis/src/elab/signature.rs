@@ -2,12 +2,13 @@
 //! reference, section 11.4).
 
 use super::{
-    Access, DefId, DefKind, ElabDiagnostic, Entity,
+    Access, DefId, DefKind, Entity,
     context::Elaborator,
     param::{dir_text, direction},
     types,
 };
 use crate::{
+    finding::{Finding, services::Declaring},
     item_tree::{Declarator, ParamDecl, ParamSpec, PathStep, ServiceDecl, TypeRef},
     model::{Param, ParamDir, ParamSource, Src},
 };
@@ -30,9 +31,14 @@ impl<'a> Elaborator<'a> {
                 native = Some((new.param.name.clone(), new.param.src));
             }
             if let Some(first) = params.iter().find(|it| it.param.name == new.param.name) {
-                let message = format!("a parameter called `{}` exists already", new.param.name);
-                let diagnostic = ElabDiagnostic::new("param-duplicate", new.param.src, message)
-                    .related(first.param.src, "the first one");
+                let diagnostic = Finding::new(
+                    Declaring::ParamTwice {
+                        what: "parameter",
+                        name: new.param.name.clone(),
+                    },
+                    new.param.src,
+                )
+                .related(first.param.src, "the first one");
                 self.report(diagnostic);
                 continue;
             }
@@ -40,13 +46,15 @@ impl<'a> Elaborator<'a> {
         }
         if let (Some((param, place)), Some(name)) = (native, &decl.name) {
             let at = self.src(name.ptr);
-            let message = format!(
-                "parameter `{param}` of `{}` holds a native type; native data stays inside a \
-                 component (local variables and ids may hold it)",
-                name.text
-            );
-            let diagnostic =
-                ElabDiagnostic::new("service-native", at, message).related(place, "the parameter");
+
+            let diagnostic = Finding::new(
+                Declaring::NativeParam {
+                    param,
+                    service: name.text.clone(),
+                },
+                at,
+            )
+            .related(place, "the parameter");
             self.report(diagnostic);
         }
         params
@@ -145,44 +153,48 @@ impl<'a> Elaborator<'a> {
             .iter()
             .filter(|it| it.dir != ParamDir::Local)
             .collect();
-        let mut problems: Vec<ElabDiagnostic> = Vec::new();
+        let mut problems: Vec<Finding> = Vec::new();
         for (old, new) in expected.iter().zip(params) {
             let place = import.unwrap_or(new.src);
             if old.name != new.name {
-                let message = format!(
-                    "`{}` was declared before with parameter `{}` in this place, not `{}`",
-                    known.name, old.name, new.name
-                );
                 problems.push(
-                    ElabDiagnostic::new("service-param-name", place, message)
-                        .related(old.src, "the earlier declaration"),
+                    Finding::new(
+                        Declaring::OtherName {
+                            service: known.name.clone(),
+                            old: old.name.clone(),
+                            new: new.name.clone(),
+                        },
+                        place,
+                    )
+                    .related(old.src, "the earlier declaration"),
                 );
-            } else if let Some(message) = self.conflict(old, new) {
-                problems.push(
-                    ElabDiagnostic::new("service-param-conflict", place, message)
-                        .related(old.src, "the earlier declaration"),
-                );
+            } else if let Some(kind) = self.conflict(old, new) {
+                problems
+                    .push(Finding::new(kind, place).related(old.src, "the earlier declaration"));
             }
         }
         if let Some(extra) = params.get(expected.len()) {
-            let message = format!(
-                "`{}` was declared before without parameter `{}`",
-                known.name, extra.name
-            );
             problems.push(
-                ElabDiagnostic::new("service-param-extra", import.unwrap_or(extra.src), message)
-                    .related(known.src, "the earlier declaration"),
+                Finding::new(
+                    Declaring::ParamExtra {
+                        service: known.name.clone(),
+                        name: extra.name.clone(),
+                    },
+                    import.unwrap_or(extra.src),
+                )
+                .related(known.src, "the earlier declaration"),
             );
         }
         if let Some(missing) = expected.get(params.len()) {
-            let message = format!(
-                "`{}` was declared before with parameter `{}`, which is missing here; repeat all \
-                 parameters",
-                known.name, missing.name
-            );
             problems.push(
-                ElabDiagnostic::new("service-param-missing", import.unwrap_or(at), message)
-                    .related(missing.src, "the missing parameter"),
+                Finding::new(
+                    Declaring::ParamMissing {
+                        service: known.name.clone(),
+                        name: missing.name.clone(),
+                    },
+                    import.unwrap_or(at),
+                )
+                .related(missing.src, "the missing parameter"),
             );
         }
         for problem in problems {
@@ -190,22 +202,19 @@ impl<'a> Elaborator<'a> {
         }
     }
 
-    fn conflict(&self, old: &Param, new: &Param) -> Option<String> {
+    fn conflict(&self, old: &Param, new: &Param) -> Option<Declaring> {
+        let name = new.name.clone();
         if old.dir != new.dir {
-            return Some(format!(
-                "`{}` was declared before as `{}`, not `{}`",
-                new.name,
-                dir_text(old.dir),
-                dir_text(new.dir)
-            ));
+            return Some(Declaring::OtherDirection {
+                name,
+                old: dir_text(old.dir),
+                new: dir_text(new.dir),
+            });
         }
-        (!types::equal(&self.spec, old.ty, new.ty)).then(|| {
-            format!(
-                "`{}` was declared before with type `{}`, not `{}`",
-                new.name,
-                types::display(&self.spec, old.ty),
-                types::display(&self.spec, new.ty)
-            )
+        (!types::equal(&self.spec, old.ty, new.ty)).then(|| Declaring::OtherType {
+            name,
+            old: types::display(&self.spec, old.ty).into(),
+            new: types::display(&self.spec, new.ty).into(),
         })
     }
 
@@ -260,18 +269,21 @@ impl<'a> Elaborator<'a> {
             } else {
                 "parameter"
             };
-            let message = format!("a {what} called `{}` exists already", local.name);
+
             self.report(
-                ElabDiagnostic::new("param-duplicate", src, message)
-                    .related(place, "the first one"),
+                Finding::new(
+                    Declaring::ParamTwice {
+                        what,
+                        name: local.name.clone(),
+                    },
+                    src,
+                )
+                .related(place, "the first one"),
             );
             return;
         }
-        if let Some(message) = self.conflict(old, &local) {
-            self.report(
-                ElabDiagnostic::new("service-param-conflict", src, message)
-                    .related(place, "the earlier declaration"),
-            );
+        if let Some(kind) = self.conflict(old, &local) {
+            self.report(Finding::new(kind, src).related(place, "the earlier declaration"));
         }
         if let Some(def) = def {
             self.refer_as(src, def, Access::None, true);

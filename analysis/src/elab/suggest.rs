@@ -13,14 +13,6 @@ pub fn nearest<'n>(name: &str, candidates: impl IntoIterator<Item = &'n str>) ->
         .map(|(_, it)| it)
 }
 
-/// `; did you mean …?`, or nothing.
-pub(crate) fn hint<'n>(name: &str, candidates: impl IntoIterator<Item = &'n str>) -> String {
-    match nearest(name, candidates) {
-        Some(it) => format!("; did you mean `{it}`?"),
-        None => String::new(),
-    }
-}
-
 /// Insertions, deletions, replacements and transpositions between two names (optimal string
 /// alignment), or `None` above the limit. A difference of case alone counts as 1.
 fn distance(a: &str, b: &str, limit: usize) -> Option<usize> {

@@ -4,12 +4,13 @@ use num_rational::Ratio;
 use rustc_hash::FxHashMap;
 
 use super::{
-    Access, DefId, DefKind, ElabDiagnostic, Entity,
+    Access, DefId, DefKind, Entity,
     component::TaskState,
     context::Elaborator,
     property::{self, keyword, union},
 };
 use crate::{
+    finding::{Finding, services::Declaring, values::Valuing},
     item_tree::{Item, Name, PropertyKind, Ptr},
     model::{CodelKind, Name as Text, Owner, Src, Task},
 };
@@ -101,12 +102,7 @@ impl<'a> Elaborator<'a> {
                         .as_ref()
                         .is_some_and(|it| it.value == Ratio::from_integer(0))
                 {
-                    self.error(
-                        "period-zero",
-                        at,
-                        "a period of 0 never lets the task rest; leave it out for a task that runs \
-                         on events",
-                    );
+                    self.error(at, Valuing::PeriodZero);
                 }
                 if self.once_in_task(index, task, word, at) {
                     let task = &mut self.spec.components[c].tasks[t];
@@ -139,15 +135,19 @@ impl<'a> Elaborator<'a> {
             PropertyKind::Codel(decl) => {
                 self.components[c].tasks[t].incomplete = true;
                 let at = self.src(name.ptr);
-                let codel = decl.name.as_ref().map_or("", |it| &it.text);
-                let message = format!(
-                    "codel `{codel}` of task `{}` has no states; write `codel<start> {codel}(…) \
-                     yields …`",
-                    name.text
-                );
+                let codel = decl.name.as_ref().map(|it| it.text.clone());
+                let codel = codel.unwrap_or_default();
+
                 let place = self.src(decl.ptr);
                 self.report(
-                    ElabDiagnostic::new("codel-in-task", at, message).related(place, "this codel"),
+                    Finding::new(
+                        Declaring::TaskCodelWithoutState {
+                            codel,
+                            task: name.text.clone(),
+                        },
+                        at,
+                    )
+                    .related(place, "this codel"),
                 );
                 self.misplaced_params(index, Owner::Task(task), decl, CodelKind::Fsm);
             }
@@ -156,9 +156,13 @@ impl<'a> Elaborator<'a> {
                 self.local_outside(at, "a task");
             }
             kind => {
-                let home = property::home(kind);
-                let message = format!("a task cannot have `{word}`; it belongs {home}");
-                self.error("prop-not-in-task", at, message);
+                self.error(
+                    at,
+                    Declaring::NotInTask {
+                        word,
+                        home: property::home(kind),
+                    },
+                );
             }
         }
     }
@@ -186,16 +190,16 @@ impl<'a> Elaborator<'a> {
         let at = delay.src;
         match &task.period {
             None if !period_given => {
-                let message = format!(
-                    "task `{}` has a delay but no period; only periodic tasks can be delayed",
-                    task.name
+                self.error(
+                    at,
+                    Valuing::DelayWithoutPeriod {
+                        task: task.name.clone(),
+                    },
                 );
-                self.error("delay-without-period", at, message);
             }
             Some(period) if delay.value >= period.value => {
-                let message = "the delay must be less than the period".to_owned();
-                let diagnostic = ElabDiagnostic::new("delay-range", at, message)
-                    .related(period.src, "the period");
+                let diagnostic =
+                    Finding::new(Valuing::DelayRange, at).related(period.src, "the period");
                 self.report(diagnostic);
             }
             _ => {}

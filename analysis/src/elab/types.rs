@@ -2,8 +2,13 @@
 
 use rustc_hash::FxHashSet;
 
-use super::{ElabDiagnostic, context::Elaborator};
+use super::context::Elaborator;
 use crate::{
+    finding::{
+        Finding,
+        names::{Inside, Naming, Noun},
+        values::Valuing,
+    },
     item_tree::{BaseType, Declarator, Expr, Path, TypeRef, TypeRefKind},
     model::{Spec, Src, TypeId, TypeKind},
 };
@@ -41,11 +46,7 @@ impl<'a> Elaborator<'a> {
                 self.anonymous(TypeKind::Optional { element }, at)
             }
             TypeRefKind::Fixed => {
-                self.error(
-                    "fixed-unsupported",
-                    at,
-                    "fixed point numbers are not supported; use `double`",
-                );
+                self.error(at, Valuing::FixedType);
                 self.unknown(at)
             }
             TypeRefKind::Named(path) => self.named_type(path, usage),
@@ -71,14 +72,12 @@ impl<'a> Elaborator<'a> {
                 | TypeKind::Remote { .. }
         ) {
             let what = describe(&self.spec, ty);
-            let mut diagnostic = ElabDiagnostic::new(
-                "not-a-type",
+            let mut diagnostic = Finding::new(
+                Naming::NotAType {
+                    path: path_text(path).into(),
+                    what,
+                },
                 at,
-                format!(
-                    "`{}` is {what}, not a type: this is accepted, but the code generated from it \
-                     does not compile",
-                    path_text(path)
-                ),
             );
             if let Some(place) = self.type_place(ty) {
                 diagnostic = diagnostic.related(place, "declared here");
@@ -89,27 +88,21 @@ impl<'a> Elaborator<'a> {
         match &self.spec.ty(last).kind {
             TypeKind::Exception { members } if members.is_empty() && usage == Use::Value => {
                 self.error(
-                    "void-exception-type",
                     at,
-                    format!(
-                        "exception `{}` has no members, so it cannot be used as a data type; give \
-                         it members or use another type",
-                        path_text(path)
-                    ),
+                    Naming::NoData {
+                        path: path_text(path).into(),
+                    },
                 );
                 self.unknown(at)
             }
             TypeKind::ForwardStruct { .. } | TypeKind::ForwardUnion { .. }
                 if usage == Use::Value =>
             {
-                let mut diagnostic = ElabDiagnostic::new(
-                    "forward-by-value",
+                let mut diagnostic = Finding::new(
+                    Naming::NotYetDefined {
+                        path: path_text(path).into(),
+                    },
                     at,
-                    format!(
-                        "`{}` is only declared so far; until it is defined it can be used in \
-                         `sequence<>` and `optional<>` only",
-                        path_text(path)
-                    ),
                 );
                 if let Some(place) = self.type_place(last) {
                     diagnostic = diagnostic.related(place, "declared, but not defined, here");
@@ -161,22 +154,25 @@ impl<'a> Elaborator<'a> {
             | TypeKind::UnionMember { .. } => false,
             _ => types,
         };
-        let noun = if types { "type" } else { "constant" };
+        let noun = if types { Noun::Type } else { Noun::Constant };
         let (scope, followed) = self.scopes.follow(self.scope, path.absolute, &names);
-        let message = if followed + 1 < names.len() {
+        let token = |it: usize| path.segments.get(it).map_or(path.ptr, |it| it.ptr);
+        let (kind, near) = if followed + 1 < names.len() {
             let missing = names[followed];
             let inner = self.scopes.get(scope);
-            let hint = self.hint(missing, inner.children.keys().map(|it| it.as_str()));
-            format!(
-                "`{}` does not name a {noun}: there is no module, component or type scope \
-                 `{missing}` {}{hint}",
-                path_text(path),
-                if followed == 0 {
-                    "here".to_owned()
-                } else {
-                    format!("in `{}`", names[followed - 1])
-                },
-            )
+            let candidates = inner.children.keys().map(|it| it.as_str());
+            let near = self.near(self.src(token(followed)), missing, candidates);
+            let inside = match followed {
+                0 => Inside::Here,
+                _ => Inside::Scope(names[followed - 1].clone()),
+            };
+            let kind = Naming::UnknownScope {
+                path: path_text(path).into(),
+                noun,
+                missing: missing.clone(),
+                inside,
+            };
+            (kind, near)
         } else if names.len() > 1 || path.absolute {
             let inner = self.scopes.get(scope);
             let candidates = inner
@@ -184,22 +180,21 @@ impl<'a> Elaborator<'a> {
                 .iter()
                 .filter(|(_, ty)| wanted(&self.spec.ty(**ty).kind))
                 .map(|(name, _)| name.as_str());
-            let hint = self.hint(&last.text, candidates);
-            format!("there is no {noun} `{}`{hint}", path_text(path))
+            let near = self.near(self.src(last.ptr), &last.text, candidates);
+            let path = path_text(path).into();
+            (Naming::UnknownPath { noun, path }, near)
         } else {
             let candidates = self
                 .scopes
                 .visible(self.scope)
                 .filter(|(_, ty)| wanted(&self.spec.ty(*ty).kind))
                 .map(|(name, _)| name.as_str());
-            let hint = self.hint(&last.text, candidates);
-            format!(
-                "unknown {noun} `{}`; it must be declared before it is used{hint}",
-                last.text
-            )
+            let near = self.near(self.src(last.ptr), &last.text, candidates);
+            let name = last.text.clone();
+            (Naming::Unknown { noun, name }, near)
         };
         let at = self.src(path.ptr);
-        self.error("unknown-type", at, message);
+        self.unresolved(at, kind, near);
     }
 
     /// Wraps a type into the arrays of a declarator, the innermost dimension first.
@@ -218,15 +213,11 @@ impl<'a> Elaborator<'a> {
     }
 
     /// The size of an array or a bound, with a warning when it is zero.
-    fn size(&mut self, expr: &'a Expr, what: &str) -> u64 {
+    fn size(&mut self, expr: &'a Expr, what: &'static str) -> u64 {
         let at = self.src(expr.ptr);
         match self.positive(expr, what) {
             Some(0) => {
-                self.error(
-                    "zero-size",
-                    at,
-                    format!("the {what} is 0: it holds nothing"),
-                );
+                self.error(at, Valuing::Zero { what });
                 0
             }
             Some(size) => size,

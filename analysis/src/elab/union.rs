@@ -1,13 +1,17 @@
 //! Unions (language reference, section 6).
 
 use super::{
-    DefKind, ElabDiagnostic,
+    DefKind,
     constant::Const,
     context::Elaborator,
     convert::{Misfit, convert, explain_misfit},
     types,
 };
 use crate::{
+    finding::{
+        Finding,
+        values::{Purpose, Valuing},
+    },
     item_tree::{CaseLabel, Item, Name, TypeRef, TypeRefKind},
     model::{Label, ScopeKind, Src, TypeId, TypeKind, Value},
 };
@@ -46,12 +50,10 @@ impl<'a> Elaborator<'a> {
                     if clashing.as_ref() == Some(&declarator.name.text) {
                         let at = this.src(declarator.name.ptr);
                         this.error(
-                            "union-member-switch-clash",
                             at,
-                            format!(
-                                "member `{}` has the name of the switch type; rename it",
-                                declarator.name.text
-                            ),
+                            Valuing::MemberIsSwitch {
+                                name: declarator.name.text.clone(),
+                            },
                         );
                     }
                     let kind = TypeKind::UnionMember {
@@ -98,13 +100,14 @@ impl<'a> Elaborator<'a> {
             return ty;
         }
         let at = self.src(name.ptr);
-        let message = format!(
-            "union `{}` cannot switch on `{}`; only integers other than octet, char, boolean and \
-             enums can select a member",
-            name.text,
-            types::display(&self.spec, ty)
+
+        self.error(
+            at,
+            Valuing::BadSwitch {
+                name: name.text.clone(),
+                ty: types::display(&self.spec, ty).into(),
+            },
         );
-        self.error("union-switch-type", at, message);
         self.unknown(at)
     }
 
@@ -138,11 +141,7 @@ impl<'a> Elaborator<'a> {
             };
             if own.iter().any(|it| same_label(it, &value)) {
                 let at = self.src(label.ptr);
-                self.error(
-                    "union-repeated-label",
-                    at,
-                    "this label already stands in front of the same member; remove it",
-                );
+                self.error(at, Valuing::LabelTwice);
                 continue;
             }
             if let Some((_, other)) = used.iter().find(|(it, _)| same_label(it, &value)) {
@@ -152,15 +151,16 @@ impl<'a> Elaborator<'a> {
         }
         if let (Some((other, label)), Some(at)) = (clash, at) {
             let place = types::place(&self.spec, other);
-            let message = format!(
-                "a label of this member already selects `{}`; every value can select one member \
-                 only",
-                self.spec.ty(other).name.as_deref().unwrap_or_default()
-            );
+
             self.report(
-                ElabDiagnostic::new("union-duplicate-label", at, message)
-                    .related(label, "this label")
-                    .related(place, "the other member"),
+                Finding::new(
+                    Valuing::LabelTaken {
+                        name: self.spec.ty(other).name.clone().unwrap_or_default(),
+                    },
+                    at,
+                )
+                .related(label, "this label")
+                .related(place, "the other member"),
             );
         }
         if let Some((_, Some(id))) = member {
@@ -177,11 +177,9 @@ impl<'a> Elaborator<'a> {
         member: Option<Src>,
         label: Src,
     ) {
-        let (code, message) = explain_misfit(&self.spec, misfit, value, switch);
-        let diagnostic = ElabDiagnostic::new(
-            code,
+        let diagnostic = Finding::new(
+            explain_misfit(&self.spec, misfit, value, switch, Purpose::Label),
             member.unwrap_or(label),
-            format!("union label: {message}"),
         );
         let diagnostic = match member {
             Some(_) => diagnostic.related(label, "this label"),

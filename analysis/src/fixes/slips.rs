@@ -4,73 +4,80 @@ use dotgen_syntax::{SyntaxNode, TextRange, TextSize, ast, ast::AstNode};
 
 use super::{Place, TextFix, add_property, braces::token_before, end_of, with_comma};
 
-/// The codes of [`Place::slip`].
-pub(super) const CODES: [&str; 10] = [
-    "activity-start",
-    "activity-task",
-    "fsm/duplicate-yield",
-    "fsm/paused-ether",
-    "glued-unit",
-    "lex-stray",
-    "list-duplicate-string",
-    "missing-semicolon",
-    "missing-yield",
-    "throw-duplicate",
-];
-
 impl Place<'_> {
-    /// The one edit that is meant.
-    pub(super) fn slip(&self) -> Option<TextFix> {
-        let (code, range) = (self.finding.code, self.finding.range);
-        match code {
-            "missing-semicolon" => {
-                let at = token_before(self.root, range.start())?.text_range().end();
-                insert(at, ";")
-            }
-            "missing-yield" => {
-                let codel: ast::Codel = self.node(range)?;
-                insert(end_of(codel.syntax()), " yield ether")
-            }
-            "glued-unit" => {
-                let text = self.text(range);
-                let number = text.find(|it: char| it.is_ascii_alphabetic())?;
-                let unit = range.start() + TextSize::try_from(number).ok()?;
-                Some(TextFix {
-                    title: format!("Write `{} us`", &text[..number]),
-                    edits: vec![(TextRange::empty(unit), " ".to_owned())],
-                })
-            }
-            "fsm/paused-ether" => Some(TextFix {
-                title: "Change to `ether`".to_owned(),
-                edits: vec![(range, "ether".to_owned())],
-            }),
-            // What is not about a character has no place to be mended at.
-            "lex-stray" if self.finding.message.contains("remove it") => {
-                remove(range, &self.text(range))
-            }
-            "lex-stray" if self.finding.message.contains("byte order mark") => Some(TextFix {
-                title: "Remove the byte order mark".to_owned(),
-                edits: vec![(range, String::new())],
-            }),
-            "fsm/duplicate-yield" | "throw-duplicate" | "list-duplicate-string" => {
-                let part = self.part(range)?;
-                remove(with_comma(&part), &self.text(range))
-            }
-            "activity-task" => {
-                let (_, example) = self.finding.message.split_once("for instance `")?;
-                let (property, _) = example.split_once('`')?;
-                let service = self.node::<ast::Service>(range)?;
-                add_property(service.syntax(), property, format!("Add `{property}`"))
-            }
-            "activity-start" => {
-                let service = self.node::<ast::Service>(range)?;
-                let name = self.text(range);
-                let property = format!("codel<start> {name}_start() yield ether;");
-                let title = format!("Add the codel `{name}_start`");
-                add_property(service.syntax(), &property, title)
-            }
-            _ => None,
+    /// A semicolon behind the last token before the place.
+    pub(crate) fn add_semicolon(&self) -> Option<TextFix> {
+        let at = token_before(self.root, self.range.start())?;
+        Some(insert(at.text_range().end(), ";"))
+    }
+
+    /// The list of states that a codel lacks.
+    pub(crate) fn add_yield_list(&self) -> Option<TextFix> {
+        let codel: ast::Codel = self.node(self.range)?;
+        Some(insert(end_of(codel.syntax()), " yield ether"))
+    }
+
+    /// A blank between a number and its unit.
+    pub(crate) fn part_unit(&self) -> Option<TextFix> {
+        let text = self.text(self.range);
+        let number = text.find(|it: char| it.is_ascii_alphabetic());
+        let number = number.unwrap_or(text.len());
+        let unit = self.range.start() + TextSize::try_from(number).ok()?;
+        Some(TextFix {
+            title: format!("Write `{} us`", &text[..number]),
+            edits: vec![(TextRange::empty(unit), " ".to_owned())],
+        })
+    }
+
+    /// The word `wcet` before an execution time.
+    pub(crate) fn add_wcet_word(&self) -> TextFix {
+        TextFix {
+            title: "Write `wcet` before the duration".to_owned(),
+            edits: vec![(TextRange::empty(self.range.start()), "wcet ".to_owned())],
         }
+    }
+
+    /// Another text in the place of this one.
+    pub(crate) fn replace(&self, text: &str) -> TextFix {
+        TextFix {
+            title: format!("Change to `{text}`"),
+            edits: vec![(self.range, text.to_owned())],
+        }
+    }
+
+    /// Takes out what is here.
+    pub(crate) fn remove(&self) -> TextFix {
+        remove(self.range, &self.text(self.range))
+    }
+
+    /// Takes out what is here, which cannot be shown.
+    pub(crate) fn remove_as(&self, title: &str) -> TextFix {
+        TextFix {
+            title: title.to_owned(),
+            edits: vec![(self.range, String::new())],
+        }
+    }
+
+    /// Takes a part of a list out.
+    pub(crate) fn remove_part(&self) -> Option<TextFix> {
+        let part = self.part(self.range)?;
+        Some(remove(with_comma(&part), &self.text(self.range)))
+    }
+
+    /// Gives a service the task that it lacks.
+    pub(crate) fn add_task(&self, task: &str) -> Option<TextFix> {
+        let service = self.node::<ast::Service>(self.range)?;
+        let property = format!("task {task};");
+        add_property(service.syntax(), &property, format!("Add `{property}`"))
+    }
+
+    /// Gives an activity the codel with which it begins.
+    pub(crate) fn add_start(&self) -> Option<TextFix> {
+        let service = self.node::<ast::Service>(self.range)?;
+        let name = self.text(self.range);
+        let property = format!("codel<start> {name}_start() yield ether;");
+        let title = format!("Add the codel `{name}_start`");
+        add_property(service.syntax(), &property, title)
     }
 
     /// The outermost node that is just what a range covers.
@@ -82,16 +89,16 @@ impl Place<'_> {
     }
 }
 
-fn insert(at: TextSize, text: &str) -> Option<TextFix> {
-    Some(TextFix {
+fn insert(at: TextSize, text: &str) -> TextFix {
+    TextFix {
         title: format!("Insert `{}`", text.trim()),
         edits: vec![(TextRange::empty(at), text.to_owned())],
-    })
+    }
 }
 
-fn remove(range: TextRange, what: &str) -> Option<TextFix> {
-    Some(TextFix {
+fn remove(range: TextRange, what: &str) -> TextFix {
+    TextFix {
         title: format!("Remove `{what}`"),
         edits: vec![(range, String::new())],
-    })
+    }
 }

@@ -7,14 +7,11 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 use smol_str::SmolStr;
 
-use super::{
-    AccessKind, FileRange, FileView,
-    inlay_hints::{is_machine, percent},
-    references::references,
-};
+use super::{AccessKind, FileRange, FileView, inlay_hints::is_machine, references::references};
 use crate::{
     elab::{DefKind, Entity},
     model::Owner,
+    quantity,
     source_map::bytes,
 };
 
@@ -168,7 +165,7 @@ pub(crate) fn resolve(view: &FileView<'_>, kind: &LensKind) -> Option<LensText> 
             let period = component.tasks[index].period.as_ref()?;
             text(format!(
                 "load {} of {}",
-                percent(share),
+                quantity::load(share),
                 crate::lint::duration(period.value)
             ))
         }

@@ -16,7 +16,7 @@ pub(crate) fn hover(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> 
     }
     let name = |it: &crate::base::SourceFile| {
         let path = it.path(view.db);
-        format!("`{}`", path.file_name().unwrap_or(path.as_str()))
+        crate::markdown::code(path.file_name().unwrap_or(path.as_str()))
     };
     let mut markdown = format!("Analysed as included by {}.", name(first));
     if !others.is_empty() {

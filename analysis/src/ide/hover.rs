@@ -14,6 +14,7 @@ use super::{
 use crate::{
     base::{SourceFile, lexed},
     elab::{DefId, DefKind, Definition, Elaborated, Entity},
+    markdown,
     model::{Component, TypeKind, Value},
     source_map::bytes,
     unit::define,
@@ -32,22 +33,25 @@ pub(crate) fn hover(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> 
                 own::completion(view, range, *id).or_else(|| mentioned(view, *id, Some(range)))
             }
             Target::Macro(name, site) => macro_hover(view, range, name, site.as_ref()),
-            Target::File(file) => Some(format!("`{}`", file.path(view.db))),
+            Target::File(file) => Some(markdown::code(file.path(view.db).as_str())),
         };
         parts.extend(part.filter(|it| !parts.contains(it)));
     }
     if parts.is_empty() {
         return None;
     }
-    let mut markdown = parts.join("\n\n---\n\n");
+    let mut text = parts.join("\n\n---\n\n");
     let unit = crate::unit::roots_of(view.db, view.file);
     if let Some(root) = unit.first().filter(|it| **it != view.file) {
         let name = root.path(view.db).file_name().unwrap_or_default();
-        markdown += &format!("\n\n*as included by `{name}`*");
+        text += &format!("\n\n*as included by {}*", markdown::code(name));
     }
     Some(RangeInfo {
         range: bytes(range),
-        info: Hover { markdown, codels },
+        info: Hover {
+            markdown: text,
+            codels,
+        },
     })
 }
 
@@ -74,23 +78,27 @@ fn mentioned(view: &FileView<'_>, id: DefId, mention: Option<TextRange>) -> Opti
     }
     facts.extend(type_facts(elaborated, it));
     if let Some(file) = elsewhere(view, it) {
-        facts.push(format!("from `{file}`"));
+        facts.push(format!("from {}", markdown::code(&file)));
     }
     if !facts.is_empty() {
         out += &format!("\n\n{}", facts.join(" · "));
     }
     if let Some(doc) = doc(elaborated, it) {
-        out += &format!("\n\n{doc}");
+        out += &format!("\n\n{}", markdown::text(&doc));
     }
     let owner = mention.and_then(|it| owner_around(view, it));
-    if let Some(facts) = facts::facts(elaborated, it, owner.as_deref()) {
+    if let Some(facts) = facts::facts(
+        elaborated,
+        it,
+        owner.as_ref().map(|it| (it.0, it.1.as_str())),
+    ) {
         out += &format!("\n\n{facts}");
     }
     Some(out)
 }
 
-/// The task or service around a place, as facts name it.
-fn owner_around(view: &FileView<'_>, place: TextRange) -> Option<String> {
+/// The task (`true`) or service around a place, by name.
+fn owner_around(view: &FileView<'_>, place: TextRange) -> Option<(bool, String)> {
     let root = view.root();
     let inner = root
         .text_range()
@@ -99,11 +107,7 @@ fn owner_around(view: &FileView<'_>, place: TextRange) -> Option<String> {
     let mut around = inner.ancestors();
     let owner = around.find(|it| matches!(it.kind(), SyntaxKind::TASK | SyntaxKind::SERVICE))?;
     let name = owner.children().find(|it| it.kind() == SyntaxKind::NAME)?;
-    let name = name.text().to_string();
-    Some(match owner.kind() {
-        SyntaxKind::TASK => format!("task `{name}`"),
-        _ => format!("activity `{name}`"),
-    })
+    Some((owner.kind() == SyntaxKind::TASK, name.text().to_string()))
 }
 
 /// The declaration as written, in a standard layout.
@@ -219,8 +223,8 @@ fn type_facts(elaborated: &Elaborated, it: &Definition) -> Vec<String> {
                 _ => String::new(),
             };
             out.push(format!(
-                "value `{}`{hexadecimal}",
-                render::value(spec, value)
+                "value {}{hexadecimal}",
+                markdown::code(&render::value(spec, value))
             ));
         }
         Some(TypeKind::Enumerator { enumeration, value }) => {
@@ -327,10 +331,7 @@ pub(crate) fn expansion(view: &FileView<'_>, name: TextRange) -> Option<String> 
 }
 
 fn code(text: &str) -> String {
-    // A fence longer than any in the text.
-    let longest = text.split(|it| it != '`').map(str::len).max().unwrap_or(0);
-    let fence = "`".repeat(longest.max(2) + 1);
-    format!("{fence}genom\n{text}\n{fence}")
+    markdown::block("genom", text)
 }
 
 #[cfg(test)]

@@ -14,6 +14,7 @@ use crate::{
         CodelKind, Component, ComponentKind, Owner, Param, Seconds, ServiceKind, Src, fsm::Machine,
         turn::Turn,
     },
+    quantity,
     source_map::bytes,
 };
 
@@ -341,19 +342,10 @@ impl Hints<'_, '_> {
             self.push(
                 place.end,
                 InlayKind::Utilisation,
-                format!(": {}", percent(share)),
+                format!(": {}", quantity::load(share)),
                 tooltip,
             );
         }
-    }
-}
-
-/// A share as `45 %`; small ones with a decimal.
-pub(crate) fn percent(share: Seconds) -> String {
-    let percent = *share.numer() as f64 / *share.denom() as f64 * 100.0;
-    match percent < 10.0 {
-        true => format!("{percent:.1} %"),
-        false => format!("{percent:.0} %"),
     }
 }
 
@@ -429,7 +421,7 @@ component c {
         );
         let wcet = shown(TEXT, InlayConfig { wcet: true, ..NONE });
         assert!(wcet.contains("codel<start[ ≤ 1 ms]>"), "{wcet}");
-        assert!(wcet.contains("codel<go[ ≤ 4500 µs]>"), "{wcet}");
+        assert!(wcet.contains("codel<go[ ≤ 4.5 ms]>"), "{wcet}");
         let load = shown(
             TEXT,
             InlayConfig {

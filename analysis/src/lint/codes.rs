@@ -1,6 +1,6 @@
 //! What each finding means: the one table from which manual pages and settings are generated.
 
-use crate::elab::Severity;
+use crate::diagnostic::Severity;
 
 /// A rule as its users know it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

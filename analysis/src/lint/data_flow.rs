@@ -1,12 +1,13 @@
 //! Rules about who reads and writes ports and ids.
 
 use crate::model::{
-    CodelKind, CodelRef, Owner, ParamDir, ParamSource, PathElement, PortDir, ServiceKind, Src,
-    TypeKind,
+    CodelKind, CodelRef, Name, Owner, ParamDir, ParamSource, PathElement, PortDir, ServiceKind,
+    Src, TypeKind,
 };
 
+use super::Lint;
 use super::locks::only_starts_or_stops;
-use super::{Lint, list};
+use crate::finding::lints::{Names, Noticing};
 
 /// An access to data by a codel or an attribute.
 struct Use {
@@ -103,21 +104,13 @@ fn ports(lint: &mut Lint, uses: &[Use]) {
         let name = &port.name;
         if port.dir == PortDir::In {
             if !of_port.iter().any(|u| u.reads) {
-                lint.report(
-                    "port/never-read",
-                    port.src,
-                    format!("no codel reads the input port `{name}`"),
-                );
+                lint.report(port.src, Noticing::PortNeverRead { name: name.clone() });
             }
             continue;
         }
         let writers: Vec<&&Use> = of_port.iter().filter(|u| u.writes).collect();
         if writers.is_empty() {
-            lint.report(
-                "port/never-written",
-                port.src,
-                format!("no codel writes the output port `{name}`: its readers will never get data; add `out {name}` to a codel"),
-            );
+            lint.report(port.src, Noticing::PortNeverWritten { name: name.clone() });
             continue;
         }
         let mut tasks: Vec<u32> = writers
@@ -150,25 +143,23 @@ fn ports(lint: &mut Lint, uses: &[Use]) {
             if racing.len() < 2 {
                 continue;
             }
-            let names: Vec<&str> = racing
+            let names: Vec<Name> = racing
                 .iter()
-                .map(|&t| lint.component.tasks[t as usize].name.as_str())
+                .map(|&t| lint.component.tasks[t as usize].name.clone())
                 .collect();
             let related: Vec<(Src, String)> = steady
                 .iter()
                 .filter_map(|u| match u.by {
-                    By::Codel(it) => Some((u.at, format!("written by {}", lint.codel_text(it)))),
+                    By::Codel(it) => Some((u.at, format!("written by {}", lint.codel_name(it)))),
                     By::Attribute(_) => None,
                 })
                 .collect();
             let found = lint.report(
-                "port/write-race",
                 port.src,
-                format!(
-                    "port `{name}` is written by codels of different tasks ({}): which value readers see depends on scheduling; \
-                     let one task write it, or give each its own port",
-                    list(&names)
-                ),
+                Noticing::WriteRace {
+                    name: name.clone(),
+                    tasks: Names(names),
+                },
             );
             found.related = related;
         }
@@ -197,23 +188,11 @@ fn ids(lint: &mut Lint, uses: &[Use]) {
         let reads = of_member.iter().any(|u| u.reads);
         let writes = of_member.iter().any(|u| u.writes);
         if !reads && !writes {
-            lint.report(
-                "ids/never-read",
-                ty.src,
-                format!("no codel or attribute uses the ids member `{name}`"),
-            );
+            lint.report(ty.src, Noticing::MemberUnused { name: name.clone() });
         } else if !writes {
-            lint.report(
-                "ids/never-written",
-                ty.src,
-                format!("the ids member `{name}` is read, but nothing ever writes it"),
-            );
+            lint.report(ty.src, Noticing::MemberNeverWritten { name: name.clone() });
         } else if !reads && named {
-            lint.report(
-                "ids/never-read",
-                ty.src,
-                format!("the ids member `{name}` is written, but nothing ever reads it"),
-            );
+            lint.report(ty.src, Noticing::MemberNeverRead { name: name.clone() });
         } else {
             read_before_write(lint, name, &of_member);
         }
@@ -222,7 +201,7 @@ fn ids(lint: &mut Lint, uses: &[Use]) {
 
 /// `ids/read-before-write`: the component starts, and a codel that can run then reads a member that
 /// only later requests would have set.
-fn read_before_write(lint: &mut Lint, name: &str, uses: &[&Use]) {
+fn read_before_write(lint: &mut Lint, name: &Name, uses: &[&Use]) {
     let starts = |by: By| match by {
         By::Codel(
             it @ CodelRef {
@@ -268,22 +247,21 @@ fn read_before_write(lint: &mut Lint, name: &str, uses: &[&Use]) {
         .iter()
         .filter(|u| u.writes)
         .map(|u| match u.by {
-            By::Codel(it) => (u.at, format!("written by {}", lint.codel_text(it))),
+            By::Codel(it) => (u.at, format!("written by {}", lint.codel_name(it))),
             By::Attribute(i) => (
                 u.at,
-                format!("set by {}", lint.owner_text(Owner::Service(i))),
+                format!("set by {}", lint.owner_name(Owner::Service(i))),
             ),
         })
         .collect();
     debug_assert!(lint.codel(it).kind == CodelKind::Fsm);
-    let reader_text = lint.codel_text(it);
+    let codel = lint.codel_name(it);
     let found = lint.report(
-        "ids/read-before-write",
         reader.at,
-        format!(
-            "{reader_text} reads `{name}` from the start, but only requests write it: until the first one the value is \
-             undefined; write it in the `start` codel of a task"
-        ),
+        Noticing::ReadBeforeWrite {
+            codel,
+            name: name.clone(),
+        },
     );
     found.related = writers;
 }

@@ -1,10 +1,13 @@
 //! Rules about codels that keep each other waiting.
 
-use crate::elab::Severity;
+use crate::finding::{
+    Severity,
+    lints::{Noticing, Time},
+};
 use crate::model::mutex::{self, Excluded, Through};
 use crate::model::{CodelRef, Owner};
 
-use super::{Lint, duration};
+use super::Lint;
 
 pub(super) fn check(lint: &mut Lint) {
     for it in lint.component.all_codels().collect::<Vec<_>>() {
@@ -38,18 +41,18 @@ fn long_hold(lint: &mut Lint, it: CodelRef, exclusions: &[mutex::Exclusion]) {
             continue;
         }
         seen.push(task);
-        let (text, other_text) = (lint.codel_text(it), lint.codel_text(other));
         let name = &component.tasks[task as usize].name;
         let through = describe(lint, &exclusion.through);
         let found = lint.report(
-            "lock/long-hold",
             wcet.1,
-            format!(
-                "{text} can hold {through} for {}, longer than the period of task `{name}` ({}), whose {other_text} waits \
-                 for it: the task will miss ticks; split the codel, or copy the data first",
-                duration(wcet.0),
-                duration(period.value)
-            ),
+            Noticing::LongHold {
+                codel: lint.codel_name(it),
+                through: through.as_str().into(),
+                time: Time(wcet.0),
+                task: name.clone(),
+                period: Time(period.value),
+                other: lint.codel_name(other),
+            },
         );
         found
             .related
@@ -83,17 +86,16 @@ fn self_blocking(lint: &mut Lint, it: CodelRef) {
             continue;
         }
         let through = describe(lint, &through);
-        let (text, other_text) = (lint.codel_text(it), lint.codel_text(other));
         let task_name = lint.component.tasks[task as usize].name.clone();
         let at = lint.codel(it).src;
         let found = lint.report(
-            "lock/self-blocking",
             at,
-            format!(
-                "{text} runs asynchronously with {through}, which {other_text} of the same task `{task_name}` also uses: \
-                 the task goes on meanwhile and must wait for it, or both touch the data at once; copy what the \
-                 asynchronous codel needs into a `local` variable"
-            ),
+            Noticing::SelfBlocking {
+                codel: lint.codel_name(it),
+                through: through.as_str().into(),
+                other: lint.codel_name(other),
+                task: task_name,
+            },
         );
         found.severity = Severity::Information;
         found

@@ -2,8 +2,9 @@
 
 use crate::model::{CodelKind, ParamDir, ParamSource, ServiceKind, Src};
 
+use super::Lint;
 use super::timing::control_task_time;
-use super::{Lint, duration};
+use crate::finding::lints::{Noticing, Round, Time};
 
 pub(super) fn check(lint: &mut Lint) {
     for index in 0..lint.component.services.len() as u32 {
@@ -34,12 +35,11 @@ fn interrupts_nothing(lint: &mut Lint, index: u32) {
         let (name, at, param_name, param_src) =
             (&service.name, service.src, &param.name, param.src);
         let found = lint.report(
-            "service/concurrent-instances",
             at,
-            format!(
-                "activity `{name}` does not interrupt itself: two requests run two instances in turn, and both write \
-                 `{param_name}`; add `interrupts {name};` if only one should be active"
-            ),
+            Noticing::ConcurrentInstances {
+                name: name.clone(),
+                param: param_name.clone(),
+            },
         );
         found.related.push((param_src, "written here".into()));
     }
@@ -71,13 +71,12 @@ fn blind_validate(lint: &mut Lint, index: u32) {
         }
         let value = &service.params[0].name;
         let found = lint.report(
-            "service/blind-validate",
             codel.src,
-            format!(
-                "`{}` validates attribute `{}` without seeing the new value: its parameters come from the ids, which still \
-                 hold the old one; write `local in {value}`",
-                codel.name, service.name
-            ),
+            Noticing::BlindValidate {
+                codel: codel.name.clone(),
+                attribute: service.name.clone(),
+                value: value.clone(),
+            },
         );
         found.related = codel
             .params
@@ -97,14 +96,12 @@ fn long_function(lint: &mut Lint, index: u32) {
     let service = &lint.component.services[index as usize];
     let budget = lint.config.control_task_budget;
     lint.report(
-        "service/long-function",
         service.src,
-        format!(
-            "`{}` keeps the control task busy for {} (more than {}), and no other request is served meanwhile; make it an activity",
-            service.name,
-            duration(time),
-            duration(budget)
-        ),
+        Noticing::LongFunction {
+            name: service.name.clone(),
+            time: Time(time),
+            budget: Time(budget),
+        },
     );
 }
 
@@ -129,7 +126,7 @@ fn order_cycles(lint: &mut Lint) {
             continue;
         }
         path.iter().for_each(|&i| reported[i] = true);
-        let names: Vec<&str> = path.iter().map(|&i| services[i].name.as_str()).collect();
+        let round = Round(path.iter().map(|&i| services[i].name.clone()).collect());
         let related: Vec<(Src, String)> = path[1..]
             .iter()
             .map(|&i| {
@@ -139,12 +136,7 @@ fn order_cycles(lint: &mut Lint) {
                 )
             })
             .collect();
-        let round = format!("{} → {}", names.join(" → "), names[0]);
-        let found = lint.report(
-            "service/order-cycle",
-            services[start].src,
-            format!("`before` and `after` go round in a circle: {round}; no order satisfies them"),
-        );
+        let found = lint.report(services[start].src, Noticing::OrderCycle { round });
         found.related = related;
     }
 }

@@ -1,10 +1,13 @@
 //! Rules about state machines that are legal but suspicious.
 
-use crate::elab::Severity;
+use crate::finding::{
+    Severity,
+    lints::{Names, Noticing, Round},
+};
 use crate::model::fsm::Machine;
-use crate::model::{Owner, ParamDir, ParamSource, Service, ServiceKind, State};
+use crate::model::{Name, Owner, ParamDir, ParamSource, Service, ServiceKind, State};
 
-use super::{Lint, list};
+use super::Lint;
 
 pub(super) fn check(lint: &mut Lint) {
     for owner in lint.owners() {
@@ -30,25 +33,25 @@ fn loops(lint: &mut Lint, owner: Owner, machine: &Machine) {
     let periodic = lint.period_of(owner).is_some();
     for cycle in cycles {
         let first = machine.at(cycle[0]);
-        let names: Vec<&str> = cycle
+        let names: Vec<Name> = cycle
             .iter()
-            .filter_map(|&v| Some(machine.at(v).triggers.first()?.name.as_str()))
+            .filter_map(|&v| Some(machine.at(v).triggers.first()?.name.clone()))
             .collect();
-        let Some(closing) = names.first() else {
+        let Some(closing) = names.first().cloned() else {
             continue;
         };
-        let round = format!("{} → {closing}", names.join(" → "));
+        let round = Round(names);
         let at = first.triggers.first().map_or(first.src, |s| s.src);
-        let who = lint.owner_text(owner);
+        let owner = lint.owner_name(owner);
         let never_ends = is_activity && !ends && !throws && machine.position("start").is_some();
         let found = if never_ends {
             lint.report(
-                "fsm/no-termination",
                 at,
-                format!(
-                    "{who} never ends: no path leads from `start` to `ether`, and it can go round {round} without \
-                     ever pausing; yield `ether` somewhere, or `pause::{closing}` to let others run"
-                ),
+                Noticing::NoTermination {
+                    owner,
+                    round,
+                    closing,
+                },
             )
         } else {
             let cost = if periodic {
@@ -57,9 +60,13 @@ fn loops(lint: &mut Lint, owner: Owner, machine: &Machine) {
                 "the task can be kept busy by it for any time"
             };
             lint.report(
-                "fsm/busy-loop",
                 at,
-                format!("state cycle without pause in {who}: {round}; {cost}; yield `pause::{closing}` if each round may wait"),
+                Noticing::BusyLoop {
+                    owner,
+                    round,
+                    cost,
+                    closing,
+                },
             )
         };
         if !periodic && !never_ends {
@@ -107,13 +114,11 @@ fn pause_in_aperiodic_task(lint: &mut Lint) {
         };
         let (at, name) = (first.src, &first.name);
         let found = lint.report(
-            "fsm/pause-in-aperiodic-task",
             at,
-            format!(
-                "task `{}` has no period: `pause::{name}` waits for no tick, the task continues with `{name}` as soon as \
-                 the other activities have had their turn; give the task a `period` if it should wait",
-                task.name
-            ),
+            Noticing::AperiodicPause {
+                task: task.name.clone(),
+                state: name.clone(),
+            },
         );
         found.related.push((
             task.src,
@@ -135,16 +140,14 @@ fn dead_ends(lint: &mut Lint, machine: &Machine) {
     for (_, codel) in &machine.codels {
         let undefined = |name: &str| name != "ether" && machine.position(name).is_none();
         if codel.yields.len() > 1 && codel.yields.iter().all(|s| undefined(&s.name)) {
-            let names: Vec<&str> = codel.yields.iter().map(|s| s.name.as_str()).collect();
+            let names = codel.yields.iter().map(|s| s.name.clone()).collect();
             let at = codel.triggers.first().map_or(codel.src, |s| s.src);
             lint.report(
-                "fsm/dead-end",
                 at,
-                format!(
-                    "the machine is stuck after `{}`: none of the states it yields ({}) has a codel",
-                    codel.name,
-                    list(&names)
-                ),
+                Noticing::DeadEnd {
+                    codel: codel.name.clone(),
+                    states: Names(names),
+                },
             );
         }
     }
@@ -198,12 +201,13 @@ fn missing_stop(lint: &mut Lint, owner: Owner) {
         let (name, by) = (&service.name, &interrupter.name);
         let (param_name, param_src, by_src) = (param.name.clone(), param.src, interrupter.src);
         let found = lint.report(
-            "fsm/missing-stop",
             service.src,
-            format!(
-                "activity `{name}` can be interrupted (by `{by}`) and writes the {what} `{param_name}`, but has no \
-                 `codel<stop>` to leave it in a consistent state"
-            ),
+            Noticing::MissingStop {
+                name: name.clone(),
+                by: by.clone(),
+                what,
+                param: param_name,
+            },
         );
         found.related.push((param_src, "written here".into()));
         found

@@ -1,8 +1,9 @@
 //! Rules of taste, off by default.
 
-use crate::model::{ComponentKind, Src};
+use crate::finding::lints::{Late, Names, Noticing};
+use crate::model::{ComponentKind, Name, Src};
 
-use super::{Lint, list};
+use super::Lint;
 
 pub(super) fn check(lint: &mut Lint) {
     missing_doc(lint);
@@ -13,25 +14,25 @@ pub(super) fn check(lint: &mut Lint) {
 /// `style/missing-doc`
 fn missing_doc(lint: &mut Lint) {
     let component = lint.component;
-    let mut undocumented: Vec<(Src, String)> = Vec::new();
+    let mut undocumented: Vec<(Src, &str, Name)> = Vec::new();
     if component.doc.is_none() && component.kind == ComponentKind::Component {
-        undocumented.push((component.src, format!("component `{}`", component.name)));
+        undocumented.push((component.src, "component", component.name.clone()));
     }
     for service in component
         .services
         .iter()
         .filter(|s| s.doc.is_none() && s.imported_from.is_none())
     {
-        undocumented.push((service.src, format!("service `{}`", service.name)));
+        undocumented.push((service.src, "service", service.name.clone()));
     }
-    for (at, what) in undocumented {
-        lint.report("style/missing-doc", at, format!("{what} has no `doc`"));
+    for (at, what, name) in undocumented {
+        lint.report(at, Noticing::MissingDoc { what, name });
     }
 }
 
 /// `style/naming`: one convention for all services of a component, the one most of them follow.
 fn naming(lint: &mut Lint) {
-    let style = |name: &str| {
+    let style = |name: &str| -> Option<&'static str> {
         if name.contains('_') {
             Some("snake_case")
         } else if name.chars().next().is_some_and(char::is_uppercase) {
@@ -48,7 +49,7 @@ fn naming(lint: &mut Lint) {
             .iter()
             .filter(|s| s.imported_from.is_none())
     };
-    let mut count: Vec<(&str, usize)> = Vec::new();
+    let mut count: Vec<(&'static str, usize)> = Vec::new();
     for convention in services().filter_map(|s| style(&s.name)) {
         match count.iter_mut().find(|(c, _)| *c == convention) {
             Some((_, n)) => *n += 1,
@@ -58,18 +59,18 @@ fn naming(lint: &mut Lint) {
     let Some(&(main, most)) = count.iter().max_by_key(|(_, n)| *n) else {
         return;
     };
-    let odd: Vec<(Src, String)> = services()
+    let odd: Vec<(Src, Name)> = services()
         .filter(|s| style(&s.name).is_some_and(|c| c != main))
-        .map(|s| (s.src, s.name.to_string()))
+        .map(|s| (s.src, s.name.clone()))
         .collect();
     if most > odd.len() {
         for (at, name) in odd {
             lint.report(
-                "style/naming",
                 at,
-                format!(
-                    "service `{name}` is not in {main}, as most services of this component are"
-                ),
+                Noticing::OddName {
+                    name,
+                    convention: main,
+                },
             );
         }
     }
@@ -78,7 +79,7 @@ fn naming(lint: &mut Lint) {
 /// `style/order`: attributes, then functions, then activities.
 fn ordering(lint: &mut Lint) {
     let mut highest = 0;
-    let mut late: Vec<(Src, String)> = Vec::new();
+    let mut late: Vec<(Src, Name)> = Vec::new();
     for service in lint
         .component
         .services
@@ -87,20 +88,17 @@ fn ordering(lint: &mut Lint) {
     {
         let rank = service.kind as u32;
         if rank < highest {
-            late.push((service.src, service.name.to_string()));
+            late.push((service.src, service.name.clone()));
         }
         highest = highest.max(rank);
     }
     if let Some((at, _)) = late.first().cloned() {
-        let names: Vec<&str> = late.iter().map(|(_, n)| n.as_str()).collect();
-        let be = if names.len() == 1 { "comes" } else { "come" };
+        let names = late.iter().map(|(_, n)| n.clone()).collect();
         let found = lint.report(
-            "style/order",
             at,
-            format!(
-                "{} {be} late: attributes first, then functions, then activities",
-                list(&names)
-            ),
+            Noticing::OddOrder {
+                late: Late(Names(names)),
+            },
         );
         found.related = late[1..]
             .iter()

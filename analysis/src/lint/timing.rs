@@ -6,7 +6,8 @@ use crate::model::fsm::Machine;
 use crate::model::turn::Turn;
 use crate::model::{CodelKind, CodelRef, Owner, Seconds, ServiceKind, Src};
 
-use super::{Lint, duration, list};
+use super::Lint;
+use crate::finding::lints::{Chain, Names, Noticing, Share, Time, Untimed};
 
 pub(super) fn check(lint: &mut Lint) {
     let timed = lint.has_timing();
@@ -34,20 +35,19 @@ fn missing_wcet(lint: &mut Lint) {
         let Some(&(_, at)) = missing.first() else {
             continue;
         };
-        let names: Vec<&str> = missing
+        let names = missing
             .iter()
-            .map(|(it, _)| lint.codel(*it).name.as_str())
+            .map(|(it, _)| lint.codel(*it).name.clone())
             .collect();
-        let (has, counts) = match names.len() {
-            1 => ("has", "counts"),
-            _ => ("have", "count"),
-        };
-        let message = format!(
-            "{} of {} {has} no execution time and {counts} as taking none; add `wcet` with the measured worst case",
-            list(&names),
-            lint.owner_text(owner)
+        let found = lint.report(
+            at,
+            Noticing::MissingWcet {
+                untimed: Untimed {
+                    codels: Names(names),
+                    owner: lint.owner_name(owner),
+                },
+            },
         );
-        let found = lint.report("timing/missing-wcet", at, message);
         found.related = missing[1..]
             .iter()
             .map(|&(_, src)| (src, "no execution time either".into()))
@@ -79,15 +79,17 @@ fn wcet_exceeds_period(lint: &mut Lint, owner: Owner) {
             continue;
         };
         reported.push(v);
-        let message = format!(
-            "codel `{}` can take {}, longer than the period of task `{}` ({}); split it, make it `async`, or lengthen the period",
-            codel.name,
-            duration(wcet.value),
-            task.name,
-            duration(period)
-        );
+
         let at = wcet.src;
-        let found = lint.report("timing/wcet-exceeds-period", at, message);
+        let found = lint.report(
+            at,
+            Noticing::CodelExceedsPeriod {
+                codel: codel.name.clone(),
+                time: Time(wcet.value),
+                task: task.name.clone(),
+                period: Time(period),
+            },
+        );
         found
             .related
             .push((period_src, format!("period of task `{}`", task.name)));
@@ -99,27 +101,27 @@ fn wcet_exceeds_period(lint: &mut Lint, owner: Owner) {
         if sum <= period || chain.len() < 2 || chain.iter().any(|v| reported.contains(v)) {
             continue;
         }
-        let steps: Vec<String> = chain
-            .iter()
-            .map(|&v| {
-                let codel = machine.at(v);
-                let time = codel
-                    .wcet
-                    .as_ref()
-                    .map_or("?".to_owned(), |w| duration(w.value));
-                format!("{} {time}", codel.name)
-            })
-            .collect();
+        let steps = chain.iter().map(|&v| {
+            let codel = machine.at(v);
+            (
+                codel.name.clone(),
+                codel.wcet.as_ref().map(|w| Time(w.value)),
+            )
+        });
+        let steps = Chain(steps.collect());
         let at = machine.at(chain[0]).src;
-        let message = format!(
-            "from `{state}` to the next pause, {} can take {} ({}), longer than the period of task `{}` ({}); pause in between",
-            lint.owner_text(owner),
-            duration(sum),
-            steps.join(" + "),
-            task.name,
-            duration(period)
+
+        let found = lint.report(
+            at,
+            Noticing::ChainExceedsPeriod {
+                state: state.into(),
+                owner: lint.owner_name(owner),
+                time: Time(sum),
+                chain: steps,
+                task: task.name.clone(),
+                period: Time(period),
+            },
         );
-        let found = lint.report("timing/wcet-exceeds-period", at, message);
         found.related = chain[1..]
             .iter()
             .map(|&v| (machine.at(v).src, format!("then `{}`", machine.at(v).name)))
@@ -148,13 +150,10 @@ fn no_period(lint: &mut Lint) {
         let pauses = task.codels.iter().flat_map(|c| &c.yields).any(|s| s.paused);
         if timed && pauses {
             lint.report(
-                "timing/no-period",
                 task.src,
-                format!(
-                    "task `{}` has execution times and a permanent activity that pauses, but no `period`: nothing says how often \
-                     it runs, so its load and response times cannot be computed",
-                    task.name
-                ),
+                Noticing::NoPeriod {
+                    task: task.name.clone(),
+                },
             );
         }
     }
@@ -174,28 +173,20 @@ fn overutilised(lint: &mut Lint) {
         total += share;
         parts.push((
             task.src,
-            format!("task `{}` needs {}", task.name, percent(share)),
+            format!("task `{}` needs {}", task.name, Share(share)),
         ));
     }
     if total > Ratio::from_integer(i128::from(cores)) {
         let found = lint.report(
-            "timing/overutilised",
             lint.component.src,
-            format!(
-                "the permanent activities of `{}` need {} of a core, but the platform has {cores}; lengthen periods or shorten codels",
-                lint.component.name,
-                percent(total)
-            ),
+            Noticing::Overutilised {
+                component: lint.component.name.clone(),
+                share: Share(total),
+                cores,
+            },
         );
         found.related = parts;
     }
-}
-
-fn percent(share: Seconds) -> String {
-    format!(
-        "{:.0} %",
-        *share.numer() as f64 / *share.denom() as f64 * 100.0
-    )
 }
 
 /// `timing/suspicious-unit`: numbers that look like a forgotten or mistaken unit.
@@ -205,12 +196,13 @@ fn suspicious_units(lint: &mut Lint) {
     for it in lint.component.all_codels().collect::<Vec<_>>() {
         let codel = lint.codel(it);
         if let Some(wcet) = codel.wcet.as_ref().filter(|w| w.value > long) {
-            let message = format!(
-                "codel `{}` has a worst case of {}: a number without unit is in seconds; write `ms` or `us` if that was meant",
-                codel.name,
-                duration(wcet.value)
+            lint.report(
+                wcet.src,
+                Noticing::LongCodel {
+                    codel: codel.name.clone(),
+                    time: Time(wcet.value),
+                },
             );
-            lint.report("timing/suspicious-unit", wcet.src, message);
         }
     }
     for task in &lint.component.tasks {
@@ -219,12 +211,13 @@ fn suspicious_units(lint: &mut Lint) {
             .as_ref()
             .filter(|p| p.value > Ratio::from_integer(0) && p.value < short)
         {
-            let message = format!(
-                "task `{}` has a period of {}, shorter than any real scheduler can keep; check the unit",
-                task.name,
-                duration(period.value)
+            lint.report(
+                period.src,
+                Noticing::ShortPeriod {
+                    task: task.name.clone(),
+                    period: Time(period.value),
+                },
             );
-            lint.report("timing/suspicious-unit", period.src, message);
         }
     }
 }

@@ -2,14 +2,13 @@
 
 use rustc_hash::FxHashSet;
 
-use crate::elab::{DefKind, ElabDiagnostic, Elaborated};
+use crate::elab::{DefKind, Elaborated};
+use crate::finding::{Finding, lints::Noticing};
 use crate::model::TypeKind;
-
-use super::codes;
 
 /// Reports unused types, natives, exceptions and local variables that are declared in
 /// a root file of a unit (by visit; what other files declare is for others to use), inside a component.
-pub fn unused(unit: &Elaborated, is_root: impl Fn(u32) -> bool) -> Vec<ElabDiagnostic> {
+pub fn unused(unit: &Elaborated, is_root: impl Fn(u32) -> bool) -> Vec<Finding> {
     let used: FxHashSet<u32> = unit
         .references
         .iter()
@@ -18,13 +17,17 @@ pub fn unused(unit: &Elaborated, is_root: impl Fn(u32) -> bool) -> Vec<ElabDiagn
         .collect();
     let mut out = Vec::new();
     for definition in &unit.definitions {
-        let (code, what) = match definition.kind {
-            DefKind::Exception => ("unused/exception", "exception"),
-            DefKind::Native => ("unused/type", "native type"),
+        let name = definition.name.clone();
+        let kind = match definition.kind {
+            DefKind::Exception => Noticing::NeverThrown { name },
+            DefKind::Native => Noticing::TypeUnused {
+                what: "native type",
+                name,
+            },
             DefKind::Typedef | DefKind::Struct | DefKind::Union | DefKind::Enum => {
-                ("unused/type", "type")
+                Noticing::TypeUnused { what: "type", name }
             }
-            DefKind::Local => ("unused/local", "local variable"),
+            DefKind::Local => Noticing::LocalUnused { name },
             _ => continue,
         };
         if used.contains(&definition.id.0) || !is_root(definition.src.visit) {
@@ -39,20 +42,7 @@ pub fn unused(unit: &Elaborated, is_root: impl Fn(u32) -> bool) -> Vec<ElabDiagn
         if !private || enumerators_used(unit, definition.ty, &used) {
             continue;
         }
-        let severity = codes::find(code).map_or(crate::elab::Severity::Hint, |c| c.severity);
-        let verb = if definition.kind == DefKind::Exception {
-            "thrown"
-        } else {
-            "used"
-        };
-        out.push(ElabDiagnostic {
-            code,
-            severity,
-            message: format!("{what} `{}` is never {verb}", definition.name),
-            at: definition.src,
-            related: Vec::new(),
-            fix: None,
-        });
+        out.push(Finding::new(kind, definition.src));
     }
     out
 }

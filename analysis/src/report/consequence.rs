@@ -61,7 +61,9 @@ impl Missing {
 /// Whether something that the text relies on was not read, so that names may well be missing.
 fn is_incomplete(db: &dyn Db, key: FileKey<'_>) -> bool {
     let errors = &preprocessed(db, key).errors;
-    if parsed(db, key).inside_out.is_some() || errors.iter().any(|it| it.code == "pp-include-bad") {
+    if parsed(db, key).inside_out.is_some()
+        || errors.iter().any(|it| it.kind.code() == "pp-include-bad")
+    {
         return true;
     }
     let failed = key.outcomes(db).iter().any(|it| match it {
@@ -157,7 +159,7 @@ fn broken_machines<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Vec<TextRange> {
                 && text
                     .get(bytes(between))
                     .is_some_and(|it| it.trim().is_empty());
-            match it.code {
+            match it.code() {
                 "missing-semicolon" => behind && !whole,
                 _ => inside || behind,
             }

@@ -8,87 +8,61 @@ use dotgen_syntax::{
 };
 use smol_str::SmolStr;
 
+use super::{fixes_at, shown};
 use crate::{
     base::{Db, FileStatus, SourceFile, lexed},
-    diagnostic::{Diagnostic, Related, Severity},
-    fixes,
+    diagnostic::{Diagnostic, Related},
+    finding::{Kind, files::Reading},
     source_map::{bytes, offset},
     unit::{self, FileKey, lowered, parsed, preprocessed},
 };
 
-/// A file given to compile cannot be read.
-const PP_INPUT: &str = "pp-input";
-/// An include in the middle of a declaration.
-const PP_INCLUDE_PLACE: &str = "pp-include-place";
-/// A text that is not UTF-8.
-const NOT_UTF8: &str = "not-utf8";
 /// The diagnostics of a text.
 #[salsa::tracked]
 pub(super) fn text_report<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<Vec<Diagnostic>> {
     let file = key.file(db);
-    let new = |code, severity, range, message| Diagnostic {
-        code,
-        severity,
-        message,
-        path: file.path(db).clone(),
-        range: bytes(range),
-        related: Vec::new(),
-        tags: Vec::new(),
-        fixes: Vec::new(),
+    let at = |kind: Kind, range: TextRange, related: Option<(TextRange, &str)>| {
+        let mut out = shown(&kind, None, None, file.path(db), range);
+        let related = related.map(|(range, what)| related_at(db, file, range, what));
+        out.related.extend(related);
+        out.fixes = fixes_at(db, key, &kind, range, &[]);
+        out
     };
     let mut out = Vec::new();
-    if let Some((code, severity, range, message)) = reading(db, file) {
-        out.push(new(code, severity, range, message));
+    if let Some((kind, range)) = reading(db, file) {
+        out.push(at(kind.into(), range, None));
     }
     for error in &preprocessed(db, key).errors {
-        let severity = syntax_severity(error.severity);
-        let mut it = new(error.code, severity, error.range, error.message.clone());
-        let related = error.related.as_ref();
-        it.related
-            .extend(related.map(|(range, message)| related_at(db, file, *range, *message)));
-        out.push(it);
+        let kind = Kind::Preprocessing(error.kind.clone());
+        out.push(at(kind, error.range, error.related));
     }
     for error in &parsed(db, key).errors {
-        let severity = syntax_severity(error.severity);
-        let mut it = new(error.code, severity, error.range, error.message.clone());
-        let related = error.related.as_ref();
-        it.related
-            .extend(related.map(|(range, message)| related_at(db, file, *range, *message)));
+        let kind = Kind::Parsing(Box::new(error.clone()));
+        let mut it = at(kind, error.range, error.related);
         it.related.extend(expanded_from(db, key, error.range));
-        if error.missing.is_some() && macro_call_at(db, key, error.range).is_none() {
-            let root = parsed(db, key).syntax();
-            let fix = fixes::missing_brace(&root, error);
-            it.fixes.extend(fix.map(|it| it.within(file.path(db))));
-        }
         out.push(it);
     }
     for &range in &lowered(db, key).misplaced {
-        let message = "a file cannot be included in the middle of a declaration; \
-                       include it between two declarations, or write its text here";
-        out.push(new(
-            PP_INCLUDE_PLACE,
-            Severity::Error,
-            range,
-            message.into(),
-        ));
+        out.push(at(Reading::MisplacedInclude.into(), range, None));
     }
     Arc::new(out)
 }
 
 /// What is wrong with the file as such.
-fn reading(db: &dyn Db, file: SourceFile) -> Option<(&'static str, Severity, TextRange, String)> {
+fn reading(db: &dyn Db, file: SourceFile) -> Option<(Reading, TextRange)> {
     let start = TextRange::empty(TextSize::new(0));
-    let unreadable = |message: String| Some((PP_INPUT, Severity::Error, start, message));
     match file.status(db) {
         FileStatus::Text => None,
-        FileStatus::Missing => unreadable("no such file".into()),
-        FileStatus::Directory => unreadable("this is a directory, not a specification".into()),
-        FileStatus::Unreadable(why) => unreadable(format!("this file cannot be read: {why}")),
+        FileStatus::Missing => Some((Reading::NoFile, start)),
+        FileStatus::Directory => Some((Reading::Directory, start)),
+        FileStatus::Unreadable(why) => {
+            let why = why.as_str().into();
+            Some((Reading::Unreadable { why }, start))
+        }
         FileStatus::NotUtf8 => {
             let at = file.text(db).find('\u{fffd}').unwrap_or(0);
             let at = TextRange::at(offset(at), TextSize::of('\u{fffd}'));
-            let message = "this file is not UTF-8 from here on; save it as UTF-8".into();
-            Some((NOT_UTF8, Severity::Warning, at, message))
+            Some((Reading::NotUtf8, at))
         }
     }
 }
@@ -113,14 +87,6 @@ pub(super) fn expanded_from(db: &dyn Db, key: FileKey<'_>, range: TextRange) -> 
     let (file, range) = macro_definition(db, &site)?;
     let message = format!("expanded from macro `{name}`");
     Some(related_at(db, file, range, message))
-}
-
-fn syntax_severity(it: dotgen_syntax::Severity) -> Severity {
-    match it {
-        dotgen_syntax::Severity::Error => Severity::Error,
-        dotgen_syntax::Severity::Warning => Severity::Warning,
-        dotgen_syntax::Severity::Hint => Severity::Hint,
-    }
 }
 
 /// The macro whose call covers a range exactly from its start.

@@ -369,3 +369,67 @@ fn fixes_remove_what_they_mend() {
     "#]]
     .assert_eq(&all);
 }
+
+/// The text after the first fix of the first finding with a code.
+fn first_fix(source: &str, code: &str) -> String {
+    let found = check(text(source), strict());
+    let it = found
+        .iter()
+        .find(|it| it.code == code && !it.fixes.is_empty());
+    let it = it.unwrap_or_else(|| panic!("{code} has no fix: {found:#?}"));
+    let mut after = source.to_owned();
+    let mut edits: Vec<_> = it.fixes[0].edits.iter().collect();
+    edits.sort_by_key(|it| std::cmp::Reverse(it.range.start));
+    for edit in edits {
+        after.replace_range(edit.range.clone(), &edit.new_text);
+    }
+    after
+}
+
+#[test]
+fn what_was_meant_replaces_the_very_token_that_is_misspelt() {
+    for (code, right, part, misspelt) in [
+        // Of a path, the scope that is not there.
+        (
+            "unknown-type",
+            "module a { module inner { struct point { long x; }; }; };\ntypedef a::inner::point p;\n",
+            "a::inner::point",
+            "a::inne::point",
+        ),
+        // A name that occurs in the path before.
+        (
+            "unknown-type",
+            "module poin { struct point { long x; }; };\ntypedef poin::point p;\n",
+            "poin::point",
+            "poin::poin",
+        ),
+        // A part of a parameter.
+        (
+            "param-member",
+            "component c {\n  struct s { double heading; };\n  ids { s goal; };\n  \
+             function f() { codel g(in goal.heading); };\n};\n",
+            "goal.heading",
+            "goal.headin",
+        ),
+        // A part of a default value that is not the first.
+        (
+            "init-member",
+            "component c {\n  struct s { double x, heading; };\n  \
+             function f(in s a = { .x = 1.0, .heading = 1.0 });\n};\n",
+            ".heading",
+            ".headng",
+        ),
+        // A state after a pause.
+        (
+            "fsm/undefined-state",
+            "component c {\n  task t {\n    codel<start> main() yield loop;\n    \
+             codel<loop> g() yield pause::loop, ether;\n  };\n};\n",
+            "pause::loop",
+            "pause::lop",
+        ),
+    ] {
+        let broken = right.replace(part, misspelt);
+        assert_ne!(broken, right);
+        assert_eq!(first_fix(&broken, code), right, "{misspelt}");
+    }
+}

@@ -1,15 +1,16 @@
 //! Running a MiniJinja template: options, the data texts see, and writing the files.
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use dotgen_analysis::model::{ComponentKind, Spec};
 use dotgen_analysis::model_json;
+use minijinja::context;
 use minijinja::value::Value;
-use minijinja::{Environment as Jinja, context};
 use serde_json::Value as Json;
 
+use super::expand::{Ask, Expand, Local, Remote};
 use super::words::{self, Next};
 use super::{Each, Manifest, Texts};
 use crate::codels::expected::Expected;
@@ -18,12 +19,10 @@ use crate::command::Pictures;
 use crate::command::{Environment, Options as General};
 use crate::compiler::Compiler;
 use crate::frontend::Frontend;
+use crate::process::Processes;
 use crate::template::console::Console;
 use crate::template::output::Environment as Surroundings;
-use crate::template::{Failure, Modes, Output, OutputSink, VERSION, notice, tcl};
-
-/// Steps a text may take.
-const FUEL: u64 = 50_000_000;
+use crate::template::{Failure, Modes, Output, OutputSink, VERSION, notice, reach, tcl};
 
 /// Options that all these templates take.
 struct Options {
@@ -49,6 +48,7 @@ pub(super) fn run(
         base: env.base.clone(),
         sink: std::mem::replace(&mut env.sink, OutputSink::Direct),
         template: name.to_owned(),
+        confined: env.confined.clone(),
     };
     let result = write(
         name,
@@ -91,17 +91,18 @@ fn write(
         None => parent(&options.inputs[0]),
     };
     let run = Data::new(compiler, &options, &output.dir, &output.base)?;
-    let tmpdir = tempfile::Builder::new()
-        .prefix("genom")
-        .tempdir()
+    let tmpdir = env
+        .processes
+        .folder(None)
         .map_err(|error| format!("cannot create a temporary directory: {error}"))?;
+    let mut expander = expander(&run, texts, env)?;
     let mut files = Files {
         console: env.console,
         tmpdir: tmpdir.path().to_owned(),
         count: 0,
         verbose: general.verbose.then(|| name.to_owned()),
+        processes: &*env.processes,
     };
-    let pictures = Arc::clone(&env.pictures);
     let limit = env.limits.output.unwrap_or(u64::MAX);
     let mut written = 0;
     for rule in &manifest.files {
@@ -110,20 +111,78 @@ fn write(
         }
         let source = texts.read(&rule.source)?;
         for data in run.each(rule.each) {
-            let path = render(&rule.path, &rule.path, &data, &run.spec, &pictures)?;
-            let text = render(&rule.source, &source, &data, &run.spec, &pictures)?;
+            let path = expander.expand(&rule.path, &rule.path, &data)?;
+            check_result(&path, texts, output)?;
+            let text = expander.expand(&rule.source, &source, &data)?;
             written += text.len() as u64;
             if written > limit {
                 return Err(format!("stopped: more than {} MiB", limit >> 20));
             }
             output
                 .commit(&path, &rule.permissions, &text, &mut files)
-                .map_err(|failure| match failure {
-                    Failure::Error(text) | Failure::Fatal(text) | Failure::Stop(text) => text,
-                })?;
+                .map_err(in_words)?;
         }
     }
     Ok(0)
+}
+
+/// Texts of dotgen are expanded here, those of others where they can do no harm.
+fn expander(run: &Data, texts: &Texts, env: &Environment<'_>) -> Result<Box<dyn Expand>, String> {
+    let spec = Arc::clone(&run.spec);
+    let pictures = Arc::clone(&env.pictures);
+    let ask: Arc<Ask> =
+        Arc::new(move |function, arguments| ask(&spec, &*pictures, function, arguments));
+    if let Texts::Folder(_) = texts {
+        let remote = Remote::start(&*env.processes, &env.limits, &run.shared, Arc::clone(&ask))?;
+        if let Some(remote) = remote {
+            return Ok(Box::new(remote));
+        }
+    }
+    let shared = run.shared.clone();
+    Ok(Box::new(Local { shared, ask }))
+}
+
+/// What texts ask.
+fn ask(
+    spec: &Spec,
+    pictures: &Pictures,
+    function: &str,
+    arguments: &[String],
+) -> Result<String, String> {
+    match (function, arguments) {
+        ("diagram", [component, owner, form]) => pictures(spec, component, owner, form),
+        ("json_schema", [component]) => {
+            let found = spec
+                .components
+                .iter()
+                .find(|it| it.name == component.as_str());
+            let schema = found.map(|it| super::json_schema::schema(spec, it));
+            Ok(schema.map(|it| format!("{it:#}")).unwrap_or_default())
+        }
+        _ => Err(format!(
+            "there is no function {function} of {} arguments",
+            arguments.len()
+        )),
+    }
+}
+
+/// Results are below the output directory: a template of others may be anybody's.
+fn check_result(path: &str, texts: &Texts, output: &Output) -> Result<(), String> {
+    let inside = |it| matches!(it, Component::Normal(_) | Component::CurDir);
+    let plain = !path.is_empty() && Path::new(path).components().all(inside);
+    let folder = output.base.join(if output.dir.is_empty() {
+        "."
+    } else {
+        &output.dir
+    });
+    let linked = matches!(texts, Texts::Folder(_))
+        && !reach::is_below(&folder.join(path), &[folder.clone()]);
+    match plain && !linked {
+        true => Ok(()),
+        false => Err(format!(
+            "template.toml: the path \"{path}\" of a result is not below the output directory"
+        )),
+    }
 }
 
 fn parent(path: &str) -> String {
@@ -151,6 +210,12 @@ Options:
     )
 }
 
+fn in_words(failure: Failure) -> String {
+    match failure {
+        Failure::Error(text) | Failure::Fatal(text) | Failure::Stop(text) => text,
+    }
+}
+
 /// Reads the options; `None` when help was asked for.
 fn options(
     name: &str,
@@ -165,17 +230,18 @@ fn options(
         terse: false,
         inputs: Vec::new(),
     };
-    let merge = |output: &mut Output, tool: String| {
-        output.merge_tool = tool;
+    let merge = |output: &mut Output, tool: &str| {
+        output.set_merge_tool(tool).map_err(in_words)?;
         let _ = output.modes.set("merge-if-change");
+        Ok::<(), String>(())
     };
     let files = words::read(args, |option, value| {
         match option {
             "-C" | "--directory" => options.directory = Some(value()?),
             "-l" | "--language" => options.language = Some(value()?),
-            "-m" | "--merge" => merge(output, value()?),
-            "-i" => merge(output, "interactive".into()),
-            "-u" => merge(output, "auto".into()),
+            "-m" | "--merge" => merge(output, &value()?)?,
+            "-i" => merge(output, "interactive")?,
+            "-u" => merge(output, "auto")?,
             "-f" | "--force" => {
                 let _ = output.modes.set("overwrite");
             }
@@ -193,7 +259,8 @@ fn options(
 
 /// What the texts see.
 struct Data {
-    base: Value,
+    /// All of them.
+    shared: Value,
     components: Vec<Value>,
     codel_files: Vec<Value>,
     machines: Vec<Value>,
@@ -293,7 +360,7 @@ impl Data {
             }
         }
         Ok(Data {
-            base,
+            shared: base,
             components,
             codel_files,
             machines,
@@ -301,67 +368,16 @@ impl Data {
         })
     }
 
+    /// What the texts of a rule see besides, one after the other.
     fn each(&self, each: Each) -> Vec<Value> {
         let own = match each {
-            Each::Run => return vec![self.base.clone()],
+            Each::Run => return vec![context! {}],
             Each::Component => &self.components,
             Each::CodelFile => &self.codel_files,
             Each::StateMachine => &self.machines,
         };
-        let base = &self.base;
-        own.iter()
-            .map(|it| context! { ..it.clone(), ..base.clone() })
-            .collect()
+        own.clone()
     }
-}
-
-/// Seconds in the unit people use.
-fn duration(seconds: f64) -> String {
-    let (number, unit) = match seconds {
-        it if it >= 1.0 || it == 0.0 => (it, "s"),
-        it if it >= 1e-3 => (it * 1e3, "ms"),
-        it => (it * 1e6, "µs"),
-    };
-    let rounded = (number * 1e6).round() / 1e6;
-    format!("{rounded} {unit}")
-}
-
-/// Expands a text; an error names it and the line.
-fn render(
-    name: &str,
-    text: &str,
-    data: &Value,
-    spec: &Arc<Spec>,
-    pictures: &Arc<Pictures>,
-) -> Result<String, String> {
-    let mut jinja = Jinja::new();
-    let own = Arc::clone(spec);
-    let pictures = Arc::clone(pictures);
-    jinja.add_function(
-        "diagram",
-        move |component: &str, owner: &str, form: &str| {
-            let drawn = pictures(&own, component, owner, form);
-            drawn.map_err(|it| minijinja::Error::new(minijinja::ErrorKind::InvalidOperation, it))
-        },
-    );
-    let own = Arc::clone(spec);
-    jinja.add_function("json_schema", move |component: &str| {
-        let found = own.components.iter().find(|it| it.name == component);
-        let schema = found.map(|it| super::json_schema::schema(&own, it));
-        schema.map(|it| format!("{it:#}")).unwrap_or_default()
-    });
-    jinja.add_filter("duration", duration);
-    jinja.set_trim_blocks(true);
-    jinja.set_lstrip_blocks(true);
-    jinja.set_keep_trailing_newline(true);
-    jinja.set_fuel(Some(FUEL));
-    jinja.set_auto_escape_callback(|_| minijinja::AutoEscape::None);
-    let explain = |error: minijinja::Error| {
-        let line = error.line().map(|it| format!(":{it}")).unwrap_or_default();
-        format!("{name}{line}: {error:#}")
-    };
-    let template = jinja.template_from_named_str(name, text).map_err(explain)?;
-    template.render(data).map_err(explain)
 }
 
 /// The channels and temporary files of a run.
@@ -371,6 +387,7 @@ struct Files<'a> {
     count: u32,
     /// Name for messages, when they are wanted.
     verbose: Option<String>,
+    processes: &'a dyn Processes,
 }
 
 impl Surroundings for Files<'_> {
@@ -389,6 +406,10 @@ impl Surroundings for Files<'_> {
             .unwrap_or_default()
             .as_secs();
         format!("@{seconds}")
+    }
+
+    fn processes(&self) -> &dyn Processes {
+        self.processes
     }
 
     fn message(&mut self, text: &str) {

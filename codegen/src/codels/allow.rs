@@ -4,9 +4,8 @@
 use std::ops::Range;
 
 use dotgen_analysis::codes::CODEL;
-use dotgen_analysis::diagnostic::{Diagnostic, Severity};
+use dotgen_analysis::diagnostic::Diagnostic;
 use dotgen_analysis::host::{Analysis, Cancellable};
-use dotgen_analysis::lint::codes::UNUSED_SUPPRESSION;
 
 use super::command::{Side, diagnostics};
 use super::drift::{Drift, DriftCode};
@@ -102,16 +101,10 @@ pub fn unused(
                 {
                     continue;
                 }
-                out.push(Diagnostic {
-                    code: UNUSED_SUPPRESSION,
-                    severity: Severity::Hint,
-                    message: Analysis::unused_allowance(it.code, known.contains(&it.code)),
-                    path: file.path.clone(),
-                    range: it.range,
-                    related: Vec::new(),
-                    tags: Vec::new(),
-                    fixes: Vec::new(),
-                });
+                let known = known.contains(&it.code);
+                out.push(Analysis::unused_allowance(
+                    it.code, known, &file.path, it.range,
+                ));
             }
         }
     }

@@ -13,6 +13,8 @@ pub(crate) struct Options {
     pub(super) templates: Option<String>,
     /// `-T`.
     pub(super) tmpdir: Option<String>,
+    /// `--confined`.
+    pub(super) confined: bool,
     pub(crate) verbose: bool,
     pub(crate) debug: bool,
     pub(super) mode: Mode,
@@ -52,6 +54,7 @@ pub(super) enum OptionError {
 }
 
 const LONG: &[(&str, char)] = &[
+    ("confined", 'C'),
     ("debug", 'd'),
     ("dump", 'N'),
     ("help", 'h'),
@@ -173,6 +176,10 @@ impl Options {
             }
             'v' => {
                 self.verbose = true;
+                return Ok(());
+            }
+            'C' => {
+                self.confined = true;
                 return Ok(());
             }
             'd' => {

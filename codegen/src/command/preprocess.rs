@@ -63,8 +63,10 @@ impl Preprocessor {
                 preproc::Severity::Error => "error",
                 _ => "warning",
             };
-            self.errors
-                .push(format!("{path}:{line}: {warning}: {}", error.message));
+            self.errors.push(format!(
+                "{path}:{line}: {warning}: {}",
+                error.kind.wording()
+            ));
         }
         Ok(show(path, &text, &raw, &result, &texts))
     }

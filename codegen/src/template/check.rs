@@ -168,16 +168,8 @@ impl Places<'_> {
 
     fn diagnostic(&self, code: &'static str, range: Range<usize>, message: String) -> Diagnostic {
         let severity = CODES.iter().find(|it| it.id == code).map(|it| it.severity);
-        Diagnostic {
-            code,
-            severity: severity.unwrap_or(Severity::Error),
-            message,
-            path: self.path.to_owned(),
-            range,
-            related: Vec::new(),
-            tags: Vec::new(),
-            fixes: Vec::new(),
-        }
+        let severity = severity.unwrap_or(Severity::Error);
+        Diagnostic::new(code, severity, message, self.path.to_owned(), range)
     }
 
     fn related(&self, range: Range<usize>, message: &str) -> Related {

@@ -2,6 +2,8 @@
 
 use std::io::{BufRead, Read, Write};
 
+use dotgen_analysis::terminal;
+
 /// Where a template prints and what it reads.
 pub trait Console {
     /// Standard output.
@@ -35,6 +37,7 @@ impl Console for StdConsole {
     }
 
     fn err(&mut self, line: &str) {
+        let line = terminal::text(line);
         let _ = writeln!(std::io::stderr().lock(), "{line}");
     }
 

@@ -5,12 +5,14 @@
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::process::{ChildStdin, ChildStdout};
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
+
+use crate::process::{Access, Channels, Process, Processes, Program, Resources};
 
 const PRELUDE: &str = include_str!("prelude.tcl");
 
@@ -22,7 +24,7 @@ const MESSAGE_LIMIT: usize = 1 << 30;
 pub struct Limits {
     /// Time until the interpreter is killed.
     pub time: Option<Duration>,
-    /// Address space of the interpreter, in bytes (on systems with `ulimit`).
+    /// Address space of the interpreter, in bytes (on systems that limit it).
     pub memory: Option<u64>,
     /// Size of everything printed and of everything written, in bytes.
     pub output: Option<u64>,
@@ -31,6 +33,15 @@ pub struct Limits {
 }
 
 impl Limits {
+    /// What the system is asked to limit.
+    pub(crate) fn resources(&self) -> Resources {
+        Resources {
+            memory: self.memory,
+            time: self.time,
+            file: self.output,
+        }
+    }
+
     /// Limits for running a template from an editor: 60 s, 1 GiB, 64 MiB.
     pub fn preview() -> Limits {
         Limits {
@@ -80,7 +91,7 @@ const CANCELLED: u8 = 2;
 
 /// A running interpreter. Dropping it kills the process.
 pub(crate) struct Host {
-    child: Arc<Mutex<Child>>,
+    child: Arc<Mutex<Process>>,
     to: ChildStdin,
     from: BufReader<ChildStdout>,
     errors: Option<JoinHandle<Vec<u8>>>,
@@ -92,34 +103,28 @@ pub(crate) struct Host {
 impl Host {
     /// Starts the interpreter in a directory (empty: the current one). With `capture`, its error channel is kept for
     /// [`Host::take_errors`]; else it is ours.
-    pub(crate) fn start(limits: &Limits, dir: &Path, capture: bool) -> Result<Host, String> {
+    pub(crate) fn start(
+        processes: &dyn Processes,
+        limits: &Limits,
+        dir: &Path,
+        capture: bool,
+        access: Option<Access>,
+    ) -> Result<Host, String> {
         let tclsh = find_tclsh()?;
-        let mut command = match limits.memory {
-            Some(bytes) if cfg!(unix) => {
-                let mut command = Command::new("/bin/sh");
-                command
-                    .arg("-c")
-                    .arg(format!(
-                        "ulimit -v {} 2>/dev/null; exec \"$0\"",
-                        bytes / 1024
-                    ))
-                    .arg(&tclsh);
-                command
-            }
-            _ => Command::new(&tclsh),
-        };
-        if !dir.as_os_str().is_empty() {
-            command.current_dir(dir);
-        }
-        command.stdin(Stdio::piped()).stdout(Stdio::piped());
-        command.stderr(if capture {
-            Stdio::piped()
-        } else {
-            Stdio::inherit()
-        });
-        let mut child = command
-            .spawn()
+        let mut process = processes
+            .start(&Program {
+                path: tclsh.clone(),
+                arguments: Vec::new(),
+                directory: dir.to_owned(),
+                channels: match capture {
+                    true => Channels::Pipes,
+                    false => Channels::PipesBut,
+                },
+                resources: limits.resources(),
+                access,
+            })
             .map_err(|error| format!("cannot start {}: {error}", tclsh.display()))?;
+        let child = &mut process.child;
         let (Some(mut to), Some(from)) = (child.stdin.take(), child.stdout.take()) else {
             return Err("cannot talk to tclsh".into());
         };
@@ -136,7 +141,7 @@ impl Host {
         to.write_all(PRELUDE.as_bytes())
             .and_then(|()| to.flush())
             .map_err(|error| format!("cannot talk to tclsh: {error}"))?;
-        let child = Arc::new(Mutex::new(child));
+        let child = Arc::new(Mutex::new(process));
         let ended = Arc::new(AtomicU8::new(RUNNING));
         let watch = watch(limits, &child, &ended);
         Ok(Host {
@@ -187,10 +192,8 @@ impl Host {
     }
 
     fn why_ended(&mut self) -> String {
-        match self.ended.load(Ordering::Acquire) {
-            TIMED_OUT => return "stopped: the template took too long".into(),
-            CANCELLED => return "cancelled".into(),
-            _ => {}
+        if let Some(why) = why_stopped(&self.ended) {
+            return why.into();
         }
         self.watch = None;
         let status = match self.child.lock() {
@@ -211,8 +214,7 @@ impl Host {
     fn kill(&mut self) {
         self.watch = None;
         if let Ok(mut child) = self.child.lock() {
-            let _ = child.kill();
-            let _ = child.wait();
+            child.kill();
         }
     }
 
@@ -231,10 +233,19 @@ impl Drop for Host {
     }
 }
 
+/// Why [`watch`] has killed a process, if it has.
+pub(crate) fn why_stopped(ended: &AtomicU8) -> Option<&'static str> {
+    match ended.load(Ordering::Acquire) {
+        TIMED_OUT => Some("stopped: the template took too long"),
+        CANCELLED => Some("cancelled"),
+        _ => None,
+    }
+}
+
 /// Kills the process when its time is over or the run is cancelled.
-fn watch(
+pub(crate) fn watch(
     limits: &Limits,
-    child: &Arc<Mutex<Child>>,
+    child: &Arc<Mutex<Process>>,
     ended: &Arc<AtomicU8>,
 ) -> Option<mpsc::Sender<()>> {
     if limits.time.is_none() && limits.cancel.is_none() {
@@ -268,7 +279,7 @@ fn watch(
         };
         ended.store(reason, Ordering::Release);
         if let Ok(mut child) = child.lock() {
-            let _ = child.kill();
+            child.kill();
         }
     });
     Some(keep)

@@ -5,10 +5,11 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 use std::time::SystemTime;
 
-use super::Failure;
 use super::console::Console;
 use super::merge::{self, Choice, Conflict};
 use super::tcl;
+use super::{Confined, Failure, reach};
+use crate::process::{Channels, Processes, Program, Resources};
 
 /// A file as a template wants it, in a run that writes nothing.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -88,6 +89,29 @@ impl OutputSink {
         }
     }
 
+    /// Writes the files that were kept.
+    ///
+    /// # Errors
+    /// The first that cannot be written, and why.
+    pub(crate) fn write_out(self) -> Result<(), (PathBuf, io::Error)> {
+        let OutputSink::Preview(files) = self else {
+            return Ok(());
+        };
+        for (path, file) in files {
+            let write = || {
+                if let Some(dir) = path.parent() {
+                    std::fs::create_dir_all(dir)?;
+                }
+                if file.before.as_ref() != Some(&file.after) {
+                    OutputSink::Direct.put(&path, &file.after)?;
+                }
+                file.mode.map_or(Ok(()), |mode| set_unix_mode(&path, mode))
+            };
+            write().map_err(|error| (path.clone(), error))?;
+        }
+        Ok(())
+    }
+
     /// Puts bytes where they belong, whatever is there.
     pub(crate) fn put(&mut self, path: &Path, bytes: &[u8]) -> io::Result<()> {
         match self {
@@ -132,7 +156,7 @@ impl OutputSink {
 }
 
 /// The path without `.` and `..`, absolute.
-fn plain(path: &Path) -> PathBuf {
+pub(crate) fn plain(path: &Path) -> PathBuf {
     let mut out = PathBuf::new();
     for component in super::discover::absolute(path).components() {
         match component {
@@ -221,6 +245,8 @@ pub(crate) trait Environment {
     fn format_time(&mut self, time: SystemTime) -> String;
     /// A message of verbose mode.
     fn message(&mut self, text: &str);
+    /// Starts programs.
+    fn processes(&self) -> &dyn Processes;
 }
 
 /// The state of the engine that concerns files.
@@ -238,12 +264,48 @@ pub struct Output {
     pub sink: OutputSink,
     /// Name of the template, for messages.
     pub template: String,
+    /// Where results may be, and that no program may be started, if it is so.
+    pub confined: Option<Confined>,
 }
 
 impl Output {
     /// The path of a file that a template names: below the output directory.
     pub fn path(&self, name: &str) -> String {
         join(&self.dir, name)
+    }
+
+    /// Chooses how files are merged: `interactive`, `auto`, or by a program.
+    ///
+    /// # Errors
+    /// A confined template starts no program.
+    pub(crate) fn set_merge_tool(&mut self, tool: &str) -> Result<(), Failure> {
+        if self.confined.is_some() && !matches!(tool, "interactive" | "auto") {
+            return Err(Failure::Error(format!(
+                "the merge tool `{tool}` is a program, and a preview or a confined template starts none: choose \
+                 `auto`, which leaves conflict markers, or run the template from the command line"
+            )));
+        }
+        tool.clone_into(&mut self.merge_tool);
+        Ok(())
+    }
+
+    /// Refuses a result that is not where the results of a confined template may be.
+    fn check(&self, shown: &str, path: &Path) -> Result<(), Failure> {
+        let Some(confined) = &self.confined else {
+            return Ok(());
+        };
+        if reach::is_below(path, &confined.results) {
+            return Ok(());
+        }
+        let folders: Vec<String> = confined
+            .results
+            .iter()
+            .map(|it| it.display().to_string())
+            .collect();
+        Err(Failure::Error(format!(
+            "{shown} is outside of {}: a preview or a confined template writes nothing there",
+            folders.join(" and ")
+        )))
     }
 
     /// Puts a text where a template wants it, by the modes in force.
@@ -256,6 +318,7 @@ impl Output {
     ) -> Result<(), Failure> {
         let shown = self.path(name);
         let path = self.base.join(&shown);
+        self.check(&shown, &path)?;
         let silent = self.modes.is_on("silent");
         let exists = self.sink.exists(&path);
         let say = |env: &mut dyn Environment, line: String| {
@@ -386,14 +449,23 @@ impl Output {
                 copy
             }
         };
-        let mut command = std::process::Command::new(tool);
-        if !self.base.as_os_str().is_empty() {
-            command.current_dir(&self.base);
-        }
-        let status = command.arg(&new).arg(&old).status();
+        let channels = match env.console().is_terminal() {
+            true => Channels::Shared,
+            // Who asks over pipes keeps them for himself: a tool that reads or writes there would break in on it.
+            false => Channels::Pipes,
+        };
+        let process = env.processes().start(&Program {
+            path: tool.into(),
+            arguments: vec![new.clone().into(), old.clone().into()],
+            directory: self.base.clone(),
+            channels,
+            resources: Resources::default(),
+            access: None,
+        });
+        let status = process.and_then(|mut it| it.wait_with_output());
         let _ = std::fs::remove_file(&new);
         let problem = match status {
-            Ok(status) if status.success() => None,
+            Ok((status, _)) if status.success() => None,
             Ok(_) => Some("child process exited abnormally".to_owned()),
             Err(error) => Some(format!("couldn't execute \"{tool}\": {}", posix(&error))),
         };

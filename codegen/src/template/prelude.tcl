@@ -595,6 +595,7 @@ proc ::dg::leave {code} {
 # writes, starts programs or opens connections is refused but for files of its temporary directory.
 proc ::dg::confine {} {
   variable tmpdir
+  set ::env(TMPDIR) $tmpdir
   foreach name {exec socket load unload} {
     interp alias main $name {} ::dg::refuse $name
   }
@@ -607,7 +608,8 @@ proc ::dg::confine {} {
 }
 
 proc ::dg::refuse {name args} {
-  return -code error "\"$name\" is not allowed in a preview: run the template from the command line"
+  return -code error "\"$name\" is not allowed in a preview or with --confined: run the template from the\
+      command line without it"
 }
 
 proc ::dg::inside {path} {
@@ -622,16 +624,39 @@ proc ::dg::confined_open {path args} {
   interp invokehidden main open $path {*}$args
 }
 
+# Arguments behind the options of a command. Only what is an option counts as one: a path may begin with "-".
+proc ::dg::without_options {options words} {
+  while {[llength $words] && [string match -* [lindex $words 0]]} {
+    set word [lindex $words 0]
+    if {$word eq "-" || ![llength [lsearch -all -inline -glob $options $word*]]} break
+    set words [lrange $words 1 end]
+    if {$word eq "--"} break
+  }
+  return $words
+}
+
+# Of the arguments of a subcommand of "file", the paths that it changes.
+proc ::dg::changed_paths {command words} {
+  switch -- $command {
+    delete - rename { return [without_options {-force --} $words] }
+    copy { return [lrange [without_options {-force --} $words] end end] }
+    link {
+      set words [without_options {-symbolic -hard} $words]
+      return [expr {[llength $words] > 1 ? $words : {}}]
+    }
+    attributes { return [expr {[llength $words] > 2 ? [list [lindex $words 0]] : {}}] }
+    mtime - atime { return [expr {[llength $words] > 1 ? [list [lindex $words 0]] : {}}] }
+    tempfile { return [lrange $words 1 end] }
+  }
+  return $words
+}
+
 proc ::dg::confined_file {command args} {
-  set changes {delete rename copy mkdir link attributes mtime atime tempfile}
-  foreach change $changes {
-    if {$command ne {} && [string match $command* $change] && $command ne "a"} {
-      set harmless [expr {$change in {attributes mtime atime link} && [llength $args] < 2}]
-      foreach path $args {
-        if {!$harmless && ![string match -* $path] && ![inside $path]} {
-          refuse "file $command $path"
-        }
-      }
+  foreach change {delete rename copy mkdir link attributes mtime atime tempfile} {
+    if {$command eq {} || ![string match [string map {* \\* ? \\? \[ \\[} $command]* $change]} continue
+    foreach path [changed_paths $change $args] {
+      # What may be meant by a shortened name does not matter where all of it is inside.
+      if {![inside $path]} { refuse "file $command $path" }
     }
   }
   # A safe interpreter has only parts of this command; paths mean the same here.

@@ -13,9 +13,11 @@ use super::console::Console;
 use super::host::Host;
 use super::object::Registry;
 use super::output::{Environment, Modes, Output, posix};
+use super::reach::Reach;
 use super::{Failure, Outcome, Run, tcl};
 use crate::frontend::{Compiled, Frontend};
 use crate::lang::Language;
+use crate::process::Processes;
 
 /// The state of a run.
 pub(super) struct Session<'a> {
@@ -29,6 +31,8 @@ pub(super) struct Session<'a> {
     unannounced: Vec<String>,
     output: Output,
     tmpdir: PathBuf,
+    /// What may be read, when not everything may.
+    reach: Option<Reach>,
     temporaries: u32,
     scripts: Vec<Script>,
     deps: Vec<String>,
@@ -55,7 +59,28 @@ pub(super) fn run(
     tmpdir: PathBuf,
 ) -> Outcome {
     let name = run.name();
-    let host = match Host::start(&run.limits, &run.base, !console.is_terminal()) {
+    let reach = run
+        .confined
+        .map(|_| Reach::new(&run.dir, run.search, &run.base, &run.args, &tmpdir));
+    if reach.is_some() {
+        let gaps = run.processes.gaps();
+        if !gaps.is_empty() {
+            let gaps: Vec<String> = gaps.iter().map(ToString::to_string).collect();
+            console.err(&format!(
+                "{name}: this system does not confine templates: nothing but the engine's own checks keeps this one from \
+                 {}",
+                gaps.join(", ")
+            ));
+        }
+    }
+    let host = Host::start(
+        &*run.processes,
+        &run.limits,
+        &run.base,
+        !console.is_terminal(),
+        reach.as_ref().map(Reach::access),
+    );
+    let host = match host {
         Ok(host) => host,
         Err(message) => {
             console.err(&format!("{name}: {message}"));
@@ -77,6 +102,7 @@ pub(super) fn run(
         unannounced: Vec::new(),
         output,
         tmpdir,
+        reach,
         temporaries: 0,
         scripts: Vec::new(),
         deps: Vec::new(),
@@ -212,6 +238,7 @@ impl Session<'_> {
             }
             "dep" => {
                 let path = PathBuf::from(word(1));
+                self.check_read(&path)?;
                 self.scripts.push(Script {
                     path: word(1).to_owned(),
                     name: word(1).to_owned(),
@@ -239,6 +266,7 @@ impl Session<'_> {
                 nothing()
             }
             "commit_file" => {
+                self.check_read(Path::new(word(3)))?;
                 let text = std::fs::read(word(3)).map_err(|error| {
                     Failure::Error(format!("couldn't open \"{}\": {}", word(3), posix(&error)))
                 })?;
@@ -261,7 +289,7 @@ impl Session<'_> {
                  DOTGEN_TCLSH to its tclsh"
             )));
         }
-        let confined = matches!(self.output.sink, super::OutputSink::Preview(_));
+        let confined = self.reach.is_some();
         let limit = self.run.limits.output.unwrap_or(0);
         Ok(Answer::volatile(tcl::list([
             if confined { "1" } else { "0" },
@@ -271,6 +299,13 @@ impl Session<'_> {
             &limit.to_string(),
             &tcl::list(&self.run.args),
         ])))
+    }
+
+    fn check_read(&self, path: &Path) -> Result<(), Failure> {
+        match &self.reach {
+            Some(reach) => reach.check_read(&self.run.base.join(path)),
+            None => Ok(()),
+        }
     }
 
     fn add_dep(&mut self, path: &Path) {
@@ -289,6 +324,7 @@ fn empty_output() -> Output {
         base: PathBuf::new(),
         sink: super::OutputSink::Direct,
         template: String::new(),
+        confined: None,
     }
 }
 
@@ -309,6 +345,10 @@ impl Environment for Session<'_> {
         // Tcl knows the time zone and its words.
         self.evaluate(&format!("clock format {seconds}"))
             .unwrap_or(seconds)
+    }
+
+    fn processes(&self) -> &dyn Processes {
+        &*self.run.processes
     }
 
     fn message(&mut self, text: &str) {

@@ -94,18 +94,18 @@ fn add_config_problems(
     diagnostics: &mut Vec<Diagnostic>,
     texts: &mut Texts,
 ) {
-    let problems = config.problems.iter().map(|problem| Diagnostic {
-        code: problem.kind.code(),
-        severity: match problem.kind.is_error() {
+    let problems = config.problems.iter().map(|problem| {
+        let severity = match problem.kind.is_error() {
             true => Severity::Error,
             false => Severity::Warning,
-        },
-        message: problem.message.clone(),
-        path: config.path.clone(),
-        range: problem.range.clone().unwrap_or(0..0),
-        related: Vec::new(),
-        tags: Vec::new(),
-        fixes: Vec::new(),
+        };
+        Diagnostic::new(
+            problem.kind.code(),
+            severity,
+            problem.message.clone(),
+            config.path.clone(),
+            problem.range.clone().unwrap_or(0..0),
+        )
     });
     diagnostics.extend(problems);
     let lines = Lines::new(config.text.clone(), Encoding::Utf16);

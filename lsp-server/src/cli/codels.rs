@@ -4,6 +4,7 @@ use anyhow::{Context, bail};
 use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, Subcommand};
 use dotgen_analysis::diagnostic::Severity;
+use dotgen_analysis::terminal;
 use dotgen_codegen::codels::{
     command::{self, FileChange, Project, Side, StubTarget, SyncOptions},
     folder::Folder,
@@ -305,7 +306,11 @@ fn write(changes: &[FileChange], dry_run: bool) -> anyhow::Result<()> {
         } else {
             "created"
         };
-        writeln!(out, "{did} {}", session::display(&change.path))?;
+        writeln!(
+            out,
+            "{did} {}",
+            terminal::name(&session::display(&change.path))
+        )?;
     }
     Ok(())
 }

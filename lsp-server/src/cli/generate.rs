@@ -106,6 +106,9 @@ fn run(name: &str, arguments: &[String], packages: PackageConfig) -> ExitCode {
         limits: Limits::default(),
         base: PathBuf::new(),
         sink: OutputSink::Direct,
+        processes: crate::process::system(),
+        // `--confined` is for the generator to see, among its other options.
+        confined: None,
         failed_at: None,
     };
     let status = generate(arguments, &mut environment);

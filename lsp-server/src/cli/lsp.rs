@@ -3,6 +3,7 @@
 use clap::Args;
 
 use super::Outcome;
+use crate::process::folders;
 use crate::{logging, server};
 
 /// Serve an editor: the Language Server Protocol on standard input and output
@@ -17,6 +18,11 @@ pub(super) struct Arguments {
 
 pub(super) fn run() -> anyhow::Result<Outcome> {
     logging::install("warn,dotgen_lsp_server=info");
+    // What sessions left behind that could not clean up; nobody waits for it.
+    let cleaner = std::thread::Builder::new().name("cleaner".to_owned());
+    if let Err(error) = cleaner.spawn(folders::clean_up) {
+        tracing::warn!("temporary folders are not cleaned up: {error}");
+    }
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)
         .thread_name("dotgen")

@@ -8,6 +8,7 @@ use std::collections::HashSet;
 
 use clap::ValueEnum;
 use dotgen_analysis::diagnostic::{Diagnostic, Severity};
+use dotgen_analysis::terminal;
 
 use super::session::Texts;
 
@@ -62,6 +63,7 @@ pub(super) fn print(report: &Report, format: Format) -> anyhow::Result<()> {
 pub(super) fn note(text: &str) {
     use std::io::Write;
     let style = clap::builder::styling::AnsiColor::Cyan.on_default().bold();
+    let text = terminal::text(text);
     let _ = writeln!(anstream::stderr(), "{style}note{style:#}: {text}");
 }
 
@@ -69,6 +71,8 @@ pub(super) fn note(text: &str) {
 pub(super) fn failure(error: &anyhow::Error) {
     use std::io::Write;
     let style = clap::builder::styling::AnsiColor::Red.on_default().bold();
+    let error = format!("{error:#}");
+    let error = terminal::text(&error);
     // There is nowhere left to complain if this fails.
-    let _ = writeln!(anstream::stderr(), "{style}error{style:#}: {error:#}");
+    let _ = writeln!(anstream::stderr(), "{style}error{style:#}: {error}");
 }

@@ -1,5 +1,6 @@
 //! `dotgen verify`
 
+mod explain;
 mod interrupt;
 mod json;
 mod progress;
@@ -13,7 +14,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, ValueEnum};
 use dotgen_analysis::host::FileContent;
 use dotgen_timing::derive::{Progress as Asking, Sensitivity};
-use dotgen_timing::explore::Limits;
+use dotgen_timing::explore::{Kind, Limits};
 use dotgen_timing::remark::together;
 use dotgen_timing::report::Report;
 use dotgen_timing::scn;
@@ -26,6 +27,8 @@ use self::told::Told;
 use super::session::{self, Session};
 use super::{Outcome, Reading};
 use crate::verification::Problem;
+use crate::verification::first::{self, FirstAnswer};
+use crate::verification::view::View;
 use crate::vfs;
 
 /// Verify real-time properties: deadlines, response times, bounded responses
@@ -34,8 +37,9 @@ use crate::vfs;
 /// files are verified together as one system, with their permanent activities and a client that may
 /// send any request at any time. Options override what the scenario says.
 ///
-/// Exit status: 0 if all checks hold, 1 if one fails, 3 if none fails but one was given up, 2 if
-/// nothing could be verified (wrong usage, a file that cannot be read or has errors).
+/// Exit status: 0 if all checks hold, 1 if one fails, 3 if none fails but one was given up or had nothing to
+/// verify (execution times are missing), 2 if nothing could be verified (wrong usage, a file that cannot be read
+/// or has errors).
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// Scenarios (.scn) and specifications (.gen)
@@ -78,6 +82,14 @@ pub(super) struct Arguments {
     /// task with which every deadline is met
     #[arg(long)]
     sensitivity: bool,
+
+    /// Tell which reductions of the exploration were used, and why others were not
+    #[arg(long)]
+    explain: bool,
+
+    /// Switch off a reduction, to see what it brings: a name as `--explain` tells them
+    #[arg(long, value_name = "REDUCTION", value_parser = reduction, hide = true)]
+    without: Vec<Kind>,
 
     /// How to print the answers
     #[arg(long, value_enum, default_value_t = Format::Text)]
@@ -127,6 +139,8 @@ struct Answer {
     problem: Problem,
     options: Options,
     report: Report,
+    /// What holds with fewer requests, where no scenario is written.
+    first: Vec<FirstAnswer>,
     /// What was said beside it, for programs.
     diagnostics: serde_json::Value,
     sensitivity: Option<Sensitivity>,
@@ -144,6 +158,13 @@ fn cores(text: &str) -> Result<Cores, String> {
 fn threads(text: &str) -> Result<usize, String> {
     let threads = text.parse().ok().filter(|&it| it > 0);
     threads.ok_or_else(|| "give a number of threads from 1 on".to_owned())
+}
+
+fn reduction(text: &str) -> Result<Kind, String> {
+    Kind::named(text).ok_or_else(|| {
+        let names = Kind::ALL.map(Kind::name);
+        format!("give one of {}", names.join(", "))
+    })
 }
 
 fn seconds(text: &str) -> Result<Duration, String> {
@@ -168,6 +189,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             cancel.limit(time);
         }
         let doing = format!("verifying {}", problem.scenario.name);
+        let first = match checks.is_empty() {
+            true => first::answers(&problem, &options, &cancel),
+            false => Vec::new(),
+        };
         let report = progress::during(&cancel, &doing, |tell| {
             problem.verify(&options, &cancel, &|it| {
                 tell(Doing {
@@ -202,17 +227,21 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             problem,
             options,
             report,
+            first,
             diagnostics,
             sensitivity,
         });
     }
     match arguments.format {
-        Format::Text => text::print(&answers)?,
+        Format::Text => text::print(&answers, arguments.explain)?,
         Format::Json => json::print(&answers)?,
     }
     Ok(if answers.iter().any(|it| it.report.refuted()) {
         Outcome::Errors
-    } else if answers.iter().any(|it| it.report.unknown()) {
+    } else if answers
+        .iter()
+        .any(|it| it.report.unknown() || it.report.nothing())
+    {
         Outcome::GaveUp
     } else {
         Outcome::Fine
@@ -272,6 +301,7 @@ impl Arguments {
             states: self.max_states.unwrap_or(most),
             bytes: self.max_memory.saturating_mul(1 << 20),
             threads: self.threads.unwrap_or(Limits::default().threads),
+            without: self.without.iter().copied().collect(),
         };
         let mut at = problem.text.len();
         let mut parsed = Vec::new();
@@ -322,6 +352,10 @@ fn check(body: &str, at: usize) -> anyhow::Result<Check> {
 impl Answer {
     fn settings(&self) -> dotgen_timing::system::settings::Settings {
         settings(&self.problem.scenario, &self.options)
+    }
+
+    fn view(&self) -> View<'_> {
+        View::new(&self.problem, &self.options, &self.report)
     }
 
     fn file(&self) -> String {

@@ -163,6 +163,7 @@ impl Verification {
                 states: self.max_states.unwrap_or(2_000_000) as usize,
                 bytes: (self.max_memory.unwrap_or(1024) as usize) << 20,
                 threads: Limits::default().threads.saturating_sub(1).max(1),
+                ..Limits::default()
             },
             ..Options::default()
         }

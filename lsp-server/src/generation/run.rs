@@ -11,7 +11,7 @@ use dotgen_codegen::catalog::{self, TemplateInfo, TemplateOption};
 use dotgen_codegen::command::{self, Environment};
 use dotgen_codegen::template::console::Captured;
 use dotgen_codegen::template::discover::SearchPath;
-use dotgen_codegen::template::{Limits, OutputSink, PreviewFile, TemplatePlace};
+use dotgen_codegen::template::{Confined, Limits, OutputSink, PreviewFile, TemplatePlace};
 use rustc_hash::FxHashMap;
 
 use super::choices;
@@ -28,6 +28,8 @@ pub(crate) struct Job {
     pub(crate) file: Utf8PathBuf,
     /// The workspace folder, or that of the file.
     pub(crate) folder: Utf8PathBuf,
+    /// Where results may be: the workspace, or the folder of a file that is in none.
+    folders: Vec<Utf8PathBuf>,
     pub(crate) config: Arc<Config>,
     pub(crate) client: Arc<ClientCaps>,
     /// Texts of the open documents: they count, saved or not.
@@ -66,8 +68,14 @@ pub(crate) fn job(snapshot: &Snapshot, subject: &Subject, _: &()) -> Cancellable
     let project = snapshot.config.project(&file);
     let folder = project.map(|it| it.directory.clone()).or(folder);
     let folder = folder.or_else(|| crate::config::nearest_directory(&file));
+    let folder = folder.unwrap_or(own);
+    let mut folders = snapshot.folders.to_vec();
+    if !folders.iter().any(|it| file.starts_with(it)) {
+        folders.push(folder.clone());
+    }
     Ok(Some(Box::new(Job {
-        folder: folder.unwrap_or(own),
+        folder,
+        folders,
         file,
         config: snapshot.config.clone(),
         client: snapshot.client.clone(),
@@ -191,6 +199,10 @@ impl Job {
             },
             base: self.file.parent().map(Into::into).unwrap_or_default(),
             sink: OutputSink::preview(),
+            processes: crate::process::system(),
+            confined: Some(Confined {
+                results: self.folders.iter().map(|it| it.into()).collect(),
+            }),
             failed_at: None,
         };
         let status = command::generate(&arguments, &mut environment);

@@ -114,7 +114,7 @@ fn prototypes(
         .into_iter()
         .map(|(language, text)| {
             let fence = if language == "c++" { "cpp" } else { language };
-            format!("```{fence}\n{text};\n```")
+            dotgen_analysis::markdown::block(fence, &format!("{text};"))
         })
         .collect();
     Ok((!blocks.is_empty()).then(|| blocks.join("\n\n")))

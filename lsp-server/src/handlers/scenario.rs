@@ -7,6 +7,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::{Diagnostic, FileEdit};
 use dotgen_analysis::host::{Cancellable, FileContent};
 use dotgen_analysis::ide::FilePosition;
+use dotgen_analysis::markdown;
 use dotgen_analysis::source_map::Locations;
 use dotgen_timing::scn::complete::{self, CompletionKind as Kind, Completions};
 use dotgen_timing::scn::lexer::{self, lex};
@@ -224,7 +225,7 @@ pub(crate) fn hover(
         contents: HoverContents::Markup(match snapshot.client.markdown_hover {
             true => MarkupContent {
                 kind: MarkupKind::Markdown,
-                value: format!("```\n{}\n```\n{}", it.form, it.meaning),
+                value: format!("{}\n{}", markdown::block("", &it.form), it.meaning),
             },
             false => MarkupContent {
                 kind: MarkupKind::PlainText,

@@ -11,8 +11,8 @@ use std::ops::Range;
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::source_map::Locations;
-use dotgen_timing::report::CheckReport;
-use dotgen_timing::scn::ast::{Check, CheckKind, Path, Scenario};
+use dotgen_timing::report::TaskId;
+use dotgen_timing::scn::names::Names;
 use serde_json::{Value, json};
 
 use crate::proto::*;
@@ -29,25 +29,23 @@ const SHOW: &str = "dotgen.showVerification";
 
 /// A task of a document: its name and the place of it.
 struct TaskAt {
-    /// `component.task`
-    name: String,
+    id: TaskId,
     range: Range<usize>,
 }
 
 /// The tasks that a file of a problem declares.
 fn tasks(problem: &Problem, path: &Utf8Path) -> Vec<TaskAt> {
     let mut out: Vec<TaskAt> = Vec::new();
-    for unit in &problem.units {
-        for component in problem::components(&unit.spec) {
-            for task in &component.tasks {
-                let place = unit.locations.locate(task.src);
-                if let Some(place) = place.filter(|it| it.path == path) {
-                    let name = format!("{}.{}", component.name, task.name);
-                    out.push(TaskAt {
-                        name,
-                        range: place.range,
-                    });
-                }
+    let specs = problem.specs();
+    for (c, member) in Names::new(&specs).components.iter().enumerate() {
+        let unit = &problem.units[member.spec_index];
+        for (t, task) in (0..).zip(&member.component.tasks) {
+            let place = unit.locations.locate(task.src);
+            if let Some(place) = place.filter(|it| it.path == path) {
+                out.push(TaskAt {
+                    id: (c, t),
+                    range: place.range,
+                });
             }
         }
     }
@@ -61,38 +59,6 @@ fn place(
 ) -> Option<(Utf8PathBuf, Range<usize>)> {
     let (spec, src) = src?;
     problem.place(spec, src)
-}
-
-/// The check of a scenario that a report answers.
-fn check_of<'s>(scenario: &'s Scenario, report: &CheckReport) -> Option<&'s Check> {
-    use dotgen_timing::scn::ast::Item;
-    let task = |kind: &str, path: &Option<Path>| {
-        report.check == kind && path.as_ref().is_none_or(|it| it.text() == report.of)
-    };
-    let is = |kind: &str, of: String| report.check == kind && of == report.of;
-    let mut checks = scenario.items.iter().filter_map(|it| match it {
-        Item::Check(check) => Some(check),
-        _ => None,
-    });
-    checks.find(|it| {
-        it.name.as_ref().map(|it| it.value.as_str()) == report.name.as_deref()
-            && match &it.kind {
-                CheckKind::Schedulable(path) => task("schedulable", path),
-                CheckKind::NoOverdue(path) => task("no-overdue", path),
-                CheckKind::Response(path, bound) => {
-                    task("response", path) && bound.is_some() == report.bound.is_some()
-                }
-                CheckKind::Within(p, q, bound) => {
-                    is("within", format!("{} => {}", p.text(), q.text()))
-                        && bound.is_some() == report.bound.is_some()
-                }
-                CheckKind::LeadsTo(p, q) => is("leadsto", format!("{} => {}", p.text(), q.text())),
-                CheckKind::Eventually(p) => is("eventually", p.text()),
-                CheckKind::Always(p) => is("always", p.text()),
-                CheckKind::Reachable(p) => is("reachable", p.text()),
-                CheckKind::Deadlock => report.check == "deadlock",
-            }
-    })
 }
 
 /// The argument of [`SHOW`].

@@ -11,6 +11,7 @@ use super::{Event, State};
 use crate::caps::is_watched;
 use crate::codels;
 use crate::convert::uri;
+use crate::ext::DocumentText;
 use crate::proto::*;
 use crate::snapshot::{DocumentKind, OpenFile};
 use crate::templates;
@@ -22,6 +23,12 @@ pub(crate) enum Mutation {
     Open(DidOpenTextDocumentParams),
     /// `didChange`
     Change(DidChangeTextDocumentParams),
+    /// The last change of a document brought something that is no text, and was mended.
+    Mended(Uri),
+    /// The client has sent the text of such a document again.
+    SentAgain(Uri, Option<DocumentText>),
+    /// `didSave`
+    Saved(Uri),
     /// `didClose`
     Close(DidCloseTextDocumentParams),
     /// `didChangeWatchedFiles`
@@ -50,6 +57,8 @@ impl State {
                     kind: self.kind(&path, &document.language_id),
                 };
                 self.documents.open(path.clone(), file, document.text);
+                self.publisher.reopen(&path);
+                self.mended.remove(&path);
                 if self.workspace.adopt(&path) {
                     self.reconfigure();
                 }
@@ -60,6 +69,9 @@ impl State {
                 let path = uri::to_path(&params.text_document.uri);
                 let version = params.text_document.version;
                 let encoding = self.client.encoding;
+                if self.mended.contains(&path) {
+                    self.ask_for_text(params.text_document.uri);
+                }
                 match self
                     .documents
                     .edit(&path, version, params.content_changes, encoding)
@@ -73,8 +85,12 @@ impl State {
                     Edited::Ignored => tracing::warn!(%path, version, "edit ignored"),
                 }
             }
+            Mutation::Mended(uri) => self.mended(uri),
+            Mutation::SentAgain(uri, sent) => self.sent_again(&uri, sent),
+            Mutation::Saved(uri) => self.saved(&uri),
             Mutation::Close(params) => {
                 let path = uri::to_path(&params.text_document.uri);
+                self.mended.remove(&path);
                 if self.documents.close(&path) {
                     self.pending.roots = true;
                     self.publisher.forget(&path);
@@ -116,7 +132,7 @@ impl State {
         }
     }
 
-    fn touch(&mut self, path: Utf8PathBuf) {
+    pub(super) fn touch(&mut self, path: Utf8PathBuf) {
         let is_specification = self.kind_of(&path) == DocumentKind::Specification;
         if is_specification && self.active.as_ref() != Some(&path) {
             self.active = Some(path.clone());

@@ -29,7 +29,7 @@ async fn until(client: &mut Client, uri: &str, version: i64, status: &str) {
         if it["uri"] == uri && it["version"] == version && it["status"] == status {
             return;
         }
-        let settled = ["proved", "refuted", "gave-up", "blocked"].map(Value::from);
+        let settled = ["proved", "refuted", "gave-up", "nothing", "blocked"].map(Value::from);
         assert!(
             it["uri"] != uri || it["version"] != version || !settled.contains(&it["status"]),
             "{it} after {seen:?}"
@@ -614,5 +614,53 @@ async fn what_was_given_up_names_the_setting_to_raise() {
     let text = warning["message"].as_str().expect("text");
     assert!(text.starts_with("2 codels have no `wcet`"), "{text}");
     assert_eq!(warning["location"]["uri"], folder.uri("pump.gen"));
+    client.finish_ignoring(STATUS).await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn each_check_is_answered_where_it_is_written() {
+    let folder = Folder::new(&[("pump.gen", &pump("4 ms"))]);
+    let mut client = Client::start(telling(&folder)).await;
+    let scn = folder.uri("pump.scn");
+    let text = "scenario tank {\n  use \"pump.gen\";\n  check response pump.t <= 10 ms;\n  check response pump.t <= 2 ms;\n}\n";
+    client.open(&scn, text).await;
+    until(&mut client, &scn, 1, "refuted").await;
+    let report = client.ok("textDocument/diagnostic", document(&scn)).await;
+    let exceeded = report["items"].as_array().expect("a list").iter();
+    let exceeded = exceeded.filter(|it| it["code"] == "timing/response-exceeded");
+    let lines: Vec<&Value> = exceeded.map(|it| &it["range"]["start"]["line"]).collect();
+    assert_eq!(lines, [3], "{report}");
+    let lenses = client.ok("textDocument/codeLens", document(&scn)).await;
+    let mut titles: Vec<(u64, &str)> = Vec::new();
+    for it in lenses.as_array().expect("a list") {
+        let line = it["range"]["start"]["line"].as_u64().expect("a line");
+        titles.push((line, it["command"]["title"].as_str().expect("text")));
+    }
+    let of = |line| titles.iter().find(|it| it.0 == line).map(|it| it.1);
+    assert_eq!(
+        (of(2), of(3)),
+        (Some("4 ms · proved"), Some("4 ms · refuted"))
+    );
+    client.finish_ignoring(STATUS).await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn without_execution_times_no_lens_is_green() {
+    let text = "component pump {\n  task t { period 10 ms;\n    codel<start> f() yield pause::start;\n  };\n};\n";
+    let folder = Folder::new(&[("pump.gen", text)]);
+    let mut client = Client::start(telling(&folder)).await;
+    let (uri, scn) = (folder.uri("pump.gen"), folder.uri("pump.scn"));
+    let scenario =
+        "scenario s {\n  use \"pump.gen\";\n  check schedulable *;\n  check response *;\n}\n";
+    client.open(&scn, scenario).await;
+    until(&mut client, &scn, 1, "nothing").await;
+    client.open(&uri, text).await;
+    until(&mut client, &scn, 1, "nothing").await;
+    let mut titles = lenses(&mut client, &scn).await;
+    titles.extend(lenses(&mut client, &uri).await);
+    let nothing = titles.iter().filter(|it| it.contains("nothing to verify"));
+    assert!(nothing.count() >= 4, "{titles:?}");
+    let green = |it: &String| it.contains("proved") || it.contains("slack");
+    assert!(!titles.iter().any(green), "{titles:?}");
     client.finish_ignoring(STATUS).await;
 }

@@ -73,7 +73,8 @@ fn smaller(scenario: &Scenario, written: bool) -> &'static str {
         (false, true) => "write a scenario whose client sends only the requests that matter",
         (true, true) => "let the clients of the scenario send less",
         (_, false) => {
-            "explore less: a coarser `unit`, `loop once`, or `durations fixed` for worst cases only"
+            "explore less: `loop once`, `durations fixed` for worst cases only, or a coarser `unit`, which rounds durations up, \
+             so that what is proved still holds and what fails may be a false alarm"
         }
     }
 }
@@ -110,8 +111,8 @@ mod tests {
         expect_test::expect![[r#"
             raise `--max-states`, or write a scenario whose client sends only the requests that matter
             raise `--max-memory`, or let the clients of the scenario send less
-            raise `verification.time-limit` in the settings, or explore less: a coarser `unit`, `loop once`, or `durations fixed` for worst cases only
-            raise `verification.time-limit` and `verification.max-states` in the settings, or explore less: a coarser `unit`, `loop once`, or `durations fixed` for worst cases only
+            raise `verification.time-limit` in the settings, or explore less: `loop once`, `durations fixed` for worst cases only, or a coarser `unit`, which rounds durations up, so that what is proved still holds and what fails may be a false alarm
+            raise `verification.time-limit` and `verification.max-states` in the settings, or explore less: `loop once`, `durations fixed` for worst cases only, or a coarser `unit`, which rounds durations up, so that what is proved still holds and what fails may be a false alarm
         "#]]
         .assert_eq(&all.join("\n"));
     }

@@ -102,6 +102,7 @@ mod tests {
             task: None,
             what: what.to_string(),
             kind: MomentKind::Begin,
+            for_core: false,
             codel: None,
             src: None,
         };

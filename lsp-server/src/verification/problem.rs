@@ -75,16 +75,13 @@ pub fn diagnostic(it: &scn::Diagnostic, path: &Utf8Path) -> Diagnostic {
         scn::Severity::Error => Severity::Error,
         scn::Severity::Warning => Severity::Warning,
     };
-    Diagnostic {
-        code: it.code,
+    Diagnostic::new(
+        it.code,
         severity,
-        message: it.message.clone(),
-        path: path.to_owned(),
-        range: it.range.clone(),
-        related: Vec::new(),
-        tags: Vec::new(),
-        fixes: Vec::new(),
-    }
+        it.message.clone(),
+        path.to_owned(),
+        it.range.clone(),
+    )
 }
 
 /// The unit of a file for a scenario in `directory`, which is searched for includes after the
@@ -303,14 +300,5 @@ fn add_errors_of(unit: &UnitResult, errors: &mut Vec<Diagnostic>) {
 }
 
 fn error(code: &'static str, path: &Utf8Path, range: Range<usize>, message: String) -> Diagnostic {
-    Diagnostic {
-        code,
-        severity: Severity::Error,
-        message,
-        path: path.to_owned(),
-        range,
-        related: Vec::new(),
-        tags: Vec::new(),
-        fixes: Vec::new(),
-    }
+    Diagnostic::new(code, Severity::Error, message, path.to_owned(), range)
 }

@@ -2,6 +2,7 @@
 
 use dotgen_analysis::model::Seconds;
 use dotgen_timing::analytic::response_bounds;
+use dotgen_timing::report::TaskId;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::build::build;
 use dotgen_timing::verify::{Options, settings};
@@ -13,6 +14,8 @@ use super::summary::Scale;
 /// A bound on the response time of a task: never below the exact value.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct TaskBound {
+    /// Which task.
+    pub(crate) id: TaskId,
     /// `component.task`
     pub(crate) task: String,
     /// In the unit of the report.
@@ -30,20 +33,15 @@ pub(crate) fn quick_bounds(problem: &Problem, options: &Options) -> Vec<TaskBoun
     }
     let (scale, system) = (Scale::of(&settings), &built.system);
     let bounds = response_bounds(system);
-    let of_task = |(task, bound): (_, Option<u32>)| {
-        let task: &dotgen_timing::system::Task = task;
-        let bound: Seconds = system.unit * Ratio::from_integer(i128::from(bound?));
+    let of_task = |(&id, &task): (&TaskId, &usize)| {
+        let bound: Seconds = system.unit * Ratio::from_integer(i128::from(bounds[task]?));
         Some(TaskBound {
-            task: format!("{}.{}", system.components[task.component].name, task.name),
+            id,
+            task: system.task_path(task),
             bound: scale.from_seconds(bound),
         })
     };
-    let mut out: Vec<TaskBound> = system
-        .tasks
-        .iter()
-        .zip(bounds)
-        .filter_map(of_task)
-        .collect();
+    let mut out: Vec<TaskBound> = built.tasks.iter().filter_map(of_task).collect();
     out.sort_by(|a, b| a.task.cmp(&b.task));
     out
 }

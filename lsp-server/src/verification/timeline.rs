@@ -30,7 +30,7 @@ pub(crate) fn of_run(title: String, unit: &str, events: &[Event], ending: Ending
         let next = match event.kind {
             MomentKind::Begin => Some(BarKind::Run),
             MomentKind::Wait => Some(BarKind::WaitLock),
-            MomentKind::Release if event.what.contains("core") => Some(BarKind::WaitCore),
+            MomentKind::Release if event.for_core => Some(BarKind::WaitCore),
             _ => None,
         };
         let ends = matches!(
@@ -239,6 +239,7 @@ mod tests {
             task: Some(task.to_owned()),
             what: what.to_owned(),
             kind,
+            for_core: kind == MomentKind::Release,
             codel: None,
             src: None,
         }

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use camino::Utf8PathBuf;
 use dotgen_timing::derive::minimum_cores;
+use dotgen_timing::property::PropertyKind;
 use dotgen_timing::report::Verdict;
 use dotgen_timing::verify::{Cancel, Options, SystemInput};
 use tokio::runtime::Handle;
@@ -136,7 +137,12 @@ pub(crate) fn run(
         return;
     }
     tell(Found::Answer(answer(report.clone(), None)));
-    let deadlines = || report.checks.iter().filter(|it| it.check == "schedulable");
+    let deadlines = || {
+        report
+            .checks
+            .iter()
+            .filter(|it| it.kind == PropertyKind::Schedulable)
+    };
     let worth_it = report.seconds < QUICK_SECONDS
         && deadlines().next().is_some()
         && deadlines().all(|it| it.verdict == Verdict::Proved);

@@ -1,8 +1,8 @@
 //! Compiler flags of packages: asks pkg-config when that may be run and is installed, otherwise
 //! reads `.pc` files (`pkg_file`).
 
+use std::ffi::OsString;
 use std::io::{ErrorKind, Read};
-use std::process::{Command, Stdio};
 use std::sync::mpsc;
 use std::time::Duration;
 
@@ -12,6 +12,7 @@ use dotgen_analysis::host::PackageFlags;
 
 use super::pkg_file;
 use crate::config::PackageConfig;
+use crate::process;
 
 /// How long pkg-config may take before it is given up.
 const PATIENCE: Duration = Duration::from_secs(10);
@@ -42,22 +43,22 @@ enum Failure {
 }
 
 fn run(program: &str, paths: &[Utf8PathBuf], arguments: &[String]) -> Result<String, Failure> {
-    let mut command = Command::new(program);
-    command
-        .args(["--cflags", "--print-errors", "--"])
-        .args(arguments)
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped());
+    let mut words: Vec<OsString> = ["--cflags", "--print-errors", "--"]
+        .map(Into::into)
+        .to_vec();
+    words.extend(arguments.iter().map(Into::into));
+    let mut environment = Vec::new();
     if !paths.is_empty() {
         let mut path: Vec<String> = paths.iter().map(|it| it.to_string()).collect();
         path.extend(std::env::var("PKG_CONFIG_PATH").ok());
-        command.env("PKG_CONFIG_PATH", path.join(":"));
+        environment.push(("PKG_CONFIG_PATH", path.join(":")));
     }
-    let mut child = command.spawn().map_err(|error| match error.kind() {
-        ErrorKind::NotFound => Failure::NotInstalled,
-        _ => Failure::Said(format!("cannot run `{program}`: {error}")),
-    })?;
+    let mut process =
+        process::ask(program, words, &environment).map_err(|error| match error.kind() {
+            ErrorKind::NotFound => Failure::NotInstalled,
+            _ => Failure::Said(format!("cannot run `{program}`: {error}")),
+        })?;
+    let child = &mut process.child;
 
     // Both pipes are drained on threads: a full one would block the child for ever.
     let (done, finished) = mpsc::channel();
@@ -87,15 +88,14 @@ fn run(program: &str, paths: &[Utf8PathBuf], arguments: &[String]) -> Result<Str
     );
     for _ in 0..2 {
         if finished.recv_timeout(PATIENCE).is_err() {
-            let _ = child.kill();
-            let _ = child.wait();
+            process.kill();
             let seconds = PATIENCE.as_secs();
             return Err(Failure::Said(format!(
                 "`{program}` gave no answer within {seconds} s"
             )));
         }
     }
-    let status = child
+    let status = process
         .wait()
         .map_err(|error| Failure::Said(format!("`{program}` was lost: {error}")))?;
     let text = |thread: std::thread::JoinHandle<String>| thread.join().unwrap_or_default();

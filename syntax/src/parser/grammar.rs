@@ -26,6 +26,7 @@ mod task;
 mod types;
 
 use super::{CompletedMarker, Fragment, Marker, Parser, TokenSet};
+use crate::finding::parsing::Parsing;
 use crate::kind::SyntaxKind::{self, *};
 
 /// Reads a whole file.
@@ -39,14 +40,8 @@ pub(super) fn fragment(p: &mut Parser<'_>, fragment: Fragment) {
 pub(super) fn wcet_pragma(p: &mut Parser<'_>) {
     let m = p.start();
     if name_ref(p) && property::quantity(p, property::TIME_UNITS) && !p.at(EOF) {
-        let found = p.describe_current();
-        p.push_error(
-            "wcet-pragma",
-            p.position(),
-            format!(
-                "expected the end of the line after the execution time, found {found}; remove it"
-            ),
-        );
+        let found = p.describe_current().into();
+        p.push_error(p.position(), Parsing::MoreInPragma { found });
     }
     while !p.at(EOF) {
         p.bump_any();
@@ -124,7 +119,7 @@ fn strings(p: &mut Parser<'_>) -> bool {
 
 fn string_token(p: &mut Parser<'_>) {
     if p.at(OPEN_STRING) {
-        p.error_here("this literal has no closing quote; add it where the text ends".to_owned());
+        p.error_here(Parsing::OpenLiteral);
         p.bump_any();
         // It took the rest of the file with it.
         p.mark_reported();
@@ -139,7 +134,7 @@ fn semicolon(p: &mut Parser<'_>, after: &str) {
 }
 
 /// Like [`semicolon`], where something else could have followed too.
-fn semicolon_or(p: &mut Parser<'_>, after: &str, others: &str) {
+fn semicolon_or(p: &mut Parser<'_>, after: &str, others: &'static str) {
     if p.is_reported() {
         // Something before the `;` was wrong: what is left of it goes with this declaration.
         let next = p.at_item_end() || spec::at_item(p) || types::at_member(p);
@@ -151,20 +146,27 @@ fn semicolon_or(p: &mut Parser<'_>, after: &str, others: &str) {
     if p.eat(SEMICOLON) {
         return;
     }
-    let message = if p.at(EOF) {
-        format!("missing `;` after {after}{others}: the file ends here; add `;`")
+    let after = after.into();
+    let kind = if p.at(EOF) {
+        Parsing::NoSemicolonAtEnd { after, others }
     } else {
-        let found = p.describe_current();
-        let help = if p.is_after_long_literal() && !spec::at_item(p) {
+        let found = p.describe_current().into();
+        if p.is_after_long_literal() && !spec::at_item(p) {
             p.turn_inside_out();
-            "add `;` before it, or the `\"` that the text over several lines lacks"
+            Parsing::NoSemicolonOrQuote {
+                after,
+                others,
+                found,
+            }
         } else {
-            "add `;` before it"
-        };
-        format!("missing `;` after {after}{others}: found {found}; {help}")
+            Parsing::NoSemicolon {
+                after,
+                others,
+                found,
+            }
+        }
     };
-    let position = p.position();
-    p.error_at("missing-semicolon", position, message);
+    p.error_here(kind);
 }
 
 impl Parser<'_> {

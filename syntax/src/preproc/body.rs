@@ -4,10 +4,11 @@ use smol_str::SmolStr;
 
 use super::{
     MacroSite,
-    env::{DefineProblem, Macro, MacroKind},
+    env::{Macro, MacroKind},
 };
 use crate::{
     directive::{Define, Name},
+    finding::preprocessing::Preprocessing,
     kind::SyntaxKind::{self, *},
     lexer::{RawTokens, is_trivia, is_word},
 };
@@ -71,72 +72,47 @@ pub(crate) fn lower_define(
     raw: &RawTokens,
     define: &Define,
     file: Option<&SmolStr>,
-) -> (Option<Macro>, Vec<DefineProblem>) {
+) -> (Option<Macro>, Vec<Preprocessing>) {
     let mut problems = Vec::new();
     let Some(name) = &define.name else {
-        problem(
-            &mut problems,
-            BAD,
-            "`#define` must be followed by the name of a macro",
-        );
+        problems.push(Preprocessing::DefineWithoutName);
         return (None, problems);
     };
     if name.text.contains('-') {
         // One of the hyphenated keywords, which the preprocessor does not know.
-        problem(
-            &mut problems,
-            BAD,
-            format!("the name of a macro cannot have a hyphen: `{}`", name.text),
-        );
+        problems.push(Preprocessing::Hyphen {
+            name: name.text.clone(),
+        });
         return (None, problems);
     }
 
     let kind = match &define.params {
         None => {
             if define.glued {
-                problem(
-                    &mut problems,
-                    BAD,
-                    format!(
-                        "a blank is missing between the macro `{}` and its body",
-                        name.text
-                    ),
-                );
+                problems.push(Preprocessing::NoBlank {
+                    name: name.text.clone(),
+                });
             }
             MacroKind::Object
         }
         Some(params) => {
             if !params.well_formed {
-                problem(
-                    &mut problems,
-                    BAD,
-                    format!(
-                        "the parameter list of the macro `{}` is broken: expected names separated \
-                         by commas, then `)`",
-                        name.text
-                    ),
-                );
+                problems.push(Preprocessing::BrokenParameters {
+                    name: name.text.clone(),
+                });
             } else if params.names.len() > MAX_PARAMS {
-                problem(
-                    &mut problems,
-                    BAD,
-                    format!(
-                        "the macro `{}` has more than {MAX_PARAMS} parameters",
-                        name.text
-                    ),
-                );
+                problems.push(Preprocessing::TooManyParameters {
+                    name: name.text.clone(),
+                    most: MAX_PARAMS,
+                });
             }
             let names = &params.names[..params.names.len().min(MAX_PARAMS)];
             for (i, param) in names.iter().enumerate() {
                 if names[..i].iter().any(|it| it.text == param.text) {
-                    problem(
-                        &mut problems,
-                        "pp-define-dup-param",
-                        format!(
-                            "the macro `{}` has two parameters `{}`",
-                            name.text, param.text
-                        ),
-                    );
+                    problems.push(Preprocessing::ParameterTwice {
+                        name: name.text.clone(),
+                        param: param.text.clone(),
+                    });
                     break;
                 }
             }
@@ -162,22 +138,13 @@ pub(crate) fn lower_define(
     )
 }
 
-const BAD: &str = "pp-define-bad";
-
-fn problem(problems: &mut Vec<DefineProblem>, code: &'static str, message: impl Into<String>) {
-    problems.push(DefineProblem {
-        code,
-        message: message.into(),
-    });
-}
-
 fn lower_body(
     text: &str,
     raw: &RawTokens,
     define: &Define,
     kind: &MacroKind,
     name: &Name,
-    problems: &mut Vec<DefineProblem>,
+    problems: &mut Vec<Preprocessing>,
 ) -> Vec<BodyToken> {
     let (params, variadic) = match kind {
         MacroKind::Function { params, variadic } => (Some(params), *variadic),
@@ -204,14 +171,9 @@ fn lower_body(
                 if variadic {
                     token.role = Role::Param(params.map_or(0, Vec::len) as u32);
                 } else if problems.is_empty() {
-                    problem(
-                        problems,
-                        "pp-va-args",
-                        format!(
-                            "`__VA_ARGS__` in the macro `{}`, whose parameters do not end in `...`",
-                            name.text
-                        ),
-                    );
+                    problems.push(Preprocessing::NotVariadic {
+                        name: name.text.clone(),
+                    });
                 }
             }
         }
@@ -226,11 +188,9 @@ fn lower_body(
                     token.role = Role::Stringize(param);
                     token.spaced = hash.spaced;
                 } else if problems.is_empty() {
-                    problem(
-                        problems,
-                        "pp-stringize",
-                        format!("`#` in the macro `{}` must precede a parameter", name.text),
-                    );
+                    problems.push(Preprocessing::Stringize {
+                        name: name.text.clone(),
+                    });
                 }
             }
             if token.kind == HASH && token.role == Role::Plain {
@@ -240,11 +200,9 @@ fn lower_body(
             }
         }
         if hash.is_some() && problems.is_empty() {
-            problem(
-                problems,
-                "pp-stringize",
-                format!("`#` in the macro `{}` must precede a parameter", name.text),
-            );
+            problems.push(Preprocessing::Stringize {
+                name: name.text.clone(),
+            });
         }
         body = lowered;
     }
@@ -252,14 +210,9 @@ fn lower_body(
     let edge = |it: Option<&BodyToken>| it.is_some_and(BodyToken::is_paste);
     if edge(body.first()) || edge(body.last()) {
         if problems.is_empty() {
-            problem(
-                problems,
-                BAD,
-                format!(
-                    "`##` is first or last in the body of the macro `{}`",
-                    name.text
-                ),
-            );
+            problems.push(Preprocessing::PasteAtEdge {
+                name: name.text.clone(),
+            });
         }
         while edge(body.first()) {
             body.remove(0);

@@ -2,24 +2,17 @@
 //! division by zero that matters only where the value depends on it.
 
 use super::token::Token;
-use crate::{kind::SyntaxKind::*, lexer::is_word};
+use crate::{finding::preprocessing::Preprocessing, kind::SyntaxKind::*, lexer::is_word};
 
 /// Parentheses, unary operators and conditionals inside one another.
 const MAX_DEPTH: u32 = 200;
-
-/// Why a condition has no value.
-#[derive(Debug, PartialEq, Eq)]
-pub(crate) struct CondError {
-    pub(crate) code: &'static str,
-    pub(crate) message: String,
-}
 
 /// Whether the condition holds. `tokens` are macro-expanded, but for the operands of `defined`, about which
 /// `is_defined` is asked.
 pub(crate) fn evaluate(
     tokens: &[Token],
     is_defined: impl Fn(&str) -> bool,
-) -> Result<bool, CondError> {
+) -> Result<bool, Preprocessing> {
     let lexemes = lexemes(tokens, is_defined)?;
     let mut parser = Parser {
         lexemes: &lexemes,
@@ -28,24 +21,13 @@ pub(crate) fn evaluate(
     };
     let value = parser.comma()?;
     if let Some(extra) = parser.peek() {
-        return Err(syntax(format!(
-            "unexpected {} in the condition",
-            extra.describe()
-        )));
+        return Err(Preprocessing::Unexpected {
+            found: extra.describe().into(),
+        });
     }
     match value {
         Some(value) => Ok(value.bits != 0),
-        None => Err(CondError {
-            code: "pp-if-div-zero",
-            message: "division by zero in the condition".into(),
-        }),
-    }
-}
-
-fn syntax(message: impl Into<String>) -> CondError {
-    CondError {
-        code: "pp-if-syntax",
-        message: message.into(),
+        None => Err(Preprocessing::DivisionByZero),
     }
 }
 
@@ -93,7 +75,10 @@ const SINGLES: [&str; 19] = [
 ];
 
 /// Numbers, names and `defined` replaced by their values, operators of two characters put together.
-fn lexemes(tokens: &[Token], is_defined: impl Fn(&str) -> bool) -> Result<Vec<Lexeme>, CondError> {
+fn lexemes(
+    tokens: &[Token],
+    is_defined: impl Fn(&str) -> bool,
+) -> Result<Vec<Lexeme>, Preprocessing> {
     let mut lexemes = Vec::with_capacity(tokens.len());
     let mut rest = tokens;
     while let Some((token, after)) = rest.split_first() {
@@ -112,7 +97,7 @@ fn lexemes(tokens: &[Token], is_defined: impl Fn(&str) -> bool) -> Result<Vec<Le
                     [] => (None, rest),
                 };
                 let name = name.filter(|it| is_word(it.kind, &it.text));
-                let name = name.ok_or_else(|| syntax("`defined` must be followed by a name"))?;
+                let name = name.ok_or_else(|| Preprocessing::DefinedWithoutName)?;
                 value = is_defined(&name.text);
                 rest = after;
             }
@@ -145,10 +130,9 @@ fn lexemes(tokens: &[Token], is_defined: impl Fn(&str) -> bool) -> Result<Vec<Le
                 } else if let Some(single) = SINGLES.into_iter().find(|&it| it == token.text) {
                     lexemes.push(Lexeme::Operator(single));
                 } else {
-                    return Err(syntax(format!(
-                        "`{}` cannot stand in a condition",
-                        token.text
-                    )));
+                    return Err(Preprocessing::BadToken {
+                        token: token.text.clone(),
+                    });
                 }
             }
         }
@@ -157,7 +141,7 @@ fn lexemes(tokens: &[Token], is_defined: impl Fn(&str) -> bool) -> Result<Vec<Le
 }
 
 /// Value of a number: a decimal, octal or hexadecimal integer; digits are read up to the first dot.
-fn number(text: &str) -> Result<Value, CondError> {
+fn number(text: &str) -> Result<Value, Preprocessing> {
     let spelled = text;
     let (text, whole) = match text.split_once('.') {
         Some((digits, _)) => (digits, false),
@@ -178,16 +162,17 @@ fn number(text: &str) -> Result<Value, CondError> {
         "" | "u" | "l" | "ll" | "ul" | "lu" | "ull" | "llu"
     );
     if !valid || (digits.is_empty() && whole) {
-        return Err(syntax(format!("`{spelled}` is not an integer")));
+        return Err(Preprocessing::NoInteger {
+            text: spelled.into(),
+        });
     }
     let mut bits = 0u64;
     for digit in digits.chars().filter_map(|it| it.to_digit(radix)) {
         bits = bits
             .checked_mul(u64::from(radix))
             .and_then(|it| it.checked_add(u64::from(digit)))
-            .ok_or_else(|| CondError {
-                code: "pp-if-range",
-                message: format!("the integer `{spelled}` does not fit in 64 bits"),
+            .ok_or_else(|| Preprocessing::TooLarge {
+                number: spelled.into(),
             })?;
     }
     Ok(Value {
@@ -197,8 +182,8 @@ fn number(text: &str) -> Result<Value, CondError> {
 }
 
 /// Value of a character constant.
-fn character(text: &str) -> Result<Value, CondError> {
-    let wrong = || syntax(format!("{text} is not a character constant"));
+fn character(text: &str) -> Result<Value, Preprocessing> {
+    let wrong = || Preprocessing::NoCharacter { text: text.into() };
     let content = text
         .get(1..text.len().saturating_sub(1))
         .ok_or_else(wrong)?;
@@ -271,7 +256,7 @@ impl Parser<'_> {
         found
     }
 
-    fn comma(&mut self) -> Result<Known, CondError> {
+    fn comma(&mut self) -> Result<Known, Preprocessing> {
         let mut value = self.conditional()?;
         while self.eat(",") {
             value = self.conditional()?;
@@ -279,16 +264,16 @@ impl Parser<'_> {
         Ok(value)
     }
 
-    fn conditional(&mut self) -> Result<Known, CondError> {
+    fn conditional(&mut self) -> Result<Known, Preprocessing> {
         self.depth += 1;
         if self.depth > MAX_DEPTH {
-            return Err(syntax("the condition is nested too deeply"));
+            return Err(Preprocessing::TooNested);
         }
         let mut value = self.binary(1)?;
         if self.eat("?") {
             let yes = self.comma()?;
             if !self.eat(":") {
-                return Err(syntax("`?` without `:` in the condition"));
+                return Err(Preprocessing::NoColon);
             }
             let no = self.conditional()?;
             value = value.and_then(|it| if it.bits != 0 { yes } else { no });
@@ -297,7 +282,7 @@ impl Parser<'_> {
         Ok(value)
     }
 
-    fn binary(&mut self, min_power: u8) -> Result<Known, CondError> {
+    fn binary(&mut self, min_power: u8) -> Result<Known, Preprocessing> {
         let mut lhs = self.unary()?;
         let mut last = 0;
         while let Some(operator) = self.operator()
@@ -305,9 +290,9 @@ impl Parser<'_> {
             && power >= min_power
         {
             if power == last && !associates {
-                return Err(syntax(format!(
-                    "`{operator}` does not chain: use parentheses"
-                )));
+                return Err(Preprocessing::NoChain {
+                    operator: operator.into(),
+                });
             }
             last = power;
             self.at += 1;
@@ -317,15 +302,14 @@ impl Parser<'_> {
         Ok(lhs)
     }
 
-    fn unary(&mut self) -> Result<Known, CondError> {
+    fn unary(&mut self) -> Result<Known, Preprocessing> {
         let mut operators = Vec::new();
         while let Some(operator) = self.operator() {
             match operator {
                 "!" | "~" | "-" | "+" => operators.push(operator),
                 "++" | "--" => {
-                    return Err(CondError {
-                        code: "pp-if-operator",
-                        message: format!("`{operator}` cannot be used in a condition"),
+                    return Err(Preprocessing::BadOperator {
+                        operator: operator.into(),
                     });
                 }
                 _ => break,
@@ -350,11 +334,11 @@ impl Parser<'_> {
         Ok(value)
     }
 
-    fn primary(&mut self) -> Result<Known, CondError> {
+    fn primary(&mut self) -> Result<Known, Preprocessing> {
         if self.eat("(") {
             let value = self.comma()?;
             if !self.eat(")") {
-                return Err(syntax("a `)` is missing in the condition"));
+                return Err(Preprocessing::NoParenthesis);
             }
             return Ok(value);
         }
@@ -366,12 +350,11 @@ impl Parser<'_> {
                 }
                 Ok(Some(value))
             }
-            Some(lexeme) => Err(syntax(format!(
-                "expected a value in the condition, found {}",
-                lexeme.describe()
-            ))),
-            None if self.lexemes.is_empty() => Err(syntax("the condition is missing")),
-            None => Err(syntax("the condition ends where a value is expected")),
+            Some(lexeme) => Err(Preprocessing::NoValue {
+                found: lexeme.describe().into(),
+            }),
+            None if self.lexemes.is_empty() => Err(Preprocessing::EmptyCondition),
+            None => Err(Preprocessing::ShortCondition),
         }
     }
 }

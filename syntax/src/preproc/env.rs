@@ -56,13 +56,6 @@ pub enum MacroKind {
     Line,
 }
 
-/// Something wrong with a `#define`.
-#[derive(Debug, PartialEq, Eq)]
-pub(crate) struct DefineProblem {
-    pub(crate) code: &'static str,
-    pub(crate) message: String,
-}
-
 impl Macro {
     /// An object-like macro that comes from no file.
     fn from_text(name: &str, body: &str) -> Macro {
@@ -180,7 +173,7 @@ impl MacroEnv {
             }
             (_, problem) => Err(problem.map_or_else(
                 || format!("`{head}` is not the name of a macro"),
-                |problem| problem.message,
+                |problem| problem.wording().to_string(),
             )),
         }
     }

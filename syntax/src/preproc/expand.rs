@@ -18,6 +18,7 @@ use super::{
 use crate::{
     SyntaxKind,
     directive::text_range,
+    finding::preprocessing::{Arguments, Preprocessing},
     kind::SyntaxKind::*,
     lexer::{RawTokens, is_trivia, is_word},
     line_index::LineIndex,
@@ -34,8 +35,7 @@ const MAX_DEPTH: u32 = 128;
 /// What went wrong in a call.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct CallProblem {
-    pub(crate) code: &'static str,
-    pub(crate) message: String,
+    pub(crate) kind: Preprocessing,
     /// Where the call ends as far as it was read, if it is read from the text of the file.
     pub(crate) end: Option<u32>,
 }
@@ -238,20 +238,15 @@ impl<'a> Expander<'a> {
             if self.open_call {
                 return false;
             }
-            self.limit(format!(
-                "the macros of this file expand to too many tokens; the last one was `{}`",
-                definition.name
-            ));
+            self.limit(Preprocessing::TooManyTokens {
+                name: definition.name.clone(),
+            });
         }
         false
     }
 
-    fn limit(&mut self, message: String) {
-        self.problems.push(CallProblem {
-            code: "pp-macro-limit",
-            message,
-            end: None,
-        });
+    fn limit(&mut self, kind: Preprocessing) {
+        self.problems.push(CallProblem { kind, end: None });
     }
 
     fn record(&mut self, token: &Token, site: Option<&MacroSite>) {
@@ -410,24 +405,14 @@ impl<'a> Expander<'a> {
                 if let (Some(source), Some(start)) = (run.source.as_deref_mut(), start) {
                     *source = start;
                 }
-                let message = match stop {
-                    Stop::Directive => format!(
-                        "a directive inside the arguments of the macro `{}`: close the call before \
-                         it",
-                        definition.name
-                    ),
-                    _ => format!(
-                        "the call of the macro `{}` has no closing parenthesis",
-                        definition.name
-                    ),
+                let name = definition.name.clone();
+                let kind = match stop {
+                    Stop::Directive => Preprocessing::DirectiveInCall { name },
+                    _ => Preprocessing::OpenCall { name },
                 };
                 if stop != Stop::Limit && !self.open_call {
                     self.open_call = true;
-                    self.problems.push(CallProblem {
-                        code: "pp-macro-eof",
-                        message,
-                        end: None,
-                    });
+                    self.problems.push(CallProblem { kind, end: None });
                 }
                 // Tokens of the text will be read again.
                 let from = start.map_or(u32::MAX, |it| it.next);
@@ -444,24 +429,21 @@ impl<'a> Expander<'a> {
         let complete =
             args.len() == named || variadic && (args.len() == named + 1 || args.len() > named);
         if !complete {
-            let count = |count: usize| match count {
-                1 => "1 argument".to_owned(),
-                count => format!("{count} arguments"),
-            };
             let given = if args.len() == 1 && args.iter().all(Vec::is_empty) {
                 0
             } else {
                 args.len()
             };
-            let message = format!(
-                "the macro `{}` takes {}{}, {given} given",
-                definition.name,
-                if variadic { "at least " } else { "" },
-                count(named),
-            );
+            let takes = Arguments {
+                count: named,
+                open: variadic,
+            };
             self.problems.push(CallProblem {
-                code: "pp-macro-args",
-                message,
+                kind: Preprocessing::WrongArguments {
+                    name: definition.name.clone(),
+                    takes,
+                    given,
+                },
                 end,
             });
         }
@@ -558,9 +540,9 @@ impl<'a> Expander<'a> {
         if run.depth >= MAX_DEPTH {
             if !self.exhausted {
                 self.exhausted = true;
-                self.limit(format!(
-                    "more than {MAX_DEPTH} macro calls inside one another"
-                ));
+                self.limit(Preprocessing::TooManyCalls {
+                    most: MAX_DEPTH as usize,
+                });
             }
             return spelled.clone();
         }

@@ -4,7 +4,10 @@ use rowan::TextRange;
 use smol_str::SmolStr;
 
 use super::{Element, IncludeRequest, MacroEnv, MacroSite};
-use crate::directive::{Directive, DirectiveKind};
+use crate::{
+    directive::{Directive, DirectiveKind},
+    finding::preprocessing::Preprocessing,
+};
 
 /// An active `#include` and what came of it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -44,10 +47,8 @@ pub enum Severity {
 /// Something wrong with the characters or directives of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PpError {
-    /// The stable code (language reference, section 19).
-    pub code: &'static str,
-    /// What is wrong and what to do.
-    pub message: String,
+    /// What is wrong.
+    pub kind: Preprocessing,
     /// Where, in the text of the file.
     pub range: TextRange,
     /// How grave.

@@ -15,6 +15,7 @@ use super::{
 };
 use crate::{
     directive::{Directive, DirectiveKind, Name, Pragma, text_range},
+    finding::preprocessing::Preprocessing,
     kind::SyntaxKind::*,
     lexer::{RawTokens, is_trivia},
 };
@@ -133,8 +134,7 @@ impl Walker<'_> {
             let related = opening.map(|it| (it.range, "the conditional begins here"));
             let end = self.text.len();
             self.report(PpError {
-                code: "pp-cond-unterminated",
-                message: "the file ends inside a conditional: an `#endif` is missing".into(),
+                kind: Preprocessing::OpenConditional,
                 range: text_range(end, end),
                 severity: Severity::Error,
                 related,
@@ -214,7 +214,7 @@ impl Walker<'_> {
             match token.kind {
                 STRAY | HASH | HASH2 if !reported => {
                     reported = true;
-                    self.error("lex-stray", range, stray_message(&token.text));
+                    self.error(range, stray(&token.text));
                 }
                 STRAY | HASH | HASH2 => {}
                 IDENT if token.text == "_Pragma" => {
@@ -300,8 +300,7 @@ impl Walker<'_> {
             },
         };
         if literal.is_none() {
-            let message = "`_Pragma` takes exactly one string in parentheses: `_Pragma(\"…\")`";
-            self.error("pp-pragma-operator", range, message);
+            self.error(range, Preprocessing::PragmaOperator);
         } else {
             self.pragma(&pragma, range);
         }
@@ -425,7 +424,7 @@ impl Walker<'_> {
         match self.out.errors.len() {
             ..MAX_ERRORS => self.out.errors.push(error),
             MAX_ERRORS => self.out.errors.push(PpError {
-                message: "too many errors in this file: the others are not shown".into(),
+                kind: Preprocessing::TooMany,
                 related: None,
                 ..error
             }),
@@ -433,22 +432,18 @@ impl Walker<'_> {
         }
     }
 
-    fn error(&mut self, code: &'static str, range: TextRange, message: impl Into<String>) {
-        let message = message.into();
+    fn error(&mut self, range: TextRange, kind: Preprocessing) {
         self.report(PpError {
-            code,
-            message,
+            kind,
             range,
             severity: Severity::Error,
             related: None,
         });
     }
 
-    fn warning(&mut self, code: &'static str, range: TextRange, message: impl Into<String>) {
-        let message = message.into();
+    fn warning(&mut self, range: TextRange, kind: Preprocessing) {
         self.report(PpError {
-            code,
-            message,
+            kind,
             range,
             severity: Severity::Warning,
             related: None,
@@ -470,18 +465,13 @@ impl Walker<'_> {
                 Some(end) if spans_lines => self.span(end.saturating_sub(1), end),
                 _ => range,
             };
-            self.error(problem.code, at, problem.message);
+            self.error(at, problem.kind);
         }
     }
 
     fn report_stray(&mut self, i: u32) {
         let text = self.raw.text(self.text, i as usize);
-        let code = if text.bytes().any(|it| (1..=4).contains(&it)) {
-            "pp-bad-char"
-        } else {
-            "lex-stray"
-        };
-        self.error(code, self.expander.raw_range(i), stray_message(text));
+        self.error(self.expander.raw_range(i), stray(text));
     }
 
     /// The last token is a comment without end.
@@ -489,17 +479,16 @@ impl Walker<'_> {
         if !self.open_comment {
             self.open_comment = true;
             let start = self.raw.start(self.raw.len() - 1);
-            let message = "this comment has no end: `*/` is missing";
-            self.error("lex-comment-open", text_range(start, start + 2), message);
+            self.error(text_range(start, start + 2), Preprocessing::OpenComment);
         }
     }
 }
 
-/// Says what is wrong with characters that start no token.
-fn stray_message(text: &str) -> String {
+/// What is wrong with characters that start no token.
+fn stray(text: &str) -> Preprocessing {
     const SHOWN: usize = 20;
     if text.starts_with('\u{feff}') {
-        return "a byte order mark: save the file without it".into();
+        return Preprocessing::ByteOrderMark;
     }
     let mut shown: String = text
         .chars()
@@ -509,15 +498,15 @@ fn stray_message(text: &str) -> String {
     if text.chars().nth(SHOWN).is_some() {
         shown.push('…');
     }
-    if text.starts_with('#') {
-        return format!(
-            "`{shown}` is not at the beginning of a line: directives are lines of their own"
-        );
-    }
-    if text.is_ascii() {
-        format!("`{shown}` cannot stand here: remove it")
+    let shown = shown.into();
+    if text.bytes().any(|it| (1..=4).contains(&it)) {
+        Preprocessing::Control { shown }
+    } else if text.starts_with('#') {
+        Preprocessing::StrayHash { shown }
+    } else if text.is_ascii() {
+        Preprocessing::Stray { shown }
     } else {
-        format!("`{shown}` is only allowed in comments and strings: names are ASCII")
+        Preprocessing::NotAscii { shown }
     }
 }
 

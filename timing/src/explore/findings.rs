@@ -1,5 +1,6 @@
 //! What an exploration found.
 
+use super::reductions::Activity;
 use super::run::Run;
 use super::watch::Stop;
 use crate::system::Ticks;
@@ -53,6 +54,8 @@ pub struct Findings {
     pub no_deadlock: bool,
     /// Services of which a request was refused because no slot was free.
     pub refused: Vec<usize>,
+    /// Which reductions were used, of each exploration.
+    pub reductions: Vec<Vec<Activity>>,
     /// States kept.
     pub states: usize,
     /// Steps taken.
@@ -68,6 +71,7 @@ impl Findings {
     /// Adds the effort of another exploration for the same watch.
     pub(super) fn absorb(&mut self, other: &Findings) {
         self.states += other.states;
+        self.reductions.extend(other.reductions.iter().cloned());
         self.steps += other.steps;
         self.bytes = self.bytes.max(other.bytes);
         // What one exploration has answered says nothing about the next.

@@ -5,9 +5,9 @@ use std::rc::Rc;
 use rustc_hash::FxHashMap;
 
 use super::observe::{self, Observer};
+use super::rules::{Action, Enabled, Rules, with_rules};
 use super::run::Run;
-use super::state::{Layout, State};
-use super::step::{Action, Enabled, Stepper};
+use super::state::{Clocks, State};
 use super::store::{Encoded, decode, encode};
 use super::watch::{Limits, Stop};
 use crate::cancel::Cancel;
@@ -44,8 +44,15 @@ pub fn liveness(
     limits: Limits,
     cancel: &Cancel,
 ) -> Liveness {
-    let layout = Layout::new(system, &vec![false; system.tasks.len()], &[false]);
-    let stepper = Stepper::new(system, layout);
+    with_rules!(system, decide(query, limits, cancel))
+}
+
+fn decide<R: Rules>(rules: &R, query: &LivenessQuery, limits: Limits, cancel: &Cancel) -> Liveness {
+    let clocks = Clocks {
+        within: vec![false],
+        ..Clocks::none(rules.system().tasks.len())
+    };
+    let rules = rules.with_clocks(&clocks);
     // "Always" as a trigger: true in the initial state.
     let always = || {
         Predicate::Or(
@@ -58,7 +65,7 @@ pub fn liveness(
         response: query.response.clone(),
     }];
     Graph {
-        stepper,
+        rules,
         observers,
         once: query.trigger.is_none(),
         limits,
@@ -70,8 +77,8 @@ pub fn liveness(
 /// States looked at between two looks at what may end the search.
 const LOOKS: usize = 64;
 
-struct Graph<'a> {
-    stepper: Stepper<'a>,
+struct Graph<'a, R> {
+    rules: R,
     observers: [Observer; 1],
     /// Nothing matters after the first answer.
     once: bool,
@@ -93,15 +100,15 @@ struct Visit {
     time: u64,
 }
 
-impl Graph<'_> {
+impl<R: Rules> Graph<'_, R> {
     fn search(&self) -> Liveness {
         let mut visits: Vec<Visit> = Vec::new();
         let mut ids: FxHashMap<Rc<Encoded>, u32> = FxHashMap::default();
         let mut successors: Vec<Vec<u32>> = Vec::new();
-        let mut initial = self.stepper.initial();
-        observe::observe(&self.stepper, &self.observers, None, &mut initial);
+        let mut initial = self.rules.initial();
+        observe::observe(&self.rules, &self.observers, None, &mut initial);
         let mut first = Encoded::default();
-        encode(&self.stepper, &initial, &mut first);
+        encode(self.rules.frame(), &initial, &mut first);
         let mut bytes = weight(&first);
         let first = Rc::new(first);
         ids.insert(first.clone(), 0);
@@ -122,7 +129,11 @@ impl Graph<'_> {
                     break;
                 }
             }
-            let s = decode(&self.stepper, &visits[at].state.key, &visits[at].state.dims);
+            let s = decode(
+                self.rules.frame(),
+                &visits[at].state.key,
+                &visits[at].state.dims,
+            );
             let mut next_ids = Vec::new();
             if self.open(&s) || !self.once {
                 for (edge, next, forever) in self.successors(&s, &mut enabled) {
@@ -132,7 +143,7 @@ impl Graph<'_> {
                         continue;
                     }
                     let mut it = Encoded::default();
-                    encode(&self.stepper, &next, &mut it);
+                    encode(self.rules.frame(), &next, &mut it);
                     let jump = match edge {
                         Edge::Pass(jump) => u64::from(jump),
                         Edge::Act(_) => 0,
@@ -185,30 +196,30 @@ impl Graph<'_> {
             if i.is_multiple_of(LOOKS) && self.cancel.is_too_late() {
                 return None;
             }
-            let s = decode(&self.stepper, &it.state.key, &it.state.dims);
+            let s = decode(self.rules.frame(), &it.state.key, &it.state.dims);
             open.push(self.open(&s));
         }
         Some(open)
     }
 
     fn open(&self, s: &State) -> bool {
-        self.stepper.layout.open(s, 0) != 0
+        self.rules.frame().is_open(s, 0)
     }
 
     fn successors(&self, s: &State, enabled: &mut Enabled) -> Vec<(Edge, State, bool)> {
         let mut out = Vec::new();
-        self.stepper.enabled(s, enabled);
+        self.rules.enabled(s, enabled);
         for &action in &enabled.actions {
             let mut next = s.clone();
-            self.stepper.apply(&mut next, action);
-            observe::observe(&self.stepper, &self.observers, Some(s), &mut next);
+            self.rules.apply(&mut next, action);
+            observe::observe(&self.rules, &self.observers, Some(s), &mut next);
             out.push((Edge::Act(action), next, false));
         }
         if !enabled.urgent && !enabled.forced {
-            match self.stepper.next_moment(s, &|_| false) {
+            match self.rules.next_moment(s, &|_| false) {
                 Some(jump) => {
                     let mut next = s.clone();
-                    self.stepper.elapse(&mut next, jump);
+                    self.rules.elapse(&mut next, jump);
                     out.push((Edge::Pass(jump), next, false));
                 }
                 None => out.push((Edge::Pass(0), s.clone(), true)),
@@ -237,8 +248,8 @@ impl Graph<'_> {
         run.end = time;
         let forever = {
             let it = &visits[cycle[0] as usize].state;
-            let s = decode(&self.stepper, &it.key, &it.dims);
-            self.stepper.next_moment(&s, &|_| false).is_none()
+            let s = decode(self.rules.frame(), &it.key, &it.dims);
+            self.rules.next_moment(&s, &|_| false).is_none()
         };
         if stuck && forever {
             return run;
@@ -248,10 +259,10 @@ impl Graph<'_> {
         for (i, &it) in cycle.iter().enumerate() {
             let to = &visits[cycle[(i + 1) % cycle.len()] as usize].state;
             let from = &visits[it as usize].state;
-            let s = decode(&self.stepper, &from.key, &from.dims);
+            let s = decode(self.rules.frame(), &from.key, &from.dims);
             for (edge, next, _) in self.successors(&s, &mut enabled) {
                 let mut encoded = Encoded::default();
-                encode(&self.stepper, &next, &mut encoded);
+                encode(self.rules.frame(), &next, &mut encoded);
                 if encoded == **to {
                     match edge {
                         Edge::Act(action) => run.steps.push((time, action)),
@@ -275,7 +286,7 @@ fn weight(it: &Encoded) -> usize {
     own + counts + index + 2 * (size_of::<Visit>() + list)
 }
 
-impl Graph<'_> {
+impl<R: Rules> Graph<'_, R> {
     /// A cycle through states that are all `open`.
     fn cycle(&self, successors: &[Vec<u32>], open: &[bool]) -> Option<Vec<u32>> {
         // Depth-first search with colours; a back edge closes a cycle.

@@ -1,7 +1,8 @@
 //! Times that are measured by clocks: response times, and times from one event to another.
 
+use super::rules::Rules;
 use super::run::Run;
-use super::state::{Layout, State, TaskStatus};
+use super::state::{Frame, State, TaskStatus};
 use super::watch::Watch;
 use crate::system::Ticks;
 
@@ -16,7 +17,7 @@ pub(super) enum Timing {
 
 impl Timing {
     /// Its clock, if it has one.
-    pub(super) fn clock(self, l: &Layout) -> Option<usize> {
+    pub(super) fn clock(self, l: &Frame) -> Option<usize> {
         match self {
             Timing::Response(task) => l.response[task],
             Timing::Within(observer) => l.observer_clock[observer],
@@ -24,10 +25,10 @@ impl Timing {
     }
 
     /// Whether it is being measured in a state.
-    pub(super) fn runs(self, l: &Layout, s: &State) -> bool {
+    pub(super) fn runs<R: Rules>(self, rules: &R, s: &State) -> bool {
         match self {
-            Timing::Response(task) => l.status(s, task) != TaskStatus::Idle,
-            Timing::Within(observer) => l.open(s, observer) != 0,
+            Timing::Response(task) => rules.job(s, task) != TaskStatus::Idle,
+            Timing::Within(observer) => rules.frame().is_open(s, observer),
         }
     }
 }

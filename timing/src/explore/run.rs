@@ -3,10 +3,10 @@
 use rustc_hash::FxHashMap;
 
 use super::observe::{self, Observer};
-use super::state::{Layout, State, TaskStatus, control, phase};
-use super::step::{Action, Stepper};
+use super::rules::{Action, Rules, with_rules};
+use super::state::State;
 use crate::cancel::Cancel;
-use crate::system::{FOREVER, Ticks, TimedSystem, Yield};
+use crate::system::{FOREVER, Ticks, TimedSystem};
 
 /// Steps of a run that is made longer by repetition, at most.
 const PROLONGED: usize = 10_000;
@@ -74,26 +74,26 @@ impl Run {
 
     /// Two moments of the last `recent` units of the run with the same state just before time passes,
     /// observation clocks apart: what is between them can go on for ever.
-    pub(crate) fn repetition(
+    pub(crate) fn repetition<R: Rules>(
         &self,
-        stepper: &Stepper,
+        rules: &R,
         (observers, recent): (&[Observer], Ticks),
         cancel: &Cancel,
     ) -> Option<(u64, u64)> {
         let from = self.end.checked_sub(u64::from(recent))?;
         let mut seen = FxHashMap::default();
         let mut found = None;
-        self.replay(stepper, observers, |time, s, began| {
+        self.replay(rules, observers, |time, s, began| {
             if time < from {
                 return !(time.is_multiple_of(64) && cancel.is_abandoned());
             }
             // Elapsed instead of remaining times.
-            let elapsed: Vec<u64> = (0..stepper.layout.executors())
+            let elapsed: Vec<u64> = (0..rules.frame().executors())
                 .map(|e| {
-                    if stepper.layout.phase(s, e) & !phase::ASYNC != phase::EXECUTING {
+                    if !rules.frame().is_executing(s, e) {
                         return 0;
                     }
-                    let (lower, upper) = bounds(stepper, s, e);
+                    let (lower, upper) = rules.duration(s, e);
                     let elapsed = time - began[e];
                     if upper == FOREVER {
                         elapsed.min(u64::from(lower))
@@ -102,7 +102,7 @@ impl Run {
                     }
                 })
                 .collect();
-            let key = (s.d.clone(), stepper.layout.key_times(s).to_vec(), elapsed);
+            let key = (s.d.clone(), rules.frame().key_times(s).to_vec(), elapsed);
             found = seen.insert(key, time).map(|before| (before, time));
             found.is_none() && !(time.is_multiple_of(64) && cancel.is_abandoned())
         });
@@ -149,29 +149,29 @@ impl Run {
 
     /// Calls `calm` with the state before every unit of time that passes, the time, and when each
     /// executor began. Ends when it says so.
-    fn replay(
+    fn replay<R: Rules>(
         &self,
-        stepper: &Stepper,
+        rules: &R,
         observers: &[Observer],
         mut calm: impl FnMut(u64, &State, &[u64]) -> bool,
     ) {
-        let mut s = stepper.initial();
-        observe::observe(stepper, observers, None, &mut s);
+        let mut s = rules.initial();
+        observe::observe(rules, observers, None, &mut s);
         let mut now = 0;
-        let mut began = vec![0; stepper.layout.executors()];
+        let mut began = vec![0; rules.frame().executors()];
         for &(time, action) in &self.steps {
             while now < time {
                 if !calm(now, &s, &began) {
                     return;
                 }
-                advance(stepper, &mut s, 1);
+                advance(rules, &mut s, 1);
                 now += 1;
             }
             let before = s.clone();
-            stepper.apply(&mut s, action);
-            observe::observe(stepper, observers, Some(&before), &mut s);
+            rules.apply(&mut s, action);
+            observe::observe(rules, observers, Some(&before), &mut s);
             for (e, began) in began.iter_mut().enumerate() {
-                if began_in_step(stepper, &before, &s, action, e) {
+                if began_in_step(rules, &before, &s, action, e) {
                     *began = now;
                 }
             }
@@ -180,255 +180,55 @@ impl Run {
             if !calm(now, &s, &began) {
                 return;
             }
-            advance(stepper, &mut s, 1);
+            advance(rules, &mut s, 1);
             now += 1;
         }
     }
 
     /// The run in words.
     pub fn moments(&self, system: &TimedSystem) -> Vec<Moment> {
-        let layout = Layout::new(system, &vec![false; system.tasks.len()], &[]);
-        let stepper = Stepper::new(system, layout);
-        let mut s = stepper.initial();
-        let mut out = Vec::new();
-        let blank = stepper.layout.blank();
-        for e in 0..stepper.layout.executors() {
-            executor_moment(&stepper, &blank, &s, None, e, 0, &mut out);
-        }
-        let mut now = 0;
-        for &(time, action) in &self.steps {
-            if time > now {
-                advance(&stepper, &mut s, (time - now) as Ticks);
-                now = time;
-            }
-            let before = s.clone();
-            stepper.apply(&mut s, action);
-            moments_of(&stepper, &before, &s, action, now, &mut out);
-        }
-        out
+        with_rules!(system, told(self))
     }
+}
+
+fn told<R: Rules>(rules: &R, run: &Run) -> Vec<Moment> {
+    let mut s = rules.initial();
+    let mut out = Vec::new();
+    rules.tell((&rules.frame().blank(), &s), None, 0, &mut out);
+    let mut now = 0;
+    for &(time, action) in &run.steps {
+        if time > now {
+            advance(rules, &mut s, (time - now) as Ticks);
+            now = time;
+        }
+        let before = s.clone();
+        rules.apply(&mut s, action);
+        rules.tell((&before, &s), Some(action), now, &mut out);
+    }
+    out
 }
 
 /// Lets time pass although windows may end early: only their outcome matters here.
-fn advance(stepper: &Stepper, s: &mut State, time: Ticks) {
-    for e in 0..stepper.layout.executors() {
-        let (a, b) = stepper.layout.window(s, e);
+fn advance<R: Rules>(rules: &R, s: &mut State, time: Ticks) {
+    let l = rules.frame();
+    for e in 0..l.executors() {
+        let (a, b) = l.window(s, e);
         if b < time {
-            stepper.layout.set_window(s, e, (a, time));
+            l.set_window(s, e, (a, time));
         }
     }
-    stepper.elapse(s, time);
+    rules.elapse(s, time);
 }
 
-fn bounds(stepper: &Stepper, s: &State, executor: usize) -> (Ticks, Ticks) {
-    if let Some(codel) = stepper.codel(s, executor) {
-        let codel = &stepper.system.codels[codel];
-        return (codel.lower, codel.upper);
-    }
-    let l = &stepper.layout;
-    let client = executor - l.automata - l.components;
-    let position = l.position(s, client) as usize;
-    match stepper.system.clients[client]
-        .steps
-        .get(position)
-        .map(|it| &it.action)
-    {
-        Some(&crate::system::ClientAction::Delay(lower, upper)) => (lower, upper),
-        _ => (0, 0),
-    }
-}
-
-fn began_in_step(
-    stepper: &Stepper,
+fn began_in_step<R: Rules>(
+    rules: &R,
     before: &State,
     after: &State,
     action: Action,
     executor: usize,
 ) -> bool {
-    let executing = |s| stepper.layout.phase(s, executor) & !phase::ASYNC == phase::EXECUTING;
-    executing(after)
-        && (!executing(before)
+    let l = rules.frame();
+    l.is_executing(after, executor)
+        && (!l.is_executing(before, executor)
             || matches!(action, Action::Finish { executor: it, .. } if it == executor))
-}
-
-fn moments_of(
-    stepper: &Stepper,
-    before: &State,
-    after: &State,
-    action: Action,
-    time: u64,
-    out: &mut Vec<Moment>,
-) {
-    let system = stepper.system;
-    let l = &stepper.layout;
-    let of_task = |task: usize, kind, what: String| Moment {
-        time,
-        component: system.components[system.tasks[task].component].name.clone(),
-        task: Some(task),
-        codel: None,
-        what,
-        kind,
-    };
-    let of_component = |component: usize, what: String| Moment {
-        time,
-        component: system.components[component].name.clone(),
-        task: None,
-        codel: None,
-        what,
-        kind: MomentKind::Request,
-    };
-    match action {
-        Action::Tick { task } => {
-            let what = match (l.status(before, task), l.pending(before, task)) {
-                (TaskStatus::Idle, false) => "tick",
-                (TaskStatus::Idle, true) => "tick, the previous one is still kept",
-                (TaskStatus::Waiting, _) => "tick while waiting for a core",
-                (TaskStatus::Running, _) => "tick before the job has ended",
-            };
-            out.push(of_task(task, MomentKind::Tick, what.to_owned()));
-        }
-        Action::Release { task } => {
-            let what = if l.status(after, task) == TaskStatus::Waiting {
-                "released, asks for a core"
-            } else {
-                "released"
-            };
-            out.push(of_task(task, MomentKind::Release, what.to_owned()));
-        }
-        Action::Grant { task } => {
-            out.push(of_task(task, MomentKind::Grant, "gets a core".to_owned()));
-        }
-        Action::Finish { executor, outcome } => {
-            let codel = stepper.codel(before, executor);
-            if let Some(codel) = codel {
-                let (task, what) = if executor < l.automata {
-                    let machine = system.machine_of(executor);
-                    let state = &machine.states[l.at(before, executor) as usize];
-                    let to = match state.yields[outcome] {
-                        Yield::Next(to) => machine.states[to].name.clone(),
-                        Yield::Pause(to) => format!("pause::{}", machine.states[to].name),
-                        Yield::End => "ether".to_owned(),
-                    };
-                    (
-                        Some(system.automata[executor].task),
-                        format!("{} ends, yields {to}", system.codels[codel].path),
-                    )
-                } else {
-                    let verb = if outcome == 1 {
-                        "refuses"
-                    } else if l.control(before, executor - l.automata) == control::VALIDATE {
-                        "accepts"
-                    } else {
-                        "ends"
-                    };
-                    (None, format!("{} {verb}", system.codels[codel].path))
-                };
-                out.push(Moment {
-                    time,
-                    component: system.components[system.codels[codel].component]
-                        .name
-                        .clone(),
-                    task,
-                    codel: Some(codel),
-                    what,
-                    kind: MomentKind::End,
-                });
-            }
-        }
-        Action::Signal { component } => {
-            out.push(of_component(
-                component,
-                "reports ended activities".to_owned(),
-            ));
-        }
-        Action::Request { client, .. } => {
-            let step = &system.clients[client].steps[l.position(before, client) as usize];
-            if let crate::system::ClientAction::Send { service, .. } = step.action {
-                let component = system.services[service].component;
-                out.push(of_component(
-                    component,
-                    format!(
-                        "takes the request {} of client {}",
-                        system.service_path(service),
-                        system.clients[client].name
-                    ),
-                ));
-            }
-        }
-        Action::Proceed { .. } | Action::Acquire { .. } => {}
-    }
-    for e in 0..l.executors() {
-        executor_moment(stepper, before, after, Some(action), e, time, out);
-    }
-    for task in 0..l.tasks {
-        let ended =
-            l.status(before, task) != TaskStatus::Idle && l.status(after, task) == TaskStatus::Idle;
-        let empty = matches!(action, Action::Release { task: t } if t == task)
-            && l.status(after, task) == TaskStatus::Idle;
-        if ended || empty {
-            out.push(of_task(
-                task,
-                MomentKind::Complete,
-                "job complete".to_owned(),
-            ));
-        }
-    }
-}
-
-/// A codel begins, or begins to wait.
-fn executor_moment(
-    stepper: &Stepper,
-    before: &State,
-    after: &State,
-    action: Option<Action>,
-    executor: usize,
-    time: u64,
-    out: &mut Vec<Moment>,
-) {
-    let system = stepper.system;
-    let l = &stepper.layout;
-    if executor >= l.automata + l.components {
-        return;
-    }
-    let now = stepper.layout.phase(after, executor) & !phase::ASYNC;
-    if now == phase::REST {
-        return;
-    }
-    let was = stepper.layout.phase(before, executor) & !phase::ASYNC;
-    let again = matches!(action, Some(Action::Finish { executor: it, .. }) if it == executor);
-    if was == now && !again {
-        return;
-    }
-    let Some(codel) = stepper.codel(after, executor) else {
-        return;
-    };
-    let path = &system.codels[codel].path;
-    let (kind, what) = if now == phase::EXECUTING {
-        (MomentKind::Begin, format!("{path} begins"))
-    } else {
-        // Free locks are taken in a step of their own at the same moment: not worth a line.
-        let holders: Vec<&str> = (0..l.automata + l.components)
-            .filter(|&e| stepper.layout.phase(after, e) & !phase::ASYNC == phase::EXECUTING)
-            .filter_map(|e| stepper.codel(after, e))
-            .filter(|&it| system.codels[codel].conflicts.contains(it))
-            .map(|it| system.codels[it].path.as_str())
-            .collect();
-        if holders.is_empty() {
-            return;
-        }
-        (
-            MomentKind::Wait,
-            format!("{path} waits for {}", holders.join(", ")),
-        )
-    };
-    out.push(Moment {
-        time,
-        component: system.components[system.codels[codel].component]
-            .name
-            .clone(),
-        task: (executor < l.automata).then(|| system.automata[executor].task),
-        codel: Some(codel),
-        what,
-        kind,
-    });
 }

@@ -15,16 +15,13 @@ use self::news::{News, Teller};
 use self::trace::Traced;
 pub use self::zones::{InZones, in_zones};
 use self::zones::{Proof, Zones};
-use super::ample::{Ample, Visible};
 use super::findings::Findings;
-use super::lazy::Lazy;
 use super::measure::{Diverging, Gauge, How, Timing};
 use super::observe::Observer;
-use super::overtake::Overtake;
-use super::state::{Layout, State};
-use super::step::Stepper;
-use super::store::{Store, decode_to};
-use super::symmetry::{Asked, Label, Symmetry};
+use super::reductions::{Activity, Asked, Kind, Label, Reason, Reductions};
+use super::rules::{Rules, with_rules};
+use super::state::{Clocks, State};
+use super::store::{Covering, Store, decode_to};
 use super::watch::{Limits, Stop, Watch};
 use crate::cancel::Cancel;
 use crate::property::Predicate;
@@ -44,8 +41,18 @@ pub fn explore_telling(
     cancel: &Cancel,
     news: &mut dyn FnMut(&Findings),
 ) -> Findings {
+    with_rules!(system, explore_by(watch, limits, cancel, news))
+}
+
+fn explore_by<R: Rules>(
+    rules: &R,
+    watch: &Watch,
+    limits: Limits,
+    cancel: &Cancel,
+    news: &mut dyn FnMut(&Findings),
+) -> Findings {
     let mut gauges = Gauge::of(watch, &How::Shared);
-    let mut findings = until_measured(system, watch, &mut gauges, limits, cancel, news);
+    let mut findings = until_measured(rules, watch, &mut gauges, limits, cancel, news);
     // What grew suspiciously is measured alone, so that clocks do not multiply.
     for (i, gauge) in gauges.iter().enumerate() {
         let given_up = findings.stopped.is_some_and(|it| it != Stop::Answered);
@@ -65,7 +72,7 @@ pub fn explore_telling(
         };
         let mut own = Gauge::of(&alone, &How::Patient);
         own[0].excess.clone_from(&gauge.excess);
-        let mut found = until_measured(system, &alone, &mut own, limits, cancel, &mut |_| {});
+        let mut found = until_measured(rules, &alone, &mut own, limits, cancel, &mut |_| {});
         *place = found.response.pop().or(found.within.pop()).flatten();
         findings.absorb(&found);
     }
@@ -73,21 +80,26 @@ pub fn explore_telling(
 }
 
 /// Explores, again without what turns out to diverge.
-fn until_measured(
-    system: &TimedSystem,
+fn until_measured<R: Rules>(
+    rules: &R,
     watch: &Watch,
     gauges: &mut [Gauge],
     limits: Limits,
     cancel: &Cancel,
     news: Teller,
 ) -> Findings {
-    let zones_suit = !watch.in_order && zones::suit(system);
+    let zones = zones::suit(rules.system(), watch, limits);
+    let random = hunt::suits(watch, limits);
     let mut proof = None;
-    let mut hunt = (!watch.in_order).then(|| Hunt::new(watch));
+    let mut hunt = random.is_ok().then(|| Hunt::new(watch));
     loop {
-        let mut search = Search::new(system, watch, gauges, limits, cancel);
+        let mut search = Search::new(rules, watch, gauges, limits, cancel);
         search.hunt = hunt;
-        search.zones_suit = zones_suit;
+        search.zones_suit = zones.is_ok();
+        search.beside = [
+            (Kind::Zones, zones.err()),
+            (Kind::RandomSearch, random.err()),
+        ];
         search.proof = proof;
         search.news = Some(News::new(&mut *news));
         let diverging = search.run();
@@ -140,12 +152,9 @@ struct Longest {
     at: Sight,
 }
 
-struct Search<'a> {
-    stepper: Stepper<'a>,
-    lazy: Lazy,
-    ample: Ample,
-    overtake: Overtake,
-    symmetry: Symmetry,
+struct Search<'a, R: Rules> {
+    rules: R,
+    reductions: R::Reductions,
     watch: &'a Watch,
     observers: Vec<Observer>,
     limits: Limits,
@@ -186,8 +195,10 @@ struct Search<'a> {
     hunt: Option<Hunt>,
     /// Zones suit the system, and what is asked.
     zones_suit: bool,
+    /// What is tried beside, or why not.
+    beside: [(Kind, Option<Reason>); 2],
     /// What is looked for in them, once there is more than a little.
-    zones: Option<Zones<'a>>,
+    zones: Option<Zones<'a, R>>,
     /// What they have shown, once everything was looked at.
     proof: Option<Proof>,
     /// Found while a layer was closed.
@@ -200,14 +211,15 @@ struct Search<'a> {
     patient: bool,
 }
 
-impl<'a> Search<'a> {
+impl<'a, R: Rules> Search<'a, R> {
     fn new(
-        system: &'a TimedSystem,
+        rules: &R,
         watch: &'a Watch,
         gauges: &'a [Gauge],
         limits: Limits,
         cancel: &'a Cancel,
     ) -> Self {
+        let system = rules.system();
         let measured = |of: Timing| gauges.iter().any(|it| it.of == of && it.active());
         let measured_task = |task: usize| measured(Timing::Response(task));
         let waiting_only: Vec<bool> = (0..system.tasks.len())
@@ -222,13 +234,15 @@ impl<'a> Search<'a> {
             .map(|it| measured(Timing::Within(it)))
             .collect();
         let patient = gauges.iter().any(|it| it.how == How::Patient);
-        let layout = Layout::new(system, &observed, &clocked);
+        let clocks = Clocks {
+            response: observed,
+            within: clocked,
+        };
+        let own = rules.with_clocks(&clocks);
         let predicates: Vec<&Predicate> = (watch.within.iter())
             .flat_map(|it| [&it.trigger, &it.response])
             .chain(&watch.reach)
             .collect();
-        let visible = Visible::new(system, predicates.iter().copied());
-        let clocks = layout.clocks();
         let longest = system
             .tasks
             .iter()
@@ -259,16 +273,17 @@ impl<'a> Search<'a> {
         let asked = Asked {
             labels: (0..system.tasks.len()).map(label).collect(),
             predicates,
+            measured: clocks.response,
         };
-        let symmetry = Symmetry::new(system, &layout, &asked);
-        let lazy = Lazy::new(system, &visible, &observed);
-        let ample = Ample::new(system, visible, &observed);
+        let reductions = R::Reductions::new(&own, &asked, limits.without);
+        let clocks = own.frame().clocks();
+        let covering = Covering {
+            union: !limits.without.contains(Kind::WindowUnion),
+            inclusion: !limits.without.contains(Kind::WindowInclusion),
+        };
         Search {
-            stepper: Stepper::new(system, layout),
-            lazy,
-            overtake: Overtake::new(system, &ample),
-            ample,
-            symmetry,
+            rules: own,
+            reductions,
             watch,
             observers: watch
                 .within
@@ -280,14 +295,14 @@ impl<'a> Search<'a> {
                 .collect(),
             limits,
             cancel,
-            passed: Store::new(clocks),
+            passed: Store::new(clocks, covering),
             nodes: Vec::new(),
             dims: Vec::new(),
             edges: Vec::new(),
             queue: BTreeMap::new(),
-            layer: Store::new(clocks),
+            layer: Store::new(clocks, covering),
             layer_calm: Vec::new(),
-            crowd: Store::new(clocks),
+            crowd: Store::new(clocks, covering),
             steps: 0,
             missed: vec![None; watch.schedulable.len()],
             overdue: vec![None; watch.overdue.len()],
@@ -305,6 +320,7 @@ impl<'a> Search<'a> {
             now: 0,
             hunt: None,
             zones_suit: false,
+            beside: [Kind::Zones, Kind::RandomSearch].map(|it| (it, Some(Reason::NothingToFind))),
             zones: None,
             proof: None,
             diverging: None,
@@ -315,9 +331,9 @@ impl<'a> Search<'a> {
     }
 }
 
-impl Search<'_> {
+impl<R: Rules> Search<'_, R> {
     fn run(&mut self) -> Option<Diverging> {
-        let initial = self.stepper.initial();
+        let initial = self.rules.initial();
         self.close_layer(0, vec![(initial, ROOT)], true);
         while self.diverging.is_none()
             && self.stopped.is_none()
@@ -326,7 +342,7 @@ impl Search<'_> {
             self.now = time;
             let mut states = Vec::with_capacity(parents.len());
             self.under_way =
-                states.capacity() * (size_of::<u32>() + self.stepper.layout.state_bytes());
+                states.capacity() * (size_of::<u32>() + self.rules.frame().state_bytes());
             for (i, parent) in parents.into_iter().enumerate() {
                 if i % LOOKS == LOOKS - 1 && self.out_of_bounds() {
                     break;
@@ -335,7 +351,7 @@ impl Search<'_> {
                 self.node_state_to(parent, &mut s);
                 let jump = (time - self.nodes[parent as usize].time) as Ticks;
                 self.limits_in_jump(&s, parent, jump);
-                self.stepper.elapse(&mut s, jump);
+                self.rules.elapse(&mut s, jump);
                 if self.diverging.is_none() {
                     self.diverging = self.clocks_after_jump(&mut s, Sight { parent, time });
                 }
@@ -365,7 +381,24 @@ impl Search<'_> {
     fn node_state_to(&self, node: u32, s: &mut State) {
         let node = &self.nodes[node as usize];
         let dims = &self.dims[node.start..node.start + node.len as usize];
-        decode_to(&self.stepper, self.passed.key(node.key), dims, s);
+        decode_to(self.rules.frame(), self.passed.key(node.key), dims, s);
+    }
+
+    /// Which reductions are used.
+    fn activities(&self) -> Vec<Activity> {
+        let switched = [
+            Kind::WindowUnion,
+            Kind::WindowInclusion,
+            Kind::MomentCovering,
+        ]
+        .map(|kind| {
+            let off = self.limits.without.contains(kind);
+            (kind, off.then_some(Reason::SwitchedOff))
+        });
+        let own = self.reductions.activities().iter().copied();
+        let others = switched.into_iter().chain(self.beside);
+        own.chain(others.map(|(kind, off)| Activity { kind, off }))
+            .collect()
     }
 
     fn is_crowded(&self) -> bool {
@@ -414,6 +447,6 @@ impl Search<'_> {
             + self.nodes.len() * QUEUED
             + self.under_way
             + self.in_zones().2
-            + self.spare.len() * self.stepper.layout.state_bytes()
+            + self.spare.len() * self.rules.frame().state_bytes()
     }
 }

@@ -1,15 +1,16 @@
-//! States of a timed system as two flat arrays of small numbers.
+//! States of a timed system as two flat arrays of small numbers, whatever the rules.
 //!
-//! The *discrete* part holds statuses, positions and queues. The *times* hold timers, the slack of
-//! waiting tasks under EDF, for every executor the window of remaining time, and observation
-//! clocks. Discrete part, timers and slacks are the *key* of a state; windows and clocks are its
-//! *box*. States with the same key are merged and compared by box (see [`super::store`]).
+//! The *discrete* part holds statuses, positions and queues. The *times* hold what the rules count (timers, for
+//! instance), for every executor the window of remaining time, and observation clocks. The discrete part and what
+//! the rules count are the *key* of a state; windows and clocks are its *box*. States with the same key are
+//! merged and compared by box (see [`super::store`]). What the numbers of the key mean is known to the rules alone
+//! (see [`super::rules`]); a [`Frame`] tells the rest where its parts are.
 //!
 //! An *executor* is whatever can spend time executing: an automaton, a control task, a client
 //! (its delays). The window `[a, b]` of an executor says that it ends after any number of units
 //! in it, counted from now.
 
-use crate::system::{Ticks, TimedSystem};
+use crate::system::Ticks;
 
 /// One state.
 #[derive(Debug, Default, PartialEq, Eq, Hash)]
@@ -35,37 +36,15 @@ impl Clone for State {
     }
 }
 
-/// Status of a task.
+/// Status of a task, and of its job.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum TaskStatus {
+    /// No job.
     Idle,
+    /// The job waits for a core.
     Waiting,
+    /// The job has one, or needs none.
     Running,
-}
-
-/// `mode` of a permanent activity.
-pub(crate) mod mode {
-    // 0: its task is not started.
-    /// First codel of the start-up.
-    pub(crate) const FIRST_CODEL: u16 = 1;
-    /// Still in its first run, past the first codel.
-    pub(crate) const FIRST_RUN: u16 = 2;
-    /// Runs with its task.
-    pub(crate) const NORMAL: u16 = 3;
-    /// Ended.
-    pub(crate) const ENDED: u16 = 4;
-}
-
-/// `mode` of a slot: its status.
-pub(crate) mod slot {
-    pub(crate) const VOID: u16 = 0;
-    pub(crate) const WAIT: u16 = 1;
-    pub(crate) const RUN: u16 = 2;
-    /// Interrupted, `stop` not entered yet.
-    pub(crate) const STOP: u16 = 3;
-    /// Interrupted, past the entry of `stop`.
-    pub(crate) const STOPPING: u16 = 5;
-    pub(crate) const ETHER: u16 = 4;
 }
 
 /// What an executor is doing with its codel.
@@ -77,145 +56,95 @@ pub(crate) mod phase {
     pub(crate) const ASYNC: u16 = 4;
 }
 
-/// Steps of a control task.
-pub(crate) mod control {
-    // 0: the component is starting.
-    pub(crate) const READY: u16 = 1;
-    pub(crate) const VALIDATE: u16 = 2;
-    pub(crate) const SIMPLE: u16 = 3;
+/// What is measured by clocks: each clock makes states that differ in it different, so there are no others.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Clocks {
+    /// Tasks whose response times are measured.
+    pub(crate) response: Vec<bool>,
+    /// By observer, whether the time its obligation is open is measured.
+    pub(crate) within: Vec<bool>,
 }
 
-/// Values of trackers other than "slot" (which is [`tracker::SLOT`] plus the automaton).
-pub(crate) mod tracker {
-    pub(crate) const NONE: u16 = 0;
-    /// Sent, not accepted yet.
-    pub(crate) const HANDLED: u16 = 1;
-    pub(crate) const SLOT: u16 = 2;
+impl Clocks {
+    /// No clocks, and no observers.
+    pub(crate) fn none(tasks: usize) -> Self {
+        Clocks {
+            response: vec![false; tasks],
+            within: Vec::new(),
+        }
+    }
 }
 
-const PENDING: u16 = 4;
-const STARTED: u16 = 8;
-
-/// Where everything is in the arrays of a [`State`].
+/// Where the parts of a [`State`] are that are the same under all rules.
 #[derive(Debug, Clone)]
-pub(crate) struct Layout {
-    pub(crate) tasks: usize,
-    pub(crate) automata: usize,
-    pub(crate) components: usize,
-    pub(crate) clients: usize,
-    /// Per task two: flags, turn.
-    task_base: usize,
-    /// Per automaton two: mode, state.
-    automaton_base: usize,
-    /// Per executor one, see [`phase`].
+pub(crate) struct Frame {
+    /// Number of executors.
+    executors: usize,
+    /// One number per executor in the discrete part, see [`phase`].
     phase_base: usize,
-    /// Per component six.
-    component_base: usize,
-    /// Per client two: position, outstanding.
-    client_base: Vec<usize>,
-    /// Length, then tasks.
-    queue_base: usize,
-    /// Length, then executors; only with FIFO locks.
-    pub(crate) lock_queue_base: Option<usize>,
-    /// Visits of states in the current turn, for automata with a loop limit.
-    pub(crate) visits: Vec<Option<usize>>,
-    /// Number of states of each automaton with a loop limit, 0 of the others.
-    counted: Vec<usize>,
-    /// Number of trackers of each client.
-    trackers: Vec<usize>,
-    /// One flag per observer.
-    pub(crate) observer_base: usize,
+    /// One flag per observer in the discrete part: its obligation is open.
+    observer_base: usize,
     d_len: usize,
-    slack_base: Option<usize>,
-    pub(crate) window_base: usize,
-    pub(crate) clock_base: usize,
+    window_base: usize,
+    clock_base: usize,
     t_len: usize,
-    /// Clock of the response time of each task, if observed.
+    /// Clock of the response time of each task, if it is measured.
     pub(crate) response: Vec<Option<usize>>,
     /// Clock of each observer, if it has one.
     pub(crate) observer_clock: Vec<Option<usize>>,
 }
 
-impl Layout {
-    /// The layout for a system whose responses of `observed` tasks are measured, with one
-    /// observer per element of `observers`, telling whether it has a clock.
-    pub(crate) fn new(system: &TimedSystem, observed: &[bool], observers: &[bool]) -> Layout {
-        let mut d = 0;
-        let mut take = |n: usize| {
-            let at = d;
-            d += n;
-            at
-        };
-        let task_base = take(2 * system.tasks.len());
-        let executors = system.automata.len() + system.components.len() + system.clients.len();
-        let phase_base = take(executors);
-        let automaton_base = take(2 * system.automata.len());
-        let component_base = take(6 * system.components.len());
-        let client_base = system
-            .clients
-            .iter()
-            .map(|it| take(2 + it.trackers))
-            .collect();
-        let queue_base = take(1 + system.tasks.len());
-        let lock_queue_base =
-            (system.platform.locks == crate::system::LockOrder::Fifo).then(|| take(1 + executors));
-        let visits = (0..system.automata.len())
-            .map(|a| {
-                let machine = system.machine_of(a);
-                machine.loop_limit.map(|_| take(machine.states.len()))
-            })
-            .collect();
-        let counted = (0..system.automata.len())
-            .map(|a| system.machine_of(a))
-            .map(|it| it.loop_limit.map_or(0, |_| it.states.len()))
-            .collect();
-        let observer_base = take(observers.len());
-        let d_len = d;
+/// Hands out places in a [`State`], to make a [`Frame`].
+#[derive(Debug, Default)]
+pub(crate) struct Places {
+    d: usize,
+    t: usize,
+    /// Number of executors, and where their phases are.
+    executors: (usize, usize),
+}
 
-        let mut t = system.tasks.len();
-        let edf =
-            system.platform.cores.is_some() && system.platform.policy == crate::system::Policy::Edf;
-        let slack_base = edf.then_some(t);
-        if edf {
-            t += system.tasks.len();
-        }
-        let window_base = t;
-        t += 2 * executors;
-        let clock_base = t;
-        let mut clock = |wanted: &bool| {
-            wanted.then(|| {
-                t += 1;
-                t - 1
-            })
-        };
-        let response = observed.iter().map(&mut clock).collect();
-        let observer_clock = observers.iter().map(&mut clock).collect();
-        Layout {
-            tasks: system.tasks.len(),
-            automata: system.automata.len(),
-            components: system.components.len(),
-            clients: system.clients.len(),
-            task_base,
-            automaton_base,
+impl Places {
+    /// The first of so many places in the discrete part.
+    pub(crate) fn discrete(&mut self, n: usize) -> usize {
+        self.d += n;
+        self.d - n
+    }
+
+    /// The first of so many places for times that belong to the key.
+    pub(crate) fn times(&mut self, n: usize) -> usize {
+        self.t += n;
+        self.t - n
+    }
+
+    /// Places for the phases of so many executors.
+    pub(crate) fn executors(&mut self, n: usize) {
+        self.executors = (n, self.discrete(n));
+    }
+
+    /// Adds places for windows, observers and clocks. Nothing is handed out after that.
+    pub(crate) fn frame(mut self, clocks: &Clocks) -> Frame {
+        let observer_base = self.discrete(clocks.within.len());
+        let (executors, phase_base) = self.executors;
+        let window_base = self.times(2 * executors);
+        let clock_base = self.t;
+        let mut clock = |wanted: &bool| wanted.then(|| self.times(1));
+        let response = clocks.response.iter().map(&mut clock).collect();
+        let observer_clock = clocks.within.iter().map(&mut clock).collect();
+        Frame {
+            executors,
             phase_base,
-            component_base,
-            client_base,
-            queue_base,
-            lock_queue_base,
-            visits,
-            counted,
-            trackers: system.clients.iter().map(|it| it.trackers).collect(),
             observer_base,
-            d_len,
-            slack_base,
+            d_len: self.d,
             window_base,
             clock_base,
-            t_len: t,
+            t_len: self.t,
             response,
             observer_clock,
         }
     }
+}
 
+impl Frame {
     /// Everything zero.
     pub(crate) fn blank(&self) -> State {
         let mut s = State::default();
@@ -236,58 +165,50 @@ impl Layout {
         size_of::<State>() + self.d_len * size_of::<u16>() + self.t_len * size_of::<Ticks>()
     }
 
-    /// Where a state says what goes on in some parts of a system: numbers of the discrete part, then of the times. What
-    /// names other parts (queues, trackers, requests being handled) is not among them.
-    pub(crate) fn places(
-        &self,
-        tasks: &[usize],
-        automata: &[usize],
-        components: &[usize],
-        clients: &[usize],
-    ) -> (Vec<usize>, Vec<usize>) {
-        let (mut d, mut t) = (Vec::new(), Vec::new());
-        for &task in tasks {
-            d.extend([self.task_base + 2 * task, self.task_base + 2 * task + 1]);
-            t.push(task);
-            t.extend(self.slack_base.map(|base| base + task));
-        }
-        for &a in automata {
-            d.extend([self.automaton_base + 2 * a, self.automaton_base + 2 * a + 1]);
-            let visits = self.visits[a].unwrap_or(0);
-            d.extend(visits..visits + self.counted[a]);
-        }
-        for &component in components {
-            let base = self.component_base + 6 * component;
-            // Starting, control, simple and signal.
-            d.extend([base, base + 1, base + 3, base + 5]);
-        }
-        for &client in clients {
-            d.extend([self.client_base[client], self.client_base[client] + 1]);
-        }
-        let executors = (automata.iter().copied())
-            .chain(components.iter().map(|&it| self.control_executor(it)))
-            .chain(clients.iter().map(|&it| self.client_executor(it)));
-        for e in executors {
-            d.push(self.phase_base + e);
-            t.extend([self.window_base + 2 * e, self.window_base + 2 * e + 1]);
-        }
-        t.extend(tasks.iter().filter_map(|&it| self.response[it]));
-        (d, t)
-    }
-
     /// Number of observation clocks.
     pub(crate) fn clocks(&self) -> usize {
         self.t_len - self.clock_base
     }
 
+    /// Number of executors.
+    #[inline]
     pub(crate) fn executors(&self) -> usize {
-        self.automata + self.components + self.clients
+        self.executors
+    }
+
+    /// Place in the discrete part of what an executor is doing.
+    #[inline]
+    pub(crate) fn phase_place(&self, executor: usize) -> usize {
+        self.phase_base + executor
+    }
+
+    /// Place in the times of the window of an executor: its lower bound; the upper one follows.
+    #[inline]
+    pub(crate) fn window_place(&self, executor: usize) -> usize {
+        self.window_base + 2 * executor
+    }
+
+    /// What an executor is doing, see [`phase`].
+    #[inline]
+    pub(crate) fn phase(&self, s: &State, executor: usize) -> u16 {
+        s.d[self.phase_base + executor]
+    }
+
+    #[inline]
+    pub(crate) fn set_phase(&self, s: &mut State, executor: usize, value: u16) {
+        s.d[self.phase_base + executor] = value;
     }
 
     /// What every executor is doing.
     #[inline]
     pub(crate) fn phases<'s>(&self, s: &'s State) -> &'s [u16] {
-        &s.d[self.phase_base..self.phase_base + self.executors()]
+        &s.d[self.phase_base..self.phase_base + self.executors]
+    }
+
+    /// Whether an executor is executing.
+    #[inline]
+    pub(crate) fn is_executing(&self, s: &State, executor: usize) -> bool {
+        self.phase(s, executor) & phase::EXECUTING != 0
     }
 
     /// Executors that are executing.
@@ -297,133 +218,6 @@ impl Layout {
         phases
             .filter(|&(_, &it)| it & phase::EXECUTING != 0)
             .map(|(e, _)| e)
-    }
-
-    pub(crate) fn control_executor(&self, component: usize) -> usize {
-        self.automata + component
-    }
-
-    pub(crate) fn client_executor(&self, client: usize) -> usize {
-        self.automata + self.components + client
-    }
-
-    /// Discrete part, timers and slacks: what the key is made of.
-    pub(crate) fn key_times<'s>(&self, s: &'s State) -> &'s [Ticks] {
-        &s.t[..self.window_base]
-    }
-}
-
-/// Named access to the numbers.
-macro_rules! fields {
-    ($($(#[$doc:meta])* $get:ident $set:ident ($self:ident, $i:ident) $at:expr;)*) => {
-        impl Layout {
-            $(
-                $(#[$doc])*
-                #[inline]
-                pub(crate) fn $get(&$self, s: &State, $i: usize) -> u16 { s.d[$at] }
-                #[inline]
-                #[allow(dead_code, reason = "some are only read")]
-                pub(crate) fn $set(&$self, s: &mut State, $i: usize, value: u16) { s.d[$at] = value; }
-            )*
-        }
-    };
-}
-
-fields! {
-    /// 0 between turns, else 1 + position: 0 the permanent activity, 1 + k slot k.
-    turn set_turn (self, i) self.task_base + 2 * i + 1;
-    /// See [`mode`] and [`slot`].
-    mode set_mode (self, i) self.automaton_base + 2 * i;
-    /// Codel state where it is or resumes.
-    at set_at (self, i) self.automaton_base + 2 * i + 1;
-    /// See [`phase`], by executor.
-    phase set_phase (self, i) self.phase_base + i;
-    /// Position in the component's tasks of the task being started.
-    starting set_starting (self, i) self.component_base + 6 * i;
-    /// See [`control`].
-    control set_control (self, i) self.component_base + 6 * i + 1;
-    /// Service being handled.
-    handled set_handled (self, i) self.component_base + 6 * i + 2;
-    /// Its simple codel being executed.
-    simple set_simple (self, i) self.component_base + 6 * i + 3;
-    /// Client whose request is handled.
-    requester set_requester (self, i) self.component_base + 6 * i + 4;
-    /// An end of activity is signalled.
-    signal set_signal (self, i) self.component_base + 6 * i + 5;
-    /// Step a client is at.
-    position set_position (self, i) self.client_base[i];
-    /// Its last request is neither accepted nor refused yet.
-    outstanding set_outstanding (self, i) self.client_base[i] + 1;
-    /// The observer's obligation is open.
-    open set_open (self, i) self.observer_base + i;
-}
-
-impl Layout {
-    #[inline]
-    pub(crate) fn status(&self, s: &State, task: usize) -> TaskStatus {
-        match s.d[self.task_base + 2 * task] & 3 {
-            0 => TaskStatus::Idle,
-            1 => TaskStatus::Waiting,
-            _ => TaskStatus::Running,
-        }
-    }
-
-    #[inline]
-    pub(crate) fn set_status(&self, s: &mut State, task: usize, status: TaskStatus) {
-        let flags = &mut s.d[self.task_base + 2 * task];
-        *flags = (*flags & !3) | status as u16;
-    }
-
-    #[inline]
-    pub(crate) fn pending(&self, s: &State, task: usize) -> bool {
-        s.d[self.task_base + 2 * task] & PENDING != 0
-    }
-
-    #[inline]
-    pub(crate) fn set_pending(&self, s: &mut State, task: usize, on: bool) {
-        let flags = &mut s.d[self.task_base + 2 * task];
-        *flags = if on {
-            *flags | PENDING
-        } else {
-            *flags & !PENDING
-        };
-    }
-
-    #[inline]
-    pub(crate) fn started(&self, s: &State, task: usize) -> bool {
-        s.d[self.task_base + 2 * task] & STARTED != 0
-    }
-
-    pub(crate) fn set_started(&self, s: &mut State, task: usize) {
-        s.d[self.task_base + 2 * task] |= STARTED;
-    }
-
-    #[inline]
-    pub(crate) fn timer(&self, s: &State, task: usize) -> Ticks {
-        s.t[task]
-    }
-
-    #[inline]
-    pub(crate) fn set_timer(&self, s: &mut State, task: usize, value: Ticks) {
-        s.t[task] = value;
-    }
-
-    /// Time to the deadline of a waiting task (EDF), at least 0.
-    #[inline]
-    pub(crate) fn slack(&self, s: &State, task: usize) -> Ticks {
-        self.slack_base.map_or(0, |base| s.t[base + task])
-    }
-
-    #[inline]
-    pub(crate) fn set_slack(&self, s: &mut State, task: usize, value: Ticks) {
-        if let Some(base) = self.slack_base {
-            s.t[base + task] = value;
-        }
-    }
-
-    #[inline]
-    pub(crate) fn has_slack(&self) -> bool {
-        self.slack_base.is_some()
     }
 
     #[inline]
@@ -439,100 +233,60 @@ impl Layout {
         s.t[at + 1] = b;
     }
 
+    /// Whether the obligation of an observer is open.
     #[inline]
-    pub(crate) fn tracker(&self, s: &State, client: usize, tracker: usize) -> u16 {
-        s.d[self.client_base[client] + 2 + tracker]
+    pub(crate) fn is_open(&self, s: &State, observer: usize) -> bool {
+        s.d[self.observer_base + observer] != 0
     }
 
+    pub(crate) fn set_open(&self, s: &mut State, observer: usize, open: bool) {
+        s.d[self.observer_base + observer] = u16::from(open);
+    }
+
+    /// Times that belong to the key.
     #[inline]
-    pub(crate) fn set_tracker(&self, s: &mut State, client: usize, tracker: usize, value: u16) {
-        s.d[self.client_base[client] + 2 + tracker] = value;
+    pub(crate) fn key_times<'s>(&self, s: &'s State) -> &'s [Ticks] {
+        &s.t[..self.window_base]
     }
 
-    pub(crate) fn trackers<'s>(&self, s: &'s State, client: usize) -> &'s [u16] {
-        let base = self.client_base[client] + 2;
-        &s.d[base..base + self.trackers[client]]
+    /// The same, to be written.
+    #[inline]
+    pub(crate) fn key_times_mut<'s>(&self, s: &'s mut State) -> &'s mut [Ticks] {
+        &mut s.t[..self.window_base]
     }
 
-    /// Gives other names to what waits for cores and for locks.
-    pub(crate) fn rename_queues(
-        &self,
-        s: &mut State,
-        task: impl Fn(usize) -> usize,
-        executor: impl Fn(usize) -> usize,
-    ) {
-        for it in list_mut(s, self.queue_base) {
-            *it = task(*it as usize) as u16;
+    /// The observation clocks.
+    #[inline]
+    pub(crate) fn clock_values<'s>(&self, s: &'s State) -> &'s [Ticks] {
+        &s.t[self.clock_base..]
+    }
+
+    /// The same, to be written.
+    #[inline]
+    pub(crate) fn clock_values_mut<'s>(&self, s: &'s mut State) -> &'s mut [Ticks] {
+        &mut s.t[self.clock_base..]
+    }
+
+    /// Lets time pass in windows and in the clocks of open obligations. Response times are a matter of the rules.
+    #[inline]
+    pub(crate) fn elapse(&self, s: &mut State, time: Ticks) {
+        for executor in 0..self.executors {
+            if self.is_executing(s, executor) {
+                let (a, b) = self.window(s, executor);
+                let b = if b == crate::system::FOREVER {
+                    b
+                } else {
+                    b - time
+                };
+                self.set_window(s, executor, (a.saturating_sub(time), b));
+            }
         }
-        if let Some(base) = self.lock_queue_base {
-            for it in list_mut(s, base) {
-                *it = executor(*it as usize) as u16;
+        for (i, clock) in self.observer_clock.iter().enumerate() {
+            if let Some(clock) = *clock
+                && self.is_open(s, i)
+            {
+                s.t[clock] += time;
             }
         }
     }
-
-    pub(crate) fn sort_queue(&self, s: &mut State) {
-        list_mut(s, self.queue_base).sort_unstable();
-    }
-
-    /// Tasks waiting for a core, in the order in which they get one.
-    #[inline]
-    pub(crate) fn queue<'s>(&self, s: &'s State) -> &'s [u16] {
-        list(s, self.queue_base)
-    }
-
-    pub(crate) fn queue_insert(&self, s: &mut State, position: usize, task: u16) {
-        list_insert(s, self.queue_base, position, task);
-    }
-
-    pub(crate) fn queue_remove(&self, s: &mut State, position: usize) {
-        list_remove(s, self.queue_base, position);
-    }
-
-    /// Executors waiting for locks in order of arrival; empty with free locks.
-    pub(crate) fn lock_queue<'s>(&self, s: &'s State) -> &'s [u16] {
-        self.lock_queue_base.map_or(&[], |base| list(s, base))
-    }
-
-    pub(crate) fn lock_queue_push(&self, s: &mut State, executor: usize) {
-        if let Some(base) = self.lock_queue_base {
-            let end = s.d[base] as usize;
-            list_insert(s, base, end, executor as u16);
-        }
-    }
-
-    pub(crate) fn lock_queue_remove(&self, s: &mut State, executor: usize) {
-        if let Some(base) = self.lock_queue_base
-            && let Some(at) = list(s, base).iter().position(|&it| it as usize == executor)
-        {
-            list_remove(s, base, at);
-        }
-    }
-}
-
-fn list(s: &State, base: usize) -> &[u16] {
-    &s.d[base + 1..base + 1 + s.d[base] as usize]
-}
-
-fn list_mut(s: &mut State, base: usize) -> &mut [u16] {
-    let end = base + 1 + s.d[base] as usize;
-    &mut s.d[base + 1..end]
-}
-
-fn list_insert(s: &mut State, base: usize, position: usize, value: u16) {
-    let len = s.d[base] as usize;
-    s.d[base] += 1;
-    for i in (position..len).rev() {
-        s.d[base + 2 + i] = s.d[base + 1 + i];
-    }
-    s.d[base + 1 + position] = value;
-}
-
-fn list_remove(s: &mut State, base: usize, position: usize) {
-    let len = s.d[base] as usize;
-    s.d[base] -= 1;
-    for i in position + 1..len {
-        s.d[base + i] = s.d[base + 1 + i];
-    }
-    s.d[base + len] = 0;
 }

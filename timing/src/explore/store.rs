@@ -16,8 +16,7 @@ use rustc_hash::FxHasher;
 use smallvec::SmallVec;
 use std::hash::Hasher;
 
-use super::state::{Layout, State, phase};
-use super::step::Stepper;
+use super::state::{Frame, State};
 use crate::system::Ticks;
 
 const NONE: u32 = u32::MAX;
@@ -31,8 +30,7 @@ pub(crate) struct Encoded {
 }
 
 /// Writes a state as key and box.
-pub(crate) fn encode(stepper: &Stepper, s: &State, out: &mut Encoded) {
-    let l = &stepper.layout;
+pub(crate) fn encode(l: &Frame, s: &State, out: &mut Encoded) {
     out.key.clear();
     out.dims.clear();
     // Most numbers are small; without branches this is done for many at once.
@@ -56,19 +54,18 @@ pub(crate) fn encode(stepper: &Stepper, s: &State, out: &mut Encoded) {
         out.dims.push(a);
         out.dims.push(b);
     }
-    out.dims.extend(&s.t[l.clock_base..]);
+    out.dims.extend(l.clock_values(s));
 }
 
 /// The state written as `key` and `dims`.
-pub(crate) fn decode(stepper: &Stepper, key: &[u8], dims: &[Ticks]) -> State {
+pub(crate) fn decode(l: &Frame, key: &[u8], dims: &[Ticks]) -> State {
     let mut s = State::default();
-    decode_to(stepper, key, dims, &mut s);
+    decode_to(l, key, dims, &mut s);
     s
 }
 
 /// The same, into the memory of another state.
-pub(crate) fn decode_to(stepper: &Stepper, key: &[u8], dims: &[Ticks], s: &mut State) {
-    let l = &stepper.layout;
+pub(crate) fn decode_to(l: &Frame, key: &[u8], dims: &[Ticks], s: &mut State) {
     l.clear(s);
     let mut at = 0;
     let small = &key[..s.d.len()];
@@ -88,17 +85,17 @@ pub(crate) fn decode_to(stepper: &Stepper, key: &[u8], dims: &[Ticks], s: &mut S
             }
         }
     }
-    for value in &mut s.t[..l.window_base] {
+    for value in l.key_times_mut(s) {
         *value = read_varint(key, &mut at);
     }
     let mut at = 0;
     for executor in 0..l.executors() {
-        if l.phase(s, executor) & !phase::ASYNC == phase::EXECUTING {
+        if l.is_executing(s, executor) {
             l.set_window(s, executor, (dims[at], dims[at + 1]));
             at += 2;
         }
     }
-    s.t[l.clock_base..].copy_from_slice(&dims[at..]);
+    l.clock_values_mut(s).copy_from_slice(&dims[at..]);
 }
 
 fn varint(out: &mut Vec<u8>, mut value: u32) {
@@ -127,10 +124,38 @@ fn read_varint(key: &[u8], at: &mut usize) -> u32 {
 #[derive(Debug, Clone, Copy)]
 struct Shape {
     windows: usize,
+    covering: Covering,
+}
+
+/// What boxes do to each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Covering {
+    /// Adjoining ones are joined.
+    pub(crate) union: bool,
+    /// A larger one covers a smaller one. Without, only itself.
+    pub(crate) inclusion: bool,
+}
+
+impl Default for Covering {
+    fn default() -> Self {
+        Covering {
+            union: true,
+            inclusion: true,
+        }
+    }
 }
 
 impl Shape {
     fn covers(self, cover: &[Ticks], it: &[Ticks]) -> bool {
+        let at = 2 * self.windows;
+        match self.covering {
+            Covering {
+                inclusion: true, ..
+            } => {}
+            // What was joined stands for all its parts.
+            Covering { union: true, .. } if cover[at..] == it[at..] => {}
+            _ => return cover == it,
+        }
         let (wide, narrow) = (&cover[..2 * self.windows], &it[..2 * self.windows]);
         wide.chunks_exact(2)
             .zip(narrow.chunks_exact(2))
@@ -143,7 +168,7 @@ impl Shape {
 
     /// If the union of two boxes is a box, makes `it` that box.
     fn join(self, other: &[Ticks], it: &mut [Ticks]) -> bool {
-        if other[2 * self.windows..] != it[2 * self.windows..] {
+        if !self.covering.union || other[2 * self.windows..] != it[2 * self.windows..] {
             return false;
         }
         let mut differing = None;
@@ -176,6 +201,7 @@ pub(crate) struct Store {
     covers: Vec<Cover>,
     dims: Vec<Ticks>,
     clocks: usize,
+    covering: Covering,
 }
 
 #[derive(Debug)]
@@ -197,11 +223,17 @@ struct Cover {
 
 impl Store {
     /// An empty set of states with this many clocks.
-    pub(crate) fn new(clocks: usize) -> Self {
+    pub(crate) fn new(clocks: usize, covering: Covering) -> Self {
         Store {
             clocks,
+            covering,
             ..Store::default()
         }
+    }
+
+    /// Another empty set of the same kind.
+    pub(crate) fn like(&self) -> Self {
+        Store::new(self.clocks, self.covering)
     }
 
     /// Removes everything, keeping the memory.
@@ -224,6 +256,7 @@ impl Store {
         let hash = hash(&it.key);
         let shape = Shape {
             windows: (it.dims.len() - self.clocks) / 2,
+            covering: self.covering,
         };
         let found = self.table.find(hash, |&k| {
             let key = &self.keys[k as usize];
@@ -304,7 +337,10 @@ impl Store {
     /// Whether one of the covers holds a state.
     pub(crate) fn holds(&self, it: &Encoded) -> bool {
         let windows = (it.dims.len() - self.clocks) / 2;
-        let shape = Shape { windows };
+        let shape = Shape {
+            windows,
+            covering: self.covering,
+        };
         self.find(&it.key)
             .any(|(dims, _)| shape.covers(dims, &it.dims))
     }
@@ -360,10 +396,11 @@ fn hash(key: &[u8]) -> u64 {
 }
 
 /// Whether a box of this layout holds a point (or smaller box).
-pub(crate) fn holds(layout: &Layout, cover: &[Ticks], it: &[Ticks]) -> bool {
+pub(crate) fn holds(layout: &Frame, cover: &[Ticks], it: &[Ticks]) -> bool {
     let clocks = layout.clocks();
     Shape {
         windows: (it.len() - clocks) / 2,
+        covering: Covering::default(),
     }
     .covers(cover, it)
 }

@@ -1,5 +1,6 @@
 //! What is to be found out in an exploration.
 
+use super::reductions::Kinds;
 use crate::cancel::Cancel;
 use crate::property::Predicate;
 use crate::system::Ticks;
@@ -56,6 +57,8 @@ pub struct Limits {
     pub bytes: usize,
     /// Greatest number of explorations at the same time, where there are several. What is found does not depend on it.
     pub threads: usize,
+    /// Reductions that are switched off, to see what they bring. What is found does not depend on it.
+    pub without: Kinds,
 }
 
 impl Default for Limits {
@@ -64,6 +67,7 @@ impl Default for Limits {
             states: 20_000_000,
             bytes: 4 << 30,
             threads: std::thread::available_parallelism().map_or(1, usize::from),
+            without: Kinds::NONE,
         }
     }
 }

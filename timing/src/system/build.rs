@@ -11,7 +11,7 @@ mod times;
 use std::collections::HashMap;
 use std::ops::Range;
 
-use dotgen_analysis::model::{Owner, Src};
+use dotgen_analysis::model::{Owner, Seconds, Src};
 use num_rational::Ratio;
 
 use super::locks::exclude_codels;
@@ -38,6 +38,21 @@ pub struct Built {
     pub diagnostics: Vec<Diagnostic>,
     /// What the result depends on, in words.
     pub assumptions: Vec<String>,
+    /// Codels whose times are no multiples of the unit of the scenario, and were rounded.
+    pub rounded: Vec<Rounded>,
+    /// The coarsest unit in which nothing would have to be rounded, in seconds; none without a unit.
+    pub exact_unit: Option<Seconds>,
+}
+
+/// A time of a codel that was rounded, in seconds.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Rounded {
+    /// Path of the codel.
+    pub codel: String,
+    /// What is stated.
+    pub exact: Seconds,
+    /// What was verified instead.
+    pub taken: Seconds,
 }
 
 /// Builds the system of those components for which `include` holds, with the clients that address them.
@@ -81,6 +96,8 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
             components: HashMap::new(),
             diagnostics: Vec::new(),
             assumptions: Vec::new(),
+            rounded: Vec::new(),
+            exact_unit: None,
         },
     };
     let included: Vec<usize> = (0..names.components.len())
@@ -89,6 +106,7 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
     builder.override_durations();
     builder.number_slots();
     builder.find_requested();
+    builder.whole_periods(&included);
     builder.choose_unit(&included);
     for &c in &included {
         builder.component(c);

@@ -3,6 +3,7 @@
 use dotgen_analysis::model::Seconds;
 
 use super::{FOREVER, Ticks};
+use crate::scn::ast::Unit;
 use num_rational::Ratio;
 
 /// The greatest unit of which all times are multiples; one millisecond if all are zero.
@@ -37,6 +38,23 @@ pub(crate) fn ticks(time: Seconds, unit: Seconds) -> Option<Ticks> {
     // Leave room for sums.
     let count = u32::try_from(count.to_integer()).ok()?;
     (count < FOREVER / 4).then_some(count)
+}
+
+/// A time as scenarios write it: a whole number of the greatest unit they have; none if it is finer than those.
+pub(crate) fn as_written(time: Seconds) -> Option<String> {
+    [Unit::Seconds, Unit::Milliseconds, Unit::Microseconds]
+        .into_iter()
+        .find_map(|unit| {
+            let count = time / unit.seconds();
+            count
+                .is_integer()
+                .then(|| format!("{} {}", count.to_integer(), unit.name()))
+        })
+}
+
+/// A time in words; what is finer than a microsecond as a fraction of it.
+pub(crate) fn in_words(time: Seconds) -> String {
+    dotgen_analysis::quantity::time(time)
 }
 
 /// Rounded up to a multiple of `unit`.

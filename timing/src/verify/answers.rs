@@ -7,7 +7,9 @@ use super::checks::{Single, What};
 use super::units::{limit_text, seconds, to_f64};
 use crate::explore::{Bound, Findings, Found, LivenessQuery, Measured, Stop, liveness};
 use crate::property::resolve;
-use crate::report::{CheckReport, Event, GaveUp, Report, Soundness, Value, Verdict};
+use crate::report::{
+    CheckId, CheckReport, Event, GaveUp, Limit, Report, Soundness, Value, Verdict,
+};
 use crate::scn::ast::{Durations, Pred};
 
 impl Group<'_> {
@@ -17,29 +19,42 @@ impl Group<'_> {
             format!("{component}.{task}")
         };
         let arrow = |p: &Pred, q: &Pred| format!("{} => {}", p.text(), q.text());
-        let (kind, of) = match &check.what {
-            What::Schedulable(it) => ("schedulable", task(it)),
-            What::NoOverdue(it) => ("no-overdue", task(it)),
-            What::Response(it, _) => ("response", task(it)),
-            What::Within(p, q, _) => ("within", arrow(p, q)),
-            What::LeadsTo(p, q) => ("leadsto", arrow(p, q)),
-            What::Eventually(p) => ("eventually", p.text()),
-            What::Always(p) => ("always", p.text()),
-            What::Reachable(p) => ("reachable", p.text()),
-            What::Deadlock => ("deadlock", String::new()),
+        let of = match &check.what {
+            What::Schedulable(it) | What::NoOverdue(it) | What::Response(it, _) => task(it),
+            What::Within(p, q, _) | What::LeadsTo(p, q) => arrow(p, q),
+            What::Eventually(p) | What::Always(p) | What::Reachable(p) => p.text(),
+            What::Deadlock => String::new(),
         };
         let live = matches!(check.what, What::LeadsTo(..) | What::Eventually(_));
         let bound = match check.what {
             What::Response(_, bound) | What::Within(_, _, bound) => bound,
             _ => None,
         };
+        let stated = bound.map(|it| Limit::Stated(to_f64(seconds(it) / self.unit)));
+        let period = || match check.what {
+            What::Response((c, t), _) => {
+                let task = &self.names.components[c].component.tasks[t as usize];
+                let period = task.period.as_ref()?.value;
+                Some(Limit::Period(to_f64(period / self.unit)))
+            }
+            _ => None,
+        };
+        let rounded = !self.built.rounded.is_empty();
         CheckReport {
+            id: CheckId {
+                written: check.written,
+                task: check.what.task(),
+            },
             name: check.check.name.as_ref().map(|it| it.value.clone()),
-            check: kind,
+            kind: check.what.kind(),
             of,
-            bound: bound.map(|it| Value::Time(to_f64(seconds(it) / self.unit))),
+            limit: stated.or_else(period),
+            bound: stated.map(|it| Value::Time(it.time())),
             verdict: Verdict::Unknown,
             soundness: match (self.settings.durations, live) {
+                // Rounding up adds runs where durations are intervals, and changes those where they are fixed.
+                (Durations::Interval, _) if rounded => Soundness::Safe,
+                (Durations::Fixed, _) if rounded => Soundness::Neither,
                 (Durations::Interval, _) => Soundness::Exact,
                 (Durations::Open, _) => Soundness::Safe,
                 (Durations::Fixed, false) => Soundness::Under,
@@ -49,9 +64,12 @@ impl Group<'_> {
             note: None,
             gave_up: None,
             counterexample: Vec::new(),
+            possible_run: Vec::new(),
+            reason: Vec::new(),
             witness: Vec::new(),
             cycle: None,
             left_out: false,
+            rounded,
         }
     }
 
@@ -94,7 +112,7 @@ impl Group<'_> {
                     let what = format!("the job has taken more than {}", limit_text(it));
                     let (component, name) = self.task_names(task);
                     let src = self.built.system.tasks[self.built.tasks[&task]].src;
-                    out.counterexample.push(Event {
+                    self.shown_by(&mut out).push(Event {
                         task: Some(name),
                         src: src.map(|(c, src)| (self.names.components[c].spec_index, src)),
                         ..self.excess_event(end, component, what)
@@ -110,8 +128,8 @@ impl Group<'_> {
                     let component = about.map_or(String::new(), |&it| {
                         self.names.components[it].component.name.to_string()
                     });
-                    out.counterexample
-                        .push(self.excess_event(end, component, what));
+                    let event = self.excess_event(end, component, what);
+                    self.shown_by(&mut out).push(event);
                 }
             }
             What::LeadsTo(..) | What::Eventually(_) => {}

@@ -1,6 +1,7 @@
 //! The checks of a scenario, each about one thing.
 
-use crate::property::resolve;
+use crate::property::{PropertyKind, resolve};
+use crate::report::TaskId;
 use crate::scn::Diagnostic;
 use crate::scn::ast::{Bound, Check, CheckKind, Path, Pred};
 use crate::scn::names::Names;
@@ -10,6 +11,8 @@ use crate::system::settings::Settings;
 /// A check of one thing.
 pub(super) struct Single<'c> {
     pub(super) check: &'c Check,
+    /// Its number among the checks asked.
+    pub(super) written: usize,
     pub(super) what: What<'c>,
     /// Components it is about; none: all of them.
     pub(super) components: Vec<usize>,
@@ -18,10 +21,32 @@ pub(super) struct Single<'c> {
 impl Single<'_> {
     /// Whether it is about a task, rather than about predicates or the whole system.
     pub(super) fn is_of_task(&self) -> bool {
-        matches!(
-            self.what,
-            What::Schedulable(_) | What::NoOverdue(_) | What::Response(..)
-        )
+        self.what.task().is_some()
+    }
+}
+
+impl What<'_> {
+    /// Of what kind it is.
+    pub(super) fn kind(&self) -> PropertyKind {
+        match self {
+            What::Schedulable(_) => PropertyKind::Schedulable,
+            What::NoOverdue(_) => PropertyKind::NoOverdue,
+            What::Response(..) => PropertyKind::Response,
+            What::Within(..) => PropertyKind::Within,
+            What::LeadsTo(..) => PropertyKind::LeadsTo,
+            What::Eventually(_) => PropertyKind::Eventually,
+            What::Always(_) => PropertyKind::Always,
+            What::Reachable(_) => PropertyKind::Reachable,
+            What::Deadlock => PropertyKind::Deadlock,
+        }
+    }
+
+    /// The task it is about.
+    pub(super) fn task(&self) -> Option<TaskId> {
+        match *self {
+            What::Schedulable(it) | What::NoOverdue(it) | What::Response(it, _) => Some(it),
+            _ => None,
+        }
     }
 }
 
@@ -69,10 +94,11 @@ pub(super) fn expand<'c>(
             });
         Ok(all.filter(|it| !periodic || has_period(it)).collect())
     };
-    for check in &settings.checks {
+    for (written, check) in settings.checks.iter().enumerate() {
         let mut push = |what, components| {
             out.push(Single {
                 check,
+                written,
                 what,
                 components,
             })

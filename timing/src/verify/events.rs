@@ -11,7 +11,8 @@ impl Group<'_> {
     /// A check fails, as a run shows.
     pub(super) fn refute(&self, run: &Run, out: &mut CheckReport) {
         out.verdict = Verdict::Refuted;
-        out.counterexample = self.events(run);
+        out.reason = self.reason(run, out.id.task);
+        *self.shown_by(out) = self.events(run);
         out.left_out = run.left_out;
         out.cycle = run.cycle.map(|at| {
             let prefix = Run {
@@ -20,6 +21,14 @@ impl Group<'_> {
             };
             self.events(&prefix).len()
         });
+    }
+
+    /// Where the run goes that refutes a check: with rounded durations it need not be one of the system.
+    pub(super) fn shown_by<'r>(&self, out: &'r mut CheckReport) -> &'r mut Vec<Event> {
+        match out.rounded {
+            true => &mut out.possible_run,
+            false => &mut out.counterexample,
+        }
     }
 
     /// A run shows what is told of a check.
@@ -48,6 +57,8 @@ impl Group<'_> {
                 component: it.component,
                 task: it.task.map(|task| system.tasks[task].name.clone()),
                 what: it.what,
+                for_core: it.kind == MomentKind::Release
+                    && it.task.is_some_and(|task| system.needs_core(task)),
                 kind: it.kind,
                 codel: it.codel.map(|codel| system.codels[codel].path.clone()),
             })
@@ -63,6 +74,7 @@ impl Group<'_> {
             task: None,
             what,
             kind: MomentKind::Excess,
+            for_core: false,
             codel: None,
             src: None,
         }

@@ -1,6 +1,7 @@
 //! Between base units, the unit of the report, and words.
 
 use dotgen_analysis::model::Seconds;
+use dotgen_analysis::quantity;
 use num_rational::Ratio;
 
 use super::Group;
@@ -19,13 +20,10 @@ impl Group<'_> {
     }
 
     pub(super) fn with_unit(&self, time: Value) -> String {
-        let (count, unit) = self.settings.unit.unwrap_or((1, Unit::Milliseconds));
-        let unit = if count == 1 {
-            unit.name().to_owned()
-        } else {
-            format!("× {count} {}", unit.name())
-        };
-        format!("{time} {unit}")
+        match time {
+            Value::Time(time) => quantity::time_of(time * to_f64(self.unit)),
+            Value::Unbounded => "unbounded".to_owned(),
+        }
     }
 
     /// A limit in base units, rounded down: times are whole. Without one if it is beyond all that is counted.

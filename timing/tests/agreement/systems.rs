@@ -21,15 +21,15 @@ impl Dice {
         Dice(TestRng::from_seed(RngAlgorithm::ChaCha, &bytes))
     }
 
-    fn below(&mut self, n: u32) -> u32 {
+    pub(crate) fn below(&mut self, n: u32) -> u32 {
         self.0.next_u32() % n
     }
 
-    fn in_ten(&mut self, n: u32) -> bool {
+    pub(crate) fn in_ten(&mut self, n: u32) -> bool {
         self.below(10) < n
     }
 
-    fn pick<T: Copy>(&mut self, from: &[T]) -> T {
+    pub(crate) fn pick<T: Copy>(&mut self, from: &[T]) -> T {
         from[self.below(from.len() as u32) as usize]
     }
 }

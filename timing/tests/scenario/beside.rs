@@ -1,5 +1,7 @@
 //! What is found beside an exploration in order of time: failures, and times without a bound.
 
+use dotgen_timing::property::PropertyKind;
+
 use super::*;
 
 /// Processes that exclude each other by time alone, after Fischer's protocol, with a wait that is too short: who claims
@@ -114,8 +116,8 @@ fn that_a_task_can_starve_is_found_long_before_everything_is_known() {
     options.limits.states = 200_000;
     let report = verify(&input, &parsed.scenario, &options, &Cancel::default());
     for it in &report.checks {
-        assert_eq!(it.verdict, Verdict::Refuted, "{} {}", it.check, it.of);
-        if it.check == "response" {
+        assert_eq!(it.verdict, Verdict::Refuted, "{} {}", it.kind, it.of);
+        if it.kind == PropertyKind::Response {
             assert_eq!(it.value, Some(Value::Unbounded), "{}", it.of);
             assert!(it.cycle.is_some(), "{}: the run goes on for ever", it.of);
         }

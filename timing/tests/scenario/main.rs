@@ -13,7 +13,7 @@ use dotgen_analysis::host::{
 };
 use dotgen_timing::derive::{largest_wcet, minimum_cores, smallest_period};
 use dotgen_timing::explore::Stop;
-use dotgen_timing::report::{CheckReport, Report, Value, Verdict};
+use dotgen_timing::report::{CheckReport, Report, Soundness, Value, Verdict};
 use dotgen_timing::scn::ast::{Path, Spanned};
 use dotgen_timing::scn::names::{Names, Target};
 use dotgen_timing::scn::{default_text, format, parse, parse_check};
@@ -110,7 +110,7 @@ fn summary(report: &Report) -> String {
     }
     for it in &report.checks {
         let value = it.value.map_or(String::new(), |it| format!(" {it}"));
-        out.push_str(&format!("{} {} {:?}{value}\n", it.check, it.of, it.verdict));
+        out.push_str(&format!("{} {} {:?}{value}\n", it.kind, it.of, it.verdict));
     }
     out
 }
@@ -125,14 +125,37 @@ fn checks_of_tasks() {
 fn one_core_makes_the_fast_task_late() {
     let report =
         robot("cores 1; check schedulable control.move; check response control.move <= 5 ms;");
-    insta::assert_snapshot!(
-        report
-            .to_text(true)
-            .lines()
-            .filter(|it| !it.contains(" states"))
-            .collect::<Vec<_>>()
-            .join("\n")
-    );
+    insta::assert_snapshot!(runs_in_words(&report));
+}
+
+/// The counterexamples line by line, and why the jobs at their ends are late.
+fn runs_in_words(report: &Report) -> String {
+    let mut out = String::new();
+    for it in &report.checks {
+        out += &format!("{:?} {} {}\n", it.verdict, it.kind, it.of);
+        for event in it.run() {
+            let task = event.task.as_deref().unwrap_or_default();
+            out += &format!(
+                "{:>4}  {}.{task}  {}\n",
+                event.time, event.component, event.what
+            );
+        }
+        for delay in &it.reason {
+            let codel = delay.codel.as_deref().unwrap_or("the job");
+            let held = delay.held.iter().map(|it| {
+                let codel = it.codel.as_deref().unwrap_or(&it.by);
+                format!("{codel} {}-{}", it.from, it.until)
+            });
+            let held: Vec<String> = held.collect();
+            let (from, until) = (delay.from, delay.until);
+            out += &format!(
+                "{codel} waits {from}-{until} for {:?}: {}\n",
+                delay.awaited,
+                held.join(", ")
+            );
+        }
+    }
+    out
 }
 
 /// One activity that takes long, one that is soon over, and one that nobody requests.
@@ -166,7 +189,12 @@ fn excess(check: &str) -> (f64, Option<Value>) {
         &Cancel::default(),
     );
     let check = &report.checks[0];
-    assert_eq!(check.verdict, Verdict::Refuted, "{}", report.to_text(true));
+    assert_eq!(
+        check.verdict,
+        Verdict::Refuted,
+        "{}",
+        checks_in_words(&report)
+    );
     (check.counterexample.last().unwrap().time, check.value)
 }
 
@@ -544,6 +572,7 @@ fn a_task_that_takes_no_time_needs_no_exploration_to_the_end() {
     let unit = load(&format!(
         "component idle {{ version \"1\"; lang \"c\"; ids {{ long b; }};
            task t {{ codel <start> s(out b) yield wait; codel <wait> w(in b) yield pause::wait, wait; }};
+           function other() {{ codel f() wcet 1 ms; }};
            {services} }};"
     ));
     let input = SystemInput {
@@ -571,7 +600,7 @@ fn checks_in_words(report: &Report) -> String {
         let (verdict, soundness) = (it.verdict, it.soundness);
         format!(
             "{} {}: {verdict:?} {soundness:?} {value} {note}",
-            it.check, it.of
+            it.kind, it.of
         )
     };
     let lines: Vec<String> = report.checks.iter().map(line).collect();
@@ -648,4 +677,103 @@ fn garbage_never_panics() {
         assert!(parsed.errors.iter().all(|it| it.range.end <= text.len()));
         format(&text);
     }
+}
+
+/// Two tasks of 10 ms with a codel of 1 ms each.
+const TWO: &str = r#"
+component c {
+  version "1"; lang "c";
+  ids { long x; };
+  task t { period 10 ms; codel <start> t_main(inout x) yield pause::start wcet 1 ms; };
+  task u { period 10 ms; codel <start> u_main(inout x) yield pause::start wcet 1 ms; };
+};
+"#;
+
+fn of_two(items: &str) -> Report {
+    let unit = load(TWO);
+    let parsed = parse(&format!("scenario s {{ {items} }}"));
+    assert_eq!(parsed.errors, []);
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let (options, cancel) = (Options::default(), Cancel::default());
+    verify(&input, &parsed.scenario, &options, &cancel)
+}
+
+#[test]
+fn what_fails_with_rounded_durations_only_may_be_a_false_alarm() {
+    let report = of_two("unit 5 ms; check schedulable c.t; check response c.t <= 20 ms;");
+    let [late, bounded] = &report.checks[..] else {
+        panic!("{}", checks_in_words(&report));
+    };
+    assert_eq!(
+        (late.verdict, late.soundness),
+        (Verdict::Refuted, Soundness::Safe)
+    );
+    assert!(late.rounded && late.counterexample.is_empty() && !late.possible_run.is_empty());
+    // With more runs than there are the limit holds all the same.
+    assert_eq!((bounded.verdict, bounded.rounded), (Verdict::Proved, true));
+    assert_eq!(
+        report.notes,
+        [
+            "rounded to the unit of the scenario: c.t.start (1 ms taken as 5 ms), c.u.start (1 ms taken as 5 ms); what is \
+          proved holds all the same, values are upper bounds, and a failure may be a false alarm; `unit 1 ms;` avoids it"
+        ]
+    );
+    let exact = of_two("unit 1 ms; check schedulable c.t;");
+    assert_eq!(exact.checks[0].verdict, Verdict::Proved);
+    assert_eq!(
+        (exact.checks[0].soundness, exact.notes.len()),
+        (Soundness::Exact, 0)
+    );
+}
+
+#[test]
+fn periods_are_not_rounded() {
+    let report = of_two("unit 4 ms; check schedulable *;");
+    let errors: Vec<&str> = report
+        .diagnostics
+        .iter()
+        .map(|it| it.message.as_str())
+        .collect();
+    assert_eq!(
+        errors,
+        [
+            "the period of c.t, 10 ms, is no multiple of the unit of the scenario, 4 ms; write `unit 2 ms;`",
+            "the period of c.u, 10 ms, is no multiple of the unit of the scenario, 4 ms; write `unit 2 ms;`"
+        ]
+    );
+    assert!(report.checks.is_empty());
+}
+
+#[test]
+fn without_execution_times_nothing_is_proved() {
+    let unit = load(&TWO.replace(" wcet 1 ms", ""));
+    let scenario =
+        "scenario s { check schedulable *; check response *; check always not c.t.start.lock; }";
+    let parsed = parse(scenario);
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let report = verify(
+        &input,
+        &parsed.scenario,
+        &Options::default(),
+        &Cancel::default(),
+    );
+    let (tasks, predicate) = report.checks.split_at(4);
+    for it in tasks {
+        assert_eq!(
+            (it.verdict, it.value, it.slack()),
+            (Verdict::Nothing, None, None)
+        );
+        let note = it.note.as_deref().unwrap_or_default();
+        assert!(
+            note.contains("c.t.start, c.u.start") && note.contains("`wcet`"),
+            "{note}"
+        );
+    }
+    // What is not about times is answered.
+    assert_ne!(predicate[0].verdict, Verdict::Nothing);
+    assert!(report.nothing());
 }

@@ -75,8 +75,8 @@ fn an_answer_that_was_told_is_final_and_the_same_as_without_telling() {
             for (it, last) in now.checks.iter().zip(&last.checks) {
                 match it.verdict {
                     Verdict::Open => assert_eq!(
-                        (&it.name, it.check, &it.of, it.bound),
-                        (&last.name, last.check, &last.of, last.bound)
+                        (&it.name, it.kind, &it.of, it.bound),
+                        (&last.name, last.kind, &last.of, last.bound)
                     ),
                     _ => assert_eq!(whole(it), whole(last)),
                 }
@@ -100,7 +100,7 @@ fn what_takes_little_is_answered_first_whatever_it_belongs_to() {
         let new = all.filter(|(it, known)| it.verdict != Verdict::Open && !**known);
         new.map(|(it, known)| {
             *known = true;
-            format!("{} {}", it.check, it.of)
+            format!("{} {}", it.kind, it.of)
         })
         .collect()
     };
@@ -132,7 +132,8 @@ fn what_was_interrupted_says_so_and_the_rest_stands() {
     let (_, report) = told(ALL, &Options::default(), &cancel);
     let answer = |check, of| {
         let mut all = report.checks.iter();
-        all.find(|it| it.check == check && it.of == of).unwrap()
+        all.find(|it| it.kind.word() == check && it.of == of)
+            .unwrap()
     };
     assert_eq!(answer("schedulable", "lamp.blink").verdict, Verdict::Proved);
     let open = answer("leadsto", "sensor.record.run => sensor.record.void");

@@ -21,7 +21,7 @@ a:focus-visible { outline: 1px solid var(--vscode-focusBorder); }
 .state { font-weight: 600; border-radius: 3px; padding: 1px 8px; border: 1px solid currentColor; }
 .proved { color: var(--vscode-charts-green); }
 .refuted, .blocked { color: var(--vscode-editorError-foreground); }
-.gave-up { color: var(--vscode-editorWarning-foreground); }
+.gave-up, .nothing { color: var(--vscode-editorWarning-foreground); }
 .stale, .running { color: var(--vscode-descriptionForeground); }
 .faint { color: var(--vscode-descriptionForeground); }
 .run-head { display: flex; flex-wrap: wrap; gap: 4px 8px; align-items: center; margin-top: 14px; }

@@ -250,7 +250,7 @@ fn periodic_question(name: &str, tasks: &[Task], responses: bool) -> Result<Ques
 }
 
 /// Tasks of growing number, with about three quarters of the core used, that keep their deadlines.
-fn spread(n: usize) -> Vec<Task> {
+pub(super) fn spread(n: usize) -> Vec<Task> {
     let tasks = PERIODS[..n].iter().map(|&period| Task {
         period,
         bcet: 0,

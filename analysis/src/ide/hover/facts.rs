@@ -3,24 +3,37 @@
 
 use crate::{
     elab::{DefKind, Definition, Elaborated},
-    ide::inlay_hints::percent,
     lint::duration,
     model::{
-        Codel, CodelKind, CodelRef, Component, Seconds, ServiceList, Spec, State,
+        Codel, CodelKind, CodelRef, Component, Owner, Seconds, ServiceList, Spec, State,
         fsm::Machine,
         mutex::{self, Excluded, describe_owner},
         system,
     },
+    quantity,
 };
 
 /// More names than are worth reading in a hover.
 const MANY: usize = 6;
 
-/// A Markdown list, if there is anything to say. What is about `owner`, as texts name it, comes first.
+/// Something to say, and the task or service that it is about.
+struct Fact {
+    owner: Option<Owner>,
+    text: String,
+}
+
+impl Fact {
+    fn new(text: String) -> Fact {
+        Fact { owner: None, text }
+    }
+}
+
+/// A Markdown list, if there is anything to say. What is about `owner`, a task or a service by name, comes
+/// first.
 pub(super) fn facts(
     elaborated: &Elaborated,
     it: &Definition,
-    owner: Option<&str>,
+    owner: Option<(bool, &str)>,
 ) -> Option<String> {
     let spec = &elaborated.spec;
     let component = component_of(elaborated, it)?;
@@ -31,8 +44,12 @@ pub(super) fn facts(
         DefKind::State => state(component, &it.name),
         _ => Vec::new(),
     };
-    if let Some(owner) = owner {
-        lines.sort_by_key(|it| !it.starts_with(owner));
+    if let Some((is_task, name)) = owner {
+        let is_it = |it: Owner| match it {
+            Owner::Task(it) => is_task && component.tasks[it as usize].name == name,
+            Owner::Service(it) => !is_task && component.services[it as usize].name == name,
+        };
+        lines.sort_by_key(|it| !it.owner.is_some_and(is_it));
     }
     list(&lines)
 }
@@ -42,8 +59,8 @@ pub(super) fn of_service(component: &Component, name: &str) -> Option<String> {
     list(&service(component, name))
 }
 
-fn list(lines: &[String]) -> Option<String> {
-    let lines: Vec<String> = lines.iter().map(|it| format!("* {it}")).collect();
+fn list(lines: &[Fact]) -> Option<String> {
+    let lines: Vec<String> = lines.iter().map(|it| format!("* {}", it.text)).collect();
     (!lines.is_empty()).then(|| lines.join("\n"))
 }
 
@@ -70,7 +87,7 @@ pub(super) fn component_of<'e>(
     spec.components.iter().find(|c| c.name == container.name)
 }
 
-fn task(component: &Component, name: &str) -> Vec<String> {
+fn task(component: &Component, name: &str) -> Vec<Fact> {
     let mut out = Vec::new();
     let Some((index, task)) = (0..)
         .zip(&component.tasks)
@@ -79,22 +96,22 @@ fn task(component: &Component, name: &str) -> Vec<String> {
         return out;
     };
     if let (Some(share), Some(period)) = (component.utilisation(index), &task.period) {
-        out.push(format!(
+        out.push(Fact::new(format!(
             "load {} of {}",
-            percent(share),
+            quantity::load(share),
             duration(period.value)
-        ));
+        )));
     }
     let services = component.services.iter();
     let services = services.filter(|it| it.task == Some(index));
     let names: Vec<String> = services.map(|it| format!("`{}`", it.name)).collect();
     if !names.is_empty() {
-        out.push(format!("runs {}", listed(&names)));
+        out.push(Fact::new(format!("runs {}", listed(&names))));
     }
     out
 }
 
-fn service(component: &Component, name: &str) -> Vec<String> {
+fn service(component: &Component, name: &str) -> Vec<Fact> {
     let index = (0..)
         .zip(&component.services)
         .find_map(|(index, it)| (it.name.as_str() == name).then_some(index));
@@ -105,44 +122,48 @@ fn service(component: &Component, name: &str) -> Vec<String> {
     let by: Vec<String> = by.map(|it| format!("`{}`", it.name)).collect();
     match by.is_empty() {
         true => Vec::new(),
-        false => vec![format!("interrupted by {}", listed(&by))],
+        false => vec![Fact::new(format!("interrupted by {}", listed(&by)))],
     }
 }
 
-fn codel(spec: &Spec, component: &Component, name: &str) -> Vec<String> {
+fn codel(spec: &Spec, component: &Component, name: &str) -> Vec<Fact> {
     let mut out = Vec::new();
     let uses = component.all_codels();
     for it in uses.filter(|it| component.codel(*it).name.as_str() == name) {
         let codel = component.codel(it);
         let owner = describe_owner(component, it.owner);
+        let about = |text| Fact {
+            owner: Some(it.owner),
+            text,
+        };
         if codel.kind == CodelKind::Fsm {
             let machine = Machine::new(component.codels_of(it.owner));
-            out.push(format!("{owner}: {}", callers(&machine, codel)));
+            out.push(about(format!("{owner}: {}", callers(&machine, codel))));
         } else {
             let word = if codel.kind == CodelKind::Validate {
                 "validates the parameters"
             } else {
                 "run by the control task"
             };
-            out.push(format!("{owner}: {word}"));
+            out.push(about(format!("{owner}: {word}")));
         }
         if let (Some(wcet), Some(task)) = (&codel.wcet, component.task_of(it))
             && let Some(period) = &component.tasks[task as usize].period
             && period.value > Seconds::from_integer(0)
         {
-            out.push(format!(
+            out.push(about(format!(
                 "at most {}, {} of the period of {}",
                 duration(wcet.value),
-                percent(wcet.value / period.value),
+                quantity::load(wcet.value / period.value),
                 duration(period.value)
-            ));
+            )));
         }
         let excluded = exclusions(spec, component, it);
         if !excluded.is_empty() {
-            out.push(format!("excludes {}", listed(&excluded)));
+            out.push(about(format!("excludes {}", listed(&excluded))));
         }
     }
-    out.dedup();
+    out.dedup_by(|a, b| a.text == b.text);
     out
 }
 
@@ -193,7 +214,7 @@ fn exclusions(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<String
         .collect()
 }
 
-fn state(component: &Component, name: &str) -> Vec<String> {
+fn state(component: &Component, name: &str) -> Vec<Fact> {
     let mut out = Vec::new();
     for owner_index in component.owners() {
         let machine = Machine::new(component.codels_of(owner_index));
@@ -214,7 +235,10 @@ fn state(component: &Component, name: &str) -> Vec<String> {
             let to: Vec<String> = codel.yields.iter().map(state_text).collect();
             line += &format!(" → `{}` → {}", codel.name, listed(&to));
         }
-        out.push(line);
+        out.push(Fact {
+            owner: Some(owner_index),
+            text: line,
+        });
     }
     out
 }

@@ -499,3 +499,14 @@ fn long_lists_of_parameters_are_wrapped() {
         "#]],
     );
 }
+
+#[test]
+fn a_doc_is_no_markdown() {
+    let fixture = Fixture::new(
+        "component c { function f$0() { doc \"<b>*x*</b> [y](command:z) a_b # `\"; }; };\n",
+    );
+    let hover = fixture.analysis().hover(&fixture.at()).unwrap();
+    let text = hover.map(|it| it.info.markdown).unwrap_or_default();
+    let escaped = "\\<b\\>\\*x\\*\\</b\\> \\[y\\](command:z) a_b # \\`";
+    assert!(text.contains(escaped), "{text}");
+}

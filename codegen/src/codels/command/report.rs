@@ -258,14 +258,14 @@ pub fn diagnostics(findings: &[Drift], locations: &dyn Locations, side: Side) ->
             let mut related = places.clone();
             let here = related.remove(index);
             out.push(Diagnostic {
-                code: drift.code.as_str(),
-                severity: drift.severity,
-                message: drift.message.clone(),
-                path: here.path,
-                range: here.range,
                 related,
-                tags: Vec::new(),
-                fixes: Vec::new(),
+                ..Diagnostic::new(
+                    drift.code.as_str(),
+                    drift.severity,
+                    drift.message.clone(),
+                    here.path,
+                    here.range,
+                )
             });
         }
     }

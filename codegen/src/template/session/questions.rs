@@ -7,7 +7,7 @@ use crate::frontend::ParseFailure;
 use crate::lang::{LangError, Language, MapObject, Mapper, NoPlaces, Passing, text};
 use crate::template::api::{self, Answer, Model};
 use crate::template::object::{Object, Registry};
-use crate::template::{Failure, VERSION, notice, tcl};
+use crate::template::{Failure, VERSION, notice, reach, tcl};
 
 impl Session<'_> {
     pub(super) fn query(
@@ -285,9 +285,24 @@ impl Session<'_> {
         Ok(Answer::pure(text))
     }
 
+    /// A confined template reads the specifications it was given, those of the folders it may write to, and its own.
+    fn check_input(&self, file: &str) -> Result<(), Failure> {
+        let path = self.run.base.join(file);
+        let results = self.run.confined.map(|it| it.results.as_slice());
+        match results.is_some_and(|it| reach::is_below(&path, it)) {
+            true => Ok(()),
+            false => self.check_read(&path),
+        }
+    }
+
     pub(super) fn parse(&mut self, what: &str, inputs: &[String]) -> Reply {
         let words = ["file", "string"];
         let what = words[tcl::find_word(&words, what, "subcommand").map_err(Failure::Error)?];
+        if what == "file" {
+            for file in inputs {
+                self.check_input(file)?;
+            }
+        }
         let console = &mut *self.console;
         let mut report = |line: &str| console.err(line);
         let result = if what == "file" {

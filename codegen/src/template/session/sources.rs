@@ -12,6 +12,7 @@ impl Session<'_> {
         let (name, text) = if kind == "file" {
             let path = join(&self.run.dir.display().to_string(), source);
             self.message(&format!("reading {path}"));
+            self.check_read(path.as_ref())?;
             let bytes = std::fs::read(&path).map_err(|error| {
                 Failure::Error(format!("couldn't open \"{path}\": {}", posix(&error)))
             })?;
@@ -95,7 +96,7 @@ impl Session<'_> {
                 String::new()
             }
             ("merge-tool", [tool]) => {
-                self.output.merge_tool = tool.clone();
+                self.output.set_merge_tool(tool)?;
                 tool.clone()
             }
             ("merge-tool", _) => return Err(usage("merge-tool tool")),

@@ -8,6 +8,7 @@ use annotate_snippets::{
 };
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::{Diagnostic, Fix, Severity};
+use dotgen_analysis::terminal;
 
 use super::Report;
 use crate::cli::session::{self, Texts};
@@ -93,8 +94,8 @@ fn render(diagnostic: &Diagnostic, texts: &Texts) -> String {
             "{}[{}]: {}\n  --> {}:{}:{}",
             name(diagnostic.severity),
             diagnostic.code,
-            diagnostic.message,
-            session::display(&diagnostic.path),
+            terminal::text(&diagnostic.message),
+            shown(&diagnostic.path),
             position.line + 1,
             position.character + 1,
         )
@@ -117,6 +118,11 @@ fn level(severity: Severity) -> Level<'static> {
         Severity::Information => Level::INFO,
         Severity::Hint => Level::NOTE.with_name("hint"),
     }
+}
+
+/// A path for a terminal. The snippet library sees to messages and sources.
+fn shown(path: &Utf8Path) -> String {
+    terminal::name(&session::display(path)).into_owned()
 }
 
 /// Ranges of one file that are shown together.
@@ -165,7 +171,7 @@ fn add_excerpt<'d>(
     is_primary: bool,
     texts: &'d Texts,
 ) -> Group<'d> {
-    let path = session::display(excerpt.path);
+    let path = shown(excerpt.path);
     let Some(lines) = texts.get(excerpt.path) else {
         return group.element(Origin::path(path));
     };
@@ -214,7 +220,7 @@ fn fix_group<'d>(fix: &'d Fix, texts: &'d Texts) -> Option<Group<'d>> {
     });
     let snippet = Snippet::source(window.text(lines))
         .line_start(window.first_line)
-        .path(session::display(path))
+        .path(shown(path))
         .patches(patches.collect::<Vec<_>>());
     Some(Level::HELP.secondary_title(title).element(snippet))
 }

@@ -2,12 +2,10 @@
 
 use std::io::Write;
 
-use dotgen_timing::report::Value as Time;
-use dotgen_timing::scn::names::Names;
-use serde_json::{Value, json};
+use dotgen_timing::report::{FORMAT, Value};
+use serde_json::{Value as Json, json};
 
 use super::Answer;
-use crate::verification::summary::{self, Scale};
 
 /// One document: an object for one scenario, a list for several.
 pub(super) fn print(answers: &[Answer]) -> anyhow::Result<()> {
@@ -17,7 +15,7 @@ pub(super) fn print(answers: &[Answer]) -> anyhow::Result<()> {
     }
     let document = match documents.len() {
         1 => documents.remove(0),
-        _ => Value::Array(documents),
+        _ => Json::Array(documents),
     };
     let mut out = serde_json::to_string_pretty(&document)?;
     out.push('\n');
@@ -25,27 +23,29 @@ pub(super) fn print(answers: &[Answer]) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn document(answer: &Answer) -> anyhow::Result<Value> {
+fn document(answer: &Answer) -> anyhow::Result<Json> {
     let mut document = serde_json::to_value(&answer.report)?;
     document["file"] = json!(answer.file());
-    let specs = answer.problem.specs();
-    let (names, scale) = (Names::new(&specs), Scale::of(&answer.settings()));
+    document["format"] = json!(FORMAT);
     let checks = document["checks"].as_array_mut().into_iter().flatten();
     for (json, check) in checks.zip(&answer.report.checks) {
         if json.get("counterexample").is_none() {
             json["counterexample"] = json!([]);
         }
-        if let (Some(Time::Time(value)), Some(limit)) =
-            (check.value, summary::limit(check, &names, scale))
-        {
-            json["limit"] = match limit.fract() == 0.0 {
-                true => json!(limit as i64),
-                false => json!(limit),
-            };
-            json["slack"] = json!((summary::slack(value, limit) * 1000.0).round() / 1000.0);
+        if let (Some(Value::Time(_)), Some(limit)) = (check.value, check.limit) {
+            json["limit"] = serde_json::to_value(Value::Time(limit.time()))?;
+        }
+        if let Some(slack) = check.slack() {
+            json["slack"] = json!((slack * 1000.0).round() / 1000.0);
+        }
+        if check.exceeds() {
+            json["exceeded"] = json!(true);
         }
     }
     document["diagnostics"] = answer.diagnostics.clone();
+    if !answer.first.is_empty() {
+        document["first-answers"] = serde_json::to_value(&answer.first)?;
+    }
     if let Some(sensitivity) = &answer.sensitivity {
         document["sensitivity"] = serde_json::to_value(sensitivity)?;
     }

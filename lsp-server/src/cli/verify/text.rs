@@ -5,24 +5,27 @@ use std::io::Write;
 use clap::builder::styling::{AnsiColor, Style};
 use dotgen_timing::derive::Sensitivity;
 use dotgen_timing::explore::MomentKind;
-use dotgen_timing::report::{CheckReport, Event, Soundness, Value, Verdict};
-use dotgen_timing::scn::names::Names;
+use dotgen_timing::report::Event;
 
-use super::Answer;
+use super::{Answer, explain};
 use crate::verification::advice;
 use crate::verification::folded::{Part, folded, words as again};
 use crate::verification::summary::{self, Scale};
+use crate::verification::view::{CheckView, Outcome};
 
 const TITLE: Style = Style::new().bold();
 const FAINT: Style = Style::new().dimmed();
 
-pub(super) fn print(answers: &[Answer]) -> anyhow::Result<()> {
+pub(super) fn print(answers: &[Answer], explained: bool) -> anyhow::Result<()> {
     let mut out = anstream::AutoStream::auto(std::io::stdout().lock());
     for (i, answer) in answers.iter().enumerate() {
         if i > 0 {
             writeln!(out)?;
         }
         print_one(&mut out, answer)?;
+        if explained {
+            explain::print(&mut out, &answer.report.reductions)?;
+        }
     }
     Ok(())
 }
@@ -38,19 +41,49 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
         summary::platform(&settings),
         answer.file(),
     )?;
-    let specs = answer.problem.specs();
-    let names = Names::new(&specs);
-    let rows: Vec<Row> = report
-        .checks
-        .iter()
-        .map(|it| Row::new(it, &names, scale))
-        .collect();
+    if !answer.first.is_empty() {
+        writeln!(out)?;
+        let width = answer.first.iter().map(|it| it.assuming.len()).max();
+        let width = width.unwrap_or_default();
+        for it in &answer.first {
+            let open = match it.open.is_empty() {
+                true => String::new(),
+                false => format!(": {}", it.open.join(", ")),
+            };
+            writeln!(out, "  {:<width$}  {}{open}", it.assuming, it.outcome)?;
+        }
+        writeln!(out, "  any client:")?;
+    }
+    let view = answer.view();
+    let rows: Vec<Row> = view.checks.iter().map(Row::new).collect();
     table(out, &rows)?;
-    for (row, check) in rows.iter().zip(&report.checks) {
-        if !check.counterexample.is_empty() {
-            let style = style(check.verdict);
-            writeln!(out, "\n{style}{}{style:#} {}", row.verdict, row.title())?;
-            run(out, &check.counterexample, check.cycle, scale)?;
+    for it in &view.checks {
+        let check = it.report;
+        let (events, remark) = match check.counterexample.is_empty() {
+            true => (
+                &check.possible_run,
+                ", with rounded durations; it may not be possible",
+            ),
+            false => (&check.counterexample, ""),
+        };
+        if events.is_empty() {
+            continue;
+        }
+        let style = style(it.outcome);
+        let word = it.outcome.word();
+        writeln!(out, "\n{style}{word}{style:#} {}{remark}", it.title())?;
+        run(out, events, check.cycle, scale)?;
+        let requests = events.iter().filter(|it| it.kind == MomentKind::Request);
+        let requests: Vec<&str> = requests.map(|it| it.what.as_str()).collect();
+        if !requests.is_empty() {
+            writeln!(
+                out,
+                "  {TITLE}requests{TITLE:#} {}",
+                requests.join(", then ")
+            )?;
+        }
+        for it in &it.reason {
+            writeln!(out, "  {TITLE}because{TITLE:#} {it}")?;
         }
     }
     if let Some(it) = &answer.sensitivity {
@@ -68,17 +101,16 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
     if let Some(it) = advice::of_report(report, &answer.problem, advice::Names::Options) {
         writeln!(out, "\n{TITLE}help{TITLE:#}: {it}")?;
     }
-    let count = |verdict| {
-        report
-            .checks
+    let count = |outcome| {
+        view.checks
             .iter()
-            .filter(|it| it.verdict == verdict)
+            .filter(|it| it.outcome == outcome)
             .count()
     };
-    let counts: Vec<String> = [Verdict::Proved, Verdict::Refuted, Verdict::Unknown]
+    let counts: Vec<String> = Outcome::ALL
         .into_iter()
         .filter(|&it| count(it) > 0)
-        .map(|it| format!("{} {}", count(it), word(it)))
+        .map(|it| format!("{} {}", count(it), it.counted()))
         .collect();
     let counts = match counts.is_empty() {
         true => "nothing checked".to_owned(),
@@ -140,63 +172,31 @@ struct Row {
 }
 
 impl Row {
-    fn new(check: &CheckReport, names: &Names, scale: Scale) -> Row {
-        let limit = summary::limit(check, names, scale);
-        let bound = check.soundness == Soundness::UpperBound;
-        let value = check.value.map(|it| match check.verdict {
-            Verdict::Unknown => format!("≥ {}", scale.show_value(it)),
-            _ if bound => format!("≤ {}", scale.show_value(it)),
-            _ => scale.show_value(it),
-        });
-        let slack = match (check.value, limit) {
-            (Some(Value::Time(value)), Some(limit)) if check.verdict != Verdict::Unknown => {
-                let least = if bound { "≥ " } else { "" };
-                format!("{least}{}", summary::percent(summary::slack(value, limit)))
-            }
-            _ => String::new(),
-        };
-        let worth = match check.soundness {
-            // The sign before the value says it, and the note why.
-            Soundness::Exact | Soundness::UpperBound => None,
-            Soundness::Safe => Some("safe: a failure may be a false alarm"),
-            Soundness::Under => Some("for worst-case durations only"),
-            Soundness::Neither => Some("for worst-case durations only, indicative"),
-        };
-        let remarks: Vec<&str> = check.note.as_deref().into_iter().chain(worth).collect();
+    fn new(view: &CheckView) -> Row {
+        let check = view.report;
+        let note = check.note.as_deref();
+        let remarks: Vec<&str> = note.into_iter().chain(view.worth).collect();
         Row {
-            verdict: word(check.verdict),
-            style: style(check.verdict),
+            verdict: view.outcome.word(),
+            style: style(view.outcome),
             check: match &check.name {
-                Some(name) => format!("{name}: {}", check.check),
-                None => check.check.to_owned(),
+                Some(name) => format!("{name}: {}", check.kind),
+                None => check.kind.to_string(),
             },
             of: check.of.clone(),
-            value: value.unwrap_or_default(),
-            limit: limit.map_or(String::new(), |it| scale.show(it)),
-            slack,
+            value: view.value.clone().unwrap_or_default(),
+            limit: view.limit.clone().unwrap_or_default(),
+            slack: view.slack.clone().unwrap_or_default(),
             remark: remarks.join("; "),
         }
     }
-
-    fn title(&self) -> String {
-        format!("{} {}", self.check, self.of)
-    }
 }
 
-fn word(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Proved => "proved",
-        Verdict::Refuted => "refuted",
-        Verdict::Unknown => "gave up",
-        Verdict::Open => "open",
-    }
-}
-
-fn style(verdict: Verdict) -> Style {
-    match verdict {
-        Verdict::Proved => AnsiColor::Green.on_default(),
-        Verdict::Refuted => AnsiColor::Red.on_default().bold(),
-        Verdict::Unknown | Verdict::Open => AnsiColor::Yellow.on_default().bold(),
+fn style(outcome: Outcome) -> Style {
+    match outcome {
+        Outcome::Proved | Outcome::Bounded => AnsiColor::Green.on_default(),
+        Outcome::Refuted | Outcome::Exceeds => AnsiColor::Red.on_default().bold(),
+        _ => AnsiColor::Yellow.on_default().bold(),
     }
 }
 
@@ -223,7 +223,7 @@ fn table(out: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
     };
     let head = |text: &'static str, width| if width == 0 { "" } else { text };
     let line = format!(
-        "  {:<7}  {:<check$}  {:<of$}{}{}{}",
+        "  {:<8}  {:<check$}  {:<of$}{}{}{}",
         "verdict",
         "check",
         "of",
@@ -247,7 +247,7 @@ fn table(out: &mut impl Write, rows: &[Row]) -> std::io::Result<()> {
         }
         writeln!(
             out,
-            "  {style}{:<7}{style:#}{}",
+            "  {style}{:<8}{style:#}{}",
             row.verdict,
             rest.trim_end()
         )?;

@@ -9,13 +9,12 @@ use dotgen_diagram::theme::Theme;
 use dotgen_diagram::timeline::{self, Timeline};
 use dotgen_timing::explore::MomentKind;
 use dotgen_timing::remark::together;
-use dotgen_timing::report::{CheckReport, Event, Soundness, Verdict};
+use dotgen_timing::report::{CheckReport, Event, Verdict};
 use dotgen_timing::scn::Severity;
-use dotgen_timing::scn::names::Names;
 use dotgen_timing::verify::{Cancel, Options, settings};
 use serde::{Deserialize, Serialize};
 
-use super::{check_of, place};
+use super::place;
 use crate::proto::{Location, TextDocumentIdentifier, Uri};
 use crate::snapshot::{Snapshot, Subject};
 use crate::verification::advice;
@@ -23,6 +22,7 @@ use crate::verification::blocking::{self, CodelAt};
 use crate::verification::folded::{Part, folded, words as again};
 use crate::verification::summary;
 use crate::verification::timeline::{Ending, first_shown, left_out, of_end};
+use crate::verification::view::CheckView;
 use crate::verification::what_if::WhatIf;
 use crate::verification::{Problem, TaskBound};
 use crate::verifier::{self, Answer, Found, Status, about};
@@ -119,6 +119,8 @@ struct CheckShown {
     limit: Option<String>,
     slack: Option<String>,
     note: Option<String>,
+    /// Why a job is late.
+    reason: Vec<String>,
     has_run: bool,
     location: Option<Location>,
 }
@@ -429,13 +431,10 @@ pub(crate) fn present(
     out.notes.clone_from(&report.notes);
     out.states = report.states;
     out.seconds = report.seconds;
-    let specs = problem.specs();
-    let names = Names::new(&specs);
-    for check in &report.checks {
-        out.checks
-            .push(shown_check(snapshot, prepared, check, &names, scale)?);
+    for check in &answer.view().checks {
+        out.checks.push(shown_check(snapshot, prepared, check)?);
     }
-    let has_run = |it: &CheckReport| !run(it).is_empty();
+    let has_run = |it: &CheckReport| !it.run().is_empty();
     let refuted = || {
         let mut all = report.checks.iter();
         all.position(|it| it.verdict == Verdict::Refuted && has_run(it))
@@ -464,65 +463,28 @@ pub(super) fn locate(
     }
 }
 
-/// The run that a check has to show.
-fn run(check: &CheckReport) -> &[Event] {
-    match check.counterexample.is_empty() {
-        true => &check.witness,
-        false => &check.counterexample,
-    }
-}
-
 fn shown_check(
     snapshot: &Snapshot,
     prepared: &Prepared,
-    check: &CheckReport,
-    names: &Names,
-    scale: summary::Scale,
+    view: &CheckView,
 ) -> Cancellable<CheckShown> {
-    use dotgen_timing::report::Value;
-    let limit = summary::limit(check, names, scale);
-    let (sign, least) = match (check.verdict, check.soundness) {
-        (Verdict::Unknown, _) => ("≥ ", ""),
-        (_, Soundness::UpperBound) => ("≤ ", "≥ "),
-        _ => ("", ""),
-    };
-    let slack = match (check.value, limit) {
-        (Some(Value::Time(value)), Some(limit)) if check.verdict != Verdict::Unknown => {
-            let slack = summary::percent(summary::slack(value, limit));
-            Some(format!("{least}{slack}"))
-        }
-        _ => None,
-    };
-    let written = check_of(&prepared.places.scenario, check);
-    let location = match written.filter(|_| prepared.places.is_written()) {
-        Some(it) => snapshot.location(&prepared.places.path, &it.range)?,
+    let check = view.report;
+    let location = match &view.written {
+        Some(it) => snapshot.location(&prepared.places.path, it)?,
         None => None,
     };
     Ok(CheckShown {
         name: check.name.clone(),
-        check: check.check.to_owned(),
+        check: check.kind.word().to_owned(),
         of: check.of.clone(),
-        verdict: match check.verdict {
-            Verdict::Proved => "proved",
-            Verdict::Refuted => "refuted",
-            Verdict::Unknown => "gave up",
-            Verdict::Open => "open",
-        }
-        .to_owned(),
-        worth: match check.soundness {
-            Soundness::Exact => None,
-            Soundness::Safe => Some("safe: may be a false alarm, never misses".to_owned()),
-            Soundness::Under => Some("for worst-case durations only".to_owned()),
-            Soundness::UpperBound => Some("an upper bound".to_owned()),
-            Soundness::Neither => Some("for worst-case durations only, indicative".to_owned()),
-        },
-        value: check
-            .value
-            .map(|it| format!("{sign}{}", scale.show_value(it))),
-        limit: limit.map(|it| scale.show(it)),
-        slack,
+        verdict: view.outcome.word().to_owned(),
+        worth: view.worth.map(str::to_owned),
+        value: view.value.clone(),
+        limit: view.limit.clone(),
+        slack: view.slack.clone(),
         note: check.note.clone(),
-        has_run: !run(check).is_empty(),
+        reason: view.reason.clone(),
+        has_run: !check.run().is_empty(),
         location,
     })
 }
@@ -569,18 +531,21 @@ fn shown_run(
     theme: Theme,
 ) -> Cancellable<TimelineShown> {
     let check = &answer.report.checks[number];
-    let events = run(check);
+    let events = check.run();
     let refuted = check.verdict == Verdict::Refuted;
-    let what = match (refuted, check.check) {
+    let what = match (refuted, check.kind.is_time()) {
+        _ if !check.possible_run.is_empty() => {
+            "a run with rounded durations; it may not be possible"
+        }
         (true, _) => "a run that refutes it",
-        (false, "response" | "within") => "the longest run found",
-        (false, _) => "a run that shows it",
+        (false, true) => "the longest run found",
+        (false, false) => "a run that shows it",
     };
-    let title = format!("{} {}: {what}", check.check, check.of);
+    let title = format!("{} {}: {what}", check.kind, check.of);
     let says_so = events
         .last()
         .is_some_and(|it| it.kind == MomentKind::Excess);
-    let late = matches!(check.check, "schedulable" | "no-overdue" | "response");
+    let late = check.id.task.is_some();
     let ending = match refuted && late && !says_so {
         true => Ending::Miss(&check.of),
         false => Ending::Fine,

@@ -7,17 +7,19 @@ use dotgen_analysis::codes;
 use dotgen_analysis::diagnostic::{Diagnostic, Related, Severity};
 use dotgen_analysis::host::Cancellable;
 use dotgen_timing::explore::MomentKind;
+use dotgen_timing::property::PropertyKind;
 use dotgen_timing::remark::together;
 use dotgen_timing::report::{CheckReport, Value, Verdict};
 use dotgen_timing::scn;
 
-use super::{check_of, place, tasks};
+use super::{place, tasks};
 use crate::config::Level;
 use crate::proto::Uri;
 use crate::snapshot::Snapshot;
 use crate::verification::Problem;
 use crate::verification::advice::{self, Names};
 use crate::verification::problem::{self, EXTENSION};
+use crate::verification::view::{CheckView, Outcome};
 use crate::verifier::{Answer, Entry, about};
 
 const MISS: &str = "timing/deadline-miss";
@@ -87,15 +89,16 @@ fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Fou
         return Vec::new();
     };
     let mut out = Vec::new();
+    let view = answer.view();
     for task in tasks(&entry.problem, path) {
-        for (check, report) in answer.report.checks.iter().enumerate() {
-            let asked = match report.check {
-                "schedulable" => true,
-                "response" => report.bound.is_some(),
+        for (check, it) in view.of_task(task.id) {
+            let asked = match it.report.kind {
+                PropertyKind::Schedulable => true,
+                PropertyKind::Response => it.report.bound.is_some(),
                 _ => false,
             };
-            if asked && report.of == task.name && report.verdict == Verdict::Refuted {
-                let found = diagnostic(snapshot, entry, answer, report, path, &task.range);
+            if asked && it.report.verdict == Verdict::Refuted {
+                let found = diagnostic(snapshot, entry, answer, it, path, &task.range);
                 out.extend(found.map(|diagnostic| Found { diagnostic, check }));
             }
         }
@@ -140,11 +143,11 @@ fn scenario(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Found> {
         return Vec::new();
     };
     let mut out = Vec::new();
-    for (check, report) in answer.report.checks.iter().enumerate() {
-        let Some(written) = check_of(&entry.problem.scenario, report) else {
+    for (check, it) in answer.view().checks.iter().enumerate() {
+        let Some(written) = &it.written else {
             continue;
         };
-        let found = diagnostic(snapshot, entry, answer, report, path, &written.range);
+        let found = diagnostic(snapshot, entry, answer, it, path, written);
         out.extend(found.map(|diagnostic| Found { diagnostic, check }));
     }
     out
@@ -154,40 +157,38 @@ fn diagnostic(
     snapshot: &Snapshot,
     entry: &Entry,
     answer: &Answer,
-    check: &CheckReport,
+    view: &CheckView,
     path: &Utf8Path,
     range: &Range<usize>,
 ) -> Option<Diagnostic> {
     let scale = answer.scale();
-    let (code, mut message) = match (check.verdict, check.check, check.value) {
-        (Verdict::Proved | Verdict::Open, ..) => return None,
-        (Verdict::Unknown, ..) => (GAVE_UP, {
+    let check = view.report;
+    let of = &check.of;
+    let (code, mut message) = match (view.outcome, check.kind) {
+        (Outcome::Proved | Outcome::Bounded | Outcome::Exceeds | Outcome::Open, _) => return None,
+        // What is missing is said where it is missing.
+        (Outcome::Nothing, _) => return None,
+        (Outcome::GaveUp, kind) => (GAVE_UP, {
             let why = check.note.as_deref().unwrap_or("gave up");
             let reason = check.gave_up.map(|it| it.reason);
             let advice = advice::of(reason, &answer.problem, Names::Settings);
             let advice = advice.map_or(String::new(), |it| format!("; {it}"));
-            format!(
-                "`{} {}` is neither proved nor refuted: {why}{advice}",
-                check.check, check.of
-            )
+            format!("`{kind} {of}` is neither proved nor refuted: {why}{advice}")
         }),
-        (_, "schedulable", _) => {
-            let last = check.counterexample.last();
+        (_, PropertyKind::Schedulable) => {
+            let last = check.run().last();
             let at = last.map_or(String::new(), |it| format!("at {} ", scale.show(it.time)));
             let what = format!("{at}its next period begins before the job has ended");
-            (
-                MISS,
-                format!("`{}` can miss its deadline: {what}", check.of),
-            )
+            (MISS, format!("`{of}` can miss its deadline: {what}"))
         }
-        (_, "response" | "within", Some(value)) => {
-            let what = match check.check {
-                "response" => format!("the response time of `{}`", check.of),
-                _ => format!("the time of `{}`", check.of),
+        (_, kind @ (PropertyKind::Response | PropertyKind::Within)) => {
+            let what = match kind {
+                PropertyKind::Response => format!("the response time of `{of}`"),
+                _ => format!("the time of `{of}`"),
             };
-            let message = match (value, check.bound) {
+            let message = match (check.value?, check.bound) {
                 (Value::Unbounded, _) => format!("{what} has no bound"),
-                (_, Some(bound)) => format!(
+                (value, Some(bound)) => format!(
                     "{what} can be {}, more than {}",
                     scale.show_value(value),
                     scale.show_value(bound)
@@ -196,23 +197,25 @@ fn diagnostic(
             };
             (EXCEEDED, message)
         }
-        (_, kind, _) => (FAILED, format!("`{kind} {}` does not hold", check.of)),
+        (_, kind) => (FAILED, format!("`{kind} {of}` does not hold")),
     };
+    if let Some(why) = view.reason.last() {
+        message += &format!("; {why}");
+    }
+    if view.outcome == Outcome::PossiblyRefuted {
+        message +=
+            "; this may be a false alarm, as durations are rounded up to the unit of the scenario";
+    }
     if path.extension() != Some(EXTENSION) {
         message += &match entry.problem.is_written() {
             true => format!(" (scenario `{}`)", answer.report.scenario),
             false => " (no scenario: any client, at any time)".to_owned(),
         };
     }
+    let severity = severity(snapshot, code)?;
     Some(Diagnostic {
-        code,
-        severity: severity(snapshot, code)?,
-        message,
-        path: path.to_owned(),
-        range: range.clone(),
         related: related(entry, answer, check),
-        tags: Vec::new(),
-        fixes: Vec::new(),
+        ..Diagnostic::new(code, severity, message, path.to_owned(), range.clone())
     })
 }
 
@@ -229,7 +232,7 @@ fn severity(snapshot: &Snapshot, code: &str) -> Option<Severity> {
 fn related(entry: &Entry, answer: &Answer, check: &CheckReport) -> Vec<Related> {
     let scale = answer.scale();
     let mut related: Vec<Related> = Vec::new();
-    for event in check.counterexample.iter().rev() {
+    for event in check.run().iter().rev() {
         if related.len() < RELATED
             && matches!(event.kind, MomentKind::Wait | MomentKind::Begin)
             && let Some((path, range)) = place(entry.places(), event.src)

@@ -2,14 +2,15 @@
 //! and nothing else.
 
 use dotgen_analysis::host::Cancellable;
-use dotgen_timing::report::{CheckReport, Soundness, Value, Verdict};
-use dotgen_timing::scn::names::Names;
+use dotgen_timing::property::PropertyKind;
+use dotgen_timing::report::{TaskId, Verdict};
 use dotgen_timing::verify::settings;
 
-use super::{SHOW, argument, check_of, tasks};
+use super::{SHOW, argument, tasks};
 use crate::proto::{CodeLens, Command, Uri};
 use crate::snapshot::{Snapshot, Subject};
-use crate::verification::summary::{self, Scale};
+use crate::verification::summary::Scale;
+use crate::verification::view::{CheckView, Outcome};
 use crate::verifier::{Answer, Entry, Status, about};
 
 /// Of what has no answer yet.
@@ -27,13 +28,13 @@ pub(crate) fn lenses(snapshot: &Snapshot, subject: &Subject) -> Cancellable<Vec<
             continue;
         };
         for task in tasks(&entry.problem, &subject.path) {
-            let Some(mut title) = of_task(entry, &task.name) else {
+            let Some(mut title) = of_task(entry, task.id) else {
                 continue;
             };
             if about.len() > 1 {
                 title = format!("{}: {title}", entry.problem.scenario.name);
             }
-            let check = shown(entry, &task.name);
+            let check = shown(entry, task.id);
             out.push(lens(snapshot, lines.range(&task.range), title, &uri, check));
         }
     }
@@ -55,30 +56,21 @@ pub(crate) fn scenario_lenses(
     let heading = lines.range(&entry.problem.scenario.name_range);
     let mut out = vec![lens(snapshot, heading, whole(entry), uri, None)];
     if let Some(answer) = entry.known() {
-        let scale = answer.scale();
         let mut titles: Vec<(std::ops::Range<usize>, Vec<String>, usize)> = Vec::new();
-        for (i, report) in answer.report.checks.iter().enumerate() {
-            let Some(check) = check_of(&entry.problem.scenario, report) else {
+        for (i, it) in answer.view().checks.iter().enumerate() {
+            let Some(range) = it.written.clone() else {
                 continue;
             };
-            let mut word = verdict(report);
-            if let Some(value) = report.value {
-                let least = match report.verdict {
-                    Verdict::Unknown => "at least ",
-                    _ => "",
-                };
-                word = format!("{least}{} · {word}", scale.show_value(value));
+            let mut word = outcome(it);
+            if let Some(value) = &it.value {
+                word = format!("{value} · {word}");
             }
-            match titles.iter_mut().find(|it| it.0 == check.range) {
-                Some(it) => it.1.push(format!("{} {word}", report.of)),
-                None if check_is_of_all(check) => {
-                    titles.push((
-                        check.range.clone(),
-                        vec![format!("{} {word}", report.of)],
-                        i,
-                    ));
-                }
-                None => titles.push((check.range.clone(), vec![word], i)),
+            if it.is_one_of_all {
+                word = format!("{} {word}", it.report.of);
+            }
+            match titles.iter_mut().find(|it| it.0 == range) {
+                Some(it) => it.1.push(word),
+                None => titles.push((range, vec![word], i)),
             }
         }
         for (range, words, check) in titles {
@@ -87,14 +79,6 @@ pub(crate) fn scenario_lenses(
         }
     }
     Ok(Some(out))
-}
-
-fn check_is_of_all(check: &dotgen_timing::scn::ast::Check) -> bool {
-    use dotgen_timing::scn::ast::CheckKind::{NoOverdue, Response, Schedulable};
-    matches!(
-        check.kind,
-        Schedulable(None) | NoOverdue(None) | Response(None, _)
-    )
 }
 
 fn lens(
@@ -117,14 +101,14 @@ fn lens(
 }
 
 /// The check that shows most about a task: a refuted one, else its response.
-fn shown(entry: &Entry, task: &str) -> Option<usize> {
-    let checks = &entry.known()?.report.checks;
+fn shown(entry: &Entry, task: TaskId) -> Option<usize> {
+    let view = entry.known()?.view();
     let of_task = || {
-        let all = checks.iter().enumerate();
-        all.filter(|it| it.1.of == task && it.1.verdict != Verdict::Open)
+        view.of_task(task)
+            .filter(|it| it.1.outcome != Outcome::Open)
     };
-    let refuted = of_task().find(|it| it.1.verdict == Verdict::Refuted);
-    let response = || of_task().find(|it| it.1.check == "response");
+    let refuted = of_task().find(|it| it.1.report.verdict == Verdict::Refuted);
+    let response = || of_task().find(|it| it.1.report.kind == PropertyKind::Response);
     refuted
         .or_else(response)
         .or_else(|| of_task().next())
@@ -135,8 +119,9 @@ fn shown(entry: &Entry, task: &str) -> Option<usize> {
 fn whole(entry: &Entry) -> String {
     let text = match entry.status {
         Status::Stale | Status::Running => VERIFYING.to_owned(),
-        Status::Proved => "proved".to_owned(),
+        Status::Proved => proved(entry).to_owned(),
         Status::Refuted => "refuted".to_owned(),
+        Status::Nothing => "nothing to verify".to_owned(),
         Status::GaveUp => "gave up".to_owned(),
         Status::Blocked => return "not verified: there are errors".to_owned(),
     };
@@ -150,9 +135,19 @@ fn whole(entry: &Entry) -> String {
     }
 }
 
+/// Of a whole without failures: where something has no limit and exceeds the period of its task, that is no proof.
+fn proved(entry: &Entry) -> &'static str {
+    let exceeds = |it: &CheckView| it.outcome == Outcome::Exceeds;
+    let answer = entry.known();
+    match answer.is_some_and(|it| it.view().checks.iter().any(exceeds)) {
+        true => "answered",
+        false => "proved",
+    }
+}
+
 /// What is known of a task; `None` if the verification says nothing about it.
-fn of_task(entry: &Entry, task: &str) -> Option<String> {
-    let bound = entry.bounds.iter().find(|it| it.task == task);
+fn of_task(entry: &Entry, task: TaskId) -> Option<String> {
+    let bound = entry.bounds.iter().find(|it| it.id == task);
     let bound = bound.filter(|_| entry.status == Status::Running);
     let bound = bound.map(|it| format!("R ≤ {}", scale_of(entry).show(it.bound)));
     let Some(answer) = entry.known().filter(|_| entry.status != Status::Blocked) else {
@@ -165,42 +160,44 @@ fn of_task(entry: &Entry, task: &str) -> Option<String> {
             None => what.to_owned(),
         });
     };
-    let of_task = |kind: &str| {
-        let mut checks = answer.report.checks.iter();
-        checks.find(|it| it.check == kind && it.of == task)
-    };
-    let (deadline, response) = (of_task("schedulable"), of_task("response"));
-    let all: Vec<&CheckReport> = (answer.report.checks.iter())
-        .filter(|it| it.of == task)
-        .collect();
+    let view = answer.view();
+    let all: Vec<&CheckView> = view.of_task(task).map(|it| it.1).collect();
+    let of_kind = |kind: PropertyKind| all.iter().find(|it| it.report.kind == kind);
+    let response = of_kind(PropertyKind::Response);
     if all.is_empty() {
         return None;
     }
-    let has = |verdict| all.iter().any(|it| it.verdict == verdict);
-    let open = has(Verdict::Open);
+    let has = |outcome| all.iter().any(|it| it.outcome == outcome);
+    let open = has(Outcome::Open);
+    if has(Outcome::Nothing) {
+        return Some("nothing to verify: no execution times".to_owned());
+    }
     let mut parts = Vec::new();
-    match deadline.map(|it| it.verdict) {
-        Some(Verdict::Refuted) => parts.push("deadline missed".to_owned()),
-        Some(Verdict::Proved) if open => parts.push("deadline met".to_owned()),
+    match of_kind(PropertyKind::Schedulable).map(|it| it.outcome) {
+        Some(Outcome::Refuted) => parts.push("deadline missed".to_owned()),
+        Some(Outcome::PossiblyRefuted) => parts.push("deadline perhaps missed".to_owned()),
+        Some(Outcome::Proved) if open => parts.push("deadline met".to_owned()),
         _ => {}
     }
-    match response.filter(|it| it.verdict != Verdict::Open) {
-        Some(it) => parts.extend(measured(answer, it)),
+    match response.filter(|it| it.outcome != Outcome::Open) {
+        Some(it) => parts.extend(measured(it)),
         None => parts.extend(bound.filter(|_| open)),
     }
     if open {
-        if has(Verdict::Refuted) {
+        if has(Outcome::Refuted) {
             parts.push("refuted".to_owned());
         }
         parts.push(VERIFYING.to_owned());
         return Some(parts.join(" · "));
     }
-    let mut word = if has(Verdict::Refuted) {
+    let mut word = if has(Outcome::Refuted) {
         "refuted".to_owned()
-    } else if has(Verdict::Unknown) {
-        let mut unknown = all.iter().filter(|it| it.verdict == Verdict::Unknown);
-        let why = unknown.find_map(|it| it.gave_up);
-        why.map_or("gave up".to_owned(), |it| it.to_string())
+    } else if has(Outcome::PossiblyRefuted) {
+        "refuted with rounded durations only".to_owned()
+    } else if let Some(it) = all.iter().find(|it| it.outcome == Outcome::GaveUp) {
+        outcome(it)
+    } else if has(Outcome::Exceeds) {
+        "later than its period".to_owned()
     } else {
         "proved".to_owned()
     };
@@ -217,26 +214,16 @@ fn of_task(entry: &Entry, task: &str) -> Option<String> {
 }
 
 /// `R 7 ms of 10 ms`, `slack 30 %`
-fn measured(answer: &Answer, check: &CheckReport) -> Vec<String> {
-    let Some(value) = check.value.filter(|_| check.verdict != Verdict::Unknown) else {
+fn measured(check: &CheckView) -> Vec<String> {
+    let value = check.value.as_ref();
+    let Some(value) = value.filter(|_| check.outcome != Outcome::GaveUp) else {
         return Vec::new();
     };
-    let scale = answer.scale();
-    let specs = answer.problem.specs();
-    let limit = summary::limit(check, &Names::new(&specs), scale);
-    let (at_most, at_least) = match check.soundness {
-        Soundness::UpperBound => ("≤ ", "≥ "),
-        _ => ("", ""),
-    };
-    match (value, limit) {
-        (Value::Time(time), Some(limit)) => vec![
-            format!("R {at_most}{} of {}", scale.show(time), scale.show(limit)),
-            format!(
-                "slack {at_least}{}",
-                summary::percent(summary::slack(time, limit))
-            ),
-        ],
-        _ => vec![format!("R {at_most}{}", scale.show_value(value))],
+    match (&check.limit, &check.slack) {
+        (Some(limit), Some(slack)) => {
+            vec![format!("R {value} of {limit}"), format!("slack {slack}")]
+        }
+        _ => vec![format!("R {value}")],
     }
 }
 
@@ -244,13 +231,11 @@ fn scale_of(entry: &Entry) -> Scale {
     Scale::of(&settings(&entry.problem.scenario, &Default::default()))
 }
 
-fn verdict(report: &CheckReport) -> String {
-    match (report.verdict, report.gave_up) {
-        (Verdict::Proved, _) => "proved".to_owned(),
-        (Verdict::Refuted, _) => "refuted".to_owned(),
-        (Verdict::Unknown, Some(why)) => why.to_string(),
-        (Verdict::Unknown, None) => "gave up".to_owned(),
-        (Verdict::Open, _) => VERIFYING.to_owned(),
+fn outcome(check: &CheckView) -> String {
+    match (check.outcome, check.report.gave_up) {
+        (Outcome::GaveUp, Some(why)) => why.to_string(),
+        (Outcome::Open, _) => VERIFYING.to_owned(),
+        (it, _) => it.counted().to_owned(),
     }
 }
 

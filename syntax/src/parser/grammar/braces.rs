@@ -82,17 +82,20 @@ pub(super) fn close(p: &mut Parser<'_>, body: Body<'_>) {
     }
     let owner = body.owner;
     if !p.is_reported() {
-        let found = p.describe_current();
-        let (missing, message) = match p.current() {
-            EOF => ("};", "the file ends here; add `};`".to_owned()),
+        let (found, owner) = (p.describe_current().into(), owner.into());
+        let (missing, kind) = match p.current() {
+            EOF => ("};", Parsing::BodyNotClosedAtEnd { owner }),
             // What follows the `}` is there.
-            SEMICOLON => ("}", "add `}` before this `;`".to_owned()),
-            IDENT if body.fragment == Fragment::Members && p.nth_at_ts(1, AFTER_DECLARATOR) => {
-                ("}", format!("add `}}` before {found}"))
+            SEMICOLON => {
+                let found = "this `;`".into();
+                ("}", Parsing::BodyNotClosedHere { owner, found })
             }
-            _ => ("};", format!("found {found}; add `}};` before it")),
+            IDENT if body.fragment == Fragment::Members && p.nth_at_ts(1, AFTER_DECLARATOR) => {
+                ("}", Parsing::BodyNotClosedHere { owner, found })
+            }
+            _ => ("};", Parsing::BodyNotClosed { owner, found }),
         };
-        p.error_here(format!("missing `}}` at the end of {owner}: {message}"));
+        p.error_here(kind);
         p.lacks(missing);
         if let Some(brace) = body.brace {
             p.explain(brace, "this `{` is not closed");
@@ -289,7 +292,7 @@ pub(super) fn extra(p: &mut Parser<'_>) {
     } else if std::mem::take(&mut p.headless) {
         p.mark_reported();
     }
-    p.error_here("this `}` closes nothing: remove it, or add the `{` it belongs to".to_owned());
+    p.error_here(Parsing::ExtraBrace);
     p.bump(R_CURLY);
     p.eat(SEMICOLON);
     m.complete(p, ERROR);

@@ -31,7 +31,7 @@ pub(super) fn codel(p: &mut Parser<'_>, form: Form) -> &'static str {
     let has_triggers = p.at(L_ANGLE) || (lacks_angles && form == Form::Any);
     if has_triggers {
         if form == Form::Simple {
-            p.error_here("a `validate` codel has no states: remove them".to_owned());
+            p.error_here(Parsing::ValidateWithStates);
         }
         triggers(p);
     }
@@ -45,24 +45,14 @@ pub(super) fn codel(p: &mut Parser<'_>, form: Form) -> &'static str {
     let mut others = "";
     if p.at(YIELDS_KW) && !has_triggers {
         let extra = p.start();
-        p.error_here(
-            "a codel without `<states>` yields nothing: remove this list, or say which states it \
-             serves"
-                .to_owned(),
-        );
+        p.error_here(Parsing::YieldWithoutStates);
         yields(p);
         extra.complete(p, ERROR);
     } else if p.at(YIELDS_KW) {
         others = yields(p);
     } else if has_triggers && form == Form::Any && !p.is_reported() {
-        let found = p.describe_current();
-        p.push_error(
-            "missing-yield",
-            name_at,
-            format!(
-                "this codel has states but no `yield` list (found {found}); add `yield STATE, …`"
-            ),
-        );
+        let found = p.describe_current().into();
+        p.push_error(name_at, Parsing::NoYield { found });
         if !p.at(SEMICOLON) {
             p.mark_reported();
         }
@@ -82,11 +72,8 @@ pub(super) fn at_codel(p: &Parser<'_>) -> bool {
 fn triggers(p: &mut Parser<'_>) {
     let m = p.start();
     if !p.eat(L_ANGLE) {
-        let (state, name) = (p.current_text(), p.nth_text(1));
-        p.error_here(format!(
-            "expected `<`, found `{state}`; the states of a codel stand in angle brackets: \
-             `codel<{state}> {name}(…)`"
-        ));
+        let (state, name) = (p.current_text().into(), p.nth_text(1).into());
+        p.error_here(Parsing::StatesWithoutAngles { state, name });
         state_name(p);
         m.complete(p, TRIGGERS);
         return;
@@ -134,10 +121,8 @@ fn state(p: &mut Parser<'_>) -> bool {
         p.bump(PAUSE_KW);
         p.bump(COLON2);
     } else if p.nth(1) == COLON2 && p.nth(2) == IDENT {
-        let word = p.current_text();
-        p.error_here(format!(
-            "`{word}::` cannot stand before a state: write `pause::` or remove it"
-        ));
+        let word = p.current_text().into();
+        p.error_here(Parsing::QualifiedState { word });
         let bad = p.start();
         p.bump_any();
         p.bump(COLON2);
@@ -199,11 +184,7 @@ fn bare_wcet(p: &mut Parser<'_>) {
         // Warned about with the model at hand (`wcet-bare`), together with its fix.
         m.complete(p, WCET);
     } else {
-        p.error_at(
-            "syntax",
-            at,
-            "a number cannot stand here; an execution time is written `wcet 10 us`".to_owned(),
-        );
+        p.error_at(at, Parsing::BareNumber);
         m.complete(p, ERROR);
     }
 }

@@ -75,9 +75,7 @@ fn binary(p: &mut Parser<'_>, weakest: u8, what: &str) -> Option<Operand> {
             return Some((lhs, height));
         }
         if height >= MAX_HEIGHT {
-            p.error_here(
-                "this expression is too long; declare constants for parts of it".to_owned(),
-            );
+            p.error_here(Parsing::LongExpression);
             p.swallow();
             return Some((lhs, height));
         }
@@ -99,10 +97,7 @@ fn unary(p: &mut Parser<'_>, what: &str) -> Option<Operand> {
     let m = p.start();
     p.bump_any();
     let height = if p.at(MINUS) || p.at(PLUS) || p.at(TILDE) {
-        p.error_here(
-            "two unary operators in a row; put the second one and its operand in parentheses"
-                .to_owned(),
-        );
+        p.error_here(Parsing::TwoOperators);
         while p.at(MINUS) || p.at(PLUS) || p.at(TILDE) {
             p.bump_any();
         }

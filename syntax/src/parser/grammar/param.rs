@@ -114,9 +114,7 @@ fn path_param(p: &mut Parser<'_>, params: Params) {
     let m = p.start();
     if source {
         if params == Params::Attribute {
-            p.error_here(
-                "parameters of an attribute are members of the ids: remove the source".to_owned(),
-            );
+            p.error_here(Parsing::AttributeSource);
         }
         p.bump_contextual();
         if !p.at_ts(DIRECTION) {
@@ -147,7 +145,7 @@ fn path_param(p: &mut Parser<'_>, params: Params) {
     if params == Params::Attribute {
         default_value(p);
     } else if p.at(EQ) {
-        p.error_here("parameters of codels have no default value: remove it".to_owned());
+        p.error_here(Parsing::CodelDefault);
     }
     m.complete(p, PATH_PARAM);
 }

@@ -33,9 +33,9 @@ pub(super) fn body(p: &mut Parser<'_>, fragment: Fragment, may_be_empty: bool, o
     let m = p.start();
     let body = braces::open(p, fragment, owner);
     if p.at(R_CURLY) && !may_be_empty && !p.is_after_include() {
-        p.error_here(format!(
-            "{owner} cannot be empty; declare something between the braces"
-        ));
+        p.error_here(Parsing::EmptyBody {
+            owner: owner.into(),
+        });
     }
     items(p, fragment, Some(body));
     braces::close(p, body);
@@ -155,7 +155,7 @@ fn leaves_body(p: &Parser<'_>, fragment: Fragment) -> bool {
 fn bad_item(p: &mut Parser<'_>, fragment: Fragment) {
     let m = p.start();
     if p.at(SEMICOLON) {
-        p.error_here("unexpected `;`: remove it".to_owned());
+        p.error_here(Parsing::ExtraSemicolon);
         p.bump(SEMICOLON);
         m.complete(p, ERROR);
         return;
@@ -191,14 +191,16 @@ fn bad_item(p: &mut Parser<'_>, fragment: Fragment) {
         }
     }
     if outside {
-        let word = p.current_text();
+        let word = p.current_text().into();
         p.error_here(match p.headless {
-            true => format!(
-                "`{word}` cannot stand here, expected {what}; is the line `component NAME {{` missing before it?"
-            ),
-            false => {
-                format!("`{word}` cannot stand here, expected {what}; move it into a component")
-            }
+            true => Parsing::HeadlessComponent {
+                word,
+                expected: what,
+            },
+            false => Parsing::Outside {
+                word,
+                expected: what,
+            },
         });
         if !(component::component(p) || component::export(p) || property::property(p)) {
             skip_tokens(p);
@@ -219,11 +221,8 @@ fn bad_item(p: &mut Parser<'_>, fragment: Fragment) {
 /// The properties of a task or service whose first line is missing, with their `}`.
 fn headless_properties(p: &mut Parser<'_>) -> bool {
     let m = p.start();
-    let word = p.current_text();
-    p.error_here(format!(
-        "`{word}` cannot stand in a component; is the line that begins its task or service missing before it, \
-         such as `task NAME {{`?"
-    ));
+    let word = p.current_text().into();
+    p.error_here(Parsing::HeadlessProperties { word });
     body(p, Fragment::Properties, true, "this task or service");
     p.eat(SEMICOLON);
     m.complete(p, ERROR);

@@ -19,10 +19,7 @@ pub(super) fn const_decl(p: &mut Parser<'_>) {
         ENUM_KW,
     ]);
     if p.at_ts(UNFIT) {
-        unfit_type(
-            p,
-            "a constant cannot have this type; use a number, boolean, character or string type",
-        );
+        unfit_type(p, Parsing::UnfitConstant);
     } else {
         type_spec(p, Allow::Simple);
     }
@@ -256,17 +253,12 @@ pub(super) fn type_spec(p: &mut Parser<'_>, allow: Allow) -> bool {
         }
         STRUCT_KW | UNION_KW | ENUM_KW if allow == Allow::Constructed => return constructed(p),
         STRUCT_KW | UNION_KW | ENUM_KW => {
-            unfit_type(
-                p,
-                "a type cannot be declared here; declare it before and write its name",
-            );
+            unfit_type(p, Parsing::DeclaredHere);
         }
         WCHAR_KW | WSTRING_KW | OBJECT_KW => {
             let m = p.start();
-            let word = p.current_text();
-            p.error_here(format!(
-                "`{word}` is a reserved word without meaning; use another type"
-            ));
+            let word = p.current_text().into();
+            p.error_here(Parsing::Meaningless { word });
             p.bump_any();
             m.complete(p, ERROR);
         }
@@ -279,9 +271,9 @@ pub(super) fn type_spec(p: &mut Parser<'_>, allow: Allow) -> bool {
 }
 
 /// A type that may not stand here: read, reported and kept out of sight.
-fn unfit_type(p: &mut Parser<'_>, message: &str) {
+fn unfit_type(p: &mut Parser<'_>, kind: Parsing) {
     let m = p.start();
-    p.error_here(message.to_owned());
+    p.error_here(kind);
     type_spec(p, Allow::Constructed);
     m.complete(p, ERROR);
 }
@@ -356,9 +348,7 @@ fn close_angle(p: &mut Parser<'_>) {
             p.bump(SHR);
             m.complete(p, ERROR);
         } else {
-            p.error_here(
-                "`>>` is the shift operator; write `> >` to close two templates".to_owned(),
-            );
+            p.error_here(Parsing::ClosingShift);
         }
         return;
     }
@@ -433,10 +423,7 @@ fn switch_type(p: &mut Parser<'_>) {
     if p.at_ts(FIT) || !p.at_ts(TYPE_FIRST) {
         type_spec(p, Allow::Constructed);
     } else {
-        unfit_type(
-            p,
-            "a union cannot switch on this type; use an integer type, `char`, `boolean` or an enum",
-        );
+        unfit_type(p, Parsing::UnfitSwitch);
     }
 }
 
@@ -465,7 +452,7 @@ fn enumerators(p: &mut Parser<'_>) {
             one.complete(p, ENUMERATOR);
             if p.at(EQ) {
                 let value = p.start();
-                p.error_here("enumerators have no value of their own: remove it".to_owned());
+                p.error_here(Parsing::EnumeratorValue);
                 p.bump(EQ);
                 expr::expr(p);
                 value.complete(p, ERROR);

@@ -11,6 +11,7 @@ use crate::{
         Define, Directive, DirectiveKind, IncludeForm, IncludeOperand, Name, Operand, Pragma,
         unquote,
     },
+    finding::preprocessing::{Preprocessing, Searched},
     kind::SyntaxKind::*,
     lexer::{is_trivia, is_word},
     preproc::{
@@ -45,35 +46,28 @@ impl Walker<'_> {
             DirectiveKind::Else(rest) => return self.else_(rest, directive),
             DirectiveKind::Endif(rest) => self.endif(rest, directive),
             DirectiveKind::Error(text) => {
-                let message = if text.is_empty() {
-                    "`#error`".into()
-                } else {
-                    text.to_string()
+                let text = match text.is_empty() {
+                    true => "`#error`".into(),
+                    false => text.to_string().into(),
                 };
-                self.error("pp-error-directive", range, message);
+                self.error(range, Preprocessing::ErrorDirective { text });
             }
             DirectiveKind::Warning(text) => {
-                let message = if text.is_empty() {
-                    "`#warning`".into()
-                } else {
-                    text.to_string()
+                let text = match text.is_empty() {
+                    true => "`#warning`".into(),
+                    false => text.to_string().into(),
                 };
-                self.warning("pp-warning-directive", range, message);
+                self.warning(range, Preprocessing::WarningDirective { text });
             }
             DirectiveKind::Line(operand) => self.line(operand.clone(), range),
             DirectiveKind::Pragma(pragma) if pragma.name.is_none() => {
-                self.error(
-                    "pp-pragma-bad",
-                    range,
-                    "`#pragma` must be followed by a word",
-                );
+                self.error(range, Preprocessing::EmptyPragma);
             }
             DirectiveKind::Pragma(pragma) => self.pragma(pragma, range),
             DirectiveKind::Unknown => {
                 let word = directive.keyword.as_ref().map_or("", |it| it.text.as_str());
                 self.report(PpError {
-                    code: "pp-unknown-directive",
-                    message: format!("unknown directive `#{word}`: the line is ignored"),
+                    kind: Preprocessing::UnknownDirective { word: word.into() },
                     range,
                     severity: Severity::Hint,
                     related: None,
@@ -93,13 +87,10 @@ impl Walker<'_> {
         };
         let named = named.filter(|(path, _)| !path.is_empty());
         if named.is_none() {
-            let message = "`#include` must be followed by `\"file\"`, `<file>`, or a macro that \
-                           stands for one of them";
-            self.error("pp-include-bad", range, message);
+            self.error(range, Preprocessing::IncludeWithoutFile);
         } else if !operand.rest.is_empty() {
             let extra = self.span(operand.rest.start, operand.rest.end);
-            let message = "nothing may follow the name of the file in an `#include`";
-            self.error("pp-include-bad", extra, message);
+            self.error(extra, Preprocessing::IncludeWithMore);
         }
         let request = named.map(|(path, angled)| IncludeRequest {
             ordinal,
@@ -146,7 +137,7 @@ impl Walker<'_> {
     fn define(&mut self, define: &Define, range: TextRange) {
         let (definition, problems) = lower_define(self.text, self.raw, define, Some(self.file));
         for problem in problems {
-            self.error(problem.code, range, problem.message);
+            self.error(range, problem);
         }
         let Some(definition) = definition else { return };
         for i in define.body.clone() {
@@ -186,12 +177,9 @@ impl Walker<'_> {
                 .flatten()
                 .map(|it| (it.range, "the former definition"));
             self.report(PpError {
-                code: "pp-redefined",
-                message: format!(
-                    "the macro `{}` is defined again with another body; this one is used from here \
-                     on",
-                    definition.name
-                ),
+                kind: Preprocessing::Redefined {
+                    name: definition.name.clone(),
+                },
                 range,
                 severity: Severity::Warning,
                 related,
@@ -202,11 +190,7 @@ impl Walker<'_> {
 
     fn undef(&mut self, operand: &Operand, range: TextRange) {
         let Some(name) = &operand.name else {
-            self.error(
-                "pp-undef-bad",
-                range,
-                "`#undef` must be followed by the name of a macro",
-            );
+            self.error(range, Preprocessing::UndefWithoutName);
             return;
         };
         self.extra_tokens(operand, "undef");
@@ -217,8 +201,12 @@ impl Walker<'_> {
     fn is_defined(&mut self, operand: &Operand, directive: &Directive) -> Option<bool> {
         let keyword = directive.keyword.as_ref().map_or("", |it| it.text.as_str());
         let Some(name) = &operand.name else {
-            let message = format!("`#{keyword}` must be followed by the name of a macro");
-            self.error("pp-ifdef-bad", directive.range, message);
+            self.error(
+                directive.range,
+                Preprocessing::IfdefWithoutName {
+                    keyword: keyword.into(),
+                },
+            );
             return None;
         };
         self.extra_tokens(operand, keyword);
@@ -229,8 +217,12 @@ impl Walker<'_> {
     fn extra_tokens(&mut self, operand: &Operand, keyword: &str) {
         if !operand.rest.is_empty() {
             let range = self.span(operand.rest.start, operand.rest.end);
-            let message = format!("`#{keyword}` takes exactly one name: remove what follows it");
-            self.error("pp-extra-tokens", range, message);
+            self.error(
+                range,
+                Preprocessing::MoreThanAName {
+                    keyword: keyword.into(),
+                },
+            );
         }
     }
 
@@ -266,7 +258,7 @@ impl Walker<'_> {
             Err(error) => {
                 // A call gone wrong explains a condition gone wrong.
                 if self.out.errors.len() == errors {
-                    self.error(error.code, range, error.message);
+                    self.error(range, error);
                 }
                 false
             }
@@ -285,11 +277,7 @@ impl Walker<'_> {
 
     fn elif(&mut self, condition: Range<u32>, range: TextRange) -> Option<bool> {
         let Some(conditional) = self.conditionals.last_mut() else {
-            self.error(
-                "pp-elif-without-if",
-                range,
-                "`#elif` without `#if` before it",
-            );
+            self.error(range, Preprocessing::ElifWithoutIf);
             return None;
         };
         // After an `#else` as well, as the reference compiler does.
@@ -302,11 +290,7 @@ impl Walker<'_> {
         let range = directive.range;
         self.tail(rest, directive);
         let Some(conditional) = self.conditionals.last_mut() else {
-            self.error(
-                "pp-else-without-if",
-                range,
-                "`#else` without `#if` before it",
-            );
+            self.error(range, Preprocessing::ElseWithoutIf);
             return None;
         };
         if conditional.seen_else {
@@ -315,8 +299,7 @@ impl Walker<'_> {
             conditional.closed = true;
             self.live = false;
             self.report(PpError {
-                code: "pp-else-twice",
-                message: "a second `#else` in the same conditional".into(),
+                kind: Preprocessing::ElseTwice,
                 range,
                 severity: Severity::Error,
                 related,
@@ -331,8 +314,7 @@ impl Walker<'_> {
     fn endif(&mut self, rest: &Range<u32>, directive: &Directive) {
         self.tail(rest, directive);
         if self.conditionals.pop().is_none() {
-            let message = "`#endif` without `#if` before it";
-            self.error("pp-endif-without-if", directive.range, message);
+            self.error(directive.range, Preprocessing::EndifWithoutIf);
         }
         self.live = true;
     }
@@ -341,16 +323,21 @@ impl Walker<'_> {
     fn tail(&mut self, rest: &Range<u32>, directive: &Directive) {
         let keyword = directive.keyword.as_ref().map_or("", |it| it.text.as_str());
         if !rest.is_empty() {
-            let message = format!("`#{keyword}` takes nothing: make what follows it a comment");
+            let range = self.span(rest.start, rest.end);
             self.warning(
-                "pp-extra-tokens-tail",
-                self.span(rest.start, rest.end),
-                message,
+                range,
+                Preprocessing::Tail {
+                    keyword: keyword.into(),
+                },
             );
         }
         if self.at >= self.raw.len() && !self.open_comment {
-            let message = format!("the file ends on `#{keyword}` without a line end");
-            self.warning("pp-no-newline", directive.range, message);
+            self.warning(
+                directive.range,
+                Preprocessing::NoLineEnd {
+                    keyword: keyword.into(),
+                },
+            );
         }
     }
 
@@ -363,9 +350,7 @@ impl Walker<'_> {
             _ => false,
         };
         if !valid {
-            let message = "`#line` must be followed by a line number and, optionally, a file name \
-                           in quotes";
-            self.error("pp-line-bad", range, message);
+            self.error(range, Preprocessing::BadLine);
         }
     }
 
@@ -376,54 +361,49 @@ impl Walker<'_> {
         }
         match pragma.args.len() {
             0 => {
-                let message = format!("`#pragma {}` must be followed by a package", name.text);
-                self.error("pp-requires-empty", range, message);
+                self.error(
+                    range,
+                    Preprocessing::EmptyRequires {
+                        word: name.text.clone(),
+                    },
+                );
             }
             1..=MAX_PACKAGES => {
                 let arguments: Vec<SmolStr> =
                     pragma.args.iter().map(|it| it.text.clone()).collect();
                 match self.host.requires(&arguments, &self.env) {
                     Ok(env) => self.env = env,
-                    Err(message) => self.error("pp-requires-unresolved", range, message),
+                    Err(why) => self.error(range, Preprocessing::Unresolved { why: why.into() }),
                 }
             }
             count => {
-                let message = format!(
-                    "`#pragma {}` takes at most {MAX_PACKAGES} arguments, {count} given: use \
-                     several pragmas, and quotes around a package with its version",
-                    name.text
-                );
-                self.error("pp-requires-many", range, message);
+                let kind = Preprocessing::ManyRequired {
+                    word: name.text.clone(),
+                    most: MAX_PACKAGES,
+                    given: count,
+                };
+                self.error(range, kind);
             }
         }
     }
 
     fn report_include(&mut self, request: &IncludeRequest, error: IncludeError, range: TextRange) {
-        let path = &request.path;
-        match error {
-            IncludeError::NotFound { searched } => {
-                let message = match &searched[..] {
-                    [] => format!("cannot find the file `{path}`"),
-                    searched => format!(
-                        "cannot find the file `{path}`, searched in {}; add its directory to the \
-                         include path",
-                        searched.join(", ")
-                    ),
-                };
-                self.error("pp-include-not-found", range, message);
+        let path = request.path.clone();
+        let kind = match error {
+            IncludeError::NotFound { searched } if searched.is_empty() => {
+                Preprocessing::NotFound { path }
             }
-            IncludeError::Unreadable(reason) => {
-                let message = format!("cannot include the file `{path}`: {reason}");
-                self.error("pp-include-not-found", range, message);
-            }
-            IncludeError::TooDeep => {
-                let message = format!(
-                    "including the file `{path}` would open more than 100 files at once: does it \
-                     include itself?"
-                );
-                self.error("pp-include-depth", range, message);
-            }
-            IncludeError::Silent => {}
-        }
+            IncludeError::NotFound { searched } => Preprocessing::NotFoundIn {
+                path,
+                searched: Searched(searched),
+            },
+            IncludeError::Unreadable(why) => Preprocessing::NotIncluded {
+                path,
+                why: why.into(),
+            },
+            IncludeError::TooDeep => Preprocessing::TooDeep { path },
+            IncludeError::Silent => return,
+        };
+        self.error(range, kind);
     }
 }

@@ -59,7 +59,8 @@ impl Files {
             let severity = format!("{:?}", error.severity).to_lowercase();
             self.errors.push(format!(
                 "{file}:{line}: {severity} {}: {}",
-                error.code, error.message
+                error.kind.code(),
+                error.kind.wording()
             ));
         }
         Some(out)
@@ -564,7 +565,7 @@ fn options_define_macros() {
     let raw = lex(text);
     let out = preprocess(&"f".into(), text, &raw, env, &mut NoIncludes);
     assert_eq!(live_text(text, &raw, &out), "1 4 y y\n");
-    let codes: Vec<&str> = out.errors.iter().map(|it| it.code).collect();
+    let codes: Vec<&str> = out.errors.iter().map(|it| it.kind.code()).collect();
     assert_eq!(codes, ["pp-redefined"]);
     let texts: Vec<String> = ["B", "F"]
         .iter()

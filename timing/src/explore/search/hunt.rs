@@ -18,6 +18,8 @@ use self::chase::{Chase, Order};
 use super::{Search, Sight};
 use crate::cancel::Cancel;
 use crate::explore::findings::{Findings, Found};
+use crate::explore::reductions::{Kind, Reason};
+use crate::explore::rules::{Rules, with_rules};
 use crate::explore::run::Run;
 use crate::explore::watch::{Limits, Stop, Watch};
 use crate::system::TimedSystem;
@@ -183,7 +185,18 @@ impl Hunt {
     }
 }
 
-impl Search<'_> {
+/// Whether a randomised search depth first may find something that is asked.
+pub(super) fn suits(watch: &Watch, limits: Limits) -> Result<(), Reason> {
+    if limits.without.contains(Kind::RandomSearch) {
+        Err(Reason::SwitchedOff)
+    } else if watch.in_order {
+        Err(Reason::InOrder)
+    } else {
+        Ok(())
+    }
+}
+
+impl<R: Rules> Search<'_, R> {
     /// What is watched, shown by a single state, and not seen yet: by number, as far as it is `wanted`, given what was
     /// caught of it.
     fn unseen(&self, wanted: &dyn Fn(Option<&Run>) -> bool) -> Lists<usize> {
@@ -371,7 +384,7 @@ impl Search<'_> {
     /// One chase, of a length and up to a moment. Whether it has caught anything new.
     fn chase(
         &mut self,
-        chase: &mut Chase,
+        chase: &mut Chase<'_, R>,
         goals: &Lists<usize>,
         bounds: Option<(u64, u64)>,
     ) -> bool {
@@ -403,7 +416,7 @@ impl Search<'_> {
     }
 
     /// One chase.
-    fn run_chase(&mut self, chase: &mut Chase, order: Order, bounds: Option<(u64, u64)>) {
+    fn run_chase(&mut self, chase: &mut Chase<R>, order: Order, bounds: Option<(u64, u64)>) {
         // After the end of a search for want of room only few more are looked at.
         let states = match self.stopped {
             Some(_) => 0,
@@ -427,11 +440,11 @@ impl Search<'_> {
     }
 
     /// A search for something else in the same system, within the same limits.
-    fn beside<'w>(&self, watch: &'w Watch) -> Search<'w>
+    fn beside<'w>(&self, watch: &'w Watch) -> Search<'w, R>
     where
         Self: 'w,
     {
-        Search::new(self.stepper.system, watch, &[], self.limits, self.cancel)
+        Search::new(&self.rules, watch, &[], self.limits, self.cancel)
     }
 
     fn watch_for(&self, goals: &Lists<usize>) -> Watch {
@@ -456,7 +469,17 @@ pub fn chase(
     limits: Limits,
     cancel: &Cancel,
 ) -> Findings {
-    let mut chase = Chase::new(Search::new(system, watch, &[], limits, cancel));
+    with_rules!(system, chase_by(watch, (number, steps), limits, cancel))
+}
+
+fn chase_by<R: Rules>(
+    rules: &R,
+    watch: &Watch,
+    (number, steps): (u64, u64),
+    limits: Limits,
+    cancel: &Cancel,
+) -> Findings {
+    let mut chase = Chase::new(Search::new(rules, watch, &[], limits, cancel));
     let room = chase.run(Order::numbered(number), steps, u64::MAX, (0, 0));
     let caught = chase.caught();
     let found = |runs: Vec<Option<Run>>| {

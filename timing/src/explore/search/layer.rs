@@ -3,18 +3,17 @@
 use rustc_hash::FxHashSet;
 
 use super::{Node, Search, Sight};
-use crate::explore::lazy;
 use crate::explore::observe;
-use crate::explore::overtake::{Held, Now};
+use crate::explore::reductions::{Held, Kind, Reductions};
+use crate::explore::rules::{Action, Enabled, Rules};
 use crate::explore::state::State;
-use crate::explore::step::{Action, Enabled};
 use crate::explore::store::{Encoded, Store, decode, decode_to, encode, holds};
 use crate::system::Ticks;
 
 /// States looked at per state of a layer to find those that are reached by ends that can wait.
 const CLOSURES: usize = 1;
 
-impl Search<'_> {
+impl<R: Rules> Search<'_, R> {
     /// Follows all simultaneous actions from states at one moment, then keeps the calm ones.
     pub(super) fn close_layer(&mut self, time: u64, states: Vec<(State, u32)>, initial: bool) {
         self.layer.clear();
@@ -27,7 +26,7 @@ impl Search<'_> {
             .collect();
         if initial {
             for (s, parent, _) in &mut stack {
-                observe::observe(&self.stepper, &self.observers, None, s);
+                observe::observe(&self.rules, &self.observers, None, s);
                 self.check(
                     None,
                     s,
@@ -49,7 +48,7 @@ impl Search<'_> {
             }
             let at = Sight { parent, time };
             self.settle(&mut s, &mut held, &mut enabled, |_| at);
-            encode(&self.stepper, &s, &mut it);
+            encode(self.rules.frame(), &s, &mut it);
             if held != 0 {
                 it.key.extend(held.to_le_bytes());
             }
@@ -86,7 +85,7 @@ impl Search<'_> {
     /// Where very much happens at each moment, most of it happens again at later ones: whatever states of this one lead to
     /// is known then.
     fn keep_crowd(&mut self) {
-        if !self.is_crowded() {
+        if !self.is_crowded() || self.limits.without.contains(Kind::MomentCovering) {
             return;
         }
         let layer = std::mem::take(&mut self.layer);
@@ -115,7 +114,7 @@ impl Search<'_> {
         enabled: &mut Enabled,
         mut at: impl FnMut(Action) -> Sight,
     ) -> bool {
-        self.stepper.enabled(s, enabled);
+        self.rules.enabled(s, enabled);
         // The bound is there because a client may go round in circles without taking time.
         for _ in 0..16 {
             if !enabled.committed || enabled.actions.len() != 1 {
@@ -123,11 +122,11 @@ impl Search<'_> {
             }
             let action = enabled.actions[0];
             self.step(s, action, held, at(action));
-            self.stepper.enabled(s, enabled);
+            self.rules.enabled(s, enabled);
         }
-        let ordered = *held == 0 && self.symmetry.order(&self.stepper.layout, s).is_some();
+        let ordered = *held == 0 && self.reductions.order(&self.rules, s).is_some();
         if ordered {
-            self.stepper.enabled(s, enabled);
+            self.rules.enabled(s, enabled);
         }
         ordered
     }
@@ -140,33 +139,22 @@ impl Search<'_> {
         first: &mut Vec<Action>,
         out: &mut Vec<(Action, Held)>,
     ) {
-        self.ample.select(&self.stepper, s, enabled, first);
-        let now = Now {
-            stepper: &self.stepper,
-            ample: &self.ample,
-            s,
-            enabled,
-        };
-        self.overtake.select(now, held, first, out);
-        let calm = !enabled.urgent && !enabled.forced;
-        if let Some(waiters) = calm.then(|| self.lazy.waiters(&self.stepper, s)).flatten() {
-            let waits = |executor| lazy::can_wait(&waiters, &self.stepper, executor);
-            out.retain(|it| !matches!(it.0, Action::Finish { executor, .. } if waits(executor)));
-        }
+        let at = (s, held);
+        self.reductions.follow(&self.rules, at, enabled, first, out);
     }
 
     /// Performs an action, and looks at the state it leads to.
     pub(super) fn step(&mut self, s: &mut State, action: Action, held: &mut Held, at: Sight) {
         let needs_before = !self.observers.is_empty() || !self.watch.reach.is_empty() || *held != 0;
         let before = needs_before.then(|| s.clone());
-        self.stepper.apply(s, action);
+        self.rules.apply(s, action);
         if let Some(before) = &before {
-            observe::observe(&self.stepper, &self.observers, Some(before), s);
-            *held = (self.overtake).after(&self.stepper, before, action, s, *held);
+            observe::observe(&self.rules, &self.observers, Some(before), s);
+            *held = (self.reductions).held_after(&self.rules, before, action, s, *held);
         }
         if let Action::Grant { task } = action
             && self.waiting_only[task]
-            && let Some(clock) = self.stepper.layout.response[task]
+            && let Some(clock) = self.rules.frame().response[task]
         {
             s.t[clock] = 0;
         }
@@ -215,8 +203,8 @@ impl Search<'_> {
                     time,
                     edges,
                 });
-                decode_to(&self.stepper, &it.key, dims, &mut s);
-                match lazy::next_moment(&self.lazy, &self.stepper, &s) {
+                decode_to(self.rules.frame(), &it.key, dims, &mut s);
+                match self.reductions.next_moment(&self.rules, &s) {
                     Some(jump) => {
                         self.queue
                             .entry(time + u64::from(jump))
@@ -237,7 +225,7 @@ impl Search<'_> {
 
     /// Whether time cannot pass in a box, as a window is at its end.
     pub(super) fn ends_now(&self, dims: &[Ticks]) -> bool {
-        let windows = dims.len() - self.stepper.layout.clocks();
+        let windows = dims.len() - self.rules.frame().clocks();
         dims[..windows].chunks_exact(2).any(|w| w[1] == 0)
     }
 
@@ -260,10 +248,10 @@ impl Search<'_> {
             if out.contains(&tag) {
                 continue;
             }
-            let s = decode(&self.stepper, layer.key(key), dims);
-            self.lazy.closure(&self.stepper, &s, &mut budget, |it| {
+            let s = decode(self.rules.frame(), layer.key(key), dims);
+            self.reductions.closure(&self.rules, &s, &mut budget, |it| {
                 for (other, other_tag) in layer.find(&it.key) {
-                    if other_tag != tag && holds(&self.stepper.layout, &it.dims, other) {
+                    if other_tag != tag && holds(self.rules.frame(), &it.dims, other) {
                         out.insert(other_tag);
                     }
                 }

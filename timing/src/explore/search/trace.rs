@@ -4,15 +4,14 @@ use std::cell::RefCell;
 
 use rustc_hash::FxHashMap;
 
-use super::watching::{missed, overdue};
 use super::{LOOKS, ROOT, Search, Sight};
 use crate::explore::measure::Timing;
 use crate::explore::observe;
+use crate::explore::reductions::{Reductions, Renaming};
+use crate::explore::rules::{Action, Enabled, Rules};
 use crate::explore::run::Run;
-use crate::explore::state::{State, TaskStatus, phase};
-use crate::explore::step::{Action, Enabled};
+use crate::explore::state::{State, TaskStatus};
 use crate::explore::store::{Encoded, encode, holds};
-use crate::explore::symmetry::Renaming;
 use crate::property::Predicate;
 use crate::system::Ticks;
 
@@ -50,7 +49,7 @@ struct Hit {
 /// Remaining time of each executing executor at some point of a run.
 type Point = Vec<Option<Ticks>>;
 
-impl Search<'_> {
+impl<R: Rules> Search<'_, R> {
     /// A run to what was seen, without steps if it is too late for that: segments from node to node, found backwards with the remaining times
     /// that the later part of the run needs.
     pub(super) fn trace(&self, at: Sight, goal: &Goal) -> Run {
@@ -119,10 +118,10 @@ impl Search<'_> {
     }
 
     fn any_point(&self, s: &State) -> Point {
-        (0..self.stepper.layout.executors())
+        (0..self.rules.frame().executors())
             .map(|e| {
-                let executing = self.stepper.layout.phase(s, e) & !phase::ASYNC == phase::EXECUTING;
-                let (a, b) = self.stepper.layout.window(s, e);
+                let executing = self.rules.frame().is_executing(s, e);
+                let (a, b) = self.rules.frame().window(s, e);
                 executing.then_some(if b == crate::system::FOREVER { a } else { b })
             })
             .collect()
@@ -137,9 +136,9 @@ impl Search<'_> {
     ) -> Point {
         let s = self.node_state(node);
         let jump = (time - self.nodes[node as usize].time) as Ticks;
-        (0..self.stepper.layout.executors())
+        (0..self.rules.frame().executors())
             .map(|e| {
-                if self.stepper.layout.phase(&s, e) & !phase::ASYNC != phase::EXECUTING {
+                if !self.rules.frame().is_executing(&s, e) {
                     return None;
                 }
                 let ended = actions
@@ -160,13 +159,13 @@ impl Search<'_> {
         let mut s = self.node_state(node);
         for (e, remaining) in point.iter().enumerate() {
             if let Some(remaining) = *remaining {
-                self.stepper
-                    .layout
+                self.rules
+                    .frame()
                     .set_window(&mut s, e, (remaining, remaining));
             }
         }
         let mut wanted = Encoded::default();
-        encode(&self.stepper, &s, &mut wanted);
+        encode(self.rules.frame(), &s, &mut wanted);
         let mut edge = record.edges;
         while let Some(&(parent, next)) = self.edges.get(edge as usize) {
             let goal = Goal::Calm(&wanted.key, &wanted.dims);
@@ -181,12 +180,12 @@ impl Search<'_> {
     /// Actions at one moment after the jump of a node, up to a state like the goal.
     fn segment(&self, parent: u32, time: u64, goal: &Goal) -> Option<(Vec<Action>, State, Hit)> {
         let mut start = if parent == ROOT {
-            let mut s = self.stepper.initial();
-            observe::observe(&self.stepper, &self.observers, None, &mut s);
+            let mut s = self.rules.initial();
+            observe::observe(&self.rules, &self.observers, None, &mut s);
             s
         } else {
             let mut s = self.node_state(parent);
-            self.stepper
+            self.rules
                 .elapse(&mut s, (time - self.nodes[parent as usize].time) as Ticks);
             s
         };
@@ -205,7 +204,7 @@ impl Search<'_> {
             }
             let s = found[at].0.clone();
             let before = found.get(found[at].1).map(|it| it.0.clone());
-            self.stepper.enabled(&s, &mut enabled);
+            self.rules.enabled(&s, &mut enabled);
             if let Some(hit) = self.is_goal(before.as_ref(), &s, &enabled, goal) {
                 let mut actions = Vec::new();
                 let mut back = at;
@@ -216,21 +215,21 @@ impl Search<'_> {
                 actions.reverse();
                 return Some((actions, s, hit));
             }
-            self.ample
-                .select(&self.stepper, &s, &enabled, &mut followed);
+            self.reductions
+                .persistent(&self.rules, &s, &enabled, &mut followed);
             for &action in &followed {
                 let mut next = s.clone();
-                self.stepper.apply(&mut next, action);
-                observe::observe(&self.stepper, &self.observers, Some(&s), &mut next);
+                self.rules.apply(&mut next, action);
+                observe::observe(&self.rules, &self.observers, Some(&s), &mut next);
                 if let Action::Grant { task } = action
                     && self.waiting_only[task]
-                    && let Some(clock) = self.stepper.layout.response[task]
+                    && let Some(clock) = self.rules.frame().response[task]
                 {
                     next.t[clock] = 0;
                 }
                 ordered.clone_from(&next);
-                self.symmetry.order(&self.stepper.layout, &mut ordered);
-                encode(&self.stepper, &ordered, &mut it);
+                self.reductions.order(&self.rules, &mut ordered);
+                encode(self.rules.frame(), &ordered, &mut it);
                 // What is left is seen in a step, not in the state it leads to.
                 let by_step = matches!(goal, Goal::Reach(_))
                     && self.is_goal(Some(&s), &next, &enabled, goal).is_some();
@@ -244,11 +243,11 @@ impl Search<'_> {
     }
 
     fn clamp_waiting(&self, s: &mut State) {
-        let l = &self.stepper.layout;
+        let l = self.rules.frame();
         for (task, only) in self.waiting_only.iter().enumerate() {
             if *only && let Some(clock) = l.response[task] {
-                let running = l.status(s, task) == TaskStatus::Running;
-                let most = self.stepper.system.tasks[task].period.unwrap_or(0);
+                let running = self.rules.job(s, task) == TaskStatus::Running;
+                let most = self.rules.system().tasks[task].period.unwrap_or(0);
                 s.t[clock] = if running { 0 } else { s.t[clock].min(most) };
             }
         }
@@ -261,9 +260,9 @@ impl Search<'_> {
         enabled: &Enabled,
         goal: &Goal,
     ) -> Option<Hit> {
-        let l = &self.stepper.layout;
+        let l = self.rules.frame();
         let some_task = |task: usize, found: &dyn Fn(usize) -> bool| {
-            let mut orbit = self.symmetry.orbit(task).iter().copied();
+            let mut orbit = self.reductions.orbits().of_task(task).iter().copied();
             let task = orbit.find(|&it| found(it));
             task.map(|it| Hit {
                 task: Some(it),
@@ -271,12 +270,12 @@ impl Search<'_> {
             })
         };
         let lasts = |of: Timing, value| {
-            of.runs(l, s) && of.clock(l).is_none_or(|clock| s.t[clock] >= value)
+            of.runs(&self.rules, s) && of.clock(l).is_none_or(|clock| s.t[clock] >= value)
         };
         match *goal {
-            Goal::Missed(task) => some_task(task, &|it| missed(&self.stepper, s, it)),
-            Goal::Overdue(task) => some_task(task, &|it| overdue(&self.stepper, s, it)),
-            Goal::Reach(it) => observe::predicate(&self.stepper, before, s, it).then(Hit::default),
+            Goal::Missed(task) => some_task(task, &|it| self.rules.missed(s, it)),
+            Goal::Overdue(task) => some_task(task, &|it| self.rules.overdue(s, it)),
+            Goal::Reach(it) => observe::predicate(&self.rules, before, s, it).then(Hit::default),
             Goal::Lasts(Timing::Response(task), value) => {
                 some_task(task, &|it| lasts(Timing::Response(it), value))
             }
@@ -286,9 +285,9 @@ impl Search<'_> {
                     return None;
                 }
                 let mut s = s.clone();
-                let order = self.symmetry.order(l, &mut s);
+                let order = self.reductions.order(&self.rules, &mut s);
                 let mut it = Encoded::default();
-                encode(&self.stepper, &s, &mut it);
+                encode(self.rules.frame(), &s, &mut it);
                 let same = it.key == key && holds(l, &it.dims, dims);
                 same.then_some(Hit { task: None, order })
             }

@@ -5,16 +5,17 @@ use super::{LOOKS, Longest, Search, Sight};
 use crate::explore::findings::{Bound, Findings, Found, Measured};
 use crate::explore::measure::{Diverging, Gauge, How, Timing};
 use crate::explore::observe;
+use crate::explore::reductions::Reductions;
+use crate::explore::rules::Rules;
 use crate::explore::run::Run;
 use crate::explore::state::{State, TaskStatus};
-use crate::explore::step::Stepper;
 use crate::explore::watch::Stop;
 use crate::system::Ticks;
 
 /// Steps for which an exploration that has answered everything goes on, to see requests that are refused.
 const LINGER: u64 = 20_000;
 
-impl Search<'_> {
+impl<R: Rules> Search<'_, R> {
     /// Whether everything that is asked has been seen, or caught.
     pub(super) fn answered(&self) -> bool {
         let unbounded = |it: usize| matches!(self.gauges[it].how, How::Unbounded(_));
@@ -26,7 +27,7 @@ impl Search<'_> {
     /// Whether to go on for a while when everything is answered: what was only caught may be seen earlier, and requests may
     /// turn out to be refused.
     pub(super) fn goes_on(&mut self) -> bool {
-        let refusals = self.stepper.system.may_refuse() && !self.is_proved();
+        let refusals = self.rules.system().may_refuse() && !self.is_proved();
         let until = match self.until {
             Some(it) => it,
             None => {
@@ -71,8 +72,12 @@ impl Search<'_> {
     /// Looks at a state that was just entered.
     pub(super) fn check(&mut self, before: Option<&State>, s: &State, at: Sight) {
         for (i, &task) in self.watch.schedulable.iter().enumerate() {
-            if self.missed[i].is_none() && missed(&self.stepper, s, task) {
-                for it in self.symmetry.alike(task, &self.watch.schedulable) {
+            if self.missed[i].is_none() && self.rules.missed(s, task) {
+                for it in self
+                    .reductions
+                    .orbits()
+                    .alike(task, &self.watch.schedulable)
+                {
                     self.missed[it] = Some(at);
                 }
                 if self.watch.stop_at_first {
@@ -81,12 +86,12 @@ impl Search<'_> {
             }
         }
         for (i, it) in self.watch.reach.iter().enumerate() {
-            if self.reached[i].is_none() && observe::predicate(&self.stepper, before, s, it) {
+            if self.reached[i].is_none() && observe::predicate(&self.rules, before, s, it) {
                 self.reached[i] = Some(at);
             }
         }
         for (i, gauge) in self.gauges.iter().enumerate() {
-            if self.longest[i].is_none() && gauge.of.runs(&self.stepper.layout, s) {
+            if self.longest[i].is_none() && gauge.of.runs(&self.rules, s) {
                 for it in self.alike(i) {
                     self.longest[it] = Some(Longest { value: 0, at });
                 }
@@ -100,7 +105,7 @@ impl Search<'_> {
         let Timing::Response(task) = it.of else {
             return vec![gauge];
         };
-        let orbit = self.symmetry.orbit(task);
+        let orbit = self.reductions.orbits().of_task(task);
         let same = |other: &Gauge| {
             let alike = matches!(other.of, Timing::Response(task) if orbit.contains(&task));
             alike && (other.limit, other.most) == (it.limit, it.most)
@@ -132,7 +137,7 @@ impl Search<'_> {
 
     /// A run with one task in the place of another that is not told apart from it.
     pub(super) fn exchanged(&self, run: &Run, from: usize, to: usize) -> Run {
-        let renaming = self.symmetry.exchange(&self.stepper.layout, from, to);
+        let renaming = self.reductions.orbits().exchange(from, to);
         let steps = run.steps.iter();
         Run {
             steps: steps
@@ -144,9 +149,9 @@ impl Search<'_> {
 
     /// The clock of a gauge, if it measures now.
     pub(super) fn measures(&self, gauge: usize, s: &State) -> Option<usize> {
-        let (l, of) = (&self.stepper.layout, self.gauges[gauge].of);
+        let (l, of) = (self.rules.frame(), self.gauges[gauge].of);
         let other = matches!(of, Timing::Response(task) if self.waiting_only[task]);
-        of.clock(l).filter(|_| !other && of.runs(l, s))
+        of.clock(l).filter(|_| !other && of.runs(&self.rules, s))
     }
 
     /// Notes the limits that are exceeded in a jump from a node, and when. The first moment counts, and jumps
@@ -194,16 +199,16 @@ impl Search<'_> {
     /// Looks at clocks after time has passed.
     pub(super) fn clocks_after_jump(&mut self, s: &mut State, at: Sight) -> Option<Diverging> {
         for (i, &task) in self.watch.overdue.iter().enumerate() {
-            if self.overdue[i].is_none() && overdue(&self.stepper, s, task) {
-                for it in self.symmetry.alike(task, &self.watch.overdue) {
+            if self.overdue[i].is_none() && self.rules.overdue(s, task) {
+                for it in self.reductions.orbits().alike(task, &self.watch.overdue) {
                     self.overdue[it] = Some(at);
                 }
             }
             if self.waiting_only[task]
-                && let Some(clock) = self.stepper.layout.response[task]
+                && let Some(clock) = self.rules.frame().response[task]
             {
-                let running = self.stepper.layout.status(s, task) == TaskStatus::Running;
-                let most = self.stepper.system.tasks[task].period.unwrap_or(0);
+                let running = self.rules.job(s, task) == TaskStatus::Running;
+                let most = self.rules.system().tasks[task].period.unwrap_or(0);
                 s.t[clock] = if running { 0 } else { s.t[clock].min(most) };
             }
         }
@@ -229,7 +234,7 @@ impl Search<'_> {
                 excess: None,
             };
             let clock = (&self.observers[..], value);
-            if let Some(cycle) = run.repetition(&self.stepper, clock, self.cancel) {
+            if let Some(cycle) = run.repetition(&self.rules, clock, self.cancel) {
                 let limit = self.gauges[i].limit;
                 let left = limit.and_then(|it| it.checked_sub(value));
                 out.excess = left.and_then(|it| run.prolonged(cycle, it + 1));
@@ -288,10 +293,10 @@ impl Search<'_> {
                 .as_ref()
                 .is_some_and(|hunt| hunt.refused.contains(&it))
         };
-        (0..self.stepper.refused.len())
+        (0..self.rules.system().services.len())
             .filter(|&service| {
-                let mut orbit = self.symmetry.service_orbit(service).iter();
-                orbit.any(|&it| self.stepper.refused[it].get() || beside(it))
+                let mut orbit = self.reductions.orbits().of_service(service).iter();
+                orbit.any(|&it| self.rules.has_refused(it) || beside(it))
                     || self.refused_in_zones(service)
             })
             .collect()
@@ -345,6 +350,7 @@ impl Search<'_> {
                     run: self.trace(at, &Goal::Deadlock),
                 }),
             refused: self.refused(),
+            reductions: vec![self.activities()],
             states: self.states(),
             steps: self.effort(),
             bytes: (hunt.map_or(0, |it| it.bytes))
@@ -356,16 +362,4 @@ impl Search<'_> {
                 .filter(|&it| it != Stop::Answered || !self.is_proved()),
         }
     }
-}
-
-pub(super) fn missed(stepper: &Stepper, s: &State, task: usize) -> bool {
-    stepper.layout.pending(s, task) && stepper.layout.status(s, task) != TaskStatus::Idle
-}
-
-pub(super) fn overdue(stepper: &Stepper, s: &State, task: usize) -> bool {
-    let l = &stepper.layout;
-    let (Some(period), Some(clock)) = (stepper.system.tasks[task].period, l.response[task]) else {
-        return false;
-    };
-    l.status(s, task) == TaskStatus::Waiting && s.t[clock] >= period
 }

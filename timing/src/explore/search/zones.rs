@@ -15,11 +15,11 @@ use smallvec::SmallVec;
 
 use self::zone::{GREATEST, Zone};
 use super::Search;
-use crate::explore::ample::{Ample, Visible};
 use crate::explore::observe;
-use crate::explore::state::{Layout, State};
-use crate::explore::step::{Action, Enabled, Stepper};
-use crate::explore::symmetry::{Asked, Label, Symmetry};
+use crate::explore::reductions::{Asked, Kind, Kinds, Reason, Reductions};
+use crate::explore::rules::{Action, Enabled, Rules, with_rules};
+use crate::explore::state::{Clocks, State};
+use crate::explore::watch::{Limits, Watch};
 use crate::property::Predicate;
 use crate::system::{ClientAction, FOREVER, Ticks, TimedSystem};
 
@@ -42,10 +42,9 @@ const KEY: usize = 2 * size_of::<(Box<[u16]>, Vec<(u32, Zone)>)>();
 const AT_ONCE: usize = 16;
 
 /// A search in zones for predicates, and for states in which nothing will ever happen again.
-pub(super) struct Zones<'a> {
-    stepper: Stepper<'a>,
-    ample: Ample,
-    symmetry: Symmetry,
+pub(super) struct Zones<'a, R: Rules> {
+    rules: R,
+    reductions: R::Reductions,
     goals: &'a [Predicate],
     /// Which of the goals were reached.
     reached: Vec<bool>,
@@ -59,18 +58,14 @@ pub(super) struct Zones<'a> {
     bytes: usize,
 }
 
-impl<'a> Zones<'a> {
-    fn new(system: &'a TimedSystem, goals: &'a [Predicate]) -> Self {
-        let unmeasured = vec![false; system.tasks.len()];
-        let layout = Layout::new(system, &unmeasured, &[]);
-        let asked = Asked {
-            labels: vec![Label::default(); system.tasks.len()],
-            predicates: goals.iter().collect(),
-        };
+impl<'a, R: Rules> Zones<'a, R> {
+    fn new(rules: &R, goals: &'a [Predicate], without: Kinds) -> Self {
+        let system = rules.system();
+        let asked = Asked::only(system, goals.iter().collect());
+        let rules = rules.with_clocks(&Clocks::none(system.tasks.len()));
         let mut out = Zones {
-            symmetry: Symmetry::new(system, &layout, &asked),
-            ample: Ample::new(system, Visible::new(system, goals.iter()), &unmeasured),
-            stepper: Stepper::new(system, layout),
+            reductions: R::Reductions::new(&rules, &asked, without),
+            rules,
             goals,
             reached: vec![false; goals.len()],
             deadlock: false,
@@ -80,7 +75,7 @@ impl<'a> Zones<'a> {
             steps: 0,
             bytes: 0,
         };
-        let mut s = out.stepper.initial();
+        let mut s = out.rules.initial();
         let mut zone = Zone::new();
         out.look(None, &s);
         out.set_zone(&mut s, &mut zone);
@@ -99,9 +94,9 @@ impl<'a> Zones<'a> {
             if self.covered[number as usize] {
                 continue;
             }
-            self.stepper.enabled(&s, &mut enabled);
-            self.ample
-                .select(&self.stepper, &s, &enabled, &mut followed);
+            self.rules.enabled(&s, &mut enabled);
+            self.reductions
+                .persistent(&self.rules, &s, &enabled, &mut followed);
             for &action in &followed {
                 let (mut s, mut zone) = (s.clone(), zone.clone());
                 self.step(&mut s, &mut zone, action);
@@ -112,8 +107,8 @@ impl<'a> Zones<'a> {
 
     /// Whether a request of a service was refused, or of one that is not told apart from it.
     fn refused(&self, service: usize) -> bool {
-        let mut orbit = self.symmetry.service_orbit(service).iter();
-        orbit.any(|&it| self.stepper.refused[it].get())
+        let mut orbit = self.reductions.orbits().of_service(service).iter();
+        orbit.any(|&it| self.rules.has_refused(it))
     }
 
     /// Performs an action.
@@ -123,7 +118,7 @@ impl<'a> Zones<'a> {
         if let Action::Finish { executor, .. } = action {
             zone.end(executor);
         }
-        self.stepper.apply(s, action);
+        self.rules.apply(s, action);
         self.look(Some(&before), s);
         self.set_zone(s, zone);
     }
@@ -131,13 +126,13 @@ impl<'a> Zones<'a> {
     /// Looks at a state that was just entered.
     fn look(&mut self, before: Option<&State>, s: &State) {
         for (goal, reached) in self.goals.iter().zip(&mut self.reached) {
-            *reached = *reached || observe::predicate(&self.stepper, before, s, goal);
+            *reached = *reached || observe::predicate(&self.rules, before, s, goal);
         }
     }
 
     /// Brings the zone of a state, and its windows, up to what is being executed.
     fn set_zone(&self, s: &mut State, zone: &mut Zone) {
-        let l = &self.stepper.layout;
+        let l = self.rules.frame();
         let executors: SmallVec<[usize; 12]> = l.executing(s).collect();
         zone.set_executors(&executors, |executor| l.window(s, executor));
         self.set_windows(s, zone);
@@ -145,27 +140,27 @@ impl<'a> Zones<'a> {
 
     fn set_windows(&self, s: &mut State, zone: &Zone) {
         for (executor, window) in zone.windows() {
-            self.stepper.layout.set_window(s, executor, window);
+            self.rules.frame().set_window(s, executor, window);
         }
     }
 
     /// Keeps a state to look at later, after the committed steps that follow without a choice, and any time if it can pass.
     fn keep(&mut self, mut s: State, mut zone: Zone) {
         let mut enabled = Enabled::default();
-        self.stepper.enabled(&s, &mut enabled);
+        self.rules.enabled(&s, &mut enabled);
         for _ in 0..AT_ONCE {
             if !enabled.committed || enabled.actions.len() != 1 {
                 break;
             }
             self.step(&mut s, &mut zone, enabled.actions[0]);
-            self.stepper.enabled(&s, &mut enabled);
+            self.rules.enabled(&s, &mut enabled);
         }
         if !enabled.urgent {
-            self.deadlock |= self.stepper.layout.executing(&s).next().is_none();
+            self.deadlock |= self.rules.frame().executing(&s).next().is_none();
             zone.pass();
             self.set_windows(&mut s, &zone);
         }
-        if let Some(names) = self.symmetry.order(&self.stepper.layout, &mut s) {
+        if let Some(names) = self.reductions.order(&self.rules, &mut s) {
             zone = zone.renamed(|it| names.executor(it));
         }
         let number = self.covered.len() as u32;
@@ -193,13 +188,25 @@ impl<'a> Zones<'a> {
     }
 
     fn bytes_to_do(&self, zone: &Zone) -> usize {
-        zone.memory() + self.stepper.layout.state_bytes()
+        zone.memory() + self.rules.frame().state_bytes()
     }
 }
 
 /// Whether there are zones of a system, and fewer of them than states with whole numbers of time: nothing is periodic, something
 /// lasts long, and not everything takes as long each time.
-pub(super) fn suit(system: &TimedSystem) -> bool {
+pub(super) fn suit(system: &TimedSystem, watch: &Watch, limits: Limits) -> Result<(), Reason> {
+    if limits.without.contains(Kind::Zones) {
+        return Err(Reason::SwitchedOff);
+    }
+    if watch.in_order {
+        return Err(Reason::InOrder);
+    }
+    if watch.reach.is_empty() && !watch.deadlock {
+        return Err(Reason::NothingToFind);
+    }
+    if system.tasks.iter().any(|it| it.period.is_some()) {
+        return Err(Reason::Periodic);
+    }
     let codels = system.codels.iter().map(|it| (it.lower, it.upper));
     let steps = system.clients.iter().flat_map(|it| &it.steps);
     let delays = steps.filter_map(|it| match it.action {
@@ -211,12 +218,16 @@ pub(super) fn suit(system: &TimedSystem) -> bool {
     for (lower, upper) in codels.chain(delays) {
         let longest = if upper == FOREVER { lower } else { upper };
         if longest > GREATEST {
-            return false;
+            return Err(Reason::TooLong);
         }
         long |= longest >= LONG;
         varies |= lower < upper;
     }
-    long && varies && system.tasks.iter().all(|it| it.period.is_none())
+    match (long, varies) {
+        (false, _) => Err(Reason::Short),
+        (_, false) => Err(Reason::Fixed),
+        _ => Ok(()),
+    }
 }
 
 /// What a search in zones that has looked at everything has seen.
@@ -240,10 +251,10 @@ pub(super) struct Proof {
     pub(super) bytes: usize,
 }
 
-impl Zones<'_> {
+impl<R: Rules> Zones<'_, R> {
     /// What was seen, if that is everything.
     fn proof(&self) -> Option<Proof> {
-        let services = 0..self.stepper.system.services.len();
+        let services = 0..self.rules.system().services.len();
         self.todo.is_empty().then(|| Proof {
             seen: InZones {
                 reached: self.reached.clone(),
@@ -258,19 +269,34 @@ impl Zones<'_> {
 }
 
 /// Looks in zones for predicates, in a system without periodic tasks. `None` if it takes more than so many steps.
-pub fn in_zones(system: &TimedSystem, goals: &[Predicate], steps: u64) -> Option<InZones> {
-    let mut zones = Zones::new(system, goals);
+/// Some reductions are switched off.
+pub fn in_zones(
+    system: &TimedSystem,
+    goals: &[Predicate],
+    steps: u64,
+    without: Kinds,
+) -> Option<InZones> {
+    with_rules!(system, in_zones_by(goals, steps, without))
+}
+
+fn in_zones_by<R: Rules>(
+    rules: &R,
+    goals: &[Predicate],
+    steps: u64,
+    without: Kinds,
+) -> Option<InZones> {
+    let mut zones = Zones::new(rules, goals, without);
     zones.run(steps);
     zones.proof().map(|it| it.seen)
 }
 
-impl Search<'_> {
+impl<R: Rules> Search<'_, R> {
     /// Looks for what can never be reached, if it is time to.
     pub(super) fn prove_if_due(&mut self) {
         let open = self.reached.iter().any(Option::is_none)
             || (self.watch.deadlock && self.deadlock.is_none());
         if self.zones_suit && open && self.proof.is_none() && self.steps >= SMALL {
-            let new = || Zones::new(self.stepper.system, &self.watch.reach);
+            let new = || Zones::new(&self.rules, &self.watch.reach, self.limits.without);
             let zones = self.zones.get_or_insert_with(new);
             zones.run((SHARE * self.steps).min(zones.steps + LOOKS));
             if let Some(mut proof) = zones.proof() {

@@ -104,12 +104,14 @@ impl Builder<'_> {
             place: self.place(c, codel.src, "this codel"),
         };
         let site = Some((c, CodelRef { owner, index }));
+        self.note_rounding((c, owner, index, state), Some(codel), &path);
         let times = self.duration(c, owner, index, state, Some(codel));
         self.push_codel(number, path, times, site, &time_of)
     }
 
     pub(super) fn attribute(&mut self, c: usize, number: usize, s: u32, path: &str) -> usize {
         let service = &self.names.components[c].component.services[s as usize];
+        self.note_rounding((c, Owner::Service(s), u32::MAX, ""), None, path);
         let times = self.duration(c, Owner::Service(s), u32::MAX, "", None);
         let given = self
             .durations

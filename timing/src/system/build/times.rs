@@ -5,7 +5,7 @@ use std::ops::Range;
 use dotgen_analysis::model::{Codel as ModelCodel, CodelKind, Owner, Seconds, ServiceKind};
 use num_rational::Ratio;
 
-use super::Builder;
+use super::{Builder, Rounded};
 use crate::scn::ast::{self, Durations, StepKind};
 use crate::scn::names::Target;
 use crate::scn::{Diagnostic, Place};
@@ -84,8 +84,8 @@ impl Builder<'_> {
         self.out.system.unit = units::base_unit(times);
     }
 
-    /// The time of a codel, exactly, rounded to the unit of the scenario.
-    pub(super) fn duration(
+    /// The time of a codel as it is stated.
+    fn stated(
         &self,
         c: usize,
         owner: Owner,
@@ -95,7 +95,7 @@ impl Builder<'_> {
     ) -> (Seconds, Option<Seconds>) {
         let zero = Ratio::new(0, 1);
         let key = (c, owner, index, state.to_owned());
-        let (lower, upper) = match self.durations.get(&key) {
+        match self.durations.get(&key) {
             Some(&i) => {
                 let (_, interval, unit) = &self.settings.duration[i];
                 let seconds = |it: u64| unit.seconds() * Ratio::from_integer(i128::from(it));
@@ -107,15 +107,30 @@ impl Builder<'_> {
                     .map_or(zero, |it| it.value);
                 (zero, Some(wcet))
             }
-        };
-        let (lower, upper) = match self.settings.unit {
-            Some((count, unit)) => {
-                let unit = unit.seconds() * Ratio::from_integer(i128::from(count));
-                (
-                    units::round_down(lower, unit),
-                    upper.map(|it| units::round_up(it, unit)),
-                )
-            }
+        }
+    }
+
+    /// The unit of the scenario, if it states one.
+    fn unit(&self) -> Option<Seconds> {
+        let (count, unit) = self.settings.unit?;
+        Some(unit.seconds() * Ratio::from_integer(i128::from(count)))
+    }
+
+    /// The time of a codel, rounded to the unit of the scenario.
+    pub(super) fn duration(
+        &self,
+        c: usize,
+        owner: Owner,
+        index: u32,
+        state: &str,
+        codel: Option<&ModelCodel>,
+    ) -> (Seconds, Option<Seconds>) {
+        let (lower, upper) = self.stated(c, owner, index, state, codel);
+        let (lower, upper) = match self.unit() {
+            Some(unit) => (
+                units::round_down(lower, unit),
+                upper.map(|it| units::round_up(it, unit)),
+            ),
             None => (lower, upper),
         };
         let upper = match &self.settings.upper_bound {
@@ -135,6 +150,66 @@ impl Builder<'_> {
         match (self.settings.durations, upper) {
             (Durations::Fixed, Some(upper)) => (upper, Some(upper)),
             _ => (lower, upper),
+        }
+    }
+
+    /// Keeps which time of a codel was rounded, and the unit in which all times of codels are whole.
+    pub(super) fn note_rounding(
+        &mut self,
+        (c, owner, index, state): (usize, Owner, u32, &str),
+        codel: Option<&ModelCodel>,
+        path: &str,
+    ) {
+        let Some(unit) = self.unit() else { return };
+        let (lower, upper) = self.stated(c, owner, index, state, codel);
+        let exact_unit = self.out.exact_unit.unwrap_or(unit);
+        let times = [exact_unit, lower, upper.unwrap_or(exact_unit)];
+        self.out.exact_unit = Some(units::base_unit(times));
+        let up = upper.map(|it| (it, units::round_up(it, unit)));
+        let down = (lower, units::round_down(lower, unit));
+        let changed = [up, Some(down)].into_iter().flatten();
+        let changed = { changed }.find(|(exact, taken)| exact != taken);
+        self.out
+            .rounded
+            .extend(changed.map(|(exact, taken)| Rounded {
+                codel: path.to_owned(),
+                exact,
+                taken,
+            }));
+    }
+
+    /// Periods are not rounded: with a unit of which one is no multiple nothing is verified.
+    pub(super) fn whole_periods(&mut self, included: &[usize]) {
+        let Some(unit) = self.unit() else { return };
+        // A period that is tried is no stated one.
+        if self.settings.period.is_some() {
+            return;
+        }
+        let mut fits = unit;
+        let mut wrong = Vec::new();
+        for &c in included {
+            let component = self.names.components[c].component;
+            for task in &component.tasks {
+                let Some(period) = &task.period else { continue };
+                if !(period.value / unit).is_integer() {
+                    fits = units::base_unit([fits, period.value]);
+                    let path = format!("{}.{}", component.name, task.name);
+                    wrong.push((c, path, period.value, period.src));
+                }
+            }
+        }
+        let advice = match units::as_written(fits) {
+            Some(unit) => format!("write `unit {unit};`"),
+            None => "leave `unit` out".to_owned(),
+        };
+        for (c, path, period, src) in wrong {
+            let message = format!(
+                "the period of {path}, {}, is no multiple of the unit of the scenario, {}; {advice}",
+                units::in_words(period),
+                units::in_words(unit)
+            );
+            let error = Diagnostic::error("scn-period-unit", 0..0, message);
+            self.report(error.about(self.place(c, src, "the period")));
         }
     }
 

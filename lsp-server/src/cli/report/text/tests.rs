@@ -32,16 +32,8 @@ fn find(text: &str, what: &str, nth: usize) -> Range<usize> {
 }
 
 fn diagnostic(code: &'static str, message: &str, range: Range<usize>) -> Diagnostic {
-    Diagnostic {
-        code,
-        severity: Severity::Error,
-        message: message.to_owned(),
-        path: "/robot/arm.gen".into(),
-        range,
-        related: Vec::new(),
-        tags: Vec::new(),
-        fixes: Vec::new(),
-    }
+    let path = "/robot/arm.gen".into();
+    Diagnostic::new(code, Severity::Error, message, path, range)
 }
 
 fn shown(diagnostic: &Diagnostic, texts: &Texts) -> String {

@@ -8,13 +8,11 @@ use std::hash::BuildHasher;
 use rustc_hash::FxBuildHasher;
 
 use super::Lists;
-use crate::explore::lazy;
-use crate::explore::overtake::Held;
+use crate::explore::reductions::{Held, Reductions};
+use crate::explore::rules::{Action, Enabled, Rules};
 use crate::explore::run::Run;
-use crate::explore::search::watching::{missed, overdue};
 use crate::explore::search::{Longest, ROOT, Search, Sight};
 use crate::explore::state::State;
-use crate::explore::step::{Action, Enabled, Stepper};
 use crate::explore::store::{Encoded, Store, encode};
 use crate::explore::watch::Stop;
 use crate::system::{FOREVER, Ticks};
@@ -98,9 +96,9 @@ struct Open {
 }
 
 /// A search depth first.
-pub(super) struct Chase<'a> {
+pub(super) struct Chase<'a, R: Rules> {
     /// The rules, and what was seen of what is watched: after which of the steps.
-    search: Search<'a>,
+    search: Search<'a, R>,
     seen: Store,
     /// Steps, each with the one before.
     trail: Vec<(u32, Step)>,
@@ -110,10 +108,10 @@ pub(super) struct Chase<'a> {
     pub(super) lasts: Option<Ticks>,
 }
 
-impl<'a> Chase<'a> {
-    pub(super) fn new(search: Search<'a>) -> Self {
+impl<'a, R: Rules> Chase<'a, R> {
+    pub(super) fn new(search: Search<'a, R>) -> Self {
         Chase {
-            seen: Store::new(search.stepper.layout.clocks()),
+            seen: search.passed.like(),
             search,
             trail: Vec::new(),
             open: Vec::new(),
@@ -158,7 +156,7 @@ impl<'a> Chase<'a> {
             if ordered {
                 at.parent = push(trail, at.parent, Step::Order);
             }
-            encode(&search.stepper, &s, &mut it);
+            encode(search.rules.frame(), &s, &mut it);
             if held != 0 {
                 it.key.extend(held.to_le_bytes());
             }
@@ -171,14 +169,14 @@ impl<'a> Chase<'a> {
             let search = &mut self.search;
             search.followed((&s, held), &enabled, &mut first, &mut followed);
             if order.late {
-                let l = &search.stepper.layout;
+                let l = search.rules.frame();
                 followed.retain(|&(action, _)| {
                     !matches!(action, Action::Finish { executor, .. }
                         if !matches!(l.window(&s, executor).1, 0 | FOREVER))
                 });
             }
             order.arrange(&mut followed, |it| search.is_measured(it));
-            let calm = !enabled.urgent && !enabled.forced;
+            let calm = enabled.is_calm();
             let jump = calm.then(|| self.jump(&s, order)).flatten();
             let jump = jump.filter(|&it| at.time + u64::from(it) <= end);
             if !order.patient {
@@ -211,7 +209,7 @@ impl<'a> Chase<'a> {
             parent: ROOT,
             time: 0,
         };
-        let s = search.stepper.initial();
+        let s = search.rules.initial();
         search.check(None, &s, at);
         self.open.push(Open { s, held: 0, at });
     }
@@ -243,12 +241,12 @@ impl<'a> Chase<'a> {
     /// Where a run at whose end something has lasted so long repeats itself meanwhile.
     pub(super) fn repetition(&self, run: &Run, value: Ticks) -> Option<(u64, u64)> {
         let Search {
-            stepper,
+            rules,
             observers,
             cancel,
             ..
         } = &self.search;
-        run.repetition(stepper, (observers, value), cancel)
+        run.repetition(rules, (observers, value), cancel)
     }
 
     /// Whether nothing is left to be looked at, of everything there is.
@@ -269,15 +267,17 @@ impl<'a> Chase<'a> {
 
     /// How long to let time pass.
     fn jump(&self, s: &State, order: Order) -> Option<Ticks> {
-        let Search { lazy, stepper, .. } = &self.search;
+        let Search {
+            rules, reductions, ..
+        } = &self.search;
         if !order.late {
-            return lazy::next_moment(lazy, stepper, s);
+            return reductions.next_moment(rules, s);
         }
-        let waiters = lazy.waiters(stepper, s);
-        stepper.next_moment(s, &|executor| {
+        let waiters = reductions.waiters(rules, s);
+        rules.next_moment(s, &|executor| {
             let waits = waiters.as_ref();
-            stepper.layout.window(s, executor).1 != FOREVER
-                || waits.is_some_and(|it| lazy::can_wait(it, stepper, executor))
+            rules.frame().window(s, executor).1 != FOREVER
+                || waits.is_some_and(|it| it.can_wait(rules.system(), executor))
         })
     }
 
@@ -287,7 +287,7 @@ impl<'a> Chase<'a> {
             parent: push(&mut self.trail, at.parent, Step::Pass(jump)),
             time: at.time + u64::from(jump),
         };
-        self.search.stepper.elapse(&mut s, jump);
+        self.search.rules.elapse(&mut s, jump);
         self.search.clocks_after_jump(&mut s, at);
         self.open.push(Open { s, held: 0, at });
     }
@@ -304,15 +304,15 @@ impl<'a> Chase<'a> {
 
     /// Runs to what was seen.
     pub(super) fn caught(&mut self) -> Lists<Option<Run>> {
-        let of_tasks = |tasks: &[usize], seen: &[Option<Sight>], shown: Shown| -> Vec<_> {
+        let of_tasks = |tasks: &[usize], seen: &[Option<Sight>], shown: Shown<R>| -> Vec<_> {
             let all = tasks.iter().zip(seen);
             all.map(|(&task, at)| at.map(|at| (at, Some((task, shown)))))
                 .collect()
         };
         let Search { watch, .. } = self.search;
         let lists = Lists {
-            missed: of_tasks(&watch.schedulable, &self.search.missed, missed),
-            overdue: of_tasks(&watch.overdue, &self.search.overdue, overdue),
+            missed: of_tasks(&watch.schedulable, &self.search.missed, R::missed),
+            overdue: of_tasks(&watch.overdue, &self.search.overdue, R::overdue),
             reached: (self.search.reached.iter())
                 .map(|at| at.map(|at| (at, None)))
                 .collect(),
@@ -331,7 +331,7 @@ impl<'a> Chase<'a> {
 
     /// The run that ends with a step, and is about a task if something is shown of one: its steps are taken again, and called
     /// as they were before anything was put in order.
-    fn run_to(&mut self, at: Sight, about: Option<(usize, Shown)>) -> Run {
+    fn run_to(&mut self, at: Sight, about: Option<(usize, Shown<R>)>) -> Run {
         let mut steps = Vec::new();
         let mut last = at.parent;
         while let Some(&(before, step)) = self.trail.get(last as usize) {
@@ -339,8 +339,8 @@ impl<'a> Chase<'a> {
             last = before;
         }
         let search = &mut self.search;
-        let mut s = search.stepper.initial();
-        let mut names = search.symmetry.identity(&search.stepper.layout);
+        let mut s = search.rules.initial();
+        let mut names = search.reductions.orbits().identity();
         let mut run = Run::default();
         for step in steps.into_iter().rev() {
             match step {
@@ -358,11 +358,11 @@ impl<'a> Chase<'a> {
                         time: run.end,
                         ..at
                     };
-                    search.stepper.elapse(&mut s, time);
+                    search.rules.elapse(&mut s, time);
                     search.clocks_after_jump(&mut s, now);
                 }
                 Step::Order => {
-                    if let Some(order) = search.symmetry.order(&search.stepper.layout, &mut s) {
+                    if let Some(order) = search.reductions.order(&search.rules, &mut s) {
                         names = names.after(&order.inverse());
                     }
                 }
@@ -371,8 +371,8 @@ impl<'a> Chase<'a> {
         let Some((task, shown)) = about else {
             return run;
         };
-        let mut alike = search.symmetry.orbit(task).iter().copied();
-        match alike.find(|&it| shown(&search.stepper, &s, it)) {
+        let mut alike = search.reductions.orbits().of_task(task).iter().copied();
+        match alike.find(|&it| shown(&search.rules, &s, it)) {
             Some(it) if names.task(it) != task => search.exchanged(&run, names.task(it), task),
             _ => run,
         }
@@ -390,7 +390,7 @@ impl<'a> Chase<'a> {
 
     /// Bytes in use, roughly.
     pub(super) fn memory(&self) -> usize {
-        let open = size_of::<Open>() + self.search.stepper.layout.state_bytes();
+        let open = size_of::<Open>() + self.search.rules.frame().state_bytes();
         self.seen.memory()
             + self.trail.capacity() * size_of::<(u32, Step)>()
             + self.open.capacity() * open
@@ -398,7 +398,7 @@ impl<'a> Chase<'a> {
 }
 
 /// Whether a state shows something of a task.
-type Shown = fn(&Stepper, &State, usize) -> bool;
+type Shown<R> = fn(&R, &State, usize) -> bool;
 
 /// Adds a step after another.
 fn push(trail: &mut Vec<(u32, Step)>, before: u32, step: Step) -> u32 {

@@ -7,16 +7,16 @@
 use super::Order;
 use super::chase::Chase;
 use crate::explore::measure::{Diverging, Gauge, How, Timing};
+use crate::explore::rules::{Action, Rules};
 use crate::explore::run::Run;
 use crate::explore::search::Search;
-use crate::explore::step::Action;
 use crate::explore::watch::{ResponseTime, Watch, Within};
 use crate::system::Ticks;
 
 /// How often a chase is prolonged that goes on but does not repeat itself.
 const DOUBLED: u32 = 5;
 
-impl Search<'_> {
+impl<R: Rules> Search<'_, R> {
     /// Times that may have no bound, as far as is known.
     fn may_be_endless(&self) -> impl Iterator<Item = usize> {
         let all = self.gauges.iter().enumerate();
@@ -28,17 +28,8 @@ impl Search<'_> {
 
     /// Whether an action is one of a task whose response time is measured.
     pub(super) fn is_measured(&self, action: Action) -> bool {
-        let task = match action {
-            Action::Grant { task } | Action::Release { task } | Action::Tick { task } => task,
-            Action::Acquire { executor } | Action::Finish { executor, .. } => {
-                match self.stepper.system.automata.get(executor) {
-                    Some(it) => it.task,
-                    None => return false,
-                }
-            }
-            Action::Proceed { .. } | Action::Signal { .. } | Action::Request { .. } => {
-                return false;
-            }
+        let Some(task) = self.rules.task_of(action) else {
+            return false;
         };
         self.gauges.iter().any(|it| it.of == Timing::Response(task))
     }
@@ -66,8 +57,7 @@ impl Search<'_> {
             }),
         }
         let gauges = Gauge::of(&watch, &How::Shared);
-        let system = self.stepper.system;
-        let search = Search::new(system, &watch, &gauges, self.limits, self.cancel);
+        let search = Search::new(&self.rules, &watch, &gauges, self.limits, self.cancel);
         let mut chase = Chase::new(search);
         for _ in 0..Order::KINDS {
             let due = self.is_hunt_due();

@@ -1,0 +1,30 @@
+//! Findings about files and what of them is read.
+
+use dotgen_syntax::findings;
+
+use crate::{
+    fixes::{Place, TextFix},
+    model::Name,
+};
+
+findings! {
+    /// A file that cannot be read as it should be.
+    pub enum Reading {
+        "pp-input" NoFile => "no such file";
+        "pp-input" Directory => "this is a directory, not a specification";
+        "pp-input" Unreadable { why: Name } => "this file cannot be read: {why}";
+        "not-utf8" NotUtf8 => "this file is not UTF-8 from here on", "save it as UTF-8";
+        "pp-include-place" MisplacedInclude
+            => "a file cannot be included in the middle of a declaration",
+               "include it between two declarations, or write its text here";
+        "inactive-code" Inactive
+            => "left out by the preprocessor: the condition above does not hold";
+    }
+}
+
+impl Reading {
+    /// What mends it, made from the text around.
+    pub(crate) fn fixes(&self, _: &Place<'_>) -> Vec<TextFix> {
+        Vec::new()
+    }
+}

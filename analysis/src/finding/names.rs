@@ -1,0 +1,130 @@
+//! Findings about names: declared twice, not at all, or as something else.
+
+use std::fmt;
+
+use dotgen_syntax::findings;
+
+use crate::{
+    fixes::{Place, TextFix},
+    model::Name,
+};
+
+/// What a name should stand for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[allow(missing_docs, reason = "the words of the language")]
+pub enum Noun {
+    Type,
+    Constant,
+    Exception,
+}
+
+impl fmt::Display for Noun {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Noun::Type => "type",
+            Noun::Constant => "constant",
+            Noun::Exception => "exception",
+        })
+    }
+}
+
+/// Where the first part of a path was looked for.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum Inside {
+    /// In the scopes around.
+    Here,
+    /// In the scope that the part before names.
+    Scope(Name),
+}
+
+impl fmt::Display for Inside {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Inside::Here => f.write_str("here"),
+            Inside::Scope(name) => write!(f, "in `{name}`"),
+        }
+    }
+}
+
+findings! {
+    /// A name that is declared twice, not at all, or as something else.
+    pub enum Naming {
+        "name-clash" Clash { name: Name, what: &'static str }
+            => "`{name}` is already declared in this scope, as {what}";
+        "name-clash" ClashWithState { name: Name, what: &'static str }
+            => "`{name}` is already {what}: every component has the states `ether`, `start` and `stop`";
+        "name-clash-module" ClashWithScope { name: Name, what: &'static str }
+            => "`{name}` is already the name of {what} in this scope";
+        "name-clash-enclosing" ClashWithEnclosing { name: Name }
+            => "`{name}` cannot be declared here, because it is the name of the scope it would be in",
+               "choose another name";
+        "redefinition" Taken { name: Name, what: &'static str }
+            => "`{name}` is already {what} of this component";
+        "redefinition" RemoteTaken { name: Name }
+            => "remote service `{name}` has the name of a service of this component";
+        "comp-kind-conflict" OtherKind { name: Name, was: &'static str, is: &'static str }
+            => "`{name}` is {was}", "it cannot be reopened as {is}";
+
+        "forward-undefined" NeverDefined { keyword: &'static str, name: Name }
+            => "{keyword} `{name}` is declared but never defined",
+               "define it in the same scope and file, or remove the declaration";
+        "forward-other-file" DefinedElsewhere { name: Name }
+            => "`{name}` was declared in another file", "it must be defined in that file";
+        "forward-by-value" NotYetDefined { path: Name }
+            => "`{path}` is only declared so far",
+               "until it is defined it can be used in `sequence<>` and `optional<>` only";
+
+        "unknown-type" UnknownScope { path: Name, noun: Noun, missing: Name, inside: Inside }
+            => "`{path}` does not name a {noun}: there is no module, component or type scope \
+                `{missing}` {inside}";
+        "unknown-type" UnknownPath { noun: Noun, path: Name } => "there is no {noun} `{path}`";
+        "unknown-type" Unknown { noun: Noun, name: Name }
+            => "unknown {noun} `{name}`", "it must be declared before it is used";
+        "not-a-type" NotAType { path: Name, what: &'static str }
+            => "`{path}` is {what}, not a type: this is accepted, but the code generated from it \
+                does not compile";
+        "void-exception-type" NoData { path: Name }
+            => "exception `{path}` has no members, so it cannot be used as a data type",
+               "give it members or use another type";
+        "throw-not-exception" NotAnException { path: Name, what: &'static str }
+            => "`{path}` is {what}, not an exception",
+               "only what is declared with `exception` can be thrown";
+        "throw-duplicate" ThrownTwice { path: Name } => "`{path}` is already in this list", "remove it";
+
+        "iface-repeated" ImportedTwice { name: Name }
+            => "`{name}` is already in this list", "remove it";
+        "iface-unknown" UnknownInterface { name: Name }
+            => "unknown interface `{name}`", "it must be declared before it is used";
+        "iface-is-component" NotAnInterface { name: Name }
+            => "`{name}` is a component",
+               "only interfaces can be imported, so move what is shared into an interface that both \
+                provide";
+        "pragma-provides-unknown" UnknownInPragma { name: Name }
+            => "unknown interface `{name}`", "it must be declared before it is used";
+        "pragma-provides-component" ComponentInPragma { name: Name }
+            => "`{name}` is a component",
+               "only interfaces can be imported, so move what is shared into an interface that both \
+                provide";
+        "pragma-provides-unknown" CommentInPragma
+            => "in a pragma, comments are read as names of interfaces",
+               "write it on a line of its own";
+        "pragma-masquerade-syntax" MasqueradeArguments { are: &'static str, count: usize }
+            => "`#pragma masquerade` takes three arguments, a template, a type and a text, but there \
+                {are} {count}",
+               "put texts with blanks in quotes";
+        "pragma-masquerade-type" MasqueradeUnknown { name: Name }
+            => "there is no type `{name}` so far, so it cannot masquerade";
+        "pragma-masquerade-duplicate" MasqueradeTwice { name: Name, template: Name }
+            => "`{name}` has a masquerade for template `{template}` already";
+    }
+}
+
+impl Naming {
+    /// What mends it, the best first, made from the text around.
+    pub(crate) fn fixes(&self, here: &Place<'_>) -> Vec<TextFix> {
+        match self {
+            Naming::ThrownTwice { .. } => here.remove_part().into_iter().collect(),
+            _ => Vec::new(),
+        }
+    }
+}

@@ -1,0 +1,139 @@
+//! Markdown around what somebody else wrote: names, file names, comments, `doc` texts. They are data, and are shown as
+//! they are, whatever Markdown would make of them.
+
+use std::borrow::Cow;
+
+/// A text that stands for itself. Its line ends and blank lines remain, its indentation does not: four blanks would
+/// make it code.
+pub fn text(text: &str) -> String {
+    let mut out = String::with_capacity(text.len() + 8);
+    for (index, line) in text.lines().enumerate() {
+        if index > 0 {
+            out.push('\n');
+        }
+        escape_line(line.trim(), &mut out);
+    }
+    out
+}
+
+fn escape_line(line: &str, out: &mut String) {
+    let digits = line.bytes().take_while(u8::is_ascii_digit).count();
+    let mut before = ' ';
+    for (at, c) in line.char_indices() {
+        let special = match c {
+            '\\' | '`' | '*' | '[' | ']' | '<' | '>' | '&' | '|' | '~' => true,
+            // Within a word it means nothing.
+            '_' => !(before.is_alphanumeric() && line[at + 1..].starts_with(char::is_alphanumeric)),
+            // What begins a heading, a list, a rule or a table, at the beginning of a line.
+            '#' | '+' | '-' | '=' => at == 0,
+            '.' | ')' => at == digits && digits > 0,
+            // Editors make links of addresses.
+            ':' => line[at..].starts_with("://"),
+            _ => false,
+        };
+        before = c;
+        if special {
+            out.push('\\');
+        }
+        out.push(visible(c));
+    }
+}
+
+/// A text as code within a line.
+pub fn code(text: &str) -> String {
+    let text: String = text
+        .chars()
+        .map(|it| {
+            if it == '\n' || it == '\r' {
+                ' '
+            } else {
+                visible(it)
+            }
+        })
+        .collect();
+    let ticks = ticks(&text, 1);
+    // One blank at both ends is taken away again.
+    let padded = text.starts_with('`')
+        || text.ends_with('`')
+        || text.starts_with(' ') && text.ends_with(' ');
+    let blank = if padded { " " } else { "" };
+    format!("{ticks}{blank}{text}{blank}{ticks}")
+}
+
+/// A text as a block of code in a language.
+pub fn block(language: &str, text: &str) -> String {
+    let ticks = ticks(text, 3);
+    let text: Cow<'_, str> = match text.chars().all(|it| it == '\n' || visible(it) == it) {
+        true => text.into(),
+        false => text
+            .chars()
+            .map(|it| if it == '\n' { it } else { visible(it) })
+            .collect(),
+    };
+    format!("{ticks}{language}\n{text}\n{ticks}")
+}
+
+/// More ticks than there are in a row anywhere in the text, and at least so many.
+fn ticks(text: &str, least: usize) -> String {
+    let longest = text.split(|it| it != '`').map(str::len).max().unwrap_or(0);
+    let count = if longest == 0 {
+        least
+    } else {
+        (longest + 1).max(least)
+    };
+    "`".repeat(count)
+}
+
+/// Control characters become U+FFFD: a viewer does not show them, or does what they say. So do those that change the
+/// direction of the text, which could show it as another one.
+fn visible(c: char) -> char {
+    match c {
+        '\t' => ' ',
+        '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => char::REPLACEMENT_CHARACTER,
+        c if c.is_control() => char::REPLACEMENT_CHARACTER,
+        c => c,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_stands_for_itself() {
+        for (given, expected) in [
+            ("plain words, 1.5 m/s (max)", "plain words, 1.5 m/s (max)"),
+            ("# no heading", "\\# no heading"),
+            ("1. no list\n- nor this", "1\\. no list\n\\- nor this"),
+            ("    no code", "no code"),
+            ("a\n\nb", "a\n\nb"),
+            ("[x](command:evil)", "\\[x\\](command:evil)"),
+            ("![x](http://e.org/a.png)", "!\\[x\\](http\\://e.org/a.png)"),
+            ("<script>&amp;</script>", "\\<script\\>\\&amp;\\</script\\>"),
+            ("```\n`x`", "\\`\\`\\`\n\\`x\\`"),
+            ("a | b\n---", "a \\| b\n\\---"),
+            ("a\u{1b}[31mb\u{202e}", "a\u{fffd}\\[31mb\u{fffd}"),
+            (
+                "*a* __b__ ~~c~~ d_e",
+                "\\*a\\* \\_\\_b\\_\\_ \\~\\~c\\~\\~ d_e",
+            ),
+        ] {
+            assert_eq!(text(given), expected);
+        }
+    }
+
+    #[test]
+    fn code_ends_where_it_ends() {
+        for (given, expected) in [
+            ("a.gen", "`a.gen`"),
+            ("", "``"),
+            ("a`b", "``a`b``"),
+            ("`a``", "``` `a`` ```"),
+            ("a\nb\u{7}", "`a b\u{fffd}`"),
+        ] {
+            assert_eq!(code(given), expected);
+        }
+        assert_eq!(block("genom", "a\n```\nb"), "````genom\na\n```\nb\n````");
+        assert_eq!(block("c", "a"), "```c\na\n```");
+    }
+}

@@ -1,0 +1,129 @@
+//! What a confined run reaches: the one place that compares paths with what is allowed.
+//!
+//! The interpreter is confined by the system. What the engine reads and writes for it is checked here, by the same
+//! folders.
+
+use std::path::{Path, PathBuf};
+
+use super::Failure;
+use super::discover::{SearchPath, absolute};
+use crate::process::Access;
+
+/// What may be read.
+#[derive(Debug, Clone)]
+pub(crate) struct Reach {
+    read: Vec<PathBuf>,
+    tmpdir: PathBuf,
+}
+
+impl Reach {
+    /// Of a template in `dir` that is told `words`: its own folder and those beside it, the files that words name, and
+    /// the temporary folder.
+    pub(crate) fn new(
+        dir: &Path,
+        search: &SearchPath,
+        base: &Path,
+        words: &[String],
+        tmpdir: &Path,
+    ) -> Reach {
+        let folders = search.dirs.iter().chain(&search.builtin);
+        let folders = folders.map(PathBuf::as_path).chain([dir, tmpdir]);
+        let files = words
+            .iter()
+            .map(|it| base.join(it))
+            .filter(|it| it.is_file());
+        let read = folders.map(Path::to_owned).chain(files);
+        Reach {
+            read: read.filter_map(|it| it.canonicalize().ok()).collect(),
+            tmpdir: tmpdir.to_owned(),
+        }
+    }
+
+    /// The same for the system.
+    pub(crate) fn access(&self) -> Access {
+        Access {
+            read: self.read.clone(),
+            write: vec![self.tmpdir.clone()],
+        }
+    }
+
+    /// Refuses to read a file elsewhere. What cannot be found at all is for others to tell.
+    pub(crate) fn check_read(&self, path: &Path) -> Result<(), Failure> {
+        match path.canonicalize() {
+            Ok(path) if !self.read.iter().any(|it| path.starts_with(it)) => {
+                Err(Failure::Error(format!(
+                    "\"{}\" is not to be read by a confined template: it is neither a file of a template nor an input",
+                    path.display()
+                )))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Whether a file, were it written, would be below one of the folders, whatever links there are on the way.
+pub(crate) fn is_below(path: &Path, folders: &[PathBuf]) -> bool {
+    let Some(path) = resolve(path) else {
+        return false;
+    };
+    folders
+        .iter()
+        .any(|it| resolve(it).is_some_and(|it| path.starts_with(it)))
+}
+
+/// The path without links, of which the last parts need not exist. `None` for a link that leads nowhere: a file that is
+/// written there would come to be where it points.
+fn resolve(path: &Path) -> Option<PathBuf> {
+    let path = super::output::plain(path);
+    for ancestor in path.ancestors() {
+        if let Ok(real) = ancestor.canonicalize() {
+            let rest = path.strip_prefix(ancestor).ok()?;
+            return Some(match rest.as_os_str().is_empty() {
+                true => real,
+                false => real.join(rest),
+            });
+        }
+        if ancestor.symlink_metadata().is_ok_and(|it| it.is_symlink()) {
+            return None;
+        }
+    }
+    Some(absolute(&path))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn links_lead_where_they_lead() {
+        use std::os::unix::fs::symlink;
+        let dir = tempfile::tempdir().unwrap();
+        let root = dir.path().join("root");
+        std::fs::create_dir(&root).unwrap();
+        std::fs::create_dir(dir.path().join("other")).unwrap();
+        symlink("../other", root.join("out")).unwrap();
+        symlink("../missing", root.join("nowhere")).unwrap();
+        symlink("sub", root.join("inner")).unwrap();
+        std::fs::create_dir(root.join("sub")).unwrap();
+        let below = |path: &str| is_below(&root.join(path), std::slice::from_ref(&root));
+        for path in ["a", "a/b/c", "x/../a", "inner/a", "sub/new/a"] {
+            assert!(below(path), "{path}");
+        }
+        for path in [
+            "../a",
+            "x/../../a",
+            "out/a",
+            "out/../a/../../b",
+            "nowhere",
+            "nowhere/a",
+            "/a",
+        ] {
+            assert!(!below(path), "{path}");
+        }
+        // A folder that is to be made is where it will be.
+        assert!(is_below(&root.join("out/new/a"), &[root.join("out/new")]));
+        // A folder whose name begins alike is another one.
+        assert!(!is_below(&dir.path().join("root2/a"), &[root]));
+    }
+}

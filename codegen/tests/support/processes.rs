@@ -1,0 +1,77 @@
+//! Starts programs for tests: nothing is confined, and only memory is limited.
+
+use std::io;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+
+use dotgen_codegen::process::{
+    Channels, Folder, Gap, Group, Process, Processes, Program, Resources,
+};
+
+pub(crate) struct Plain;
+
+impl Processes for Plain {
+    fn start(&self, program: &Program) -> io::Result<Process> {
+        let mut command = Command::new("/bin/sh");
+        let limit = program
+            .resources
+            .memory
+            .map(|it| format!("ulimit -v {};", it / 1024));
+        let script = format!("{} exec \"$0\" \"$@\"", limit.unwrap_or_default());
+        command
+            .args(["-c", &script])
+            .arg(&program.path)
+            .args(&program.arguments);
+        if !program.directory.as_os_str().is_empty() {
+            command.current_dir(&program.directory);
+        }
+        if program.channels != Channels::Shared {
+            command.stdin(Stdio::piped()).stdout(Stdio::piped());
+        }
+        if program.channels == Channels::Pipes {
+            command.stderr(Stdio::piped());
+        }
+        Ok(Process {
+            child: command.spawn()?,
+            group: Box::new(Alone),
+        })
+    }
+
+    fn renderer(&self, _: Resources) -> Option<io::Result<Process>> {
+        None
+    }
+
+    fn folder(&self, parent: Option<&Path>) -> io::Result<Box<dyn Folder>> {
+        let parent = parent.map_or_else(std::env::temp_dir, Path::to_owned);
+        let folder = tempfile::tempdir_in(parent.canonicalize()?)?;
+        let path = folder.path().to_owned();
+        Ok(Box::new(Temporary(Some(folder), path)))
+    }
+
+    fn gaps(&self) -> Vec<Gap> {
+        Vec::new()
+    }
+}
+
+struct Alone;
+
+impl Group for Alone {
+    fn kill(&self, child: &mut Child) {
+        let _ = child.kill();
+    }
+}
+
+#[derive(Debug)]
+struct Temporary(Option<tempfile::TempDir>, std::path::PathBuf);
+
+impl Folder for Temporary {
+    fn path(&self) -> &Path {
+        &self.1
+    }
+
+    fn keep(&mut self) {
+        if let Some(folder) = self.0.take() {
+            let _ = folder.keep();
+        }
+    }
+}

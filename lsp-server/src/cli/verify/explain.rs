@@ -1,0 +1,25 @@
+//! `--explain`: which reductions the explorations used, and why others were not.
+
+use std::io::Write;
+
+use clap::builder::styling::Style;
+use dotgen_timing::explained::Explained;
+
+const TITLE: Style = Style::new().bold();
+
+pub(super) fn print(out: &mut impl Write, it: &Explained) -> anyhow::Result<()> {
+    if it.explorations == 0 {
+        writeln!(
+            out,
+            "\n{TITLE}reductions{TITLE:#}\n  none: nothing had to be explored"
+        )?;
+        return Ok(());
+    }
+    writeln!(out, "\n{TITLE}reductions{TITLE:#}")?;
+    let lines = it.lines();
+    let width = lines.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
+    for (name, what) in lines {
+        writeln!(out, "  {name:<width$}  {what}")?;
+    }
+    Ok(())
+}

@@ -1,0 +1,69 @@
+//! The process of the client, by the `processId` of `initialize`: the server ends when it is gone. A
+//! client that is killed closes nothing, and a pipe may be held open by others it has started.
+
+use tokio::sync::oneshot;
+
+/// Resolves when the process is gone; fails where it cannot be watched.
+pub(crate) fn gone(id: i64) -> oneshot::Receiver<()> {
+    let (tell, told) = oneshot::channel();
+    let watch = move || {
+        if wait(id) {
+            tracing::warn!("the client, process {id}, is gone");
+            // Fails when the server has ended before.
+            let _ = tell.send(());
+        }
+    };
+    let thread = std::thread::Builder::new().name("client".to_owned());
+    if let Err(error) = thread.spawn(watch) {
+        tracing::warn!("the client is not watched: {error}");
+    }
+    told
+}
+
+/// Waits for the end of a process; false if that cannot be told.
+#[cfg(target_os = "linux")]
+fn wait(id: i64) -> bool {
+    use rustix::event::{PollFd, PollFlags, poll};
+    use rustix::io::Errno;
+    use rustix::process::{Pid, PidfdFlags, pidfd_open};
+
+    let Some(pid) = i32::try_from(id).ok().and_then(Pid::from_raw) else {
+        return false;
+    };
+    // The descriptor becomes readable at the end of the process, even of one that nobody has waited for.
+    match pidfd_open(pid, PidfdFlags::empty()) {
+        Ok(process) => loop {
+            let mut polled = [PollFd::new(&process, PollFlags::IN)];
+            match poll(&mut polled, None) {
+                Err(Errno::INTR) => {}
+                Err(_) => return false,
+                Ok(_) => return true,
+            }
+        },
+        Err(Errno::SRCH) => true,
+        Err(_) => wait_by_asking(pid),
+    }
+}
+
+#[cfg(all(unix, not(target_os = "linux")))]
+fn wait(id: i64) -> bool {
+    let pid = i32::try_from(id)
+        .ok()
+        .and_then(rustix::process::Pid::from_raw);
+    pid.is_some_and(wait_by_asking)
+}
+
+/// Asks every few seconds: for systems whose processes have no descriptors.
+#[cfg(unix)]
+fn wait_by_asking(pid: rustix::process::Pid) -> bool {
+    use rustix::io::Errno;
+    while rustix::process::test_kill_process(pid) != Err(Errno::SRCH) {
+        std::thread::sleep(std::time::Duration::from_secs(3));
+    }
+    true
+}
+
+#[cfg(not(unix))]
+fn wait(_: i64) -> bool {
+    false
+}

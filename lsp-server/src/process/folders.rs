@@ -1,0 +1,113 @@
+//! Temporary folders. Each is locked by the process that has made it: one without a lock is left over.
+
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+use dotgen_codegen::process::Folder;
+
+use super::watcher::{Watched, Watcher};
+
+const PREFIX: &str = "dotgen-";
+/// Younger folders may not be locked yet.
+const YOUNG: Duration = Duration::from_secs(60);
+
+#[derive(Debug)]
+struct Temporary {
+    folder: Option<tempfile::TempDir>,
+    path: PathBuf,
+    /// Holds the lock.
+    _lock: Option<File>,
+    watched: Option<Watched>,
+}
+
+impl Folder for Temporary {
+    fn path(&self) -> &Path {
+        &self.path
+    }
+
+    fn keep(&mut self) {
+        if let Some(folder) = self.folder.take() {
+            let _ = folder.keep();
+        }
+        self.watched = None;
+    }
+}
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        // The folder first: as long as it is there, the helper is to know it.
+        self.folder = None;
+        self.watched = None;
+    }
+}
+
+/// Makes one.
+pub(super) fn create(parent: Option<&Path>) -> io::Result<Box<dyn Folder>> {
+    let parent = parent.map_or_else(std::env::temp_dir, Path::to_owned);
+    let parent = parent.canonicalize().unwrap_or(parent);
+    let folder = tempfile::Builder::new().prefix(PREFIX).tempdir_in(parent)?;
+    let path = folder.path().to_owned();
+    let watched = Watcher::get().map(|it| it.folder(&path));
+    Ok(Box::new(Temporary {
+        _lock: lock(&path, false),
+        folder: Some(folder),
+        path,
+        watched,
+    }))
+}
+
+/// Removes what processes have left that were killed together with their helpers.
+pub(crate) fn clean_up() {
+    let entries = std::fs::read_dir(std::env::temp_dir());
+    for entry in entries.into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let is_ours = name.as_encoded_bytes().starts_with(PREFIX.as_bytes());
+        // The kind of the entry itself: a link that somebody has laid there is no folder.
+        if !is_ours || !entry.file_type().is_ok_and(|it| it.is_dir()) {
+            continue;
+        }
+        let changed = entry.metadata().and_then(|it| it.modified());
+        let age = changed.map(|it| SystemTime::now().duration_since(it).unwrap_or_default());
+        if !age.is_ok_and(|it| it > YOUNG) {
+            continue;
+        }
+        if let Some(_lock) = lock(&entry.path(), true) {
+            tracing::info!(path = %entry.path().display(), "removing what was left behind");
+            // Fails for those of other users.
+            let _ = std::fs::remove_dir_all(entry.path());
+        }
+    }
+}
+
+/// Locks a folder, alone or with others; `None` when that cannot be.
+#[cfg(unix)]
+fn lock(path: &Path, alone: bool) -> Option<File> {
+    use rustix::fs::{FlockOperation, flock};
+    let file = File::open(path).ok()?;
+    let how = match alone {
+        true => FlockOperation::NonBlockingLockExclusive,
+        false => FlockOperation::NonBlockingLockShared,
+    };
+    flock(&file, how).ok().map(|()| file)
+}
+
+#[cfg(not(unix))]
+fn lock(_: &Path, _: bool) -> Option<File> {
+    None
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_in_use_is_locked() {
+        let folder = create(None).expect("a folder");
+        assert!(lock(folder.path(), true).is_none());
+        let path = folder.path().to_owned();
+        drop(folder);
+        assert!(!path.exists());
+    }
+}

@@ -1,0 +1,573 @@
+//! Programs that dotgen starts: they end with it, and previews reach nothing.
+#![cfg(target_os = "linux")]
+
+use std::fs::File;
+use std::os::fd::OwnedFd;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
+
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::process::{Pid, PidfdFlags, Signal, kill_process, pidfd_open};
+use serde_json::{Value, json};
+
+#[path = "support/directory.rs"]
+mod directory;
+#[allow(dead_code, reason = "shared with other tests")]
+#[path = "support/server.rs"]
+mod server;
+
+use directory::{Directory, status, stderr, stdout};
+use server::Server;
+
+const LAMP: &str = "component lamp { ids { long x; }; };\n";
+
+/// Whether there is Tcl; says so if not.
+fn tcl() -> bool {
+    let found = ["tclsh8.6", "tclsh"].iter().any(|it| {
+        let started = Command::new(it).stdin(Stdio::null()).output();
+        started.is_ok()
+    });
+    if !found {
+        eprintln!("SKIPPED: no tclsh");
+    }
+    found
+}
+
+/// Whether the system confines; says so if not.
+fn confines() -> bool {
+    let lsm = std::fs::read_to_string("/sys/kernel/security/lsm").unwrap_or_default();
+    let known = lsm.contains("landlock") || lsm.is_empty();
+    let seccomp = Path::new("/proc/sys/kernel/seccomp/actions_avail").exists();
+    if !(known && seccomp) {
+        eprintln!("SKIPPED: no Landlock or no seccomp");
+    }
+    known && seccomp
+}
+
+/// A process that is running, to be seen ending.
+struct Running(OwnedFd, i32);
+
+impl Running {
+    fn new(id: i32) -> Running {
+        let pid = Pid::from_raw(id).expect("a process");
+        Running(pidfd_open(pid, PidfdFlags::empty()).expect("it runs"), id)
+    }
+
+    /// Fails when it does not end.
+    fn ends(&self) {
+        let patience = Timespec::try_from(Duration::from_secs(30)).expect("a time");
+        let mut polled = [PollFd::new(&self.0, PollFlags::IN)];
+        let ended = poll(&mut polled, Some(&patience)).expect("it can be watched");
+        assert_eq!(ended, 1, "process {} goes on", self.1);
+    }
+}
+
+/// The processes that a process has started and that run a program with such a word in its command line.
+fn children(id: u32, word: &str) -> Vec<i32> {
+    let tasks = std::fs::read_dir(format!("/proc/{id}/task")).expect("it runs");
+    let mut out = Vec::new();
+    for task in tasks.flatten() {
+        let list = std::fs::read_to_string(task.path().join("children")).unwrap_or_default();
+        out.extend(
+            list.split_whitespace()
+                .filter_map(|it| it.parse::<i32>().ok()),
+        );
+    }
+    out.retain(|it| {
+        let line = std::fs::read(format!("/proc/{it}/cmdline")).unwrap_or_default();
+        String::from_utf8_lossy(&line).contains(word)
+    });
+    out
+}
+
+/// Waits until something is there.
+fn until<T>(mut found: impl FnMut() -> Option<T>) -> T {
+    let start = std::time::Instant::now();
+    loop {
+        if let Some(found) = found() {
+            return found;
+        }
+        assert!(
+            start.elapsed() < Duration::from_secs(60),
+            "it does not come"
+        );
+        std::thread::yield_now();
+    }
+}
+
+fn number_in(path: &Path) -> Option<i32> {
+    std::fs::read_to_string(path)
+        .ok()?
+        .strip_suffix('\n')?
+        .parse()
+        .ok()
+}
+
+fn entries(path: &Path) -> usize {
+    std::fs::read_dir(path).map_or(0, |it| it.flatten().count())
+}
+
+fn send(process: u32, signal: Signal) {
+    let pid = i32::try_from(process).ok().and_then(Pid::from_raw);
+    kill_process(pid.expect("a process"), signal).expect("it runs");
+}
+
+#[test]
+fn a_preview_ends_with_the_server_however_that_ends() {
+    if !tcl() {
+        return;
+    }
+    for how in ["input", "term", "kill"] {
+        let directory = Directory::new(&[
+            ("lamp.gen", LAMP),
+            ("dotgen.toml", "template-paths = [\"templates\"]\n"),
+            (
+                "templates/waits/template.tcl",
+                "close [open [dotgen template tmpdir]/there w]\nvwait forever\n",
+            ),
+        ]);
+        let temporary = directory.path().join("tmp");
+        std::fs::create_dir(&temporary).expect("a folder");
+        let uri = format!("file://{}", directory.path().display());
+        let params = json!({ "capabilities": {}, "rootUri": uri,
+                             "initializationOptions": { "trusted": true } });
+        let mut server = Server::start_with(params, &[("TMPDIR", &temporary)]);
+        let argument =
+            json!({ "uri": format!("{uri}/lamp.gen"), "template": "waits", "arguments": [] });
+        let params = json!({ "command": "dotgen.generate", "arguments": [argument] });
+        server.send(json!({ "id": 1, "method": "workspace/executeCommand", "params": params }));
+        let folder = until(|| {
+            let mut all = std::fs::read_dir(&temporary).ok()?.flatten();
+            all.find(|it| it.path().join("there").exists())
+                .map(|it| it.path())
+        });
+        let id = server.child.id();
+        let shell = children(id, "tclsh");
+        assert_eq!(shell.len(), 1);
+        let shell = Running::new(shell[0]);
+        let helpers: Vec<Running> = children(id, "watch")
+            .into_iter()
+            .map(Running::new)
+            .collect();
+        assert_eq!(helpers.len(), 1);
+        match how {
+            "input" => server.to = None,
+            "term" => send(id, Signal::TERM),
+            _ => send(id, Signal::KILL),
+        }
+        server.child.wait().expect("it ends");
+        shell.ends();
+        helpers[0].ends();
+        assert!(!folder.exists(), "{how}");
+    }
+}
+
+#[test]
+fn what_a_template_starts_ends_with_a_killed_command() {
+    if !tcl() {
+        return;
+    }
+    let script =
+        "set f [open [pwd]/started w]; puts $f [exec sleep 1000 &]; close $f; vwait forever\n";
+    let directory = Directory::new(&[
+        ("lamp.gen", LAMP),
+        ("templates/starts/template.tcl", script),
+    ]);
+    let arguments = ["generate", "-t", "templates", "starts", "lamp.gen"];
+    let mut command = directory.command(&arguments);
+    let mut child = command.stdin(Stdio::null()).spawn().expect("it starts");
+    let started = directory.path().join("started");
+    let grandchild = Running::new(until(|| number_in(&started)));
+    child.kill().expect("it runs");
+    child.wait().expect("it ends");
+    grandchild.ends();
+}
+
+#[test]
+fn the_package_tool_ends_with_the_server() {
+    use std::os::unix::fs::PermissionsExt;
+    let directory = Directory::new(&[(
+        "tool",
+        "#!/bin/sh\nsleep 1000 &\necho $! >\"$TRACE\"\nwait\n",
+    )]);
+    let (tool, trace) = (
+        directory.path().join("tool"),
+        directory.path().join("trace"),
+    );
+    std::fs::set_permissions(&tool, PermissionsExt::from_mode(0o755)).expect("it runs");
+    let params = json!({ "capabilities": {}, "initializationOptions": { "trusted": true } });
+    let mut server = Server::start_with(params, &[("PKG_CONFIG", &tool), ("TRACE", &trace)]);
+    server.open("#pragma requires \"something\"\n");
+    let grandchild = Running::new(until(|| number_in(&trace)));
+    server.child.kill().expect("it runs");
+    server.child.wait().expect("it ends");
+    grandchild.ends();
+}
+
+/// Runs a Tcl script as `dotgen` confines tclsh, without the checks that the engine adds.
+fn confined(directory: &Directory, script: &str) -> Output {
+    let shell = [
+        "/usr/bin/tclsh8.6",
+        "/usr/bin/tclsh",
+        "/usr/local/bin/tclsh8.6",
+    ];
+    let shell = shell
+        .iter()
+        .find(|it| Path::new(it).exists())
+        .expect("tclsh");
+    let path = |name: &str| directory.path().join(name).display().to_string();
+    directory.write("read/script.tcl", script.as_bytes());
+    let (read, write, script) = (path("read"), path("write"), path("read/script.tcl"));
+    let options = [
+        "confined",
+        "--memory",
+        "268435456",
+        "--time",
+        "20",
+        "--file",
+        "100000",
+    ];
+    let paths = [
+        "--confine",
+        "--read",
+        &read,
+        "--write",
+        &write,
+        "--",
+        shell,
+        &script,
+    ];
+    directory.run(&[&options[..], &paths[..]].concat())
+}
+
+#[test]
+fn the_system_keeps_a_template_from_the_rest() {
+    if !tcl() || !confines() {
+        return;
+    }
+    let directory = Directory::new(&[
+        ("read/in.txt", "in"),
+        ("write/own.txt", "own"),
+        ("other/x.txt", "secret"),
+    ]);
+    let other = directory.path().join("other");
+    let fine = "
+        set root [file dirname [file dirname [info script]]]
+        puts [clock format 0 -gmt 1 -format %Y]
+        set f [open $root/read/in.txt]; puts [read $f]; close $f
+        set f [open $root/write/new.txt w]; puts $f new; close $f
+        file mkdir $root/write/sub
+        file copy $root/read/in.txt $root/write/sub/copy.txt
+        file rename $root/write/own.txt $root/write/sub/moved.txt
+        file delete $root/write/new.txt
+        puts [lsort [glob -directory $root/write/sub -tails *]]
+        package require http
+        puts ok
+    ";
+    let output = confined(&directory, fine);
+    let expected = "1970\nin\ncopy.txt moved.txt\nok\n";
+    assert_eq!(
+        (stdout(&output).as_str(), stderr(&output).as_str()),
+        (expected, "")
+    );
+    let tried = [
+        "open $root/other/x.txt",
+        "open $root/other/x.txt a",
+        "open $root/other/new.txt w",
+        "open $root/read/in.txt a",
+        "open /etc/passwd",
+        "open /proc/self/environ",
+        "glob -directory $root/other *",
+        "file mkdir -- $root/other/made",
+        "file copy -force -- $root/read/in.txt $root/other/copied.txt",
+        "file copy $root/other/x.txt $root/write/stolen.txt",
+        "file rename $root/other/x.txt $root/write/moved.txt",
+        "file rename $root/write/sub/copy.txt $root/other/moved.txt",
+        "file delete $root/other/x.txt",
+        "file link -hard $root/write/linked.txt $root/other/x.txt",
+        "file link -symbolic $root/write/to $root/other; open $root/write/to/new.txt w",
+        "exec true",
+        "exec /bin/sh -c true",
+        "exec [info nameofexecutable] << exit",
+        "open |true",
+        "socket localhost 1",
+        "socket -server x 0",
+    ];
+    let mut script = "set root [file dirname [file dirname [info script]]]\n".to_owned();
+    for one in tried {
+        script += &format!("puts [catch {{{one}}} message]\n");
+    }
+    // What Tcl takes for done has changed nothing.
+    script += "file attributes $root/other/x.txt -permissions 0777\nfile mtime $root/other/x.txt 5\nputs end\n";
+    let before = File::open(other.join("x.txt"))
+        .and_then(|it| it.metadata())
+        .expect("a file");
+    let output = confined(&directory, &script);
+    let results: Vec<String> = stdout(&output).lines().map(str::to_owned).collect();
+    assert_eq!(
+        results.last().map(String::as_str),
+        Some("end"),
+        "{}",
+        stderr(&output)
+    );
+    for (one, result) in tried.iter().zip(&results) {
+        assert_eq!(result, "1", "{one}");
+    }
+    assert_eq!(entries(&other), 1);
+    let after = File::open(other.join("x.txt"))
+        .and_then(|it| it.metadata())
+        .expect("a file");
+    assert_eq!(before.permissions(), after.permissions());
+    assert_eq!(
+        before.modified().expect("a date"),
+        after.modified().expect("a date")
+    );
+    assert!(!directory.path().join("write/stolen.txt").exists());
+}
+
+#[test]
+fn memory_and_time_end() {
+    if !tcl() || !confines() {
+        return;
+    }
+    let directory = Directory::new(&[("write/x", "")]);
+    let write = "set f [open [file dirname [file dirname [info script]]]/write/big w]; fconfigure $f -buffering none;";
+    for script in [
+        "set x y; while 1 { append x $x }",
+        &format!("{write} puts $f [string repeat x 200000]"),
+    ] {
+        let output = confined(&directory, &format!("{script}\nputs end"));
+        assert!(!output.status.success(), "{script}");
+        assert!(output.stdout.is_empty(), "{script}");
+    }
+    let size = std::fs::metadata(directory.path().join("write/big")).map(|it| it.len());
+    assert!(size.expect("a file") <= 100_000);
+}
+
+/// A folder with a specification and Tcl or MiniJinja templates.
+fn project(templates: &[(&str, &str)]) -> Directory {
+    let directory = Directory::new(&[("work/lamp.gen", LAMP)]);
+    for (name, text) in templates {
+        directory.write(&format!("templates/{name}"), text.as_bytes());
+    }
+    directory
+}
+
+fn generate(directory: &Directory, arguments: &[&str]) -> Output {
+    let mut command = directory.command(&["generate", "-t", "../templates"]);
+    command
+        .args(arguments)
+        .current_dir(directory.path().join("work"));
+    command.output().expect("it runs")
+}
+
+#[test]
+fn a_confined_template_writes_below_the_current_folder() {
+    if !tcl() {
+        return;
+    }
+    let directory = project(&[
+        (
+            "plain/template.tcl",
+            "template parse raw \"text\\n\" file sub/a.txt\ntemplate parse perm a+x raw x file b.sh\n",
+        ),
+        (
+            "leaves/template.tcl",
+            "template parse raw x file a.txt\ntemplate parse raw x file ../out.txt\n",
+        ),
+        (
+            "tool/template.tcl",
+            "engine mode merge-if-change\nengine merge-tool touch\n",
+        ),
+        ("minus/template.tcl", "file mkdir -x/../../made\n"),
+        (
+            "minus2/template.tcl",
+            "file copy -force -- [dotgen template dir]/template.tcl -x/../../made\n",
+        ),
+        (
+            "reads/template.tcl",
+            "template parse file /etc/hostname file a.txt\n",
+        ),
+        ("parses/template.tcl", "dotgen parse file /etc/hostname\n"),
+    ]);
+    let output = generate(&directory, &["--confined", "plain"]);
+    assert_eq!((status(&output), stderr(&output)), (0, String::new()));
+    let written = std::fs::read_to_string(directory.path().join("work/sub/a.txt"));
+    assert_eq!(written.expect("a file"), "text\n");
+    let work = entries(&directory.path().join("work"));
+    for (template, why) in [
+        ("leaves", "is outside of"),
+        ("tool", "is a program"),
+        ("minus", "not allowed in a preview"),
+        ("minus2", "not allowed in a preview"),
+        ("reads", "neither a file of a template nor an input"),
+        ("parses", "neither a file of a template nor an input"),
+    ] {
+        let output = generate(&directory, &["--confined", template]);
+        assert_eq!(status(&output), 2, "{template}");
+        assert!(
+            stderr(&output).contains(why),
+            "{template}: {}",
+            stderr(&output)
+        );
+    }
+    assert_eq!(entries(directory.path()), 2, "nothing is made outside");
+    assert_eq!(
+        entries(&directory.path().join("work")),
+        work,
+        "nor is what came before a failure"
+    );
+    // Without the option a template does what its user can.
+    let output = generate(&directory, &["leaves"]);
+    assert_eq!((status(&output), stderr(&output)), (0, String::new()));
+    assert!(directory.path().join("out.txt").exists());
+}
+
+#[test]
+fn texts_end_at_their_memory_and_stay_in_their_folders() {
+    let double = "{% set ns = namespace(x='xxxxxxxxxxxxxxxx') %}{% for i in range(40) %}{% set ns.x = ns.x ~ ns.x %}{% endfor %}{{ ns.x }}";
+    let rule = |path: &str, source: &str| {
+        format!("about = \"x\"\n[[files]]\npath = \"{path}\"\nsource = \"{source}\"\n")
+    };
+    let directory = project(&[
+        ("fine/template.toml", &rule("sub/{{ name }}.txt", "t")),
+        (
+            "fine/t",
+            "{{ model.components[0].name }} {{ 0.002 | duration }} {{ json_schema('lamp') | length > 9 }}",
+        ),
+        ("doubles/template.toml", &rule("a.txt", "t")),
+        ("doubles/t", double),
+        ("wrong/template.toml", &rule("a.txt", "t")),
+        ("wrong/t", "\n{{ nope() }}"),
+        ("up/template.toml", &rule("../out.txt", "../fine/t")),
+        ("up2/template.toml", &rule("../out.txt", "t")),
+        ("up2/t", "x"),
+        ("absolute/template.toml", &rule("/tmp/dotgen-out.txt", "t")),
+        ("absolute/t", "x"),
+        ("links/template.toml", &rule("a.txt", "t")),
+        ("through/template.toml", &rule("link/a.txt", "t")),
+        ("through/t", "x"),
+    ]);
+    let link = |to: &str, at: &str| {
+        std::os::unix::fs::symlink(to, directory.path().join(at)).expect("a link");
+    };
+    link("/etc/hostname", "templates/links/t");
+    link("..", "work/link");
+    let output = generate(&directory, &["fine", "lamp.gen"]);
+    assert_eq!((status(&output), stderr(&output)), (0, String::new()));
+    let written = std::fs::read_to_string(directory.path().join("work/sub/lamp.txt"));
+    assert_eq!(written.expect("a file"), "lamp 2 ms True");
+    for (template, why) in [
+        ("doubles", "t: stopped: rendering took more than 1024 MiB"),
+        ("wrong", "t:2: "),
+        ("up", "../fine/t is not in the folder of the template"),
+        ("up2", "\"../out.txt\" of a result is not below"),
+        (
+            "absolute",
+            "\"/tmp/dotgen-out.txt\" of a result is not below",
+        ),
+        ("links", "t is not in the folder of the template"),
+        ("through", "\"link/a.txt\" of a result is not below"),
+    ] {
+        let output = generate(&directory, &[template, "lamp.gen"]);
+        assert_eq!(status(&output), 2, "{template}: {}", stdout(&output));
+        assert!(
+            stderr(&output).contains(why),
+            "{template}: {}",
+            stderr(&output)
+        );
+    }
+    assert_eq!(entries(directory.path()), 2);
+}
+
+/// Starts something where the kernel has neither Landlock nor seccomp, as far as it can tell.
+fn without_support<T: Send>(start: impl FnOnce() -> T + Send) -> T {
+    use seccompiler::{BpfProgram, SeccompAction, SeccompFilter};
+    // A filter holds for a thread and what it starts.
+    std::thread::scope(|scope| {
+        let thread = scope.spawn(|| {
+            let calls = [libc::SYS_landlock_create_ruleset, libc::SYS_seccomp];
+            let rules = calls.iter().map(|it| (*it, Vec::new())).collect();
+            let missing = SeccompAction::Errno(libc::ENOSYS.cast_unsigned());
+            let machine = std::env::consts::ARCH.try_into().expect("a known machine");
+            let filter = SeccompFilter::new(rules, SeccompAction::Allow, missing, machine);
+            let program: BpfProgram = filter.and_then(TryInto::try_into).expect("a filter");
+            seccompiler::apply_filter(&program).expect("it can be installed");
+            start()
+        });
+        thread.join().expect("no panic")
+    })
+}
+
+#[test]
+fn where_the_system_confines_nothing_it_is_said() {
+    if !tcl() || !confines() {
+        return;
+    }
+    let directory = project(&[
+        ("plain/template.tcl", "template parse raw text file a.txt\n"),
+        ("minus/template.tcl", "file mkdir -x/../../made\n"),
+        (
+            "minus2/template.tcl",
+            "file copy -force -- [dotgen template dir]/template.tcl -x/../../made\n",
+        ),
+    ]);
+    let output = without_support(|| generate(&directory, &["--confined", "plain"]));
+    assert_eq!(status(&output), 0, "{}", stderr(&output));
+    let said = stderr(&output);
+    for gap in [
+        "files elsewhere",
+        "starting programs",
+        "opening connections",
+    ] {
+        assert!(said.contains(gap), "{said}");
+    }
+    for template in ["minus", "minus2"] {
+        let output = without_support(|| generate(&directory, &["--confined", template]));
+        assert_eq!(status(&output), 2, "{template}");
+    }
+    assert_eq!(entries(directory.path()), 2);
+}
+
+#[test]
+fn a_server_outlives_a_text_that_eats_memory() {
+    let directory = Directory::new(&[
+        ("lamp.gen", LAMP),
+        ("dotgen.toml", "template-paths = [\"templates\"]\n"),
+        (
+            "templates/eats/template.toml",
+            "about = \"x\"\n[[files]]\npath = \"a\"\nsource = \"t\"\n",
+        ),
+        (
+            "templates/eats/t",
+            "{% set ns = namespace(x='xx') %}{% for i in range(40) %}{% set ns.x = ns.x ~ ns.x %}{% endfor %}",
+        ),
+        (
+            "templates/out/template.toml",
+            "about = \"x\"\n[[files]]\npath = \"a\"\nsource = \"t\"\n",
+        ),
+        ("templates/out/t", "x"),
+    ]);
+    let uri = format!("file://{}", directory.path().display());
+    let params =
+        json!({ "capabilities": {}, "rootUri": uri, "initializationOptions": { "trusted": true } });
+    let mut server = Server::start_with(params, &[]);
+    let mut run = |id: i64, template: &str, arguments: Value| {
+        let argument = json!({ "uri": format!("{uri}/lamp.gen"), "template": template,
+                               "arguments": arguments, "apply": false });
+        let params = json!({ "command": "dotgen.generate", "arguments": [argument] });
+        let answer = server.request(id, "workspace/executeCommand", params);
+        assert_eq!(answer["result"]["status"], "failed", "{answer}");
+        answer["result"]["messages"]
+            .as_str()
+            .expect("a text")
+            .to_owned()
+    };
+    let messages = run(1, "eats", json!([]));
+    assert!(messages.contains("1024 MiB of memory"), "{messages}");
+    let outside: PathBuf = directory.path().join("../elsewhere");
+    let messages = run(2, "out", json!(["-C", outside.display().to_string()]));
+    assert!(messages.contains("is outside of"), "{messages}");
+    server.end();
+}

@@ -1,0 +1,100 @@
+//! Which reductions the explorations of a verification used, and why others were not.
+
+use crate::explore::{Activity, Kind, Reason};
+
+/// What became of each reduction, over all explorations.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Explained {
+    /// Number of explorations.
+    pub explorations: usize,
+    /// One per reduction, in the order in which they were first met.
+    pub reductions: Vec<Explanation>,
+}
+
+/// What became of one reduction.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Explanation {
+    /// Which one.
+    pub kind: Kind,
+    /// Number of explorations in which it was used.
+    pub used: usize,
+    /// Why it was not used in others, and in how many of them.
+    pub off: Vec<(Reason, usize)>,
+}
+
+impl Explained {
+    /// Adds an exploration.
+    pub(crate) fn add(&mut self, activities: &[Activity]) {
+        self.explorations += 1;
+        for it in activities {
+            let known = self.reductions.iter().position(|all| all.kind == it.kind);
+            let at = known.unwrap_or_else(|| {
+                self.reductions.push(Explanation {
+                    kind: it.kind,
+                    used: 0,
+                    off: Vec::new(),
+                });
+                self.reductions.len() - 1
+            });
+            let all = &mut self.reductions[at];
+            let Some(reason) = it.off else {
+                all.used += 1;
+                continue;
+            };
+            match all.off.iter_mut().find(|(it, _)| *it == reason) {
+                Some((_, count)) => *count += 1,
+                None => all.off.push((reason, 1)),
+            }
+        }
+    }
+
+    /// One line for each reduction: its name, and what became of it.
+    pub fn lines(&self) -> Vec<(&'static str, String)> {
+        let line = |it: &Explanation| {
+            let mut parts = Vec::new();
+            match it.used {
+                0 => {}
+                n if n == self.explorations => parts.push("used".to_owned()),
+                n => parts.push(format!("used in {n} of {} explorations", self.explorations)),
+            }
+            for (reason, count) in &it.off {
+                parts.push(match *count == self.explorations {
+                    true => format!("not used: {reason}"),
+                    false => format!("not used in {count} of {}: {reason}", self.explorations),
+                });
+            }
+            (it.kind.name(), parts.join("; "))
+        };
+        self.reductions.iter().map(line).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn explorations_that_differ_are_counted() {
+        let it = |kind, off| Activity { kind, off };
+        let mut all = Explained::default();
+        all.add(&[
+            it(Kind::SleepSets, Some(Reason::Clients)),
+            it(Kind::Symmetry, None),
+            it(Kind::Deferral, None),
+        ]);
+        all.add(&[
+            it(Kind::SleepSets, Some(Reason::Clients)),
+            it(Kind::Symmetry, None),
+            it(Kind::Deferral, Some(Reason::SwitchedOff)),
+        ]);
+        let lines = [
+            ("sleep-sets", "not used: there are clients"),
+            ("symmetry", "used"),
+            (
+                "deferral",
+                "used in 1 of 2 explorations; not used in 1 of 2: switched off",
+            ),
+        ];
+        assert_eq!(all.lines(), lines.map(|(name, it)| (name, it.to_owned())));
+    }
+}

@@ -1,0 +1,403 @@
+//! Which of several simultaneous actions are followed first: the partial-order reduction within one
+//! moment.
+//!
+//! Where actions commute, following them in one order is enough. A set of actions of a state is
+//! *ample* if (1) whatever else can happen before one of them, at this moment, commutes with all of
+//! them and leaves them possible; (2) one of them has to happen at this moment; (3) nothing that is
+//! observed changes by them; (4) they cannot happen for ever without time passing. Then only the
+//! ample set is followed. (These are the conditions of persistent and ample sets: D. Peled,
+//! *Combining partial order reductions with on-the-fly model-checking*, CAV 1994.) As time waits for
+//! urgent actions, "at this moment" ends any path to be considered.
+//!
+//! Four kinds of ample sets are looked for. All concern *plain* tasks: no activities, no kept ticks,
+//! no separate threads, past their start-up, so that neither control tasks nor clients have to do
+//! with them.
+//!
+//! * **A tick** of a task that is idle, if it gets a core whatever happens before (no limit, or more
+//!   free cores than tasks that can ask at this moment).
+//! * **All ticks** that are due, under FIFO, if no other task can ask for a core at this moment. The
+//!   order of ticks matters, so all of them are in the set; giving a core back commutes with a tick:
+//!   the queue is the same, and its head is granted, whichever comes first. A task that has nothing to do
+//!   delays nobody, so it is enough that its own tick comes last, which makes it wait longest. (Unless its response
+//!   time is measured: after a miss the next job would be measured from a later moment.)
+//! * **The end** of a codel whose window is over. It only gives locks back, which nobody else can do,
+//!   and begins to wait for the next ones. If it can end the cycle, no tick of the same task may be
+//!   due (the order of those two is what `schedulable` is about). If somebody can be waiting for the
+//!   core then, this needs FIFO for the same reason as ticks; and all who can be waiting must be plain
+//!   and not have their own tick due, as a job with nothing to do ends in the step that grants its
+//!   core.
+//! * **Acquisitions** of codels that exclude each other, if nobody else can want any of their locks
+//!   at this moment.
+//!
+//! Clients and activities have ample sets of their own, see [`requests`].
+//!
+//! None of this with locks in order of arrival, where every request for a lock counts.
+
+mod requests;
+
+use self::requests::Requests;
+use super::facts::{Facts, Owner};
+use super::{Kind, Reason, Reduction, Setting};
+use crate::explore::rules::published::Published;
+use crate::explore::rules::published::layout::{Layout, mode};
+use crate::explore::rules::{Action, Enabled};
+use crate::explore::state::{State, TaskStatus, phase};
+use crate::system::{LockOrder, Policy, TimedSystem, Yield};
+
+/// The ample sets of the published rules.
+#[derive(Debug)]
+pub(crate) struct Ample {
+    requests: Requests,
+}
+
+impl Reduction<Published<'_>> for Ample {
+    const KIND: Kind = Kind::PersistentSets;
+
+    fn applies(setting: &Setting<Published>) -> Result<Self, Reason> {
+        if setting.system().platform.locks != LockOrder::Free {
+            return Err(Reason::LocksInOrder);
+        }
+        Ok(Ample {
+            requests: Requests::new(setting),
+        })
+    }
+}
+
+impl Ample {
+    /// Why requests have no ample sets of their own.
+    pub(super) fn without_requests(&self) -> Option<Reason> {
+        self.requests.off
+    }
+
+    /// Writes an ample set of a state to `out`, or all enabled actions.
+    pub(crate) fn select(
+        &self,
+        (rules, facts): (&Published, &Facts),
+        s: &State,
+        enabled: &Enabled,
+        out: &mut Vec<Action>,
+    ) {
+        out.clear();
+        if !enabled.committed && enabled.actions.len() > 1 {
+            let moment = Moment {
+                ample: self,
+                facts,
+                rules,
+                s,
+                enabled,
+            };
+            if moment.select(out) {
+                return;
+            }
+            out.clear();
+        }
+        out.extend(&enabled.actions);
+    }
+}
+
+/// One state, and what can happen in it before time passes.
+struct Moment<'m, 's> {
+    ample: &'m Ample,
+    facts: &'m Facts,
+    rules: &'m Published<'s>,
+    s: &'m State,
+    enabled: &'m Enabled,
+}
+
+impl Moment<'_, '_> {
+    fn select(&self, out: &mut Vec<Action>) -> bool {
+        let actions = &self.enabled.actions;
+        for &action in actions {
+            match action {
+                Action::Tick { task } if self.tick_alone(task) => {
+                    out.push(action);
+                    return true;
+                }
+                Action::Finish { executor, .. }
+                    if self.end_alone(executor)
+                        || self.activity_end_alone(executor)
+                        || self.control_end_alone(executor)
+                        || self.delay_alone(executor) =>
+                {
+                    self.with_outcomes(action, out);
+                    return true;
+                }
+                Action::Request { client, .. } if self.request_alone(client) => {
+                    self.with_outcomes(action, out);
+                    return true;
+                }
+                Action::Signal { component } if self.report_alone(component) => {
+                    out.push(action);
+                    return true;
+                }
+                _ => {}
+            }
+        }
+        for &action in actions {
+            if let Action::Acquire { executor } = action
+                && self.acquisitions(executor, out)
+            {
+                return true;
+            }
+        }
+        out.clear();
+        self.all_ticks(out)
+    }
+
+    fn layout(&self) -> &Layout {
+        &self.rules.layout
+    }
+
+    fn system(&self) -> &TimedSystem {
+        self.rules.system
+    }
+
+    /// Its timer has come to the end.
+    fn due(&self, task: usize) -> bool {
+        let it = &self.system().tasks[task];
+        it.period.is_some_and(|period| {
+            self.layout().started(self.s, task)
+                && self.layout().timer(self.s, task) == period + it.delay
+        })
+    }
+
+    /// Past its start-up.
+    fn started_up(&self, task: usize) -> bool {
+        let l = self.layout();
+        let permanent = self.system().tasks[task].permanent;
+        l.started(self.s, task)
+            && permanent.is_none_or(|a| matches!(l.mode(self.s, a), mode::NORMAL | mode::ENDED))
+    }
+
+    /// A plain task past its start-up.
+    fn settled(&self, task: usize) -> bool {
+        self.facts.plain[task] && self.started_up(task)
+    }
+
+    /// A settled task whose tick will be taken as soon as it comes.
+    fn ready(&self, task: usize) -> bool {
+        self.settled(task)
+            && !self.facts.visible.tasks[task]
+            && self.layout().status(self.s, task) == TaskStatus::Idle
+            && !self.layout().pending(self.s, task)
+    }
+
+    /// Whether a task that is not due can ask for a core at this moment.
+    fn may_ask(&self, task: usize) -> bool {
+        let l = self.layout();
+        if !self.system().needs_core(task) || self.due(task) {
+            return false;
+        }
+        let status = l.status(self.s, task);
+        if self.system().tasks[task].period.is_some() {
+            return l.pending(self.s, task);
+        }
+        if status != TaskStatus::Idle {
+            return !self.facts.endless[task];
+        }
+        let it = &self.system().tasks[task];
+        self.facts.active[task]
+            || it
+                .permanent
+                .is_some_and(|a| l.mode(self.s, a) != mode::ENDED)
+    }
+
+    /// Nobody has to wait for a core at this moment, whatever happens.
+    fn cores_for_all(&self) -> bool {
+        let Some(cores) = self.system().platform.cores else {
+            return true;
+        };
+        let l = self.layout();
+        if !l.queue(self.s).is_empty() {
+            return false;
+        }
+        let tasks = 0..self.system().tasks.len();
+        let wanted = tasks.filter(|&t| {
+            self.system().needs_core(t)
+                && (l.status(self.s, t) != TaskStatus::Idle || self.due(t) || self.may_ask(t))
+        });
+        wanted.count() <= cores as usize
+    }
+
+    fn tick_alone(&self, task: usize) -> bool {
+        self.ready(task) && self.cores_for_all()
+    }
+
+    fn all_ticks(&self, out: &mut Vec<Action>) -> bool {
+        if self.system().platform.policy != Policy::Fifo {
+            return false;
+        }
+        let mut tasks = 0..self.system().tasks.len();
+        if tasks.any(|t| {
+            if self.due(t) {
+                !self.ready(t)
+            } else {
+                self.may_ask(t)
+            }
+        }) {
+            return false;
+        }
+        let ticks = self.enabled.actions.iter();
+        out.extend(ticks.filter(|it| matches!(it, Action::Tick { .. })));
+        let last =
+            |it: &Action| matches!(*it, Action::Tick { task } if self.has_nothing_to_do(task));
+        if !out.iter().all(last) {
+            out.retain(|it| !last(it));
+        }
+        !out.is_empty()
+    }
+
+    /// Whether the jobs of a plain task end as soon as they get a core, and nobody measures how long that takes.
+    fn has_nothing_to_do(&self, task: usize) -> bool {
+        let permanent = self.system().tasks[task].permanent;
+        !self.facts.measured[task]
+            && permanent.is_none_or(|a| self.layout().mode(self.s, a) == mode::ENDED)
+    }
+
+    fn end_alone(&self, executor: usize) -> bool {
+        let l = self.layout();
+        let Some(automaton) = self.system().automata.get(executor) else {
+            return false;
+        };
+        let task = automaton.task;
+        if l.window(self.s, executor).1 > 0
+            || automaton.service.is_some()
+            || !self.settled(task)
+            || self.facts.visible.tasks[task]
+            || l.mode(self.s, executor) != mode::NORMAL
+        {
+            return false;
+        }
+        let state = &self.system().machine_of(executor).states[l.at(self.s, executor) as usize];
+        if state.yields.iter().all(|it| matches!(it, Yield::Next(_))) {
+            return true;
+        }
+        self.system().tasks[task].period.is_some()
+            && !self.due(task)
+            && !l.pending(self.s, task)
+            && (self.cores_for_all() || self.hand_over_commutes())
+    }
+
+    /// Whether a core given back now can as well be given back later at this moment. Whoever gets it
+    /// may end in the same step: its activities must not change meanwhile, nor its tick come.
+    fn hand_over_commutes(&self) -> bool {
+        let l = self.layout();
+        self.system().platform.policy == Policy::Fifo
+            && !self.facts.visible_on_cores
+            && (0..self.system().tasks.len()).all(|t| {
+                let waits = l.status(self.s, t) == TaskStatus::Waiting;
+                !self.system().needs_core(t)
+                    || !(waits || self.due(t) || self.may_ask(t))
+                    || (self.settled(t) && !(waits && self.due(t)))
+            })
+    }
+
+    /// Acquisitions of `first` and of whoever competes with it.
+    fn acquisitions(&self, first: usize, out: &mut Vec<Action>) -> bool {
+        out.clear();
+        let mut members = vec![first];
+        let mut at = 0;
+        while let Some(&executor) = members.get(at) {
+            at += 1;
+            if !self.may_acquire_alone(executor) {
+                return false;
+            }
+            let Some(codel) = self.rules.codel(self.s, executor) else {
+                return false;
+            };
+            for other in self.system().codels[codel].conflicts.iter() {
+                let rival = match self.facts.owner[other] {
+                    Owner::Nobody => continue,
+                    Owner::Control => {
+                        let component = self.system().codels[other].component;
+                        let own = executor == self.layout().control_executor(component);
+                        if !own && self.control_may_want(component, codel) {
+                            return false;
+                        }
+                        continue;
+                    }
+                    Owner::Task(rival) => rival,
+                };
+                if members.iter().any(|&it| self.runs(it, rival)) {
+                    continue;
+                }
+                match self.rivalry(rival, codel) {
+                    Rivalry::None => {}
+                    Rivalry::Now(executor) => members.push(executor),
+                    Rivalry::Later => return false,
+                }
+            }
+            out.push(Action::Acquire { executor });
+        }
+        true
+    }
+
+    fn runs(&self, executor: usize, task: usize) -> bool {
+        let automaton = self.system().automata.get(executor);
+        automaton.is_some_and(|it| it.task == task)
+    }
+
+    /// Whether an acquisition by this executor changes nothing that is observed, and cannot be repeated for ever in no time.
+    fn may_acquire_alone(&self, executor: usize) -> bool {
+        match self.system().automata.get(executor) {
+            Some(it) if it.service.is_none() => {
+                self.settled(it.task) && !self.facts.visible.tasks[it.task]
+            }
+            _ => self.may_acquire_for_request(executor),
+        }
+    }
+
+    /// Whether a task can want a lock of `codel` at this moment.
+    fn rivalry(&self, task: usize, codel: usize) -> Rivalry {
+        let l = self.layout();
+        if !self.facts.plain[task] && !self.task_may_want(task, codel) {
+            return Rivalry::None;
+        }
+        if !self.settled(task) || self.due(task) || l.pending(self.s, task) {
+            return Rivalry::Later;
+        }
+        let Some(a) = self.system().tasks[task].permanent else {
+            return Rivalry::None;
+        };
+        let periodic = self.system().tasks[task].period.is_some();
+        match l.status(self.s, task) {
+            TaskStatus::Idle if periodic || l.mode(self.s, a) == mode::ENDED => Rivalry::None,
+            TaskStatus::Running if periodic || self.facts.endless[task] => {
+                let conflicts = &self.system().codels[codel].conflicts;
+                let state = l.at(self.s, a) as usize;
+                let later = self.facts.later[a][state]
+                    .iter()
+                    .any(|it| conflicts.contains(it));
+                match l.phase(self.s, a) {
+                    phase::EXECUTING if !later || l.window(self.s, a).0 > 0 => Rivalry::None,
+                    phase::LOCKING => {
+                        let here = self.rules.codel(self.s, a);
+                        let now = self
+                            .enabled
+                            .actions
+                            .contains(&Action::Acquire { executor: a });
+                        if here.is_some_and(|it| conflicts.contains(it)) {
+                            // What comes after belongs to states after the set.
+                            if now { Rivalry::Now(a) } else { Rivalry::Later }
+                        } else if later {
+                            Rivalry::Later
+                        } else {
+                            Rivalry::None
+                        }
+                    }
+                    _ => Rivalry::Later,
+                }
+            }
+            _ => Rivalry::Later,
+        }
+    }
+}
+
+enum Rivalry {
+    /// It cannot.
+    None,
+    /// This executor of it can take one now.
+    Now(usize),
+    /// Perhaps after something else.
+    Later,
+}

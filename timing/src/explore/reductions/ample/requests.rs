@@ -1,0 +1,487 @@
+//! Ample sets of what clients and activities do, see [`super`].
+//!
+//! * **A request** that is handled in no time and whose activity, if it is one, runs at once on a task that is idle. Whoever could make
+//!   a difference must not send a request at this moment: for a service that interrupts this one or is interrupted by it, or on the
+//!   same task, or one that keeps the control task busy.
+//! * **The report of ended activities**, if nobody waits for their end in a slot. What ends later at this moment is reported
+//!   later at this moment: no other order leads anywhere else.
+//! * **The end** of an activity's codel whose window is over, if the turn goes on, or if the activity ends and nothing else is to be
+//!   done by its task; again without requests at this moment that would make a difference. (After a pause the turn of an
+//!   aperiodic task may begin at once, and shows whether the activity has been interrupted.)
+//! * **The end of a codel of a control task** whose time is over, if the message has no other effect than such a request.
+//! * **The end of a client's delay** whose time is over.
+//!
+//! They cannot follow each other for ever in no time if every round of a client has a delay that may take time.
+
+use super::Moment;
+use crate::explore::reductions::facts::{Parts, loops_in_no_time};
+use crate::explore::reductions::{Kind, Reason, Setting};
+use crate::explore::rules::Action;
+use crate::explore::rules::published::Published;
+use crate::explore::rules::published::layout::{control, mode, slot, tracker};
+use crate::explore::state::{TaskStatus, phase};
+use crate::system::{Client, ClientAction, Yield};
+
+/// A set of services.
+type Services = u128;
+
+/// What is known beforehand about clients and services.
+#[derive(Debug)]
+pub(super) struct Requests {
+    enabled: bool,
+    /// Why they make no difference.
+    pub(super) off: Option<Reason>,
+    /// Per client and step, what can be requested in no time once it is done.
+    after: Vec<Vec<Services>>,
+    /// Per service those that make a difference to it: they interrupt it, are interrupted by it or run on the same task.
+    related: Vec<Services>,
+    /// Those handled in no time.
+    instant: Services,
+    /// Those of each component.
+    of_component: Vec<Services>,
+    /// Automata of activities whose turns take time sooner or later, of tasks that execute everything themselves.
+    ordinary: Vec<bool>,
+    /// Predicates say something about what goes on in these.
+    visible: Parts,
+}
+
+fn bit(service: usize) -> Services {
+    1 << service
+}
+
+impl Requests {
+    pub(super) fn new(setting: &Setting<Published>) -> Self {
+        let system = setting.system();
+        let services = system.services.len();
+        let off = if setting.without.contains(Kind::PersistentRequests) {
+            Some(Reason::SwitchedOff)
+        } else if services > Services::BITS as usize {
+            Some(Reason::TooMany)
+        } else if !system.clients.iter().all(takes_time) {
+            Some(Reason::HastyClient)
+        } else {
+            None
+        };
+        let enabled = off.is_none();
+        let mut out = Requests {
+            enabled,
+            off: off.or(system.clients.is_empty().then_some(Reason::NoClients)),
+            after: Vec::new(),
+            related: Vec::new(),
+            instant: 0,
+            of_component: vec![0; system.components.len()],
+            ordinary: Vec::new(),
+            visible: setting.facts.visible.parts.clone(),
+        };
+        if !enabled {
+            return out;
+        }
+        out.after = system.clients.iter().map(after).collect();
+        let task = |service: usize| {
+            let slot = system.services[service].slots.first();
+            slot.map(|&it| system.automata[it].task)
+        };
+        let related = |v: usize, w: usize| {
+            v == w
+                || system.services[v].interrupts.contains(&w)
+                || system.services[w].interrupts.contains(&v)
+                || (task(v).is_some() && task(v) == task(w))
+        };
+        for v in 0..services {
+            let list = (0..services).filter(|&w| related(v, w));
+            out.related.push(list.fold(0, |set, w| set | bit(w)));
+            let it = &system.services[v];
+            if it.validate.is_none() && it.simple.is_empty() {
+                out.instant |= bit(v);
+            }
+            out.of_component[it.component] |= bit(v);
+        }
+        let separate = |task: usize| {
+            let it = &system.tasks[task];
+            let mut automata = it.permanent.iter().chain(&it.slots);
+            system.platform.async_free
+                && automata.any(|&a| system.machine_of(a).states.iter().any(|it| it.is_async))
+        };
+        out.ordinary = (system.automata.iter())
+            .map(|it| {
+                let machine = &system.machines[it.machine];
+                let hasty = loops_in_no_time(system, machine, false);
+                it.service.is_some() && !separate(it.task) && !hasty
+            })
+            .collect();
+        out
+    }
+}
+
+/// Whether every round of a client has a delay that may take time.
+fn takes_time(client: &Client) -> bool {
+    let hasty = |step: usize| {
+        let it = &client.steps[step];
+        !matches!(it.action, ClientAction::Delay(_, upper) if upper > 0)
+    };
+    !(0..client.steps.len())
+        .filter(|&it| hasty(it))
+        .any(|start| {
+            let mut seen = vec![false; client.steps.len()];
+            let mut stack = client.steps[start].next.clone();
+            while let Some(at) = stack.pop() {
+                if at == start {
+                    return true;
+                }
+                if at < seen.len() && hasty(at) && !std::mem::replace(&mut seen[at], true) {
+                    stack.extend(&client.steps[at].next);
+                }
+            }
+            false
+        })
+}
+
+/// What a client can request in no time after each step, if everything it waits for has happened.
+fn after(client: &Client) -> Vec<Services> {
+    let mut out: Vec<Services> = vec![0; client.steps.len()];
+    loop {
+        let mut changed = false;
+        for (at, step) in client.steps.iter().enumerate() {
+            let set = step.next.iter().fold(out[at], |set, &next| {
+                set | match client.steps.get(next).map(|it| &it.action) {
+                    Some(&ClientAction::Send { service, .. }) => bit(service) | out[next],
+                    Some(&ClientAction::Delay(lower, _)) if lower > 0 => 0,
+                    Some(_) => out[next],
+                    None => 0,
+                }
+            });
+            changed |= set != out[at];
+            out[at] = set;
+        }
+        if !changed {
+            return out;
+        }
+    }
+}
+
+impl Moment<'_, '_> {
+    /// Whether a request can be handled before anything else.
+    pub(super) fn request_alone(&self, client: usize) -> bool {
+        let known = &self.ample.requests;
+        let l = self.layout();
+        let system = self.system();
+        let step = &system.clients[client].steps[l.position(self.s, client) as usize];
+        let ClientAction::Send { service, .. } = step.action else {
+            return false;
+        };
+        if !known.enabled
+            || known.instant & bit(service) == 0
+            || known.visible.clients[client]
+            || known.visible.slots[service]
+        {
+            return false;
+        }
+        let others = self.requested_now(|it| it != client);
+        let others = others & known.of_component[system.services[service].component];
+        others & known.related[service] == 0
+            && others & !known.instant == 0
+            && self.accepted_alone(service)
+    }
+
+    /// Whether it makes no difference what else comes before the acceptance of a request: it interrupts nothing that is there,
+    /// keeps nothing waiting, and an activity runs at once, on a task that is idle.
+    fn accepted_alone(&self, service: usize) -> bool {
+        let known = &self.ample.requests;
+        let l = self.layout();
+        let system = self.system();
+        let it = &system.services[service];
+        let all = |service: usize, is: &dyn Fn(u16) -> bool| {
+            let mut slots = system.services[service].slots.iter();
+            slots.all(|&a| is(l.mode(self.s, a)))
+        };
+        let void = |service: usize| all(service, &|it| it == slot::VOID);
+        let waits_for_it = |other: &usize| system.services[*other].interrupts.contains(&service);
+        let mut waiting = system.components[it.component].services.iter();
+        void(service)
+            && it.interrupts.iter().all(|&it| void(it))
+            && waiting.all(|other| !waits_for_it(other) || all(*other, &|it| it != slot::WAIT))
+            && it.slots.first().is_none_or(|&a| {
+                known.ordinary[a]
+                    && !known.visible.machines[system.automata[a].machine]
+                    && self.is_free(system.automata[a].task)
+            })
+    }
+
+    /// Whether nothing of a task can happen at this moment before something is requested of it, and nobody else has to
+    /// wait for a core.
+    fn is_free(&self, task: usize) -> bool {
+        let l = self.layout();
+        let it = &self.system().tasks[task];
+        !self.ample.requests.visible.statuses[task]
+            && self.started_up(task)
+            && l.status(self.s, task) == TaskStatus::Idle
+            && !self.due(task)
+            && !l.pending(self.s, task)
+            && it.slots.iter().all(|&a| l.mode(self.s, a) == slot::VOID)
+            && (!self.system().needs_core(task) || self.cores_for_all())
+    }
+
+    /// What clients may request at this moment.
+    fn requested_now(&self, counts: impl Fn(usize) -> bool) -> Services {
+        let known = &self.ample.requests;
+        let l = self.layout();
+        let later = |executor: usize| {
+            let executing = l.phase(self.s, executor) & phase::EXECUTING != 0;
+            executing && l.window(self.s, executor).0 > 0
+        };
+        let of = |client: usize| {
+            let at = l.position(self.s, client) as usize;
+            let Some(step) = self.system().clients[client].steps.get(at) else {
+                return 0;
+            };
+            let after = known.after[client][at];
+            match step.action {
+                ClientAction::Send { service, .. } => bit(service) | after,
+                ClientAction::Delay(..) if later(l.client_executor(client)) => 0,
+                ClientAction::AwaitEnded(t) => {
+                    let slot = l.tracker(self.s, client, t).checked_sub(tracker::SLOT);
+                    match slot {
+                        Some(a) if later(a as usize) => 0,
+                        _ => after,
+                    }
+                }
+                ClientAction::Delay(..) | ClientAction::AwaitAccepted => after,
+            }
+        };
+        let clients = (0..self.system().clients.len()).filter(|&it| counts(it));
+        clients.fold(0, |set, it| set | of(it))
+    }
+
+    /// Whether the ends of activities can be reported before anything else.
+    pub(super) fn report_alone(&self, component: usize) -> bool {
+        let known = &self.ample.requests;
+        let l = self.layout();
+        let system = self.system();
+        let ended = |client: usize| {
+            let values = l.trackers(self.s, client).iter();
+            let mut slots = values.filter_map(|it| it.checked_sub(tracker::SLOT));
+            slots.any(|a| l.mode(self.s, a as usize) == slot::ETHER)
+        };
+        known.enabled
+            && system.components[component].services.iter().all(|&it| {
+                let mut slots = system.services[it].slots.iter().map(|&a| l.mode(self.s, a));
+                slots.all(|it_is| match it_is {
+                    slot::WAIT => false,
+                    slot::ETHER => !known.visible.slots[it],
+                    _ => true,
+                })
+            })
+            && (0..system.clients.len()).all(|it| !known.visible.clients[it] || !ended(it))
+    }
+
+    /// Whether the end of an activity's codel can come before anything else.
+    pub(super) fn activity_end_alone(&self, executor: usize) -> bool {
+        let known = &self.ample.requests;
+        let l = self.layout();
+        let system = self.system();
+        let Some(automaton) = system.automata.get(executor) else {
+            return false;
+        };
+        let Some(service) = automaton.service else {
+            return false;
+        };
+        let task = automaton.task;
+        if !known.enabled
+            || !known.ordinary[executor]
+            || l.window(self.s, executor).1 > 0
+            || known.visible.machines[automaton.machine]
+            || known.visible.statuses[task]
+        {
+            return false;
+        }
+        let state = &system.machine_of(executor).states[l.at(self.s, executor) as usize];
+        if state.yields.iter().all(|it| matches!(it, Yield::Next(_))) {
+            return true;
+        }
+        let it = &system.tasks[task];
+        let component = it.component;
+        // Whether it has been interrupted is seen when its next turn begins.
+        let ends = (it.period.is_some()
+            || state.yields.iter().all(|it| !matches!(it, Yield::Pause(_))))
+            && !known.visible.slots[service];
+        let nothing_else = (it.slots.iter())
+            .all(|&a| a == executor || self.cannot_change(a, service))
+            && !self.due(task)
+            && !l.pending(self.s, task)
+            && it.permanent.is_none_or(|a| match l.mode(self.s, a) {
+                mode::ENDED => true,
+                mode::NORMAL => it.period.is_some(),
+                _ => false,
+            })
+            && (!system.needs_core(task) || self.cores_for_all());
+        let waits = |client: usize| {
+            let at = l.position(self.s, client) as usize;
+            let step = system.clients[client].steps.get(at).map(|it| &it.action);
+            matches!(step, Some(&ClientAction::AwaitEnded(t))
+                if l.tracker(self.s, client, t) == tracker::SLOT + executor as u16)
+        };
+        let requested = self.requested_now(|it| !waits(it)) & known.of_component[component];
+        ends && nothing_else
+            && l.control(self.s, component) == control::READY
+            && requested & known.related[service] == 0
+            && requested & !known.instant == 0
+    }
+
+    /// Whether a slot of the task of an activity stays as it is, as far as the task sees it, until that activity has ended,
+    /// if nobody requests anything related.
+    fn cannot_change(&self, slot: usize, activity: usize) -> bool {
+        let system = self.system();
+        let automaton = &system.automata[slot];
+        match self.layout().mode(self.s, slot) {
+            slot::VOID | slot::ETHER => true,
+            slot::WAIT => (automaton.service)
+                .is_some_and(|it| system.services[it].interrupts.contains(&activity)),
+            _ => {
+                self.ample.requests.ordinary[slot]
+                    && !self.ample.requests.visible.machines[automaton.machine]
+            }
+        }
+    }
+
+    /// Whether the end of a codel of a control task can come before anything else.
+    pub(super) fn control_end_alone(&self, executor: usize) -> bool {
+        let known = &self.ample.requests;
+        let l = self.layout();
+        let system = self.system();
+        let Some(component) = executor
+            .checked_sub(l.automata)
+            .filter(|&it| it < l.components)
+        else {
+            return false;
+        };
+        let client = l.requester(self.s, component) as usize;
+        let service = l.handled(self.s, component) as usize;
+        if !known.enabled
+            || l.window(self.s, executor).1 > 0
+            || known.visible.controls[component]
+            || known.visible.clients[client]
+            || known.visible.slots[service]
+        {
+            return false;
+        }
+        let validates = l.control(self.s, component) == control::VALIDATE;
+        let next = l.simple(self.s, component) as usize + 1;
+        let goes_on = !validates && next < system.services[service].simple.len();
+        // What it interrupts has been interrupted before its own codels.
+        let ends = !validates && self.reports_nothing(component);
+        goes_on
+            || ends
+            || (validates && self.reports_nothing(component) && self.accepted_alone(service))
+    }
+
+    /// Whether the end of a message changes nothing in slots.
+    fn reports_nothing(&self, component: usize) -> bool {
+        let l = self.layout();
+        let mut services = self.system().components[component].services.iter();
+        services.all(|&it| {
+            let slots = &self.system().services[it].slots;
+            slots
+                .iter()
+                .all(|&a| !matches!(l.mode(self.s, a), slot::WAIT | slot::ETHER))
+        })
+    }
+
+    /// Whether an acquisition by an activity or a control task changes nothing that is observed, and cannot be repeated for
+    /// ever in no time.
+    pub(super) fn may_acquire_for_request(&self, executor: usize) -> bool {
+        let known = &self.ample.requests;
+        if !known.enabled {
+            return false;
+        }
+        match self.system().automata.get(executor) {
+            // During its start-up a task may want locks twice.
+            Some(it) => {
+                known.ordinary[executor]
+                    && !known.visible.machines[it.machine]
+                    && self.started_up(it.task)
+            }
+            None => {
+                let component = executor - self.system().automata.len();
+                known.visible.controls.get(component) == Some(&false)
+            }
+        }
+    }
+
+    /// Whether a task with activities may want a lock of a codel at this moment.
+    pub(super) fn task_may_want(&self, task: usize, codel: usize) -> bool {
+        let l = self.layout();
+        let system = self.system();
+        let it = &system.tasks[task];
+        let automata = || it.permanent.iter().chain(&it.slots).copied();
+        let separate = system.platform.async_free
+            && automata().any(|a| system.machine_of(a).states.iter().any(|it| it.is_async));
+        let settled = self.started_up(task);
+        // Nothing else of a task can happen while it executes a codel that does not end yet.
+        let turn = match l.turn(self.s, task) as usize {
+            0 => None,
+            1 => it.permanent,
+            position => it.slots.get(position - 2).copied(),
+        };
+        let executes = turn
+            .is_some_and(|a| l.phase(self.s, a) == phase::EXECUTING && l.window(self.s, a).0 > 0);
+        let rests = l.status(self.s, task) == TaskStatus::Idle
+            && it.period.is_some()
+            && !self.due(task)
+            && !l.pending(self.s, task);
+        if !separate && settled && (executes || rests) {
+            return false;
+        }
+        let conflicts = &system.codels[codel].conflicts;
+        automata().any(|a| {
+            let mut states = system.machine_of(a).states.iter();
+            states.any(|it| conflicts.contains(it.codel))
+        })
+    }
+
+    /// Whether a control task may want a lock of a codel at this moment.
+    pub(super) fn control_may_want(&self, component: usize, codel: usize) -> bool {
+        let l = self.layout();
+        let executor = l.control_executor(component);
+        if !self.ample.requests.enabled {
+            return true;
+        }
+        if l.phase(self.s, executor) == phase::EXECUTING && l.window(self.s, executor).0 > 0 {
+            return false;
+        }
+        let conflicts = &self.system().codels[codel].conflicts;
+        let wants = |service: usize| {
+            let it = &self.system().services[service];
+            it.validate
+                .iter()
+                .chain(&it.simple)
+                .any(|&it| conflicts.contains(it))
+        };
+        let requested = self.requested_now(|_| true);
+        let handled = l.handled(self.s, component) as usize;
+        (self.system().components[component].services.iter()).any(|&it| {
+            let now = requested & bit(it) != 0 || it == handled;
+            now && wants(it)
+        })
+    }
+
+    /// Whether the end of a client's delay can come before anything else.
+    pub(super) fn delay_alone(&self, executor: usize) -> bool {
+        let l = self.layout();
+        let client = executor.checked_sub(l.automata + l.components);
+        client.is_some_and(|it| {
+            self.ample.requests.enabled
+                && l.window(self.s, executor).1 == 0
+                && !self.ample.requests.visible.clients[it]
+        })
+    }
+
+    /// Writes a request or an end with all its outcomes.
+    pub(super) fn with_outcomes(&self, action: Action, out: &mut Vec<Action>) {
+        let same = |it: &&Action| match (**it, action) {
+            (Action::Finish { executor: e, .. }, Action::Finish { executor, .. }) => e == executor,
+            (Action::Request { client: k, .. }, Action::Request { client, .. }) => k == client,
+            _ => false,
+        };
+        out.extend(self.enabled.actions.iter().filter(same));
+    }
+}

@@ -1,0 +1,246 @@
+//! What is known beforehand about the tasks of a system, and about what is asked: several reductions build on it.
+
+use super::Asked;
+use crate::property::Atom;
+use crate::system::{CodelSet, Machine, TimedSystem, Yield};
+
+/// What predicates say something about.
+#[derive(Debug)]
+pub(crate) struct Visible {
+    /// These tasks.
+    pub(super) tasks: Vec<bool>,
+    /// Some control task or client.
+    pub(super) others: bool,
+    /// The same in more detail.
+    pub(super) parts: Parts,
+}
+
+/// Parts of a system.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Parts {
+    /// Tasks: whether they run.
+    pub(super) statuses: Vec<bool>,
+    /// State machines: where they are.
+    pub(super) machines: Vec<bool>,
+    /// Services: what is in their slots.
+    pub(super) slots: Vec<bool>,
+    /// Clients: where they are.
+    pub(super) clients: Vec<bool>,
+    /// Control tasks: what they do.
+    pub(super) controls: Vec<bool>,
+}
+
+impl Visible {
+    /// What these predicates say something about.
+    pub(crate) fn new<'p>(
+        system: &TimedSystem,
+        predicates: impl Iterator<Item = &'p crate::property::Predicate>,
+    ) -> Self {
+        let mut tasks = vec![false; system.tasks.len()];
+        let mut others = false;
+        let mut parts = Parts {
+            statuses: vec![false; system.tasks.len()],
+            machines: vec![false; system.machines.len()],
+            slots: vec![false; system.services.len()],
+            clients: vec![false; system.clients.len()],
+            controls: vec![false; system.components.len()],
+        };
+        for predicate in predicates {
+            predicate.atoms(&mut |atom| match *atom {
+                Atom::Task(task, _) => parts.statuses[task] = true,
+                Atom::State { machine, .. } => parts.machines[machine] = true,
+                Atom::Slot(service, _) => parts.slots[service] = true,
+                Atom::Client(client, _) => parts.clients[client] = true,
+                Atom::Handling { service, .. } => {
+                    parts.controls[system.services[service].component] = true;
+                }
+                Atom::ControlBusy(component) => parts.controls[component] = true,
+            });
+            predicate.atoms(&mut |atom| match *atom {
+                Atom::Task(task, _) => tasks[task] = true,
+                Atom::State { machine, .. } => {
+                    for it in system.automata.iter().filter(|it| it.machine == machine) {
+                        tasks[it.task] = true;
+                    }
+                }
+                Atom::Slot(service, _) => {
+                    for &a in &system.services[service].slots {
+                        tasks[system.automata[a].task] = true;
+                    }
+                    others = true;
+                }
+                Atom::Handling { .. } | Atom::ControlBusy(_) | Atom::Client(..) => others = true,
+            });
+        }
+        Visible {
+            tasks,
+            others,
+            parts,
+        }
+    }
+}
+
+/// What is known beforehand about the tasks of a system.
+#[derive(Debug)]
+pub(crate) struct Facts {
+    /// Nothing to do with control tasks, clients or separate threads.
+    pub(super) plain: Vec<bool>,
+    /// What predicates say something about.
+    pub(super) visible: Visible,
+    /// Some visible task needs a core.
+    pub(super) visible_on_cores: bool,
+    /// The cycle of its permanent activity never ends, and it has no activities.
+    pub(super) endless: Vec<bool>,
+    /// Its response time, or how long it waits, is measured.
+    pub(super) measured: Vec<bool>,
+    /// Who executes each codel.
+    pub(super) owner: Vec<Owner>,
+    /// Tasks with activities that can run.
+    pub(super) active: Vec<bool>,
+    /// Per automaton and state the codels that the same turn can come to after it.
+    pub(super) later: Vec<Vec<CodelSet>>,
+}
+
+impl Facts {
+    /// Examines a system, and what is asked of it.
+    pub(crate) fn new(system: &TimedSystem, asked: &Asked) -> Self {
+        let visible = Visible::new(system, asked.predicates.iter().copied());
+        let requested = system.requested();
+        let plain = |task: usize| {
+            let it = &system.tasks[task];
+            let simple = it.permanent.is_none_or(|a| {
+                let machine = system.machine_of(a);
+                let separate =
+                    system.platform.async_free && machine.states.iter().any(|it| it.is_async);
+                !separate && !loops_in_no_time(system, machine, it.period.is_none())
+            });
+            simple && !it.keep_idle_tick && !system.has_activities(task, &requested)
+        };
+        let endless = |task: usize| {
+            let it = &system.tasks[task];
+            !system.has_activities(task, &requested)
+                && it.permanent.is_some_and(|a| {
+                    let machine = system.machine_of(a);
+                    let mut states = machine.states.iter();
+                    let separate = system.platform.async_free && states.any(|it| it.is_async);
+                    !separate && machine.is_endless()
+                })
+        };
+        let mut owner = vec![Owner::Nobody; system.codels.len()];
+        for automaton in &system.automata {
+            if automaton.service.is_none_or(|it| requested[it]) {
+                for state in &system.machines[automaton.machine].states {
+                    owner[state.codel] = Owner::Task(automaton.task);
+                }
+            }
+        }
+        for (service, it) in system.services.iter().enumerate() {
+            if requested[service] {
+                for &codel in it.validate.iter().chain(&it.simple) {
+                    owner[codel] = Owner::Control;
+                }
+            }
+        }
+        let tasks = 0..system.tasks.len();
+        Facts {
+            plain: tasks.clone().map(plain).collect(),
+            visible_on_cores: tasks
+                .clone()
+                .any(|t| visible.tasks[t] && system.needs_core(t)),
+            visible,
+            measured: asked.measured.clone(),
+            endless: tasks.clone().map(endless).collect(),
+            owner,
+            active: tasks
+                .clone()
+                .map(|it| system.has_activities(it, &requested))
+                .collect(),
+            later: (0..system.automata.len())
+                .map(|a| later(system.machine_of(a)))
+                .collect(),
+        }
+    }
+
+    /// Whether a task has nothing to do with control tasks, clients or separate threads.
+    pub(super) fn plain(&self, task: usize) -> bool {
+        self.plain[task]
+    }
+
+    /// Whether predicates say something about anything.
+    pub(super) fn observed(&self) -> bool {
+        self.visible.others || self.visible.tasks.contains(&true)
+    }
+
+    /// Whether the cycle of a task never ends.
+    pub(super) fn endless(&self, task: usize) -> bool {
+        self.endless[task]
+    }
+
+    /// The codels that the same turn of an automaton can come to after a state.
+    pub(super) fn later(&self, automaton: usize, state: usize) -> &CodelSet {
+        &self.later[automaton][state]
+    }
+}
+
+/// Who executes a codel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Owner {
+    Task(usize),
+    Control,
+    /// It belongs to a service that nobody requests.
+    Nobody,
+}
+
+/// Whether a turn can go round without time passing, in codels that take none. The turns of an aperiodic task follow
+/// each other at once.
+pub(super) fn loops_in_no_time(system: &TimedSystem, machine: &Machine, aperiodic: bool) -> bool {
+    if machine.loop_limit.is_some() && !machine.rounds && !aperiodic {
+        return false;
+    }
+    let instant = |state: usize| system.codels[machine.states[state].codel].upper == 0;
+    (0..machine.states.len()).any(|start| {
+        let mut seen = vec![false; machine.states.len()];
+        let mut stack = vec![start];
+        while let Some(at) = stack.pop() {
+            if !instant(at) {
+                continue;
+            }
+            for it in &machine.states[at].yields {
+                let next = match *it {
+                    Yield::Next(next) => next,
+                    Yield::Pause(next) if aperiodic => next,
+                    _ => continue,
+                };
+                if next == start {
+                    return true;
+                }
+                if !std::mem::replace(&mut seen[next], true) {
+                    stack.push(next);
+                }
+            }
+        }
+        false
+    })
+}
+
+/// Per state, codels of the states that the same turn can enter after it.
+fn later(machine: &Machine) -> Vec<CodelSet> {
+    (0..machine.states.len())
+        .map(|start| {
+            let mut out = CodelSet::default();
+            let mut seen = vec![false; machine.states.len()];
+            let mut stack = vec![start];
+            while let Some(at) = stack.pop() {
+                for it in &machine.states[at].yields {
+                    if let Yield::Next(next) = *it
+                        && !std::mem::replace(&mut seen[next], true)
+                    {
+                        out.insert(machine.states[next].codel);
+                        stack.push(next);
+                    }
+                }
+            }
+            out
+        })
+        .collect()
+}

@@ -1,0 +1,410 @@
+//! Ends before a moment is calm: the partial-order reduction for waiting locks and cores.
+//!
+//! Whatever is *due* at a moment (a lock that can be taken, a tick, the end of a window) happens before
+//! time passes. A codel that may end, but need not yet, can as well end once nothing is due any more, unless that
+//! end makes a difference to what is due: somebody takes the lock first, or the job ends before its
+//! next tick. So in a state in which something is due, ends that are not are followed only in order
+//! that **everything** due now is *overtaken*; until then what is due is *held back*. Where
+//! something is due that nobody can overtake at this moment, they are not followed at all.
+//!
+//! Why this is enough. Take the steps of one moment that lead to a calm state, as a partial order of
+//! dependent steps, and the smallest initial part of it that leads to a calm state; the rest can follow
+//! from there. Perform what is due and belongs to that part first, as long as there is any. When
+//! only ends that are not due are left, something else is due (else the part would not be the smallest), and none
+//! of it can come before a step it depends on. That is what the rule follows. (Held-back steps are
+//! sleep sets: P. Godefroid, *Partial-Order Methods for the Verification of Concurrent Systems*, 1996.)
+//!
+//! What depends on what, among *plain* tasks (see [`super::facts`]; the rule is not used when there are
+//! others, or predicates):
+//!
+//! * taking locks, on taking others that exclude these;
+//! * a tick, on the end of the current job, or of the start-up, of its task; and, with fewer cores than
+//!   tasks, on whoever else can join the queue, also by a tick that its own start-up has to come before; except under FIFO also
+//!   on whoever can give back a core;
+//! * the end of a cycle after which the task joins the queue again, on others of the kind.
+
+use super::facts::Facts;
+use super::{Held, Kind, Reason, Reduction, Setting};
+use crate::explore::rules::published::Published;
+use crate::explore::rules::published::layout::mode;
+use crate::explore::rules::{Action, Enabled};
+use crate::explore::state::{State, TaskStatus, phase};
+use crate::system::{CodelSet, LockOrder, Policy, TimedSystem};
+
+const TICKS: usize = 64;
+
+/// Sets of tasks.
+type Tasks = u64;
+
+/// A state and what can happen in it.
+#[derive(Clone, Copy)]
+pub(crate) struct Now<'n, 's> {
+    pub(crate) rules: &'n Published<'s>,
+    pub(crate) facts: &'n Facts,
+    pub(crate) s: &'n State,
+    pub(crate) enabled: &'n Enabled,
+}
+
+/// What is known beforehand about a system.
+#[derive(Debug)]
+pub(crate) struct Overtake {
+    /// Some tasks may have to wait for a core.
+    limited: bool,
+    /// All codels of the permanent activity of each task, and of those started after it.
+    all: Vec<CodelSet>,
+    /// The same without its own.
+    started_after: Vec<CodelSet>,
+}
+
+impl Reduction<Published<'_>> for Overtake {
+    const KIND: Kind = Kind::SleepSets;
+
+    fn applies(setting: &Setting<Published>) -> Result<Self, Reason> {
+        let system = setting.system();
+        let tasks = 0..system.tasks.len();
+        if system.platform.locks != LockOrder::Free {
+            Err(Reason::LocksInOrder)
+        } else if system.automata.len() > TICKS || tasks.len() > TICKS {
+            Err(Reason::TooMany)
+        } else if !system.clients.is_empty() {
+            Err(Reason::Clients)
+        } else if setting.facts.observed() {
+            Err(Reason::Predicates)
+        } else if !tasks.clone().all(|task| setting.facts.plain(task)) {
+            Err(Reason::NotPlain)
+        } else {
+            Ok(Overtake::new(system))
+        }
+    }
+}
+
+impl Overtake {
+    fn new(system: &TimedSystem) -> Self {
+        let n = system.tasks.len();
+        let own = |task: usize, out: &mut CodelSet| {
+            if let Some(a) = system.tasks[task].permanent {
+                let states = &system.machine_of(a).states;
+                states.iter().for_each(|it| out.insert(it.codel));
+            }
+        };
+        let mut started_after = vec![CodelSet::default(); n];
+        for component in &system.components {
+            for (at, &task) in component.tasks.iter().enumerate() {
+                for &later in &component.tasks[at + 1..] {
+                    own(later, &mut started_after[task]);
+                }
+            }
+        }
+        let mut all = started_after.clone();
+        (0..n).for_each(|task| own(task, &mut all[task]));
+        Overtake {
+            limited: system.platform.cores.is_some(),
+            all,
+            started_after,
+        }
+    }
+
+    /// Writes the actions to follow in a state, with what they hold back. `first` is an ample set, or everything
+    /// that is enabled.
+    pub(crate) fn select(
+        &self,
+        now: Now,
+        held: Held,
+        first: &[Action],
+        out: &mut Vec<(Action, Held)>,
+    ) {
+        out.clear();
+        let enabled = now.enabled;
+        let moment = Moment {
+            overtake: self,
+            now,
+            held,
+        };
+        if enabled.committed || enabled.is_calm() {
+            out.extend(first.iter().map(|&it| (it, held)));
+        } else if moment.undecided() {
+            out.extend(enabled.actions.iter().map(|&it| (it, 0)));
+        } else {
+            let whole = first.len() == enabled.actions.len();
+            moment.select(first, whole, out);
+        }
+    }
+
+    /// What is still held back after an action that led from one state to another.
+    pub(crate) fn after(
+        &self,
+        rules: &Published,
+        before: &State,
+        action: Action,
+        s: &State,
+        held: Held,
+    ) -> Held {
+        if held == 0 {
+            return 0;
+        }
+        let l = &rules.layout;
+        let joined = self.limited && matches!(action, Action::Release { .. });
+        let given = self.limited
+            && rules.system.platform.policy != Policy::Fifo
+            && matches!(action, Action::Grant { .. });
+        let mut left = held;
+        for bit in bits(held) {
+            let stays = match bit.checked_sub(TICKS) {
+                Some(task) => {
+                    let needs = rules.system.needs_core(task);
+                    let overtaken = contested(rules, before, task) && !contested(rules, s, task);
+                    !overtaken && !(needs && (joined || given))
+                }
+                None => match l.phase(s, bit) {
+                    phase::LOCKING => rules.can_acquire(s, bit),
+                    phase::EXECUTING => l.window(s, bit).1 == 0 && !joined,
+                    _ => false,
+                },
+            };
+            if !stays {
+                left &= !(1 << bit);
+            }
+        }
+        left
+    }
+}
+
+/// Whether the job or the start-up of a task goes on, so that its end and the next tick are not the same in both orders.
+fn contested(rules: &Published, s: &State, task: usize) -> bool {
+    rules.layout.status(s, task) != TaskStatus::Idle || !settled(rules, s, task)
+}
+
+/// Past its start-up.
+fn settled(rules: &Published, s: &State, task: usize) -> bool {
+    rules.layout.started(s, task)
+        && rules.system.tasks[task]
+            .permanent
+            .is_none_or(|a| matches!(rules.layout.mode(s, a), mode::NORMAL | mode::ENDED))
+}
+
+fn bits(mut held: Held) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let bit = (held != 0).then(|| held.trailing_zeros() as usize)?;
+        held &= held - 1;
+        Some(bit)
+    })
+}
+
+fn members(tasks: Tasks) -> impl Iterator<Item = usize> {
+    bits(Held::from(tasks))
+}
+
+/// One state in which something is due.
+struct Moment<'m, 's> {
+    overtake: &'m Overtake,
+    now: Now<'m, 's>,
+    held: Held,
+}
+
+impl<'m, 's> std::ops::Deref for Moment<'m, 's> {
+    type Target = Now<'m, 's>;
+
+    fn deref(&self) -> &Now<'m, 's> {
+        &self.now
+    }
+}
+
+impl Moment<'_, '_> {
+    /// Whether the order of more than what the rule knows may matter: a job that waits for a core has something to do or
+    /// not, depending on its start-up.
+    fn undecided(&self) -> bool {
+        (0..self.rules.layout.tasks).any(|task| {
+            self.rules.layout.status(self.s, task) == TaskStatus::Waiting
+                && !settled(self.rules, self.s, task)
+        })
+    }
+
+    fn select(&self, first: &[Action], whole: bool, out: &mut Vec<(Action, Held)>) {
+        let mut due: Held = 0;
+        for &action in &self.enabled.actions {
+            due |= self.bit(action);
+        }
+        // Who can be of use to overtake anything due; none if something cannot be overtaken.
+        let mut useful: Tasks = 0;
+        let mut all = true;
+        if self.held != 0 || whole {
+            for bit in bits(due) {
+                let by = self.progress(self.rivals(bit));
+                if members(by).any(|task| self.can_act(task)) {
+                    useful |= by;
+                    continue;
+                }
+                if self.held >> bit & 1 == 1 {
+                    return;
+                }
+                all = false;
+            }
+        }
+        for &action in first {
+            let bit = self.bit(action);
+            if bit == 0 {
+                let Action::Finish { executor, .. } = action else {
+                    continue;
+                };
+                let task = self.rules.system.automata[executor].task;
+                if all && useful >> task & 1 == 1 {
+                    out.push((action, due));
+                }
+            } else if self.held & bit == 0 {
+                out.push((action, self.held));
+            }
+        }
+    }
+
+    /// The bit of an action that is due, 0 for an end that is not.
+    fn bit(&self, action: Action) -> Held {
+        match action {
+            Action::Tick { task } => 1 << (TICKS + task),
+            Action::Acquire { executor } => 1 << executor,
+            Action::Finish { executor, .. }
+                if self.rules.layout.window(self.s, executor).1 == 0 =>
+            {
+                1 << executor
+            }
+            _ => 0,
+        }
+    }
+
+    /// Tasks that can overtake something due.
+    fn rivals(&self, bit: usize) -> Tasks {
+        let tasks = 0..self.rules.layout.tasks;
+        let set = |it: &dyn Fn(usize) -> bool| {
+            tasks
+                .clone()
+                .filter(|&task| it(task))
+                .fold(0, |set, task| set | 1 << task)
+        };
+        let system = self.rules.system;
+        if let Some(task) = bit.checked_sub(TICKS) {
+            let needs = system.needs_core(task);
+            return set(&|q| {
+                (q == task && contested(self.rules, self.s, task))
+                    || (needs && self.may_join(q))
+                    || (needs && system.platform.policy != Policy::Fifo && self.on_core(q))
+            });
+        }
+        let own = system.automata[bit].task;
+        if self.rules.layout.phase(self.s, bit) == phase::EXECUTING {
+            let joins = self.may_join(own);
+            return set(&|q| joins && q != own && self.may_join(q));
+        }
+        let codel = self.rules.codel(self.s, bit).expect("it waits for locks");
+        let conflicts = &system.codels[codel].conflicts;
+        set(&|q| q != own && self.can_come_to(q, conflicts))
+    }
+
+    /// Whether a task can join the queue at this moment, other than by a tick that nothing has to come before. One that
+    /// comes during the start-up finds nothing to do; one that was held back until that has ended makes the task join.
+    fn may_join(&self, task: usize) -> bool {
+        let system = self.rules.system;
+        if !system.needs_core(task) {
+            return false;
+        }
+        if system.tasks[task].period.is_some() {
+            let released = self.held != 0 && self.held >> (TICKS + task) & 1 == 0;
+            let joins = released || !settled(self.rules, self.s, task);
+            return self.rules.layout.pending(self.s, task) || (self.due(task) && joins);
+        }
+        !settled(self.rules, self.s, task)
+            || (self.rules.layout.status(self.s, task) != TaskStatus::Idle
+                && !self.facts.endless(task))
+    }
+
+    fn on_core(&self, task: usize) -> bool {
+        self.rules.layout.status(self.s, task) == TaskStatus::Running
+            && self.rules.system.needs_core(task)
+    }
+
+    /// Whether a task can want to execute one of these codels at this moment, or wants to now.
+    fn can_come_to(&self, task: usize, codels: &CodelSet) -> bool {
+        let l = &self.rules.layout;
+        let system = self.rules.system;
+        let Some(a) = system.tasks[task].permanent else {
+            return false;
+        };
+        if !settled(self.rules, self.s, task)
+            && self.overtake.started_after[task].intersects(codels)
+        {
+            return true;
+        }
+        // Another job may begin at this moment.
+        let again = system.tasks[task].period.is_none() && !self.facts.endless(task);
+        if again || l.pending(self.s, task) || self.due(task) {
+            return self.overtake.all[task].intersects(codels);
+        }
+        let at = l.at(self.s, a) as usize;
+        let here = codels.contains(system.machine_of(a).states[at].codel);
+        let later = || self.facts.later(a, at).intersects(codels);
+        match l.phase(self.s, a) {
+            phase::EXECUTING => l.window(self.s, a).0 == 0 && later(),
+            phase::LOCKING => here || later(),
+            _ => {
+                l.status(self.s, task) == TaskStatus::Waiting
+                    && l.mode(self.s, a) != mode::ENDED
+                    && (here || later())
+            }
+        }
+    }
+
+    fn due(&self, task: usize) -> bool {
+        self.enabled.actions.contains(&Action::Tick { task })
+    }
+
+    /// Whether something of a task can happen next.
+    fn can_act(&self, task: usize) -> bool {
+        let l = &self.rules.layout;
+        if self.due(task) && self.held >> (TICKS + task) & 1 == 0 {
+            return true;
+        }
+        self.rules.system.tasks[task]
+            .permanent
+            .is_some_and(|a| match l.phase(self.s, a) {
+                phase::EXECUTING => l.window(self.s, a).0 == 0,
+                phase::LOCKING => self.held >> a & 1 == 0 && self.rules.can_acquire(self.s, a),
+                _ => false,
+            })
+    }
+
+    /// The tasks whose going on can let others, and finally some of `wanted`, go on.
+    fn progress(&self, wanted: Tasks) -> Tasks {
+        let l = &self.rules.layout;
+        let system = self.rules.system;
+        let mut out = wanted;
+        let mut todo = wanted;
+        while todo != 0 {
+            let task = todo.trailing_zeros() as usize;
+            todo &= !(1 << task);
+            let mut add = |it: usize| {
+                if out >> it & 1 == 0 {
+                    out |= 1 << it;
+                    todo |= 1 << it;
+                }
+            };
+            // Whoever holds what it wants or will want.
+            for holder in l.executing(self.s) {
+                let Some(codel) = self.rules.codel(self.s, holder) else {
+                    continue;
+                };
+                let other = system.automata[holder].task;
+                if other != task && self.can_come_to(task, &system.codels[codel].conflicts) {
+                    add(other);
+                }
+            }
+            let status = l.status(self.s, task);
+            let wants_core = system.needs_core(task)
+                && (status == TaskStatus::Waiting
+                    || self.due(task)
+                    || l.pending(self.s, task)
+                    || self.may_join(task));
+            if wants_core {
+                (0..l.tasks).filter(|&it| self.on_core(it)).for_each(add);
+            }
+        }
+        out
+    }
+}

@@ -1,0 +1,143 @@
+//! What is known to be sound under the published rules.
+
+use super::ample::Ample;
+use super::facts::Facts;
+use super::lazy::Lazy;
+use super::overtake::{Now, Overtake};
+use super::symmetry::{Orbits, Renaming, Symmetry};
+use super::{Activity, Asked, Held, Kind, Kinds, Reason, Reduction, Reductions, Setting, Waiters};
+use crate::explore::rules::published::Published;
+use crate::explore::rules::{Action, Enabled};
+use crate::explore::state::State;
+use crate::explore::store::Encoded;
+
+/// The reductions for the published rules.
+#[derive(Debug)]
+pub(crate) struct OfPublished {
+    facts: Facts,
+    ample: Option<Ample>,
+    overtake: Option<Overtake>,
+    lazy: Option<Lazy>,
+    symmetry: Option<Symmetry>,
+    /// Where there is no symmetry.
+    alone: Orbits,
+    activities: Vec<Activity>,
+}
+
+impl Reductions<Published<'_>> for OfPublished {
+    fn new(rules: &Published, asked: &Asked, without: Kinds) -> Self {
+        let facts = Facts::new(rules.system, asked);
+        let setting = Setting {
+            rules,
+            asked,
+            facts: &facts,
+            without,
+        };
+        let mut notes = Vec::new();
+        let ample = Ample::examine(&setting, &mut notes);
+        let requests = ample.as_ref().map(Ample::without_requests);
+        notes.push(part(
+            Kind::PersistentRequests,
+            requests,
+            Kind::PersistentSets,
+        ));
+        let overtake = Overtake::examine(&setting, &mut notes);
+        let lazy = Lazy::examine(&setting, &mut notes);
+        let resting = lazy.as_ref().map(|it| it.without_rest(&setting));
+        notes.push(part(Kind::RestingLoops, resting, Kind::Deferral));
+        let symmetry = Symmetry::examine(&setting, &mut notes);
+        OfPublished {
+            alone: Orbits::none(rules.system),
+            ample,
+            overtake,
+            lazy,
+            symmetry,
+            facts,
+            activities: notes,
+        }
+    }
+
+    fn activities(&self) -> &[Activity] {
+        &self.activities
+    }
+
+    fn persistent(&self, rules: &Published, s: &State, enabled: &Enabled, out: &mut Vec<Action>) {
+        match &self.ample {
+            Some(it) => it.select((rules, &self.facts), s, enabled, out),
+            None => out.clone_from(&enabled.actions),
+        }
+    }
+
+    fn follow(
+        &self,
+        rules: &Published,
+        (s, held): (&State, Held),
+        enabled: &Enabled,
+        first: &mut Vec<Action>,
+        out: &mut Vec<(Action, Held)>,
+    ) {
+        self.persistent(rules, s, enabled, first);
+        let now = Now {
+            rules,
+            facts: &self.facts,
+            s,
+            enabled,
+        };
+        match &self.overtake {
+            Some(it) => it.select(now, held, first, out),
+            None => {
+                out.clear();
+                out.extend(first.iter().map(|&it| (it, held)));
+            }
+        }
+        let waiters = self.lazy.as_ref().filter(|_| enabled.is_calm());
+        if let Some(waiters) = waiters.and_then(|it| it.waiters(rules, s)) {
+            let waits = |executor| waiters.can_wait(rules.system, executor);
+            out.retain(|it| !matches!(it.0, Action::Finish { executor, .. } if waits(executor)));
+        }
+    }
+
+    fn held_after(
+        &self,
+        rules: &Published,
+        before: &State,
+        action: Action,
+        s: &State,
+        held: Held,
+    ) -> Held {
+        let overtake = self.overtake.as_ref();
+        overtake.map_or(0, |it| it.after(rules, before, action, s, held))
+    }
+
+    fn waiters(&self, rules: &Published, s: &State) -> Option<Waiters> {
+        self.lazy.as_ref()?.waiters(rules, s)
+    }
+
+    fn closure(
+        &self,
+        rules: &Published,
+        s: &State,
+        budget: &mut usize,
+        found: impl FnMut(&Encoded),
+    ) {
+        if let Some(it) = &self.lazy {
+            it.closure(rules, s, budget, found);
+        }
+    }
+
+    fn order(&self, rules: &Published, s: &mut State) -> Option<Renaming> {
+        self.symmetry.as_ref()?.order(&rules.layout, s)
+    }
+
+    fn orbits(&self) -> &Orbits {
+        self.symmetry.as_ref().map_or(&self.alone, Symmetry::orbits)
+    }
+}
+
+/// Whether a part of a reduction is used, if that is.
+fn part(kind: Kind, off: Option<Option<Reason>>, whole: Kind) -> Activity {
+    Activity {
+        kind,
+        off: off.unwrap_or(Some(Reason::Without(whole))),
+    }
+}

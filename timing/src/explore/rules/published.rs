@@ -1,0 +1,199 @@
+//! The rules of the published formal models: which actions a state allows, what each does, and how time passes.
+//!
+//! One function per rule of sections 3 to 9. Actions come in four ranks, and only those of the
+//! best rank present may happen: clients moving on (part of the step that lets them), tasks asking
+//! for a core, granting cores, and everything else. Within a rank any order is possible.
+
+mod atoms;
+mod control_task;
+mod cycle;
+pub(crate) mod layout;
+mod perform;
+mod possible;
+mod time;
+mod words;
+
+use std::cell::Cell;
+
+use self::layout::{Layout, control};
+use super::{Action, Enabled, Rules};
+use crate::explore::reductions::OfPublished;
+use crate::explore::run::Moment;
+use crate::explore::state::{Clocks, Frame, State, TaskStatus};
+use crate::property::Atom;
+use crate::system::{ClientAction, Ticks, TimedSystem};
+
+/// The rules applied to one system.
+#[derive(Debug)]
+pub(crate) struct Published<'s> {
+    pub(crate) system: &'s TimedSystem,
+    pub(crate) layout: Layout,
+    /// Services of which a request was refused for want of a slot.
+    refused: Vec<Cell<bool>>,
+    /// Codels (by number) that exclude no other.
+    lockless: Vec<bool>,
+    /// Automata of each machine.
+    automata_of: Vec<Vec<usize>>,
+}
+
+impl<'s> Published<'s> {
+    /// The rules for a system.
+    pub(crate) fn new(system: &'s TimedSystem) -> Self {
+        let clocks = Clocks::none(system.tasks.len());
+        Published::with(system, Layout::new(system, &clocks))
+    }
+
+    fn with(system: &'s TimedSystem, layout: Layout) -> Self {
+        let mut automata_of = vec![Vec::new(); system.machines.len()];
+        for (a, it) in system.automata.iter().enumerate() {
+            automata_of[it.machine].push(a);
+        }
+        Published {
+            automata_of,
+            system,
+            layout,
+            refused: vec![Cell::new(false); system.services.len()],
+            lockless: system
+                .codels
+                .iter()
+                .map(|it| it.conflicts.is_empty())
+                .collect(),
+        }
+    }
+
+    /// The state at time 0, with the first task of every component started.
+    fn at_start(&self) -> State {
+        let l = &self.layout;
+        let mut s = l.blank();
+        for (c, component) in self.system.components.iter().enumerate() {
+            l.set_starting(&mut s, c, 0);
+            for service in &component.services {
+                for &a in &self.system.services[*service].slots {
+                    self.reset_slot(&mut s, a);
+                }
+            }
+            self.start_tasks(&mut s, c);
+        }
+        for (k, client) in self.system.clients.iter().enumerate() {
+            // One past the end: the position before the first step.
+            l.set_position(&mut s, k, client.done() as u16 + 1);
+        }
+        s
+    }
+
+    /// The codel an executor is at; `None` for clients.
+    pub(crate) fn codel(&self, s: &State, executor: usize) -> Option<usize> {
+        let l = &self.layout;
+        if executor < l.automata {
+            let machine = self.system.machine_of(executor);
+            Some(machine.states[l.at(s, executor) as usize].codel)
+        } else if executor < l.automata + l.components {
+            let component = executor - l.automata;
+            let service = &self.system.services[l.handled(s, component) as usize];
+            if l.control(s, component) == control::VALIDATE {
+                service.validate
+            } else {
+                service.simple.get(l.simple(s, component) as usize).copied()
+            }
+        } else {
+            None
+        }
+    }
+}
+
+impl Rules for Published<'_> {
+    type Reductions = OfPublished;
+
+    fn with_clocks(&self, clocks: &Clocks) -> Self {
+        Published::with(self.system, Layout::new(self.system, clocks))
+    }
+
+    #[inline]
+    fn system(&self) -> &TimedSystem {
+        self.system
+    }
+
+    #[inline]
+    fn frame(&self) -> &Frame {
+        &self.layout
+    }
+
+    fn initial(&self) -> State {
+        self.at_start()
+    }
+
+    #[inline]
+    fn enabled(&self, s: &State, out: &mut Enabled) {
+        self.list_enabled(s, out);
+    }
+
+    #[inline]
+    fn apply(&self, s: &mut State, action: Action) {
+        self.perform(s, action);
+    }
+
+    fn next_moment(&self, s: &State, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks> {
+        self.until_next(s, can_wait)
+    }
+
+    #[inline]
+    fn elapse(&self, s: &mut State, time: Ticks) {
+        self.pass(s, time);
+    }
+
+    #[inline]
+    fn job(&self, s: &State, task: usize) -> TaskStatus {
+        self.layout.status(s, task)
+    }
+
+    #[inline]
+    fn missed(&self, s: &State, task: usize) -> bool {
+        self.layout.pending(s, task) && self.layout.status(s, task) != TaskStatus::Idle
+    }
+
+    fn atom(&self, s: &State, atom: &Atom) -> bool {
+        self.value_of(s, atom)
+    }
+
+    fn has_refused(&self, service: usize) -> bool {
+        self.refused[service].get()
+    }
+
+    fn task_of(&self, action: Action) -> Option<usize> {
+        match action {
+            Action::Grant { task } | Action::Release { task } | Action::Tick { task } => Some(task),
+            Action::Acquire { executor } | Action::Finish { executor, .. } => {
+                self.system.automata.get(executor).map(|it| it.task)
+            }
+            Action::Proceed { .. } | Action::Signal { .. } | Action::Request { .. } => None,
+        }
+    }
+
+    fn duration(&self, s: &State, executor: usize) -> (Ticks, Ticks) {
+        if let Some(codel) = self.codel(s, executor) {
+            let codel = &self.system.codels[codel];
+            return (codel.lower, codel.upper);
+        }
+        let l = &self.layout;
+        let client = executor - l.automata - l.components;
+        let position = l.position(s, client) as usize;
+        match self.system.clients[client]
+            .steps
+            .get(position)
+            .map(|it| &it.action)
+        {
+            Some(&ClientAction::Delay(lower, upper)) => (lower, upper),
+            _ => (0, 0),
+        }
+    }
+
+    fn tell(
+        &self,
+        (before, after): (&State, &State),
+        action: Option<Action>,
+        time: u64,
+        out: &mut Vec<Moment>,
+    ) {
+        self.in_words(before, after, action, time, out);
+    }
+}

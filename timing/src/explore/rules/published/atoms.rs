@@ -1,0 +1,60 @@
+//! What the published rules make of the atoms of predicates.
+
+use super::Published;
+use super::layout::{control, slot};
+use crate::explore::state::{State, TaskStatus, phase};
+use crate::property::{Atom, SlotStatus, StatePhase, TaskState};
+
+impl Published<'_> {
+    /// The value of an atom.
+    pub(super) fn value_of(&self, s: &State, atom: &Atom) -> bool {
+        let l = &self.layout;
+        match *atom {
+            Atom::Task(task, state) => {
+                let status = l.status(s, task);
+                match state {
+                    TaskState::Idle => status == TaskStatus::Idle,
+                    TaskState::Waiting => status == TaskStatus::Waiting,
+                    TaskState::Running => status == TaskStatus::Running,
+                    TaskState::Active => status != TaskStatus::Idle,
+                }
+            }
+            Atom::State {
+                machine,
+                state,
+                phase,
+            } => self.automata_of[machine]
+                .iter()
+                .any(|&a| l.at(s, a) as usize == state && in_phase(l.phase(s, a), phase)),
+            Atom::Slot(service, status) => {
+                let mut modes = self.system.services[service]
+                    .slots
+                    .iter()
+                    .map(|&a| l.mode(s, a));
+                match status {
+                    SlotStatus::Void => modes.all(|it| it == slot::VOID),
+                    SlotStatus::Wait => modes.any(|it| it == slot::WAIT),
+                    SlotStatus::Run => modes.any(|it| it == slot::RUN),
+                    SlotStatus::Stop => modes.any(|it| matches!(it, slot::STOP | slot::STOPPING)),
+                    SlotStatus::Active => modes.any(|it| it != slot::VOID),
+                }
+            }
+            Atom::Handling { service, phase } => {
+                let component = self.system.services[service].component;
+                matches!(l.control(s, component), control::VALIDATE | control::SIMPLE)
+                    && l.handled(s, component) as usize == service
+                    && in_phase(l.phase(s, l.control_executor(component)), phase)
+            }
+            Atom::ControlBusy(component) => l.control(s, component) != control::READY,
+            Atom::Client(client, ref steps) => steps.contains(&(l.position(s, client) as usize)),
+        }
+    }
+}
+
+fn in_phase(now: u16, wanted: StatePhase) -> bool {
+    match now & !phase::ASYNC {
+        phase::LOCKING => wanted != StatePhase::Exec,
+        phase::EXECUTING => wanted != StatePhase::Lock,
+        _ => false,
+    }
+}

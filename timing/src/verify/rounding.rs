@@ -1,0 +1,31 @@
+//! What rounding to the unit of a scenario does to an answer (section 20 of the timed semantics).
+
+use crate::system::build::Built;
+use crate::system::units;
+
+/// More codels than this are counted only.
+const NAMED: usize = 4;
+
+/// Which codels were rounded, what that means, and how to avoid it; none where none was.
+pub(super) fn note(built: &Built) -> Option<String> {
+    let rounded = &built.rounded;
+    if rounded.is_empty() {
+        return None;
+    }
+    let names = rounded.iter().take(NAMED).map(|it| {
+        let times = [it.exact, it.taken].map(units::in_words);
+        format!("{} ({} taken as {})", it.codel, times[0], times[1])
+    });
+    let mut names = names.collect::<Vec<_>>().join(", ");
+    if rounded.len() > NAMED {
+        names += &format!(" and {} more", rounded.len() - NAMED);
+    }
+    let avoid = match built.exact_unit.and_then(units::as_written) {
+        Some(unit) => format!("`unit {unit};` avoids it"),
+        None => "a finer unit avoids it".to_owned(),
+    };
+    Some(format!(
+        "rounded to the unit of the scenario: {names}; what is proved holds all the same, values are upper bounds, and \
+         a failure may be a false alarm; {avoid}"
+    ))
+}

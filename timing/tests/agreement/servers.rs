@@ -1,0 +1,147 @@
+//! An independent interpreter of what the servers do (timed semantics, sections 8, 17, 18 and 21), written from that
+//! description by the obvious method: states are plain structures, time passes unit by unit, every order of
+//! simultaneous atomic steps is followed, and nothing is merged. It shares neither the system tables nor the rules of
+//! the verifier: it reads specifications and scenarios by itself.
+
+mod control;
+pub(crate) mod model;
+mod perform;
+mod possible;
+mod predicates;
+pub(crate) mod random;
+mod state;
+
+use std::collections::HashSet;
+
+pub(crate) use self::predicates::{Predicate, predicate};
+pub(crate) use self::state::CAP;
+
+use self::model::System;
+use self::state::{Phase, State};
+
+pub(crate) struct Interpreter<'s> {
+    system: &'s System,
+    within: &'s [(Predicate, Predicate)],
+    reach: &'s [Predicate],
+    /// None: as many as there are tasks that need one.
+    cores: Option<usize>,
+}
+
+/// Everything asked, tasks by component and task.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub(crate) struct Results {
+    pub(crate) missed: Vec<Vec<bool>>,
+    pub(crate) overdue: Vec<Vec<bool>>,
+    /// `Some(CAP)`: unbounded.
+    pub(crate) response: Vec<Vec<Option<u32>>>,
+    pub(crate) within: Vec<Option<u32>>,
+    pub(crate) reached: Vec<bool>,
+    pub(crate) deadlock: bool,
+    /// Services of which a request found no slot.
+    pub(crate) refused: Vec<Vec<bool>>,
+    pub(crate) states: usize,
+}
+
+impl Results {
+    fn took(&mut self, c: usize, t: usize, time: u32) {
+        let it = &mut self.response[c][t];
+        *it = (*it).max(Some(time));
+    }
+}
+
+impl<'s> Interpreter<'s> {
+    pub(crate) fn new(
+        system: &'s System,
+        within: &'s [(Predicate, Predicate)],
+        reach: &'s [Predicate],
+    ) -> Self {
+        let tasks = system.components.iter().enumerate();
+        let tasks = tasks.flat_map(|(c, it)| (0..it.tasks.len()).map(move |t| (c, t)));
+        let needing = tasks.filter(|&(c, t)| system.needs_core(c, t)).count();
+        Interpreter {
+            system,
+            within,
+            reach,
+            cores: system.cores.filter(|&cores| cores < needing),
+        }
+    }
+
+    fn needs_core(&self, c: usize, t: usize) -> bool {
+        self.cores.is_some() && self.system.needs_core(c, t)
+    }
+
+    fn blank(&self) -> Results {
+        let all = self.system.components.iter();
+        let tasks = all.map(|it| vec![false; it.tasks.len()]);
+        let missed: Vec<Vec<bool>> = tasks.collect();
+        let all = self.system.components.iter();
+        let services = all.map(|it| vec![false; it.services.len()]);
+        Results {
+            overdue: missed.clone(),
+            response: missed.iter().map(|it| vec![None; it.len()]).collect(),
+            missed,
+            within: vec![None; self.within.len()],
+            reached: vec![false; self.reach.len()],
+            refused: services.collect(),
+            ..Results::default()
+        }
+    }
+
+    fn inspect(&self, s: &State, out: &mut Results) {
+        for (c, component) in s.components.iter().enumerate() {
+            for (t, task) in component.tasks.iter().enumerate() {
+                let (Some(job), true) = (task.job, task.first.is_over()) else {
+                    continue;
+                };
+                let period = self.system.components[c].tasks[t].period;
+                let waits = task.phase == Phase::WaitingForCore;
+                out.overdue[c][t] |= waits && period.is_some_and(|it| job.measured >= it);
+                out.took(c, t, job.measured);
+            }
+        }
+        for (longest, open) in out.within.iter_mut().zip(&s.obligations) {
+            *longest = (*longest).max(*open);
+        }
+    }
+
+    fn reach(&self, before: Option<&State>, now: &State, out: &mut Results) {
+        for (it, reached) in self.reach.iter().zip(&mut out.reached) {
+            *reached = *reached || self.holds(before, now, it);
+        }
+    }
+
+    /// Everything there is to know, or `None` above `limit` states.
+    pub(crate) fn explore(&self, limit: usize) -> Option<Results> {
+        let mut out = self.blank();
+        let mut initial = State::initial(self.system, self.within.len());
+        self.watch(None, &mut initial);
+        self.reach(None, &initial, &mut out);
+        let mut seen: HashSet<State> = HashSet::new();
+        seen.insert(initial.clone());
+        let mut todo = vec![initial];
+        while let Some(s) = todo.pop() {
+            if seen.len() > limit {
+                return None;
+            }
+            self.inspect(&s, &mut out);
+            let (steps, urgent) = self.possible(&s);
+            let mut next: Vec<State> = Vec::new();
+            for step in steps {
+                let it = self.perform(&s, step, &mut out);
+                self.reach(Some(&s), &it, &mut out);
+                next.push(it);
+            }
+            if !urgent {
+                out.deadlock |= self.dead(&s);
+                next.push(self.pass(&s));
+            }
+            for it in next {
+                if seen.insert(it.clone()) {
+                    todo.push(it);
+                }
+            }
+        }
+        out.states = seen.len();
+        Some(out)
+    }
+}

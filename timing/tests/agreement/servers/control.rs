@@ -1,0 +1,205 @@
+//! What the control task does.
+
+use super::state::{Control, Doing, Handled, Instance, Request, State, Status, Tracked};
+use super::{Interpreter, Results};
+
+impl Interpreter<'_> {
+    /// A request is taken: its slot, `after` and `before`.
+    pub(super) fn accept(
+        &self,
+        s: &mut State,
+        client: usize,
+        c: usize,
+        service: usize,
+        out: &mut Results,
+    ) {
+        let model = &self.system.components[c].services[service];
+        let awaits = self.system.clients[client].awaits;
+        let tracked = &mut s.clients[client].tracked;
+        tracked.retain(|it| (it.0, it.1) != (c, service));
+        if awaits {
+            tracked.push((c, service, Tracked::Handled));
+        }
+        let component = &mut s.components[c];
+        let mut request = Request {
+            client,
+            service,
+            slot: None,
+        };
+        if let Some((task, _)) = model.activity {
+            let slots = &mut component.tasks[task].slots;
+            let Some(free) = slots.iter().position(Option::is_none) else {
+                out.refused[c][service] = true;
+                component.control = Control::Rest(request, Handled::Refused);
+                return;
+            };
+            request.slot = Some((task, free));
+            slots[free] = Some(Instance {
+                service: Some(service),
+                status: Status::Asked,
+                at: 0,
+                paused: false,
+                mark: false,
+            });
+        }
+        let succeeded = |&it: &usize| component.succeeded[it];
+        let in_order = model.after.iter().all(succeeded) && !model.before.iter().any(succeeded);
+        if self.system.order && !in_order {
+            component.control = Control::Rest(request, Handled::Refused);
+            self.wake(s, c, None);
+        } else if model.control.is_empty() {
+            component.control = Control::Rest(request, Handled::Accepted);
+            self.wake(s, c, None);
+        } else {
+            component.control = Control::Codel(request, 0, Doing::Nothing);
+        }
+    }
+
+    /// The end of a codel of the control task; after the last one all tasks are woken.
+    pub(super) fn handled(&self, s: &mut State, c: usize, goes_on: bool) {
+        let control = &mut s.components[c].control;
+        let Control::Codel(request, at, _) = *control else {
+            unreachable!("it executes a codel");
+        };
+        let codels = &self.system.components[c].services[request.service].control;
+        *control = match goes_on {
+            true if at + 1 < codels.len() => {
+                *control = Control::Codel(request, at + 1, Doing::Nothing);
+                return;
+            }
+            true => Control::Rest(request, Handled::Accepted),
+            false => Control::Rest(request, Handled::Refused),
+        };
+        self.wake(s, c, None);
+    }
+
+    /// Interruptions and success of a function, the reply; then ended and waiting activities.
+    pub(super) fn rest(&self, s: &mut State, c: usize) {
+        let Control::Rest(request, handled) = s.components[c].control else {
+            unreachable!("there is no request");
+        };
+        s.components[c].control = Control::Ready;
+        let mut tracked = Tracked::Over;
+        match (handled, request.slot) {
+            (Handled::Accepted, Some((task, slot))) => {
+                if let Some(it) = &mut s.components[c].tasks[task].slots[slot] {
+                    it.status = Status::Init(false);
+                }
+                tracked = Tracked::Slot(task, slot);
+            }
+            (Handled::Accepted, None) => {
+                for (task, slot) in self.interrupted(s, c, request.service, None) {
+                    self.mark(s, c, task, slot);
+                }
+                s.components[c].succeeded[request.service] = true;
+            }
+            (Handled::Refused, Some((task, slot))) => {
+                s.components[c].tasks[task].slots[slot] = None;
+            }
+            (Handled::Refused, None) => {}
+        }
+        let client = &mut s.clients[request.client];
+        client.outstanding = false;
+        for it in &mut client.tracked {
+            if it.2 == Tracked::Handled {
+                it.2 = tracked;
+            }
+        }
+        self.report(s, c);
+    }
+
+    /// Ended activities are reported, waiting ones released.
+    pub(super) fn report(&self, s: &mut State, c: usize) {
+        s.components[c].signal = false;
+        for t in 0..s.components[c].tasks.len() {
+            for slot in 0..s.components[c].tasks[t].slots.len() {
+                let place = &mut s.components[c].tasks[t].slots[slot];
+                let (Some(service), Some(Status::Ended(succeeded))) = (
+                    place.as_ref().and_then(|it| it.service),
+                    place.as_ref().map(|it| it.status),
+                ) else {
+                    continue;
+                };
+                *place = None;
+                s.components[c].succeeded[service] |= succeeded;
+                for client in &mut s.clients {
+                    for it in &mut client.tracked {
+                        if (it.0, it.2) == (c, Tracked::Slot(t, slot)) {
+                            it.2 = Tracked::Over;
+                        }
+                    }
+                }
+            }
+        }
+        for client in &mut s.clients {
+            // Of those that are over only the last one can still be asked about.
+            let last = client.tracked.len().saturating_sub(1);
+            let mut at = 0;
+            client.tracked.retain(|it| {
+                at += 1;
+                it.2 != Tracked::Over || at > last
+            });
+        }
+        for t in 0..s.components[c].tasks.len() {
+            for slot in 0..s.components[c].tasks[t].slots.len() {
+                let Some(it) = &s.components[c].tasks[t].slots[slot] else {
+                    continue;
+                };
+                let (Some(service), Status::Init(false)) = (it.service, it.status) else {
+                    continue;
+                };
+                let others = self.interrupted(s, c, service, Some((t, slot)));
+                for &(task, other) in &others {
+                    self.mark(s, c, task, other);
+                }
+                let status = |&(task, other): &(usize, usize)| {
+                    let it = s.components[c].tasks[task].slots[other].as_ref();
+                    it.map(|it| it.status)
+                };
+                let at_work = |it| matches!(status(it), Some(Status::Run | Status::Stop));
+                if others.iter().any(at_work) {
+                    continue;
+                }
+                if let Some(it) = &mut s.components[c].tasks[t].slots[slot] {
+                    it.status = Status::Init(true);
+                }
+                self.set_runnable(s, c, t);
+            }
+        }
+    }
+
+    /// Instances of the services that a service interrupts, but one.
+    fn interrupted(
+        &self,
+        s: &State,
+        c: usize,
+        service: usize,
+        but: Option<(usize, usize)>,
+    ) -> Vec<(usize, usize)> {
+        let list = &self.system.components[c].services[service].interrupts;
+        let mut out = Vec::new();
+        for (t, task) in s.components[c].tasks.iter().enumerate() {
+            for (slot, it) in task.slots.iter().enumerate() {
+                let of = it.as_ref().and_then(|it| it.service);
+                if of.is_some_and(|it| list.contains(&it)) && Some((t, slot)) != but {
+                    out.push((t, slot));
+                }
+            }
+        }
+        out
+    }
+
+    fn mark(&self, s: &mut State, c: usize, t: usize, slot: usize) {
+        let Some(it) = &mut s.components[c].tasks[t].slots[slot] else {
+            return;
+        };
+        match it.status {
+            Status::Init(_) => it.mark = true,
+            Status::Run => {
+                it.mark = true;
+                self.set_runnable(s, c, t);
+            }
+            Status::Asked | Status::Stop | Status::Ended(_) => {}
+        }
+    }
+}

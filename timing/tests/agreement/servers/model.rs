@@ -1,0 +1,437 @@
+//! What is interpreted: specifications and a scenario as plain tables, read without the verifier's own builder.
+//!
+//! Times are whole milliseconds.
+
+use dotgen_analysis::model::mutex::{self, Excluded};
+use dotgen_analysis::model::{self, CodelKind, CodelRef, Owner, Seconds, ServiceKind, ServiceList};
+use dotgen_timing::scn::ast::{self, Durations, Item, Policy, Scenario, StepKind, Unit};
+use num_rational::Ratio;
+
+/// Everything there is.
+pub(crate) struct System {
+    pub(crate) components: Vec<Component>,
+    pub(crate) clients: Vec<Client>,
+    pub(crate) cores: Option<usize>,
+    pub(crate) policy: Policy,
+    pub(crate) aperiodic_core: bool,
+    /// `before` and `after` count.
+    pub(crate) order: bool,
+}
+
+pub(crate) struct Component {
+    pub(crate) name: String,
+    pub(crate) tasks: Vec<Task>,
+    pub(crate) services: Vec<Service>,
+    pub(crate) codels: Vec<Codel>,
+}
+
+pub(crate) struct Task {
+    pub(crate) name: String,
+    pub(crate) period: Option<u32>,
+    pub(crate) delay: u32,
+    pub(crate) slots: usize,
+    /// The permanent activity; without states, it starts and ends at once.
+    pub(crate) machine: Machine,
+}
+
+#[derive(Default)]
+pub(crate) struct Machine {
+    pub(crate) states: Vec<MachineState>,
+    pub(crate) start: Option<usize>,
+    pub(crate) stop: Option<usize>,
+}
+
+pub(crate) struct MachineState {
+    pub(crate) name: String,
+    pub(crate) codel: usize,
+    pub(crate) outcomes: Vec<Outcome>,
+}
+
+/// What follows a codel of a machine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    Next(usize),
+    Pause(usize),
+    End,
+    Throw,
+}
+
+pub(crate) struct Service {
+    pub(crate) name: String,
+    /// Of an activity: its task and machine.
+    pub(crate) activity: Option<(usize, Machine)>,
+    /// What the control task executes, in order.
+    pub(crate) control: Vec<ControlCodel>,
+    pub(crate) interrupts: Vec<usize>,
+    pub(crate) before: Vec<usize>,
+    pub(crate) after: Vec<usize>,
+}
+
+pub(crate) struct ControlCodel {
+    /// Its name; none for the copy of an attribute.
+    pub(crate) name: Option<String>,
+    pub(crate) codel: usize,
+    /// It can refuse the request, or throw.
+    pub(crate) can_fail: bool,
+}
+
+/// Who executes what: the task (none: the control task) and the name of the function.
+pub(crate) type Executed = (Option<usize>, String);
+
+pub(crate) struct Codel {
+    pub(crate) lower: u32,
+    pub(crate) upper: u32,
+    pub(crate) executed: Executed,
+    /// What it waits for.
+    pub(crate) waits_for: Vec<Executed>,
+}
+
+pub(crate) struct Client {
+    pub(crate) name: String,
+    pub(crate) nodes: Vec<Node>,
+    /// Where it may begin.
+    pub(crate) first: Vec<usize>,
+    /// Whether the end of some request is awaited.
+    pub(crate) awaits: bool,
+}
+
+pub(crate) struct Node {
+    pub(crate) label: Option<String>,
+    pub(crate) action: Action,
+    /// Nodes that may follow; the number of nodes stands for the end.
+    pub(crate) next: Vec<usize>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Action {
+    /// Component and service.
+    Send(usize, usize),
+    AwaitAccepted,
+    /// Of the last request, or of the last one for a service.
+    AwaitEnded(Option<(usize, usize)>),
+    Delay(u32, u32),
+    /// No step: beginning and end of loops.
+    Jump,
+}
+
+fn millis(time: Seconds) -> u32 {
+    let millis = time * Ratio::from_integer(1000);
+    assert!(millis.is_integer(), "{time} s is no whole number of ms");
+    millis.to_integer() as u32
+}
+
+fn in_millis(count: u64, unit: Unit) -> u32 {
+    millis(unit.seconds() * Ratio::from_integer(i128::from(count)))
+}
+
+/// `FILE` and `SCENARIO` as a system.
+pub(crate) fn read(specs: &[&model::Spec], scenario: &Scenario) -> System {
+    let mut reader = Reader {
+        fixed: false,
+        exceptions: true,
+    };
+    let mut out = System {
+        components: Vec::new(),
+        clients: Vec::new(),
+        cores: None,
+        policy: Policy::Fifo,
+        aperiodic_core: true,
+        order: true,
+    };
+    for item in &scenario.items {
+        match item {
+            Item::Cores(cores) => out.cores = cores.map(|it| it as usize),
+            Item::Policy(policy) => out.policy = *policy,
+            Item::Durations(it) => reader.fixed = *it == Durations::Fixed,
+            Item::AperiodicCore(it) => out.aperiodic_core = *it,
+            _ => {}
+        }
+    }
+    for spec in specs {
+        for it in &spec.components {
+            if it.kind == model::ComponentKind::Component {
+                out.components.push(reader.component(spec, it));
+            }
+        }
+    }
+    for item in &scenario.items {
+        match item {
+            Item::Slots(path, count) => {
+                let names: Vec<&str> = path.names.iter().map(|it| it.value.as_str()).collect();
+                let c = out.component(names[0]);
+                let mut tasks = out.components[c].tasks.iter_mut();
+                let task = tasks.find(|it| it.name == names[1]).expect("a task");
+                task.slots = *count as usize;
+            }
+            Item::Client(it) => {
+                let client = client(&out, it);
+                out.clients.push(client);
+            }
+            _ => {}
+        }
+    }
+    out
+}
+
+impl System {
+    pub(crate) fn component(&self, name: &str) -> usize {
+        let mut all = self.components.iter();
+        all.position(|it| it.name == name).expect("a component")
+    }
+
+    pub(crate) fn needs_core(&self, c: usize, t: usize) -> bool {
+        let periodic = self.components[c].tasks[t].period.is_some();
+        self.cores.is_some() && (periodic || self.aperiodic_core)
+    }
+}
+
+struct Reader {
+    fixed: bool,
+    exceptions: bool,
+}
+
+/// As many as PocoLibs servers have.
+const SLOTS: usize = 16;
+
+impl Reader {
+    fn component(&mut self, spec: &model::Spec, it: &model::Component) -> Component {
+        let mut codels = Vec::new();
+        let throws =
+            |more: &[model::TypeId]| self.exceptions && (!it.throws.is_empty() || !more.is_empty());
+        let mut codel = |at: CodelRef| {
+            let codel = it.codel(at);
+            let upper = codel.wcet.as_ref().map_or(0, |it| millis(it.value));
+            let executed = |at: CodelRef| {
+                let task = it.task_of(at).map(|it| it as usize);
+                (task, it.codel(at).name.to_string())
+            };
+            let list = mutex::exclusions(spec, it, at).into_iter();
+            codels.push(Codel {
+                lower: if self.fixed { upper } else { 0 },
+                upper,
+                executed: executed(at),
+                waits_for: list
+                    .map(|found| match found.with {
+                        Excluded::Codel(other) => executed(other),
+                        Excluded::Service(s) => (None, copy_of(it, s)),
+                    })
+                    .collect(),
+            });
+            codels.len() - 1
+        };
+        let mut machine = |owner: Owner, throws: bool| {
+            let list: Vec<(u32, &model::Codel)> = (0..).zip(it.codels_of(owner)).collect();
+            let mut names: Vec<(&str, u32)> = Vec::new();
+            for &(index, codel) in list.iter().filter(|it| it.1.kind == CodelKind::Fsm) {
+                names.extend(codel.triggers.iter().map(|it| (it.name.as_str(), index)));
+            }
+            let find = |name: &str| names.iter().position(|it| it.0 == name);
+            let states = names.iter().map(|&(name, index)| {
+                let yields = list[index as usize].1.yields.iter();
+                let mut outcomes: Vec<Outcome> = yields
+                    .map(|to| match find(&to.name) {
+                        _ if to.name == "ether" => Outcome::End,
+                        Some(state) if to.paused => Outcome::Pause(state),
+                        Some(state) => Outcome::Next(state),
+                        None => panic!("no codel for state {}", to.name),
+                    })
+                    .collect();
+                outcomes.extend(throws.then_some(Outcome::Throw));
+                MachineState {
+                    name: name.to_owned(),
+                    codel: codel(CodelRef { owner, index }),
+                    outcomes,
+                }
+            });
+            Machine {
+                states: states.collect(),
+                start: find("start"),
+                stop: find("stop"),
+            }
+        };
+        let tasks = (0..).zip(&it.tasks).map(|(t, task)| Task {
+            name: task.name.to_string(),
+            period: task.period.as_ref().map(|it| millis(it.value)),
+            delay: task.delay.as_ref().map_or(0, |it| millis(it.value)),
+            slots: SLOTS,
+            machine: machine(Owner::Task(t), false),
+        });
+        let tasks: Vec<Task> = tasks.collect();
+        let mut machines: Vec<Option<(usize, Machine)>> = (0..)
+            .zip(&it.services)
+            .map(|(s, service)| {
+                let task = service
+                    .task
+                    .filter(|_| service.kind == ServiceKind::Activity)?;
+                let throws = throws(&service.throws) || throws(&it.tasks[task as usize].throws);
+                Some((task as usize, machine(Owner::Service(s), throws)))
+            })
+            .collect();
+        let services = (0..).zip(&it.services).map(|(s, service)| {
+            let owner = Owner::Service(s);
+            let of_kind = |kind: CodelKind| {
+                let all = (0..).zip(&service.codels);
+                all.filter(move |it| it.1.kind == kind)
+            };
+            let mut control: Vec<ControlCodel> = Vec::new();
+            for (index, found) in of_kind(CodelKind::Validate) {
+                control.push(ControlCodel {
+                    name: Some(found.name.to_string()),
+                    codel: codel(CodelRef { owner, index }),
+                    can_fail: true,
+                });
+            }
+            if service.kind == ServiceKind::Attribute {
+                control.push(ControlCodel {
+                    name: None,
+                    codel: usize::MAX,
+                    can_fail: false,
+                });
+            }
+            for (index, found) in of_kind(CodelKind::Simple) {
+                control.push(ControlCodel {
+                    name: Some(found.name.to_string()),
+                    codel: codel(CodelRef { owner, index }),
+                    can_fail: throws(&service.throws),
+                });
+            }
+            let all = it.services.len();
+            let list = |list: &ServiceList| match list.all {
+                true => (0..all).collect(),
+                false => list.services.iter().map(|&it| it as usize).collect(),
+            };
+            Service {
+                name: service.name.to_string(),
+                activity: machines[s as usize].take(),
+                control,
+                interrupts: list(&service.interrupts),
+                before: list(&service.before),
+                after: list(&service.after),
+            }
+        });
+        let mut services: Vec<Service> = services.collect();
+        for (s, service) in (0..).zip(&mut services) {
+            for copy in service.control.iter_mut().filter(|it| it.name.is_none()) {
+                let others = mutex::service_exclusions(spec, it, s).into_iter();
+                let others = others.map(|at| {
+                    let task = it.task_of(at).map(|it| it as usize);
+                    (task, it.codel(at).name.to_string())
+                });
+                copy.codel = codels.len();
+                codels.push(Codel {
+                    lower: 0,
+                    upper: 0,
+                    executed: (None, copy_of(it, s)),
+                    waits_for: others.collect(),
+                });
+            }
+        }
+        Component {
+            name: it.name.to_string(),
+            tasks,
+            services,
+            codels,
+        }
+    }
+}
+
+/// The copy of an attribute is no function; it has a name that no function has.
+fn copy_of(component: &model::Component, service: u32) -> String {
+    format!("copy {}", component.services[service as usize].name)
+}
+
+fn client(system: &System, it: &ast::Client) -> Client {
+    let mut out = Client {
+        name: it.name.value.clone(),
+        nodes: Vec::new(),
+        first: Vec::new(),
+        awaits: false,
+    };
+    let end = out.push(None, Action::Jump, Vec::new());
+    out.first = vec![out.steps(system, &it.steps, end)];
+    out
+}
+
+impl Client {
+    /// The end: a jump that leads nowhere.
+    pub(crate) fn end(&self) -> usize {
+        0
+    }
+
+    fn push(&mut self, label: Option<String>, action: Action, next: Vec<usize>) -> usize {
+        self.nodes.push(Node {
+            label,
+            action,
+            next,
+        });
+        self.nodes.len() - 1
+    }
+
+    /// Adds steps after which a node follows; the node they begin with.
+    fn steps(&mut self, system: &System, steps: &[ast::Step], then: usize) -> usize {
+        steps
+            .iter()
+            .rev()
+            .fold(then, |then, it| self.step(system, it, then))
+    }
+
+    fn step(&mut self, system: &System, step: &ast::Step, then: usize) -> usize {
+        let service = |path: &ast::Path| {
+            let names: Vec<&str> = path.names.iter().map(|it| it.value.as_str()).collect();
+            let c = system.component(names[0]);
+            let mut services = system.components[c].services.iter();
+            let found = services.position(|it| it.name == names[1]);
+            (c, found.expect("a service"))
+        };
+        let label = step.label.as_ref().map(|it| it.value.clone());
+        let action = match &step.kind {
+            StepKind::Send(path) => {
+                let (c, s) = service(path);
+                // A request without a label is called after its service.
+                let label = label.or(Some(system.components[c].services[s].name.clone()));
+                return self.push(label, Action::Send(c, s), vec![then]);
+            }
+            StepKind::AwaitAccepted(_) => Action::AwaitAccepted,
+            StepKind::AwaitEnded(path) => {
+                self.awaits = true;
+                Action::AwaitEnded(path.as_ref().map(service))
+            }
+            StepKind::Delay(it, unit) => {
+                let upper = it.upper.expect("a bound");
+                Action::Delay(in_millis(it.lower, *unit), in_millis(upper, *unit))
+            }
+            StepKind::Repeat(Some(times), body) => {
+                return (0..*times).fold(then, |then, _| self.steps(system, body, then));
+            }
+            StepKind::Repeat(None, body) => {
+                let again = self.push(None, Action::Jump, Vec::new());
+                let first = self.steps(system, body, again);
+                self.nodes[again].next = vec![first];
+                return again;
+            }
+            StepKind::Choice(branches) => {
+                let firsts = branches.iter().map(|it| self.steps(system, it, then));
+                let next = firsts.collect();
+                return self.push(label, Action::Jump, next);
+            }
+        };
+        self.push(label, action, vec![then])
+    }
+
+    /// Nodes that are steps, or the end, reached from some without doing anything.
+    pub(crate) fn reach(&self, from: &[usize]) -> Vec<usize> {
+        let (mut out, mut todo) = (Vec::new(), from.to_vec());
+        let mut seen = Vec::new();
+        while let Some(node) = todo.pop() {
+            if seen.contains(&node) {
+                continue;
+            }
+            seen.push(node);
+            match self.nodes[node].action {
+                Action::Jump if node != self.end() => todo.extend(&self.nodes[node].next),
+                _ => out.push(node),
+            }
+        }
+        out
+    }
+}

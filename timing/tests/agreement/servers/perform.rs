@@ -1,0 +1,296 @@
+//! What steps do: clients, cores, passes, tickets, and how time passes.
+
+use dotgen_timing::scn::ast::Policy;
+
+use super::model::{Action, Outcome};
+use super::possible::Step;
+use super::state::{
+    CAP, Control, Doing, First, Instance, Phase, Since, State, Status, Who, machine,
+};
+use super::{Interpreter, Results};
+
+impl Interpreter<'_> {
+    pub(super) fn perform(&self, before: &State, step: Step, out: &mut Results) -> State {
+        let mut s = before.clone();
+        match step {
+            Step::Proceed(k, next) => (s.clients[k].at, s.clients[k].clock) = (Some(next), 0),
+            Step::Request(k, next) => self.request(&mut s, k, next, out),
+            Step::Tick(c, t) => {
+                let period = self.system.components[c].tasks[t].period;
+                let task = &mut s.components[c].tasks[t];
+                task.timer = period;
+                let at_work = task.phase != Phase::Idle && task.first == First::Over;
+                out.missed[c][t] |= at_work;
+                task.flag.get_or_insert(Since {
+                    tick: 0,
+                    measured: 0,
+                });
+            }
+            Step::Ask(c, t) => {
+                self.take_flag(&mut s, c, t);
+                let could_run = self.could_run(&s, c, t);
+                let task = &mut s.components[c].tasks[t];
+                if could_run {
+                    task.phase = Phase::WaitingForCore;
+                    s.queue.push((c, t));
+                    if self.system.policy == Policy::Any {
+                        s.queue.sort_unstable();
+                    }
+                } else {
+                    // Consumed; a job all the same, if it serves a tick.
+                    task.runnable = false;
+                    self.end_cycle(&mut s, c, t, out);
+                }
+            }
+            Step::Grant(c, t) => {
+                s.queue.retain(|it| *it != (c, t));
+                self.begin(&mut s, c, t, out);
+            }
+            Step::Begin(c, t) => {
+                if s.components[c].tasks[t].phase == Phase::Idle {
+                    self.take_flag(&mut s, c, t);
+                }
+                self.begin(&mut s, c, t, out);
+            }
+            Step::Ticket(c, who) => {
+                s.components[c].tickets.push(who);
+                s.set_doing(c, who, Doing::Queued);
+            }
+            Step::Leave(c, who) => {
+                s.components[c].tickets.remove(0);
+                s.set_doing(c, who, Doing::Executing(0));
+            }
+            Step::End(c, t, outcome) => self.end(&mut s, c, t, outcome, out),
+            Step::Handled(c, goes_on) => self.handled(&mut s, c, goes_on),
+            Step::Wake(c, t) => {
+                s.components[c].tasks[t].wake = false;
+                self.wake(&mut s, c, Some(t));
+            }
+            Step::Rest(c) => self.rest(&mut s, c),
+            Step::Report(c) => self.report(&mut s, c),
+        }
+        self.watch(Some(before), &mut s);
+        s
+    }
+
+    /// All aperiodic tasks of a component but one are runnable.
+    pub(super) fn wake(&self, s: &mut State, c: usize, but: Option<usize>) {
+        for t in 0..s.components[c].tasks.len() {
+            if Some(t) != but {
+                self.set_runnable(s, c, t);
+            }
+        }
+    }
+
+    /// Of a periodic task nobody reads it.
+    pub(super) fn set_runnable(&self, s: &mut State, c: usize, t: usize) {
+        s.components[c].tasks[t].runnable = self.system.components[c].tasks[t].period.is_none();
+    }
+
+    /// A cycle begins to serve the tick; or to be the first one.
+    fn take_flag(&self, s: &mut State, c: usize, t: usize) {
+        let task = &mut s.components[c].tasks[t];
+        task.job = task.flag.take();
+        if task.first == First::Started {
+            task.first = First::InCycle;
+        }
+    }
+
+    /// Beginning of a pass, up to its first codel.
+    fn begin(&self, s: &mut State, c: usize, t: usize, out: &mut Results) {
+        let periodic = self.system.components[c].tasks[t].period.is_some();
+        let task = &mut s.components[c].tasks[t];
+        let runnable = match periodic {
+            true => task.phase != Phase::Between,
+            false => std::mem::take(&mut task.runnable),
+        };
+        let mut turns = Vec::new();
+        for slot in 0..task.slots.len() {
+            let Some(it) = &mut task.slots[slot] else {
+                continue;
+            };
+            let machine = machine(self.system, c, t, it);
+            let nowhere = usize::MAX;
+            let marked = std::mem::take(&mut it.mark);
+            match it.status {
+                Status::Init(_) if marked => {
+                    it.status = Status::Ended(false);
+                    it.at = 0;
+                    task.ended = true;
+                }
+                Status::Init(true) if runnable => {
+                    it.status = Status::Run;
+                    it.at = machine.start.unwrap_or(nowhere);
+                    turns.push(slot);
+                }
+                Status::Run if marked => {
+                    it.status = Status::Stop;
+                    it.at = machine.stop.unwrap_or(nowhere);
+                    it.paused = false;
+                    turns.push(slot);
+                }
+                Status::Run | Status::Stop if runnable || !it.paused => {
+                    it.paused = false;
+                    turns.push(slot);
+                }
+                _ => it.mark = marked,
+            }
+        }
+        task.phase = Phase::Pass(turns, 0, Doing::Nothing);
+        self.turn(s, c, t, out);
+    }
+
+    /// Goes to the next turn that has a codel; those without end at once. After the last one the pass ends.
+    fn turn(&self, s: &mut State, c: usize, t: usize, out: &mut Results) {
+        let task = &mut s.components[c].tasks[t];
+        while let Phase::Pass(slots, at, doing) = &mut task.phase {
+            let Some(&slot) = slots.get(*at) else {
+                return self.end_pass(s, c, t, out);
+            };
+            let has_codel = task.slots[slot]
+                .as_ref()
+                .is_some_and(|it| it.at != usize::MAX);
+            *doing = Doing::Nothing;
+            if has_codel {
+                return;
+            }
+            *at += 1;
+            task.event = true;
+            task.ended |= end_instance(&mut task.slots[slot], false);
+        }
+    }
+
+    fn end(&self, s: &mut State, c: usize, t: usize, outcome: Outcome, out: &mut Results) {
+        let task = &mut s.components[c].tasks[t];
+        let Phase::Pass(slots, at, _) = &mut task.phase else {
+            unreachable!("a codel is executed in a pass");
+        };
+        let slot = slots[*at];
+        *at += 1;
+        task.event |= !matches!(outcome, Outcome::Pause(_));
+        match (outcome, &mut task.slots[slot]) {
+            (Outcome::Next(to), Some(it)) => it.at = to,
+            (Outcome::Pause(to), Some(it)) => (it.at, it.paused) = (to, true),
+            (outcome, it) => task.ended |= end_instance(it, outcome == Outcome::End),
+        }
+        self.turn(s, c, t, out);
+    }
+
+    fn end_pass(&self, s: &mut State, c: usize, t: usize, out: &mut Results) {
+        let model = &self.system.components[c];
+        let component = &mut s.components[c];
+        let others = (0..model.tasks.len()).any(|it| it != t && model.tasks[it].period.is_none());
+        let task = &mut component.tasks[t];
+        let event = std::mem::take(&mut task.event);
+        task.runnable |= event && model.tasks[t].period.is_none();
+        task.wake = event && others;
+        component.signal |= std::mem::take(&mut task.ended);
+        task.phase = Phase::Between;
+        let mut running = task.slots.iter().flatten();
+        let continues =
+            running.any(|it| matches!(it.status, Status::Run | Status::Stop) && !it.paused);
+        // Whoever has its first pass behind it lets the next one begin.
+        match component.tasks.get_mut(t + 1) {
+            Some(next) if next.first == First::NotStarted => next.first = First::Started,
+            None if component.control == Control::Starting => component.control = Control::Ready,
+            _ => {}
+        }
+        if !continues {
+            self.end_cycle(s, c, t, out);
+        }
+    }
+
+    fn end_cycle(&self, s: &mut State, c: usize, t: usize, out: &mut Results) {
+        let task = &mut s.components[c].tasks[t];
+        task.phase = Phase::Idle;
+        let job = task.job.take();
+        if task.first == First::InCycle {
+            task.first = First::Over;
+            // A tick kept from start-up counts from here.
+            task.flag.iter_mut().for_each(|it| it.measured = 0);
+        } else if let Some(job) = job {
+            out.took(c, t, job.measured);
+        }
+    }
+
+    /// One unit of time.
+    pub(super) fn pass(&self, s: &State) -> State {
+        let mut n = s.clone();
+        let edf = self.system.policy == Policy::Edf && self.cores.is_some();
+        let older = |it: &mut Since| {
+            it.measured = (it.measured + 1).min(CAP);
+            it.tick = (it.tick + u32::from(edf)).min(CAP);
+        };
+        for c in 0..n.components.len() {
+            for who in s.everybody(c) {
+                if let Some(Doing::Executing(elapsed)) = n.doing(c, who) {
+                    n.set_doing(c, who, Doing::Executing(elapsed + 1));
+                }
+            }
+            for task in &mut n.components[c].tasks {
+                task.timer = task.timer.map(|it| it - 1);
+                task.flag.iter_mut().for_each(older);
+                task.job.iter_mut().for_each(older);
+            }
+        }
+        for k in 0..n.clients.len() {
+            if n.delay(self.system, k).is_some() {
+                n.clients[k].clock += 1;
+            }
+        }
+        for it in n.obligations.iter_mut().flatten() {
+            *it = (*it + 1).min(CAP);
+        }
+        n
+    }
+
+    /// Whether anything will ever happen after a state in which time passes.
+    pub(super) fn dead(&self, s: &State) -> bool {
+        let timers = s.components.iter().flat_map(|it| &it.tasks);
+        let executing = |c: usize| {
+            let mut doing = s.everybody(c).filter_map(move |it| s.doing(c, it));
+            doing.any(|it| matches!(it, Doing::Executing(_)))
+        };
+        timers.into_iter().all(|it| it.timer.is_none())
+            && !(0..s.components.len()).any(executing)
+            && !(0..s.clients.len()).any(|k| s.delay(self.system, k).is_some())
+    }
+
+    /// A control task takes a request.
+    fn request(&self, s: &mut State, k: usize, next: usize, out: &mut Results) {
+        let client = &self.system.clients[k];
+        let at = s.clients[k].at.unwrap_or(client.end());
+        let Action::Send(c, service) = client.nodes[at].action else {
+            unreachable!("not at a request");
+        };
+        let it = &mut s.clients[k];
+        (it.at, it.clock, it.outstanding) = (Some(next), 0, true);
+        self.accept(s, k, c, service, out);
+    }
+}
+
+/// An automaton ends; whether that is to be reported.
+fn end_instance(slot: &mut Option<Instance>, succeeded: bool) -> bool {
+    match slot {
+        Some(it) if it.service.is_some() => {
+            it.status = Status::Ended(succeeded);
+            (it.at, it.paused, it.mark) = (0, false, false);
+            true
+        }
+        // The place of a permanent activity is free once it has ended.
+        _ => {
+            *slot = None;
+            false
+        }
+    }
+}
+
+impl Who {
+    /// The task, if it is one.
+    pub(super) fn task(self) -> Option<usize> {
+        match self {
+            Who::Task(t) => Some(t),
+            Who::Control => None,
+        }
+    }
+}

@@ -1,0 +1,241 @@
+//! What may happen now.
+
+use dotgen_timing::scn::ast::Policy;
+
+use super::Interpreter;
+use super::model::{Action, Outcome};
+use super::state::{Control, Doing, First, Phase, State, Status, Tracked, Who};
+
+/// One atomic step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Step {
+    /// A client goes on to a node.
+    Proceed(usize, usize),
+    /// A control task takes the request of a client, which goes on to a node.
+    Request(usize, usize),
+    Tick(usize, usize),
+    /// A task asks for a core, or finds nothing to do.
+    Ask(usize, usize),
+    Grant(usize, usize),
+    /// Beginning of a pass.
+    Begin(usize, usize),
+    Ticket(usize, Who),
+    Leave(usize, Who),
+    /// End of a codel of a machine.
+    End(usize, usize, Outcome),
+    /// End of a codel of the control task; whether the request goes on.
+    Handled(usize, bool),
+    /// A task wakes the others.
+    Wake(usize, usize),
+    /// The rest of the handling of a request.
+    Rest(usize),
+    /// Ended activities are reported.
+    Report(usize),
+}
+
+impl Interpreter<'_> {
+    /// Steps that may happen now, and whether one of them has to before time passes.
+    pub(super) fn possible(&self, s: &State) -> (Vec<Step>, bool) {
+        let mut out = Vec::new();
+        self.clients(s, &mut out);
+        if !out.is_empty() {
+            return (out, true);
+        }
+        let tasks = || {
+            let all = s.components.iter().enumerate();
+            all.flat_map(|(c, it)| (0..it.tasks.len()).map(move |t| (c, t)))
+        };
+        // On cores: insertions into the queue, then decisions, then everything else.
+        out.extend(
+            tasks()
+                .filter(|&(c, t)| self.needs_core(c, t) && self.wants(s, c, t))
+                .map(|(c, t)| Step::Ask(c, t)),
+        );
+        if out.is_empty() {
+            self.grants(s, &mut out);
+        }
+        if !out.is_empty() {
+            return (out, true);
+        }
+        let mut urgent = false;
+        for (c, t) in tasks() {
+            let it = &s.components[c].tasks[t];
+            if it.timer == Some(0) {
+                out.push(Step::Tick(c, t));
+            }
+            if it.wake {
+                out.push(Step::Wake(c, t));
+            } else if it.phase == Phase::Between || (!self.needs_core(c, t) && self.wants(s, c, t))
+            {
+                out.push(Step::Begin(c, t));
+            }
+        }
+        for (c, it) in s.components.iter().enumerate() {
+            match it.control {
+                Control::Rest(..) => out.push(Step::Rest(c)),
+                Control::Ready if it.signal => out.push(Step::Report(c)),
+                _ => {}
+            }
+            for who in s.everybody(c) {
+                if s.doing(c, who) == Some(Doing::Nothing) {
+                    out.push(Step::Ticket(c, who));
+                }
+            }
+            let head = it.tickets.first();
+            out.extend(
+                head.filter(|&&who| self.may_leave(s, c, who))
+                    .map(|&who| Step::Leave(c, who)),
+            );
+        }
+        for (k, it) in s.clients.iter().enumerate() {
+            let client = &self.system.clients[k];
+            let Some(at) = it.at else { continue };
+            if let Action::Send(c, _) = client.nodes[at].action
+                && s.components[c].control == Control::Ready
+                && !it.outstanding
+            {
+                let next = client.reach(&client.nodes[at].next);
+                out.extend(next.into_iter().map(|next| Step::Request(k, next)));
+            }
+        }
+        urgent |= !out.is_empty();
+        for (c, it) in self.system.components.iter().enumerate() {
+            for who in s.everybody(c) {
+                let Some(Doing::Executing(elapsed)) = s.doing(c, who) else {
+                    continue;
+                };
+                let codel = s.codel(self.system, c, who).expect("it executes one");
+                let codel = &it.codels[codel];
+                urgent |= elapsed == codel.upper;
+                if elapsed >= codel.lower {
+                    self.ends(s, c, who, &mut out);
+                }
+            }
+        }
+        for (k, it) in s.clients.iter().enumerate() {
+            if let Some((lower, upper)) = s.delay(self.system, k) {
+                let client = &self.system.clients[k];
+                urgent |= it.clock == upper;
+                if it.clock >= lower {
+                    let next = client.reach(&client.nodes[it.at.unwrap_or(0)].next);
+                    out.extend(next.into_iter().map(|next| Step::Proceed(k, next)));
+                }
+            }
+        }
+        (out, urgent)
+    }
+
+    fn clients(&self, s: &State, out: &mut Vec<Step>) {
+        for (k, it) in s.clients.iter().enumerate() {
+            let client = &self.system.clients[k];
+            let next = match it.at {
+                None => client.reach(&client.first),
+                Some(at) => {
+                    let over = match client.nodes[at].action {
+                        Action::AwaitAccepted => !it.outstanding,
+                        Action::AwaitEnded(of) => {
+                            let asked = it.tracked.iter().rev();
+                            let mut asked =
+                                asked.filter(|it| of.is_none_or(|of| of == (it.0, it.1)));
+                            asked.next().is_none_or(|it| it.2 == Tracked::Over)
+                        }
+                        _ => false,
+                    };
+                    match over {
+                        true => client.reach(&client.nodes[at].next),
+                        false => continue,
+                    }
+                }
+            };
+            out.extend(next.into_iter().map(|next| Step::Proceed(k, next)));
+        }
+    }
+
+    /// Whether an idle task has something to begin a cycle for.
+    fn wants(&self, s: &State, c: usize, t: usize) -> bool {
+        let it = &s.components[c].tasks[t];
+        let woken = match self.system.components[c].tasks[t].period {
+            Some(_) => it.flag.is_some(),
+            None => it.runnable,
+        };
+        woken && it.phase == Phase::Idle && it.first != First::NotStarted && !it.wake
+    }
+
+    /// Whether a cycle of a task could execute anything.
+    pub(super) fn could_run(&self, s: &State, c: usize, t: usize) -> bool {
+        let slots = s.components[c].tasks[t].slots.iter().flatten();
+        slots.into_iter().any(|it| match it.status {
+            Status::Init(released) => released || it.mark,
+            Status::Run | Status::Stop => true,
+            Status::Asked | Status::Ended(_) => false,
+        })
+    }
+
+    fn grants(&self, s: &State, out: &mut Vec<Step>) {
+        let Some(cores) = self.cores else { return };
+        let mut busy = 0;
+        for (c, it) in s.components.iter().enumerate() {
+            for (t, task) in it.tasks.iter().enumerate() {
+                let on_core = !matches!(task.phase, Phase::Idle | Phase::WaitingForCore);
+                busy += usize::from(on_core && self.needs_core(c, t));
+            }
+        }
+        if busy >= cores || s.queue.is_empty() {
+            return;
+        }
+        let deadline = |&(c, t): &(usize, usize)| {
+            let period = self.system.components[c].tasks[t].period;
+            let since = s.components[c].tasks[t].job;
+            match (period, since) {
+                (Some(period), Some(since)) => i64::from(period) - i64::from(since.tick),
+                _ => i64::MAX,
+            }
+        };
+        let grant = |&(c, t): &(usize, usize)| Step::Grant(c, t);
+        match self.system.policy {
+            Policy::Fifo => out.extend(s.queue.first().map(grant)),
+            Policy::Any => out.extend(s.queue.iter().map(grant)),
+            // The first of equals.
+            Policy::Edf => out.extend(s.queue.iter().min_by_key(|it| deadline(it)).map(grant)),
+        }
+    }
+
+    fn may_leave(&self, s: &State, c: usize, who: Who) -> bool {
+        let codels = &self.system.components[c].codels;
+        let codel = |who: Who| s.codel(self.system, c, who).map(|it| &codels[it]);
+        let Some(own) = codel(who) else { return false };
+        let mut others = s.everybody(c).filter(|&it| it != who);
+        others.all(|other| {
+            let executing = matches!(s.doing(c, other), Some(Doing::Executing(_)));
+            let executed = codel(other).map(|it| &it.executed);
+            !executing || executed.is_none_or(|it| !own.waits_for.contains(it))
+        })
+    }
+
+    fn ends(&self, s: &State, c: usize, who: Who, out: &mut Vec<Step>) {
+        match who {
+            Who::Control => {
+                let Control::Codel(request, at, _) = s.components[c].control else {
+                    return;
+                };
+                let service = &self.system.components[c].services[request.service];
+                out.push(Step::Handled(c, true));
+                if service.control[at].can_fail {
+                    out.push(Step::Handled(c, false));
+                }
+            }
+            Who::Task(t) => {
+                let task = &s.components[c].tasks[t];
+                let Phase::Pass(slots, at, _) = &task.phase else {
+                    return;
+                };
+                let Some(it) = &task.slots[slots[*at]] else {
+                    return;
+                };
+                let machine = super::state::machine(self.system, c, t, it);
+                let outcomes = machine.states[it.at].outcomes.iter();
+                out.extend(outcomes.map(|&it| Step::End(c, t, it)));
+            }
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! Random small specifications and scenarios, as texts: what is compared goes through all that reads them.
+
+use std::fmt::Write;
+
+use crate::systems::Dice;
+
+/// A specification for each component, and a scenario.
+pub(crate) struct Texts {
+    pub(crate) specifications: Vec<String>,
+    pub(crate) scenario: String,
+}
+
+/// What predicates and clients can talk about.
+#[derive(Default)]
+struct Known {
+    /// `c.t.x`: states of machines.
+    states: Vec<String>,
+    activities: Vec<String>,
+    tasks: Vec<String>,
+    services: Vec<String>,
+}
+
+/// A system of one or two components with one to three tasks each and all that the semantics of the servers has rules for.
+pub(crate) fn texts(dice: &mut Dice) -> Texts {
+    let mut known = Known::default();
+    let count = if dice.in_ten(3) { 2 } else { 1 };
+    let specifications = (0..count).map(|c| component(dice, c, count, &mut known));
+    let specifications = specifications.collect();
+    let scenario = scenario(dice, &known);
+    Texts {
+        specifications,
+        scenario,
+    }
+}
+
+fn component(dice: &mut Dice, c: usize, of: usize, known: &mut Known) -> String {
+    let name = ["c", "d"][c];
+    let mut out = format!(
+        "component {name} {{\n version \"1\"; lang \"c\";\n ids {{ long f0; long f1; }};\n exception bad;\n"
+    );
+    let tasks = 1 + dice.below(if of == 1 { 3 } else { 2 });
+    let mut periodic = Vec::new();
+    for t in 0..tasks {
+        let has_period = dice.in_ten(7);
+        periodic.push(has_period);
+        let _ = writeln!(out, " task t{t} {{");
+        if has_period {
+            let _ = writeln!(out, "  period {} ms;", dice.pick(&[3, 4, 6, 6, 8]));
+            if dice.in_ten(3) {
+                let _ = writeln!(out, "  delay {} ms;", 1 + dice.below(3));
+            }
+        }
+        known.tasks.push(format!("{name}.t{t}"));
+        if dice.in_ten(6) {
+            let path = format!("{name}.t{t}");
+            machine(dice, &mut out, &format!("t{t}"), &path, false, known);
+        }
+        out.push_str(" };\n");
+    }
+    let services = dice.below(if of == 1 { 4 } else { 3 });
+    for s in 0..services {
+        let path = format!("{name}.s{s}");
+        let kind = dice.pick(&["activity", "activity", "activity", "function", "attribute"]);
+        let params = match kind {
+            "attribute" => dice.pick(&["in f0", "out f1"]),
+            _ => "",
+        };
+        let _ = writeln!(out, " {kind} s{s}({params}) {{");
+        if kind == "activity" {
+            let _ = writeln!(out, "  task t{};", dice.below(tasks));
+        }
+        if dice.in_ten(2) {
+            let (params, wcet) = (params_of(dice), time(dice));
+            let _ = writeln!(out, "  validate v{s}({params}) wcet {wcet} ms;");
+        }
+        if kind == "activity" {
+            let stops = dice.in_ten(5);
+            machine(dice, &mut out, &format!("s{s}"), &path, stops, known);
+            known.activities.push(path.clone());
+        } else if kind == "function" {
+            for i in 0..dice.below(3) {
+                let (params, wcet) = (params_of(dice), time(dice));
+                let _ = writeln!(out, "  codel g{s}_{i}({params}) wcet {wcet} ms;");
+            }
+        }
+        if dice.in_ten(2) {
+            out.push_str("  throw bad;\n");
+        }
+        if kind != "attribute" && dice.in_ten(5) {
+            let _ = writeln!(out, "  interrupts s{};", dice.below(services));
+        }
+        if dice.in_ten(1) {
+            let _ = writeln!(out, "  after s{};", dice.below(services));
+        }
+        if dice.in_ten(1) {
+            let _ = writeln!(out, "  before s{};", dice.below(services));
+        }
+        out.push_str(" };\n");
+        known.services.push(path);
+    }
+    out.push_str("};\n");
+    // An exception that nothing throws is no error, but the component would throw it.
+    out.replace(
+        " exception bad;\n",
+        if out.contains("throw bad") {
+            " exception bad;\n"
+        } else {
+            ""
+        },
+    )
+}
+
+fn params_of(dice: &mut Dice) -> &'static str {
+    dice.pick(&["", "", "in f0", "inout f0", "inout f0", "in f1", "inout f1"])
+}
+
+fn time(dice: &mut Dice) -> u32 {
+    dice.pick(&[0, 1, 1, 1, 2, 2, 3])
+}
+
+/// One to three states, and sometimes `stop`.
+fn machine(
+    dice: &mut Dice,
+    out: &mut String,
+    owner: &str,
+    path: &str,
+    stops: bool,
+    known: &mut Known,
+) {
+    let states = &["start", "x", "y"][..1 + dice.below(3) as usize];
+    let permanent = owner.starts_with('t');
+    for (i, state) in states.iter().enumerate() {
+        let mut yields: Vec<String> = Vec::new();
+        for _ in 0..1 + dice.below(4) / 3 {
+            // Onwards without pause, anywhere with one.
+            let to = match dice.below(10) {
+                0..4 if i + 1 < states.len() => states[i + 1].to_owned(),
+                0..8 => format!("pause::{}", dice.pick(states)),
+                _ if permanent && dice.in_ten(7) => format!("pause::{}", dice.pick(states)),
+                _ => "ether".to_owned(),
+            };
+            if !yields.contains(&to) {
+                yields.push(to);
+            }
+        }
+        let (params, wcet) = (params_of(dice), time(dice));
+        let yields = yields.join(", ");
+        let _ = writeln!(
+            out,
+            "  codel<{state}> {owner}_{state}({params}) yield {yields} wcet {wcet} ms;"
+        );
+        known.states.push(format!("{path}.{state}"));
+    }
+    if stops {
+        let (params, wcet) = (params_of(dice), time(dice));
+        let to = match dice.in_ten(2) {
+            true => format!("pause::{}", dice.pick(states)),
+            false => "ether".to_owned(),
+        };
+        let _ = writeln!(
+            out,
+            "  codel<stop> {owner}_stop({params}) yield {to} wcet {wcet} ms;"
+        );
+        known.states.push(format!("{path}.stop"));
+    }
+}
+
+fn scenario(dice: &mut Dice, known: &Known) -> String {
+    let mut out = "scenario s {\n semantics servers;\n unit 1 ms;\n".to_owned();
+    let cores = dice.pick(&["free", "free", "free", "1", "1", "2"]);
+    let policy = dice.pick(&["fifo", "fifo", "edf", "any"]);
+    let durations = dice.pick(&["fixed", "fixed", "fixed", "interval"]);
+    let _ = writeln!(
+        out,
+        " cores {cores}; policy {policy}; durations {durations};"
+    );
+    if dice.in_ten(2) {
+        out.push_str(" aperiodic free;\n");
+    }
+    if dice.in_ten(1) {
+        let _ = writeln!(out, " slots {} {};", known.tasks[0], 1 + dice.below(3));
+    }
+    for k in 0..if known.services.is_empty() {
+        0
+    } else {
+        1 + dice.below(6) / 5
+    } {
+        let _ = writeln!(out, " client k{k} {{");
+        let again = dice.in_ten(2);
+        if again {
+            out.push_str("  repeat * {\n");
+        }
+        for _ in 0..1 + dice.below(3) {
+            if dice.in_ten(6) {
+                let from = dice.below(9);
+                let to = from + if dice.in_ten(3) { dice.below(4) } else { 0 };
+                let _ = writeln!(out, "  delay [{from},{to}] ms;");
+            }
+            let all: Vec<&str> = known.services.iter().map(String::as_str).collect();
+            let _ = writeln!(out, "  send {};", dice.pick(&all));
+            if dice.in_ten(3) {
+                out.push_str("  await ended;\n");
+            }
+        }
+        if again {
+            out.push_str("  delay 5 ms;\n }\n");
+        }
+        out.push_str(" }\n");
+    }
+    out.push_str(" check schedulable *; check no-overdue *; check response *;\n");
+    for i in 0..2 {
+        let (p, q) = (predicate(dice, known), predicate(dice, known));
+        let _ = writeln!(out, " check r{i}: reachable {p};");
+        if i == 0 && dice.in_ten(6) {
+            let _ = writeln!(out, " check w: within {p} => {q};");
+        }
+    }
+    out.push_str("}\n");
+    out
+}
+
+fn predicate(dice: &mut Dice, known: &Known) -> String {
+    let mut pick = |all: &[String]| {
+        let all: Vec<&str> = all.iter().map(String::as_str).collect();
+        dice.pick(&all).to_owned()
+    };
+    let state = (!known.states.is_empty()).then(|| pick(&known.states));
+    let activity = (!known.activities.is_empty()).then(|| pick(&known.activities));
+    let task = pick(&known.tasks);
+    match (dice.below(10), state, activity) {
+        (0..4, Some(it), _) => format!("{it}.exec"),
+        (4, Some(it), _) => format!("{it}.lock"),
+        (5..8, _, Some(it)) => format!("{it}.{}", dice.pick(&["run", "void", "waiting"])),
+        (8, _, Some(it)) => format!("not {it}.void"),
+        _ => format!("{task}.{}", dice.pick(&["running", "idle"])),
+    }
+}

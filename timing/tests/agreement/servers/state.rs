@@ -1,0 +1,300 @@
+//! A state, and how it begins.
+
+use super::model::{Action, System};
+
+/// Ages beyond this are taken for unbounded.
+pub(crate) const CAP: u32 = 150;
+
+/// An activity in its slot.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct Instance {
+    /// None: the permanent activity.
+    pub(super) service: Option<usize>,
+    pub(super) status: Status,
+    /// State of its machine.
+    pub(super) at: usize,
+    pub(super) paused: bool,
+    /// Interrupted, and not noticed yet.
+    pub(super) mark: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Status {
+    /// Its request is being handled.
+    Asked,
+    /// Waiting to begin; whether it may.
+    Init(bool),
+    Run,
+    Stop,
+    /// Ended and not yet reported; whether it has succeeded.
+    Ended(bool),
+}
+
+/// What a task or the control task does with its codel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Doing {
+    /// It has no ticket yet.
+    Nothing,
+    Queued,
+    Executing(u32),
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) enum Phase {
+    Idle,
+    WaitingForCore,
+    /// Between two passes of a cycle.
+    Between,
+    /// The slots that have a turn in this pass, and which one has it.
+    Pass(Vec<usize>, usize, Doing),
+}
+
+/// Where a task is with its first cycle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum First {
+    NotStarted,
+    Started,
+    InCycle,
+    Over,
+}
+
+/// A tick that was not served yet, or the one a job serves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Since {
+    /// Since the tick.
+    pub(super) tick: u32,
+    /// What counts of it.
+    pub(super) measured: u32,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct Task {
+    /// Time to the next tick.
+    pub(super) timer: Option<u32>,
+    pub(super) flag: Option<Since>,
+    /// Of an aperiodic task.
+    pub(super) runnable: bool,
+    pub(super) phase: Phase,
+    pub(super) first: First,
+    pub(super) job: Option<Since>,
+    pub(super) slots: Vec<Option<Instance>>,
+    /// What happened in this pass: a transition without pause or an end; an activity that ended.
+    pub(super) event: bool,
+    pub(super) ended: bool,
+    /// The other tasks have to be woken.
+    pub(super) wake: bool,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) enum Control {
+    /// Tasks are being started.
+    Starting,
+    Ready,
+    /// At a codel of a request.
+    Codel(Request, usize, Doing),
+    /// What follows the codels of a request.
+    Rest(Request, Handled),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Request {
+    pub(super) client: usize,
+    pub(super) service: usize,
+    /// Of an activity: task and slot.
+    pub(super) slot: Option<(usize, usize)>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Handled {
+    Accepted,
+    Refused,
+}
+
+/// Who takes tickets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Who {
+    Task(usize),
+    Control,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct Component {
+    pub(super) control: Control,
+    /// Some activity has ended.
+    pub(super) signal: bool,
+    pub(super) tickets: Vec<Who>,
+    /// By service.
+    pub(super) succeeded: Vec<bool>,
+    pub(super) tasks: Vec<Task>,
+}
+
+/// A request whose end is awaited.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Tracked {
+    Over,
+    Handled,
+    /// Task and slot.
+    Slot(usize, usize),
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct Client {
+    /// None: before the first step.
+    pub(super) at: Option<usize>,
+    pub(super) clock: u32,
+    pub(super) outstanding: bool,
+    /// The last request for each service, and the last one of all.
+    pub(super) tracked: Vec<(usize, usize, Tracked)>,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(crate) struct State {
+    pub(super) components: Vec<Component>,
+    pub(super) clients: Vec<Client>,
+    /// Tasks that wait for a core, in order.
+    pub(super) queue: Vec<(usize, usize)>,
+    /// Age of the open obligation of each observer.
+    pub(super) obligations: Vec<Option<u32>>,
+}
+
+impl State {
+    pub(super) fn initial(system: &System, observers: usize) -> State {
+        let component = |it: &super::model::Component| {
+            let task = |it: &super::model::Task| Task {
+                timer: it.period.map(|period| match it.delay {
+                    0 => period,
+                    delay => delay,
+                }),
+                flag: None,
+                runnable: it.period.is_none(),
+                phase: Phase::Idle,
+                first: First::NotStarted,
+                job: None,
+                slots: (0..it.slots)
+                    .map(|slot| {
+                        (slot == 0).then_some(Instance {
+                            service: None,
+                            status: Status::Init(true),
+                            at: 0,
+                            paused: false,
+                            mark: false,
+                        })
+                    })
+                    .collect(),
+                event: false,
+                ended: false,
+                wake: false,
+            };
+            let mut tasks: Vec<Task> = it.tasks.iter().map(task).collect();
+            if let Some(first) = tasks.first_mut() {
+                first.first = First::Started;
+            }
+            Component {
+                control: match tasks.is_empty() {
+                    true => Control::Ready,
+                    false => Control::Starting,
+                },
+                signal: false,
+                tickets: Vec::new(),
+                succeeded: vec![false; it.services.len()],
+                tasks,
+            }
+        };
+        State {
+            components: system.components.iter().map(component).collect(),
+            clients: (system.clients.iter())
+                .map(|_| Client {
+                    at: None,
+                    clock: 0,
+                    outstanding: false,
+                    tracked: Vec::new(),
+                })
+                .collect(),
+            queue: Vec::new(),
+            obligations: vec![None; observers],
+        }
+    }
+
+    /// What somebody of a component does with a codel.
+    pub(super) fn doing(&self, c: usize, who: Who) -> Option<Doing> {
+        let it = &self.components[c];
+        match who {
+            Who::Control => match &it.control {
+                Control::Codel(.., doing) => Some(*doing),
+                _ => None,
+            },
+            Who::Task(t) => match &it.tasks[t].phase {
+                Phase::Pass(.., doing) => Some(*doing),
+                _ => None,
+            },
+        }
+    }
+
+    pub(super) fn set_doing(&mut self, c: usize, who: Who, to: Doing) {
+        let it = &mut self.components[c];
+        match who {
+            Who::Control => {
+                if let Control::Codel(.., doing) = &mut it.control {
+                    *doing = to;
+                }
+            }
+            Who::Task(t) => {
+                if let Phase::Pass(.., doing) = &mut it.tasks[t].phase {
+                    *doing = to;
+                }
+            }
+        }
+    }
+
+    /// The codel that somebody is at.
+    pub(super) fn codel(&self, system: &System, c: usize, who: Who) -> Option<usize> {
+        let model = &system.components[c];
+        match who {
+            Who::Control => match &self.components[c].control {
+                Control::Codel(request, at, _) => {
+                    Some(model.services[request.service].control[*at].codel)
+                }
+                _ => None,
+            },
+            Who::Task(t) => {
+                let Phase::Pass(slots, at, _) = &self.components[c].tasks[t].phase else {
+                    return None;
+                };
+                let instance = self.components[c].tasks[t].slots[slots[*at]].as_ref()?;
+                let machine = machine(system, c, t, instance);
+                Some(machine.states.get(instance.at)?.codel)
+            }
+        }
+    }
+
+    /// Everybody of a component who may be at a codel.
+    pub(super) fn everybody(&self, c: usize) -> impl Iterator<Item = Who> + use<> {
+        let tasks = 0..self.components[c].tasks.len();
+        tasks.map(Who::Task).chain([Who::Control])
+    }
+
+    /// The delay that a client is at.
+    pub(super) fn delay(&self, system: &System, k: usize) -> Option<(u32, u32)> {
+        match system.clients[k].nodes[self.clients[k].at?].action {
+            Action::Delay(lower, upper) => Some((lower, upper)),
+            _ => None,
+        }
+    }
+}
+
+/// The machine that an instance in a slot of a task executes.
+pub(super) fn machine<'s>(
+    system: &'s System,
+    c: usize,
+    t: usize,
+    instance: &Instance,
+) -> &'s super::model::Machine {
+    let component = &system.components[c];
+    match instance.service {
+        None => &component.tasks[t].machine,
+        Some(s) => match &component.services[s].activity {
+            Some((_, machine)) => machine,
+            None => unreachable!("only activities have slots"),
+        },
+    }
+}
