@@ -380,7 +380,9 @@ impl Renaming {
         } else if executor < automata + components {
             automata + self.components[executor - automata]
         } else {
-            automata + components + self.clients[executor - automata - components]
+            // Rules that number executors otherwise exchange nothing: each stays itself.
+            let client = self.clients.get(executor - automata - components);
+            client.map_or(executor, |it| automata + components + it)
         }
     }
 
