@@ -339,7 +339,7 @@ fn cases() -> u64 {
     std::env::var("DOTGEN_TIMING_CASES")
         .ok()
         .and_then(|it| it.parse().ok())
-        .unwrap_or(2000)
+        .unwrap_or(500)
 }
 
 /// The first seed, to look at one system again.

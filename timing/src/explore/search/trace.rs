@@ -230,8 +230,8 @@ impl<R: Rules> Search<'_, R> {
                 ordered.clone_from(&next);
                 self.reductions.order(&self.rules, &mut ordered);
                 encode(self.rules.frame(), &ordered, &mut it);
-                // What is left is seen in a step, not in the state it leads to.
-                let by_step = matches!(goal, Goal::Reach(_))
+                // What is left, or answered at once, is seen in a step, not in the state it leads to.
+                let by_step = matches!(goal, Goal::Reach(_) | Goal::Lasts(Timing::Within(_), 0))
                     && self.is_goal(Some(&s), &next, &enabled, goal).is_some();
                 if seen.insert((it.clone(), by_step)) {
                     found.push((next, at, Some(action)));
