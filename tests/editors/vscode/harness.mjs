@@ -224,7 +224,9 @@ export async function startWorkbench({ node, codeServer, chromiumPath = '/usr/bi
         .filter((name) => /^\d+$/.test(name))
         .filter((pid) => {
           try {
-            return readlinkSync(`/proc/${pid}/exe`).startsWith(extensions + sep);
+            // Its helpers are the same program, started by it with other arguments.
+            const words = readFileSync(`/proc/${pid}/cmdline`, 'utf8').split('\0');
+            return readlinkSync(`/proc/${pid}/exe`).startsWith(extensions + sep) && words[1] === 'lsp';
           } catch {
             return false; // ended meanwhile, or not ours to look at
           }
