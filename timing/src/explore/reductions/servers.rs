@@ -92,7 +92,13 @@ impl OfServers {
             return false;
         }
         let groups = self.groups(rules, s);
-        let group = |it: Action| rules.component_of_action(s, it).map(|it| groups[it]);
+        // A step of a client alone, such as the end of a delay, makes a request possible in the same moment: it is one
+        // of the group that the client addresses.
+        let component = |it: Action| {
+            let own = rules.component_of_action(s, it);
+            own.or_else(|| self.addressed[rules.client_of_action(it)?].first().copied())
+        };
+        let group = |it: Action| component(it).map(|it| groups[it]);
         let mut tried: SmallVec<[usize; 16]> = SmallVec::new();
         for &action in &enabled.actions {
             let Some(own) = group(action).filter(|it| !tried.contains(it)) else {

@@ -27,6 +27,18 @@ impl Servers<'_> {
         }
     }
 
+    /// The client that an action is one of.
+    pub(crate) fn client_of_action(&self, action: Action) -> Option<usize> {
+        match action {
+            Action::Proceed { client, .. } | Action::Request { client, .. } => Some(client),
+            Action::Finish { executor, .. } => {
+                let before = self.system.tasks.len() + self.system.components.len();
+                executor.checked_sub(before)
+            }
+            _ => None,
+        }
+    }
+
     /// Whether an action must be performed before time passes.
     pub(crate) fn has_to_act(&self, s: &State, action: Action) -> bool {
         match action {
@@ -56,8 +68,9 @@ impl Servers<'_> {
         if self.system.platform.cores.is_none() {
             return false;
         }
+        // A step of a client alone changes nothing at the cores.
         let Some(component) = self.component_of_action(s, action) else {
-            return true;
+            return false;
         };
         let tasks = &self.system.components[component].tasks;
         let at_cores = |s: &State| -> Vec<(bool, bool)> {
