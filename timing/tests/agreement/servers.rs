@@ -108,6 +108,13 @@ impl<'s> Interpreter<'s> {
         for (it, reached) in self.reach.iter().zip(&mut out.reached) {
             *reached = *reached || self.holds(before, now, it);
         }
+        // What is answered in the moment in which it is asked takes no time, which is a time.
+        for ((trigger, _), longest) in self.within.iter().zip(&mut out.within) {
+            let was = before.is_some_and(|it| self.holds(Some(it), it, trigger));
+            if !was && self.holds(before, now, trigger) {
+                *longest = (*longest).max(Some(0));
+            }
+        }
     }
 
     /// Everything there is to know, or `None` above `limit` states.
