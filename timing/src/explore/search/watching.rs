@@ -213,6 +213,18 @@ impl<R: Rules> Search<'_, R> {
         Some(self.trace(self.excess[gauge]?, &Goal::Lasts(of, limit? + 1)))
     }
 
+    /// Looks at a task that begins to wait for a core: where a job counts from a tick that was kept, it may be overdue
+    /// from the first moment on.
+    pub(super) fn overdue_at_release(&mut self, s: &State, released: usize, at: Sight) {
+        for (i, &task) in self.watch.overdue.iter().enumerate() {
+            if task == released && self.overdue[i].is_none() && self.rules.overdue(s, task) {
+                for it in self.reductions.orbits().alike(task, &self.watch.overdue) {
+                    self.overdue[it] = Some(at);
+                }
+            }
+        }
+    }
+
     /// Looks at clocks after time has passed.
     pub(super) fn clocks_after_jump(&mut self, s: &mut State, at: Sight) -> Option<Diverging> {
         for (i, &task) in self.watch.overdue.iter().enumerate() {
