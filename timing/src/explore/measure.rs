@@ -17,7 +17,7 @@ pub(super) enum Timing {
 
 impl Timing {
     /// Its clock, if it has one.
-    pub(super) fn clock(self, l: &Frame) -> Option<usize> {
+    pub(in crate::explore) fn clock(self, l: &Frame) -> Option<usize> {
         match self {
             Timing::Response(task) => l.response[task],
             Timing::Within(observer) => l.observer_clock[observer],

@@ -78,14 +78,22 @@ impl Run {
         &self,
         rules: &R,
         (observers, recent): (&[Observer], Ticks),
+        clock: Option<usize>,
         cancel: &Cancel,
     ) -> Option<(u64, u64)> {
         let from = self.end.checked_sub(u64::from(recent))?;
         let mut seen = FxHashMap::default();
         let mut found = None;
+        let mut measured = 0;
         self.replay(rules, observers, |time, s, began| {
             if time < from {
                 return !(time.is_multiple_of(64) && cancel.is_abandoned());
+            }
+            // What is measured may begin before the job that is measured: with a tick that is kept until the job before
+            // has ended. What repeats across that end does not last.
+            let now = clock.map_or(0, |clock| s.t[clock]);
+            if now < std::mem::replace(&mut measured, now) {
+                seen.clear();
             }
             // Elapsed instead of remaining times.
             let elapsed: Vec<u64> = (0..rules.frame().executors())

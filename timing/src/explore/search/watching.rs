@@ -262,8 +262,8 @@ impl<R: Rules> Search<'_, R> {
                 proof: None,
                 excess: None,
             };
-            let clock = (&self.observers[..], value);
-            if let Some(cycle) = run.repetition(&self.rules, clock, self.cancel) {
+            let recent = (&self.observers[..], value);
+            if let Some(cycle) = run.repetition(&self.rules, recent, Some(clock), self.cancel) {
                 let limit = self.gauges[i].limit;
                 let left = limit.and_then(|it| it.checked_sub(value));
                 out.excess = left.and_then(|it| run.prolonged(cycle, it + 1));

@@ -244,9 +244,11 @@ impl<'a, R: Rules> Chase<'a, R> {
             rules,
             observers,
             cancel,
+            gauges,
             ..
         } = &self.search;
-        run.repetition(rules, (observers, value), cancel)
+        let clock = gauges.first().and_then(|it| it.of.clock(rules.frame()));
+        run.repetition(rules, (observers, value), clock, cancel)
     }
 
     /// Whether nothing is left to be looked at, of everything there is.
