@@ -86,7 +86,9 @@ pub(crate) fn package(server: &Path) -> Result<PathBuf> {
     std::fs::create_dir_all(&inside)?;
     std::fs::copy(server, inside.join(name))
         .with_context(|| format!("cannot copy {}", server.display()))?;
-    std::fs::copy(crate::root().join("LICENSE"), directory.join("LICENSE"))?;
+    for it in ["LICENSE", crate::notices::FILE] {
+        std::fs::copy(crate::root().join(it), directory.join(it))?;
+    }
     run::capture(npm(&directory, &["run", "--silent", "bundle"]))?;
     let platform = platform();
     let vsix = crate::target().join(format!("dotgen-{platform}.vsix"));

@@ -7,6 +7,7 @@
 //! | `docs` | the pictures of the documentation |
 //! | `bench` | what whole processes take, and instruction counts |
 //! | `chart` | charts of what they take |
+//! | `notices` | the licences of what is distributed |
 //! | `package` | the extension as a platform `.vsix`, server inside |
 //! | `extension` | building the extension |
 //! | `workbench` | the browser-served VS Code that the demo and its test use |
@@ -18,6 +19,7 @@ mod chart;
 mod demo;
 mod docs;
 mod extension;
+mod notices;
 mod package;
 mod run;
 mod test;
@@ -48,6 +50,8 @@ enum Command {
     Test(test::Options),
     /// Measure whole processes, and count instructions; draw what grows.
     Bench(bench::Options),
+    /// Write the licences of what the program and the extension contain into THIRD-PARTY-NOTICES.txt.
+    Notices(notices::Options),
     /// Make the .vsix for this system, with a release build of the server inside.
     Package,
     /// Draw the pictures in docs/pictures from the examples.
@@ -60,6 +64,7 @@ fn main() -> ExitCode {
         Command::Test(options) => test::test(&options),
         Command::Bench(options) => bench::bench(&options),
         Command::Package => package::package().map(|_| true),
+        Command::Notices(options) => notices::notices(&options),
         Command::Docs => docs::docs().map(|()| true),
     };
     match result {

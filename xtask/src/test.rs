@@ -10,6 +10,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 
 use crate::extension::{self, Profile};
+use crate::notices;
 use crate::run::{self, step};
 use crate::tools;
 use crate::workbench::Workbench;
@@ -48,6 +49,11 @@ const SUITES: &[Suite] = &[
         name: "clippy",
         editor: false,
         run: clippy,
+    },
+    Suite {
+        name: "notices",
+        editor: false,
+        run: notices,
     },
     Suite {
         name: "rust",
@@ -175,6 +181,10 @@ fn clippy() -> Result<Outcome> {
         "warnings",
     ];
     run::watch(run::cargo(&arguments), |_| ()).map(one)
+}
+
+fn notices() -> Result<Outcome> {
+    notices::notices(&notices::Options { check: true }).map(one)
 }
 
 fn rust() -> Result<Outcome> {

@@ -1,0 +1,269 @@
+//! `cargo xtask notices`: the licences of what the program and the extension contain, as one file.
+//!
+//! The crates are those that `cargo metadata` reaches from the program by normal dependencies, on any system; the npm
+//! packages are those that the lock file reaches from the language client, which is bundled. Each must be under a
+//! licence of [`ACCEPTED`]: texts of licences travel with what is distributed, and nothing may ask for more than that.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, PackageId};
+use clap::Args;
+use serde_json::Value;
+use spdx::{Expression, LicenseItem};
+
+use crate::extension;
+use crate::run::step;
+
+/// Options of `cargo xtask notices`.
+#[derive(Args)]
+pub(crate) struct Options {
+    /// Write nothing; fail when the file is not what it should be.
+    #[arg(long)]
+    pub(crate) check: bool,
+}
+
+/// Where the notices are, from the root of the repository; the package of the extension has a copy.
+pub(crate) const FILE: &str = "THIRD-PARTY-NOTICES.txt";
+
+/// What is distributed.
+const PROGRAM: &str = "dotgen-lsp-server";
+/// The npm packages that are bundled with the extension; the others are tools.
+const BUNDLED: &[&str] = &["vscode-languageclient"];
+
+/// SPDX identifiers. They ask for their text and for the names of the authors, and for nothing else of a program that
+/// is passed on unchanged.
+const ACCEPTED: &[&str] = &[
+    "0BSD",
+    "Apache-2.0",
+    "BlueOak-1.0.0",
+    "BSD-2-Clause",
+    "BSD-3-Clause",
+    "BSL-1.0",
+    "CC0-1.0",
+    "ISC",
+    "MIT",
+    "MIT-0",
+    "OFL-1.1",
+    "Ubuntu-font-1.0",
+    "Unicode-3.0",
+    "Unlicense",
+    "Zlib",
+];
+
+/// One thing that others wrote.
+struct Part {
+    name: String,
+    version: String,
+    licence: String,
+    home: Option<String>,
+    /// Where its sources are.
+    directory: PathBuf,
+}
+
+/// Writes the notices, or says whether they are as they should be; false if they are not.
+pub(crate) fn notices(options: &Options) -> Result<bool> {
+    let mut parts = crates()?;
+    parts.extend(npm_packages()?);
+    let refused: Vec<String> = parts.iter().filter_map(refusal).collect();
+    if !refused.is_empty() {
+        bail!(
+            "licences that nobody has accepted (the list is in xtask/src/notices.rs):\n{}",
+            refused.join("\n")
+        );
+    }
+    let text = render(&parts)?;
+    let path = crate::root().join(FILE);
+    if !options.check {
+        std::fs::write(&path, text)?;
+        println!("{}: {} packages", path.display(), parts.len());
+        return Ok(true);
+    }
+    let same = std::fs::read_to_string(&path).is_ok_and(|it| it == text);
+    if !same {
+        eprintln!("{FILE} is out of date: run `cargo xtask notices` and commit it");
+    }
+    Ok(same)
+}
+
+/// Why a package cannot be distributed.
+fn refusal(part: &Part) -> Option<String> {
+    let accepted = |licence: &LicenseItem| match licence {
+        LicenseItem::Spdx { id, .. } => ACCEPTED.contains(&id.name),
+        LicenseItem::Other { .. } => false,
+    };
+    let lax = spdx::ParseMode::LAX;
+    let fine = Expression::parse_mode(&part.licence, lax)
+        .is_ok_and(|it| it.evaluate(|requirement| accepted(&requirement.license)));
+    (!fine).then(|| format!("  {} {}: {}", part.name, part.version, part.licence))
+}
+
+fn crates() -> Result<Vec<Part>> {
+    step("Crates of the program");
+    let metadata = MetadataCommand::new()
+        .manifest_path(crate::root().join("Cargo.toml"))
+        .other_options(["--locked".to_owned()])
+        .exec()?;
+    let program = metadata
+        .workspace_packages()
+        .into_iter()
+        .find(|it| it.name.as_str() == PROGRAM)
+        .context("the workspace has the program")?;
+    let reached = reached(&metadata, &program.id)?;
+    let ours: BTreeSet<&PackageId> = metadata.workspace_members.iter().collect();
+    let mut parts = Vec::new();
+    for it in metadata
+        .packages
+        .iter()
+        .filter(|it| reached.contains(&it.id))
+    {
+        if ours.contains(&it.id) {
+            continue;
+        }
+        parts.push(Part {
+            name: it.name.to_string(),
+            version: it.version.to_string(),
+            licence: it.license.clone().unwrap_or_default(),
+            home: it.repository.clone().or(it.homepage.clone()),
+            directory: it
+                .manifest_path
+                .parent()
+                .context("a manifest lies in a folder")?
+                .into(),
+        });
+    }
+    parts.sort_by(|a, b| (&a.name, &a.version).cmp(&(&b.name, &b.version)));
+    Ok(parts)
+}
+
+/// What a package is made of: build scripts and tests leave nothing in the program.
+fn reached<'a>(metadata: &'a Metadata, from: &'a PackageId) -> Result<BTreeSet<&'a PackageId>> {
+    let resolve = metadata
+        .resolve
+        .as_ref()
+        .context("cargo resolves dependencies")?;
+    let nodes: BTreeMap<&PackageId, _> = resolve.nodes.iter().map(|it| (&it.id, it)).collect();
+    let mut reached = BTreeSet::new();
+    let mut open = vec![from];
+    while let Some(id) = open.pop() {
+        if !reached.insert(id) {
+            continue;
+        }
+        let normal = nodes[id].deps.iter().filter(|it| {
+            let kinds = &it.dep_kinds;
+            kinds.iter().any(|kind| kind.kind == DependencyKind::Normal)
+        });
+        open.extend(normal.map(|it| &it.pkg));
+    }
+    Ok(reached)
+}
+
+fn npm_packages() -> Result<Vec<Part>> {
+    let directory = extension::directory();
+    extension::install_packages(&directory)?;
+    let lock = std::fs::read_to_string(directory.join("package-lock.json"))?;
+    let lock: Value = serde_json::from_str(&lock)?;
+    let packages = lock["packages"]
+        .as_object()
+        .context("the lock file lists packages")?;
+    let mut reached = BTreeSet::new();
+    let mut open: Vec<String> = BUNDLED
+        .iter()
+        .map(|it| format!("node_modules/{it}"))
+        .collect();
+    while let Some(place) = open.pop() {
+        let Some(package) = packages.get(&place) else {
+            bail!("{place} is not in package-lock.json");
+        };
+        if !reached.insert(place.clone()) {
+            continue;
+        }
+        let names = package["dependencies"].as_object().into_iter().flatten();
+        open.extend(names.map(|(name, _)| {
+            // Node looks beside the package first, then further out.
+            let own = format!("{place}/node_modules/{name}");
+            match packages.contains_key(&own) {
+                true => own,
+                false => format!("node_modules/{name}"),
+            }
+        }));
+    }
+    let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+    let part = |place: String| {
+        let name = place
+            .rsplit("node_modules/")
+            .next()
+            .unwrap_or_default()
+            .to_owned();
+        Part {
+            version: text(&packages[&place]["version"]),
+            licence: text(&packages[&place]["license"]),
+            home: Some(format!("https://www.npmjs.com/package/{name}")),
+            directory: directory.join(&place),
+            name,
+        }
+    };
+    Ok(reached.into_iter().map(part).collect())
+}
+
+/// The whole file: what there is, then every text once, with those it belongs to.
+fn render(parts: &[Part]) -> Result<String> {
+    let mut out = String::from(
+        "dotgen contains the work of others. This file names it, with the licences and their texts.\n\
+         Made by `cargo xtask notices`.\n\n",
+    );
+    let mut texts: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for part in parts {
+        let (name, version) = (&part.name, &part.version);
+        let home = part.home.as_deref().unwrap_or_default();
+        writeln!(out, "{name} {version}  ({})  {home}", part.licence)?;
+        let own = licence_texts(&part.directory)
+            .with_context(|| format!("cannot read {}", part.directory.display()))?;
+        if own.is_empty() {
+            writeln!(
+                out,
+                "    the package has no text of its licence; its home may"
+            )?;
+        }
+        for text in own {
+            texts
+                .entry(text)
+                .or_default()
+                .push(format!("{name} {version}"));
+        }
+    }
+    let mut texts: Vec<(Vec<String>, String)> = texts.into_iter().map(|(a, b)| (b, a)).collect();
+    texts.sort();
+    for (names, text) in texts {
+        let rule = "-".repeat(80);
+        write!(out, "\n{rule}\n{}\n{rule}\n\n{}\n", names.join(", "), text)?;
+    }
+    Ok(out)
+}
+
+/// The texts of the licences that lie in a package, without blanks at the ends of lines. Fonts have theirs in a folder
+/// of their own.
+fn licence_texts(directory: &Path) -> Result<BTreeSet<String>> {
+    const WORDS: &[&str] = &["license", "licence", "copying", "copyright", "notice"];
+    const FONTS: &[&str] = &["ofl.txt", "ufl.txt", "hack-regular.txt"];
+    let mut texts = BTreeSet::new();
+    for folder in [directory.to_owned(), directory.join("fonts")] {
+        if !folder.is_dir() {
+            continue;
+        }
+        for entry in std::fs::read_dir(&folder)? {
+            let entry = entry?;
+            let name = entry.file_name().to_string_lossy().to_lowercase();
+            let source = name.ends_with(".rs") || name.ends_with(".js");
+            let named = WORDS.iter().any(|it| name.contains(it)) || FONTS.contains(&&*name);
+            if entry.file_type()?.is_file() && named && !source {
+                let text = String::from_utf8_lossy(&std::fs::read(entry.path())?).into_owned();
+                let lines: Vec<&str> = text.trim().lines().map(str::trim_end).collect();
+                texts.insert(lines.join("\n"));
+            }
+        }
+    }
+    Ok(texts)
+}
