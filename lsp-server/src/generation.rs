@@ -203,9 +203,6 @@ impl Backend {
         let able = Able {
             apply: job.client.applies_edits,
             create: job.client.creates_files && job.client.applies_edits,
-            annotations: job.client.change_annotations
-                && job.client.creates_files
-                && job.client.applies_edits,
             encoding: job.client.encoding,
         };
         let mut answer = plan.answer();
@@ -231,28 +228,26 @@ impl Backend {
             }
             answer["status"] = json!(if applied { "applied" } else { "rejected" });
         } else {
-            let edit = edit::workspace_edit(&plan.changes, &plan.templates(), able);
+            let edit = edit::workspace_edit(&plan.changes, able);
             answer["status"] = json!("preview");
             answer["edit"] = serde_json::to_value(edit).unwrap_or_default();
         }
         Ok(Some(answer))
     }
 
-    /// Lets the user see and confirm the changes, and makes them.
+    /// Asks once, with the names of the files, and makes the changes.
     async fn apply(&self, plan: &Plan, title: &str, able: Able) -> Result<bool> {
         let client = self.dispatch.client();
-        if !able.annotations {
-            let action = |title: &str| MessageActionItem {
-                title: title.to_owned(),
-                properties: Default::default(),
-            };
-            let actions = vec![action("Write"), action("Cancel")];
-            let answer = client
-                .show_message_request(MessageType::INFO, plan.question(), Some(actions))
-                .await?;
-            if answer.is_none_or(|it| it.title != "Write") {
-                return Ok(false);
-            }
+        let action = |title: &str| MessageActionItem {
+            title: title.to_owned(),
+            properties: Default::default(),
+        };
+        let actions = vec![action("Write"), action("Cancel")];
+        let answer = client
+            .show_message_request(MessageType::INFO, plan.question(), Some(actions))
+            .await?;
+        if answer.is_none_or(|it| it.title != "Write") {
+            return Ok(false);
         }
         // The server writes what the client cannot.
         let (ours, theirs): (Vec<FileChange>, Vec<FileChange>) = plan
@@ -262,7 +257,7 @@ impl Backend {
             .partition(|it| !able.apply || (!able.create && it.before.is_none()));
         write(&ours).map_err(refused)?;
         if !theirs.is_empty() {
-            let edit = edit::workspace_edit(&theirs, &plan.templates(), able);
+            let edit = edit::workspace_edit(&theirs, able);
             let params = ApplyWorkspaceEditParams {
                 label: Some(title.to_owned()),
                 edit,

@@ -9,7 +9,7 @@ use super::{
     drift::SourcePlace,
     expected::Expected,
     files::Sources,
-    source::{Function, mentions},
+    source::{Function, Grammar, SourceIndex, mentions},
 };
 
 /// Functions that implement a codel: their names' places. More than one with conditional
@@ -38,6 +38,22 @@ pub fn references(sources: &Sources, codel: &str) -> Vec<SourcePlace> {
             })
         })
         .collect()
+}
+
+/// Where to write in the function of a codel in the text of a file: the first line between its braces, without the
+/// blanks around it; behind the opening brace if there is none.
+pub fn body_start(path: &Utf8Path, text: &str, codel: &str) -> Option<Range<usize>> {
+    let index = SourceIndex::new(text, Grammar::of_path(path.as_str())?);
+    let function = index.definitions(codel).next()?;
+    let braces = function.body.as_ref()?.span.clone();
+    let start = braces.start + 1;
+    let inside = text.get(start..braces.end.checked_sub(1)?)?;
+    let blank = inside.len() - inside.trim_start().len();
+    let line = inside[blank..].lines().next().map_or("", str::trim_end);
+    match line.is_empty() {
+        true => Some(start..start),
+        false => Some(start + blank..start + blank + line.len()),
+    }
 }
 
 /// A function that implements a codel.

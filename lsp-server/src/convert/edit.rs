@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use camino::Utf8Path;
 use dotgen_analysis::diagnostic::FileEdit;
 use dotgen_analysis::host::Cancellable;
-use dotgen_codegen::codels::edit::Edit;
+use dotgen_codegen::codels::{self, edit::Edit};
 use dotgen_syntax::encoding::LineEnd;
 
 use crate::proto::*;
@@ -44,47 +44,9 @@ fn fitted(line_end: LineEnd, text: &str, path: &Utf8Path) -> std::result::Result
     Ok(line_end.fit(text).into_owned())
 }
 
-/// As one workspace edit.
+/// As one workspace edit, made at once.
 pub fn workspace_edit(snapshot: &Snapshot, edits: &[FileEdit]) -> Cancellable<Edited> {
-    let mut by_file: Vec<(Uri, Option<i32>, Vec<TextEdit>)> = Vec::new();
-    for FileEdit {
-        path,
-        range,
-        new_text,
-    } in edits
-    {
-        let new_text = match line_end_of(snapshot, path)?.and_then(|it| fitted(it, new_text, path))
-        {
-            Ok(new_text) => new_text,
-            Err(why) => return Ok(Err(why)),
-        };
-        let Some(location) = snapshot.location(path, range)? else {
-            return Ok(Err(format!("{path} cannot be read")));
-        };
-        let edit = TextEdit::new(location.range, new_text);
-        match by_file.iter_mut().find(|it| it.0 == location.uri) {
-            Some(file) => file.2.push(edit),
-            None => {
-                let version = snapshot.open.get(path).map(|it| it.version);
-                by_file.push((location.uri, version, vec![edit]));
-            }
-        }
-    }
-    if !snapshot.client.document_changes {
-        #[allow(clippy::mutable_key_type, reason = "the type of the protocol")]
-        let changes: HashMap<_, _> = by_file.into_iter().map(|it| (it.0, it.2)).collect();
-        return Ok(Ok(WorkspaceEdit::new(changes)));
-    }
-    let changes = by_file
-        .into_iter()
-        .map(|(uri, version, edits)| TextDocumentEdit {
-            text_document: OptionalVersionedTextDocumentIdentifier { uri, version },
-            edits: edits.into_iter().map(OneOf::Left).collect(),
-        });
-    Ok(Ok(WorkspaceEdit {
-        document_changes: Some(DocumentChanges::Edits(changes.collect())),
-        ..WorkspaceEdit::default()
-    }))
+    edit_of(snapshot, Review::None, &gathered(edits))
 }
 
 /// The edits of one file.
@@ -105,10 +67,19 @@ pub fn text_edits(
     Ok(Some(convert.collect()))
 }
 
-/// An edit of specifications and sources, with new files. Where sources are touched, clients that
-/// can show every change before it is made, if they can.
-pub fn annotated_edit(snapshot: &Snapshot, label: &str, edit: &Edit) -> Cancellable<Edited> {
-    let mut changed: Vec<(Uri, Option<i32>, bool, Vec<TextEdit>)> = Vec::new();
+/// Whether the user sees an edit before it is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Review<'a> {
+    /// It is what was asked for, and is made at once.
+    None,
+    /// It reaches further than what is on the screen: where several files change, they are shown first, under this
+    /// label, by clients that can.
+    SeveralFiles(&'a str),
+}
+
+/// An edit of specifications and sources, with new files.
+pub fn edit_of(snapshot: &Snapshot, review: Review<'_>, edit: &Edit) -> Cancellable<Edited> {
+    let mut changed: Vec<(Uri, Option<i32>, Vec<TextEdit>)> = Vec::new();
     for (path, edits) in &edit.changed {
         let line_end = match line_end_of(snapshot, path)? {
             Ok(line_end) => line_end,
@@ -125,8 +96,7 @@ pub fn annotated_edit(snapshot: &Snapshot, label: &str, edit: &Edit) -> Cancella
             }
         }
         let version = snapshot.open.get(path).map(|it| it.version);
-        let is_code = snapshot.is_code(path);
-        changed.push((uri, version, is_code, converted));
+        changed.push((uri, version, converted));
     }
     let mut created: Vec<(Uri, TextEdit)> = Vec::new();
     for (path, text) in &edit.created {
@@ -141,24 +111,25 @@ pub fn annotated_edit(snapshot: &Snapshot, label: &str, edit: &Edit) -> Cancella
     let client = &snapshot.client;
     if !client.document_changes || !(created.is_empty() || client.creates_files) {
         let created = created.into_iter().map(|it| (it.0, vec![it.1]));
-        let changed = changed.into_iter().map(|it| (it.0, it.3));
+        let changed = changed.into_iter().map(|it| (it.0, it.2));
         #[allow(clippy::mutable_key_type, reason = "the type of the protocol")]
         let changes: HashMap<_, _> = created.chain(changed).collect();
         return Ok(Ok(WorkspaceEdit::new(changes)));
     }
-    let touches_code = !created.is_empty() || changed.iter().any(|it| it.2);
-    let annotate = client.change_annotations && touches_code;
-    let annotation = |is_code| annotate.then(|| annotation_of(is_code).to_owned());
-    let document = |uri, version, is_code, edits: Vec<TextEdit>| {
-        let edits = edits
-            .into_iter()
-            .map(|text_edit| match annotation(is_code) {
-                Some(annotation_id) => OneOf::Right(AnnotatedTextEdit {
-                    text_edit,
-                    annotation_id,
-                }),
-                None => OneOf::Left(text_edit),
-            });
+    let label = match review {
+        Review::SeveralFiles(label) if created.len() + changed.len() > 1 => Some(label),
+        _ => None,
+    };
+    let label = label.filter(|_| client.change_annotations);
+    let annotation = label.map(|_| REVIEWED.to_owned());
+    let document = |uri, version, edits: Vec<TextEdit>| {
+        let edits = edits.into_iter().map(|text_edit| match annotation.clone() {
+            Some(annotation_id) => OneOf::Right(AnnotatedTextEdit {
+                text_edit,
+                annotation_id,
+            }),
+            None => OneOf::Left(text_edit),
+        });
         DocumentChangeOperation::Edit(TextDocumentEdit {
             text_document: OptionalVersionedTextDocumentIdentifier { uri, version },
             edits: edits.collect(),
@@ -173,22 +144,21 @@ pub fn annotated_edit(snapshot: &Snapshot, label: &str, edit: &Edit) -> Cancella
                     overwrite: Some(false),
                     ignore_if_exists: Some(false),
                 }),
-                annotation_id: annotation(true),
+                annotation_id: annotation.clone(),
             },
         )));
-        operations.push(document(uri, None, true, vec![edit]));
+        operations.push(document(uri, None, vec![edit]));
     }
-    for (uri, version, is_code, edits) in changed {
-        operations.push(document(uri, version, is_code, edits));
+    for (uri, version, edits) in changed {
+        operations.push(document(uri, version, edits));
     }
-    let annotations = annotate.then(|| {
-        let annotation = |is_code| ChangeAnnotation {
+    let annotations = label.map(|label| {
+        let annotation = ChangeAnnotation {
             label: label.to_owned(),
-            needs_confirmation: Some(is_code),
+            needs_confirmation: Some(true),
             description: None,
         };
-        let both = [true, false].map(|it| (annotation_of(it).to_owned(), annotation(it)));
-        HashMap::from(both)
+        HashMap::from([(REVIEWED.to_owned(), annotation)])
     });
     Ok(Ok(WorkspaceEdit {
         document_changes: Some(DocumentChanges::Operations(operations)),
@@ -197,10 +167,23 @@ pub fn annotated_edit(snapshot: &Snapshot, label: &str, edit: &Edit) -> Cancella
     }))
 }
 
-/// Edits of sources are confirmed; those of specifications go with them.
-fn annotation_of(is_code: bool) -> &'static str {
-    match is_code {
-        true => "codels",
-        false => "specification",
+/// Name of the annotation of what is shown first.
+const REVIEWED: &str = "reviewed";
+
+/// As the edit of a whole, for [`edit_of`]. Insertions at one place stay in their order.
+pub fn gathered(edits: &[FileEdit]) -> Edit {
+    let mut all = Edit::default();
+    for it in edits {
+        all.changed
+            .entry(it.path.clone())
+            .or_default()
+            .push(codels::edit::TextEdit {
+                range: it.range.clone(),
+                text: it.new_text.clone(),
+            });
     }
+    for edits in all.changed.values_mut() {
+        edits.sort_by_key(|it| it.range.start);
+    }
+    all
 }

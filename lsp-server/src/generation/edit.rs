@@ -68,16 +68,11 @@ pub(crate) struct Able {
     pub(crate) apply: bool,
     /// Files may be created.
     pub(crate) create: bool,
-    /// Changes may ask for confirmation.
-    pub(crate) annotations: bool,
     pub(crate) encoding: Encoding,
 }
 
-const CREATED: &str = "created";
-const CHANGED: &str = "changed";
-
-/// The edit that makes the changes. Every part of it asks for confirmation, if the client can do that.
-pub(crate) fn workspace_edit(changes: &[FileChange], template: &str, able: Able) -> WorkspaceEdit {
+/// The edit that makes the changes. They were shown before.
+pub(crate) fn workspace_edit(changes: &[FileChange], able: Able) -> WorkspaceEdit {
     let mut operations = Vec::new();
     #[allow(clippy::mutable_key_type, reason = "the type of the protocol")]
     let mut plain: HashMap<Uri, Vec<TextEdit>> = HashMap::new();
@@ -91,14 +86,6 @@ pub(crate) fn workspace_edit(changes: &[FileChange], template: &str, able: Able)
             plain.insert(change.uri.clone(), edits);
             continue;
         }
-        let annotation = able.annotations.then(|| {
-            let name = if change.before.is_some() {
-                CHANGED
-            } else {
-                CREATED
-            };
-            name.to_owned()
-        });
         if change.before.is_none() {
             operations.push(DocumentChangeOperation::Op(ResourceOp::Create(
                 CreateFile {
@@ -107,40 +94,23 @@ pub(crate) fn workspace_edit(changes: &[FileChange], template: &str, able: Able)
                         overwrite: Some(false),
                         ignore_if_exists: Some(true),
                     }),
-                    annotation_id: annotation.clone(),
+                    annotation_id: None,
                 },
             )));
         }
-        let annotated = |text_edit: TextEdit| match &annotation {
-            Some(annotation_id) => OneOf::Right(AnnotatedTextEdit {
-                text_edit,
-                annotation_id: annotation_id.clone(),
-            }),
-            None => OneOf::Left(text_edit),
-        };
         operations.push(DocumentChangeOperation::Edit(TextDocumentEdit {
             text_document: OptionalVersionedTextDocumentIdentifier {
                 uri: change.uri.clone(),
                 version: None,
             },
-            edits: edits.into_iter().map(annotated).collect(),
+            edits: edits.into_iter().map(OneOf::Left).collect(),
         }));
     }
     if !able.create {
         return WorkspaceEdit::new(plain);
     }
-    let annotation = |label: String| ChangeAnnotation {
-        label,
-        needs_confirmation: Some(true),
-        description: Some(format!("by the template {template}")),
-    };
-    let annotations = HashMap::from([
-        (CREATED.to_owned(), annotation("Create files".to_owned())),
-        (CHANGED.to_owned(), annotation("Change files".to_owned())),
-    ]);
     WorkspaceEdit {
         document_changes: Some(DocumentChanges::Operations(operations)),
-        change_annotations: able.annotations.then_some(annotations),
         ..WorkspaceEdit::default()
     }
 }
@@ -175,7 +145,6 @@ mod tests {
     const ABLE: Able = Able {
         apply: true,
         create: true,
-        annotations: true,
         encoding: Encoding::Utf16,
     };
 

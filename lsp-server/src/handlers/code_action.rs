@@ -6,7 +6,7 @@ use dotgen_analysis::ide::AssistKind;
 
 use super::codels::actions;
 use crate::convert::diagnostic;
-use crate::convert::edit::{Edited, workspace_edit};
+use crate::convert::edit::{Edited, Review, edit_of, gathered, workspace_edit};
 use crate::fixes::together;
 use crate::proto::*;
 use crate::snapshot::{Snapshot, Subject};
@@ -234,11 +234,8 @@ fn fix_all(
         kind: Some(CodeActionKind::QUICKFIX),
         ..CodeAction::default()
     };
-    Ok(with_edit(
-        snapshot,
-        action,
-        workspace_edit(snapshot, &edits)?,
-    ))
+    let edit = edit_of(snapshot, Review::SeveralFiles(title), &gathered(&edits))?;
+    Ok(with_edit(snapshot, action, edit))
 }
 
 /// An action with its edit. One that cannot be made is shown with the reason, where the client does that.

@@ -5,7 +5,7 @@ use dotgen_analysis::host::Cancellable;
 
 use super::codels::navigation;
 use super::scenario;
-use crate::convert::edit::{annotated_edit, workspace_edit};
+use crate::convert::edit::{Review, edit_of, gathered, workspace_edit};
 use crate::convert::uri;
 use crate::proto::*;
 use crate::snapshot::{Snapshot, Subject};
@@ -99,15 +99,15 @@ pub(crate) fn rename(
         Ok(sources) => sources,
         Err(why) => return Ok(Refusable(Err(why))),
     };
-    if sources.is_empty() {
-        return Ok(Refusable(workspace_edit(snapshot, &edits)?.map(Some)));
-    }
-    let mut all = sources;
-    for it in edits {
-        all.replace(&it.path, it.range, it.new_text);
+    let mut all = gathered(&edits);
+    for (path, edits) in sources.changed {
+        for it in edits {
+            all.replace(&path, it.range, it.text);
+        }
     }
     let label = format!("Rename to {}", params.new_name);
-    Ok(Refusable(annotated_edit(snapshot, &label, &all)?.map(Some)))
+    let edit = edit_of(snapshot, Review::SeveralFiles(&label), &all)?;
+    Ok(Refusable(edit.map(Some)))
 }
 
 /// The edits of includes that follow from moving files.

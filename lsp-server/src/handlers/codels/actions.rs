@@ -6,18 +6,21 @@ use dotgen_analysis::model::{CodelRef, Owner};
 use dotgen_analysis::source_map::Locations;
 use dotgen_codegen::codels::command::{FileChange, Project, Side, SyncOptions, diagnostics, sync};
 use dotgen_codegen::codels::drift::{Drift, Repair};
-use dotgen_codegen::codels::edit::{Edit, line_edits};
+use dotgen_codegen::codels::edit::{Edit, apply, line_edits};
 use dotgen_codegen::codels::expected::owner_words;
+use dotgen_codegen::codels::files::Files as _;
 use dotgen_codegen::codels::folder::Folder;
+use dotgen_codegen::codels::links;
 use dotgen_codegen::codels::repair::Repairs;
 use dotgen_codegen::codels::stub::StubOptions;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use crate::codels::{self, Texts};
-use crate::convert::diagnostic;
-use crate::convert::edit::{Edited, annotated_edit};
+use crate::convert::edit::{Edited, Review, edit_of};
+use crate::convert::{Lines, diagnostic};
 use crate::handlers::code_action::with_edit;
+use crate::handlers::codels::lenses::SHOW_CODEL;
 use crate::handlers::rename::Refusable;
 use crate::proto::*;
 use crate::snapshot::{Snapshot, Subject};
@@ -25,6 +28,9 @@ use crate::snapshot::{Snapshot, Subject};
 /// Kind of the action that mends everything. It is not below `source.fixAll`, which editors run
 /// unasked when a file is saved.
 pub(crate) const SYNC: CodeActionKind = CodeActionKind::new("source.syncCodels");
+
+/// Title of that action.
+const FIX_ALL: &str = "Fix all differences between specification and codels";
 
 /// What comes back with an action to be resolved.
 #[derive(Debug, Serialize, Deserialize)]
@@ -108,28 +114,30 @@ impl Work<'_> {
         };
         let stubs = codels::stub_options(self.folder, self.texts);
         let repairs = codels::repairs(self.folder, expected, self.texts, &stubs);
-        let mut push = |title: String, edit: Edit, preferred: bool| -> Cancellable<()> {
-            if let Some(edit) = self.edit(&title, &edit)? {
-                let action = CodeAction {
-                    title,
-                    kind: Some(CodeActionKind::QUICKFIX),
-                    diagnostics: shown.clone().map(|it| vec![it]),
-                    is_preferred: Some(preferred),
-                    ..CodeAction::default()
-                };
-                let action = with_edit(self.snapshot, action, edit);
-                out.extend(action.map(CodeActionOrCommand::CodeAction));
-            }
+        let mut push = |title, edit: &Edit, written, preferred| -> Cancellable<()> {
+            let action = CodeAction {
+                title,
+                kind: Some(CodeActionKind::QUICKFIX),
+                diagnostics: shown.clone().map(|it| vec![it]),
+                is_preferred: Some(preferred),
+                ..CodeAction::default()
+            };
+            out.extend(self.action(action, edit, written)?);
             Ok(())
         };
+        let name = |at: CodelRef| expected.component().codel(at).name.as_str();
         for (rank, repair) in drift.repairs.iter().enumerate() {
             if let Some(edit) = repairs.edit(repair) {
-                push(repairs.title(repair), edit, rank == 0)?;
+                let written = match repair {
+                    Repair::Stub { at } => Some(name(*at)),
+                    _ => None,
+                };
+                push(repairs.title(repair), &edit, written, rank == 0)?;
             }
             if let Repair::Stub { at } = repair {
                 for (title, codels) in more_stubs(&repairs, at.owner) {
                     if let Ok(edit) = repairs.stub(&codels) {
-                        push(title, edit, false)?;
+                        push(title, &edit, Some(name(*at)), false)?;
                     }
                 }
             }
@@ -185,28 +193,57 @@ impl Work<'_> {
                 let Ok(edit) = repairs.stub(&codels) else {
                     continue;
                 };
-                if let Some(edit) = self.edit(&title, &edit)? {
-                    let action = CodeAction {
-                        title,
-                        kind: Some(CodeActionKind::REFACTOR_REWRITE),
-                        ..CodeAction::default()
-                    };
-                    let action = with_edit(self.snapshot, action, edit);
-                    out.extend(action.map(CodeActionOrCommand::CodeAction));
-                }
+                let action = CodeAction {
+                    title,
+                    kind: Some(CodeActionKind::REFACTOR_REWRITE),
+                    ..CodeAction::default()
+                };
+                let first = codels.first().map(|it| component.codel(*it).name.as_str());
+                out.extend(self.action(action, &edit, first)?);
             }
         }
         Ok(())
     }
 
+    /// The action with its edit; where it writes the function of a codel, the client then shows the body of that.
     /// `None` when there is nothing to do, or when a file that is there would have to be replaced.
-    fn edit(&self, title: &str, edit: &Edit) -> Cancellable<Option<Edited>> {
-        use dotgen_codegen::codels::files::Files as _;
+    fn action(
+        &self,
+        action: CodeAction,
+        edit: &Edit,
+        written: Option<&str>,
+    ) -> Cancellable<Option<CodeActionOrCommand>> {
         let mut created = edit.created.keys();
         if edit.is_empty() || created.any(|it| self.texts.read(it).is_some()) {
             return Ok(None);
         }
-        annotated_edit(self.snapshot, title, edit).map(Some)
+        let body = written.and_then(|it| self.body(edit, it));
+        let action = CodeAction {
+            command: body
+                .map(|it| Command::new("Show".to_owned(), SHOW_CODEL.to_owned(), Some(vec![it]))),
+            ..action
+        };
+        let edit = edit_of(self.snapshot, Review::None, edit)?;
+        Ok(with_edit(self.snapshot, action, edit).map(CodeActionOrCommand::CodeAction))
+    }
+
+    /// The place of the body of a function in the texts that an edit makes, for clients that can go there.
+    fn body(&self, edit: &Edit, codel: &str) -> Option<serde_json::Value> {
+        if !self.snapshot.client.show_document {
+            return None;
+        }
+        let created = edit.created.iter().map(|it| (it.0, it.1.clone()));
+        let changed = edit
+            .changed
+            .iter()
+            .filter_map(|(path, edits)| Some((path, apply(&self.texts.read(path)?, edits))));
+        let mut texts = created.chain(changed);
+        texts.find_map(|(path, text)| {
+            let body = links::body_start(path, &text, codel)?;
+            let range = Lines::new(text.into(), self.snapshot.client.encoding).range(&body);
+            let uri = self.snapshot.uri(path)?;
+            Some(json!(Location { uri, range }))
+        })
     }
 }
 
@@ -251,7 +288,7 @@ fn sync_action(
     fix: bool,
 ) -> Cancellable<Option<CodeActionOrCommand>> {
     let action = CodeAction {
-        title: "Fix all differences between specification and codels".to_owned(),
+        title: FIX_ALL.to_owned(),
         kind: Some(if fix { CodeActionKind::QUICKFIX } else { SYNC }),
         ..CodeAction::default()
     };
@@ -332,7 +369,7 @@ fn sync_edit(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Option<Edited>
     if edit.is_empty() {
         return Ok(None);
     }
-    annotated_edit(snapshot, "Fix all differences", &edit).map(Some)
+    edit_of(snapshot, Review::SeveralFiles(FIX_ALL), &edit).map(Some)
 }
 
 /// A database of our own with the texts of a snapshot, for work that tries changes.

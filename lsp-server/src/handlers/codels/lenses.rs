@@ -14,7 +14,7 @@ use crate::codels;
 use crate::proto::*;
 use crate::snapshot::{Snapshot, Subject};
 
-/// Command of the server: shows where a codel is declared. Argument: a location.
+/// Command of the server: shows where a codel is declared, or its function. Argument: a location.
 pub(crate) const SHOW_CODEL: &str = "dotgen.showCodel";
 
 /// More uses of one function than have a lens each.

@@ -42,13 +42,12 @@ async fn every_quick_fix_removes_what_it_is_offered_for() {
         let copy = tank();
         let moved = action.to_string().replace(&original.uri(""), &copy.uri(""));
         let action: Value = serde_json::from_str(&moved).expect("JSON");
-        let touches_code = action["edit"].to_string().contains("_codels.c\"");
-        let annotations = &action["edit"]["changeAnnotations"];
-        assert_eq!(
-            touches_code,
-            annotations["codels"]["needsConfirmation"] == true,
-            "{action:#}"
-        );
+        // Sources too are changed at once; only what mends everything is shown first.
+        let edit = &action["edit"];
+        let files = edit["documentChanges"].as_array().map_or(0, Vec::len);
+        let shown = title(&action).starts_with("Fix all") && files > 1;
+        let annotation = &edit["changeAnnotations"]["reviewed"];
+        assert_eq!(annotation["needsConfirmation"] == true, shown, "{action:#}");
         write(&action["edit"]);
         let left = check(&path(&copy.uri("tank.gen")));
         assert!(
@@ -57,6 +56,50 @@ async fn every_quick_fix_removes_what_it_is_offered_for() {
             title(&action)
         );
     }
+}
+
+/// The text that a stub leads to, once it is written.
+async fn shown_body(capabilities: Value) -> Option<String> {
+    let folder = tank();
+    let uri = folder.uri("tank.gen");
+    let text = read(path(&uri));
+    let mut client = Client::start(folder.params(capabilities)).await;
+    let start = place(&text, "tank_drain_wait", 0);
+    let range = json!({ "start": start, "end": start });
+    let actions = client.actions(&uri, &range, Some("quickfix")).await;
+    let stub = actions
+        .iter()
+        .find(|it| title(it).starts_with("Write a stub of"))
+        .unwrap_or_else(|| panic!("{actions:#?}"));
+    client.ignore("textDocument/publishDiagnostics");
+    drop(client);
+    let files = applied(&stub["edit"], on_disk);
+    let command = stub.get("command")?;
+    assert_eq!(command["command"], "dotgen.showCodel");
+    let place = &command["arguments"][0];
+    let text = &files[place["uri"].as_str().expect("a URI")];
+    let lines = Lines::new(text.as_str().into(), Encoding::Utf16);
+    let range = serde_json::from_value(place["range"].clone()).expect("a range");
+    let range = lines.bytes(range).expect("a range of the text");
+    let function = text[..range.start].rfind("tank_drain_wait(");
+    assert!(function.is_some_and(|it| !text[it..range.start].contains('}')));
+    Some(text[range].to_owned())
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_new_stub_is_shown_where_its_code_goes() {
+    assert_eq!(
+        shown_body(capable()).await,
+        None,
+        "the client shows no documents"
+    );
+    let mut able = capable();
+    able["window"] = json!({ "showDocument": { "support": true } });
+    let body = shown_body(able).await;
+    assert_eq!(
+        body.as_deref(),
+        Some("/* skeleton sample: insert your code */")
+    );
 }
 
 /// Applies the action that mends everything and looks what is left.

@@ -99,10 +99,10 @@ async fn a_codel_is_renamed_on_both_sides() {
     let mut params = at(&uri, &text, "tank_fill_wait", 0);
     params["newName"] = json!("tank_fill_watch");
     let edit = client.ok("textDocument/rename", params.clone()).await;
-    assert_eq!(
-        edit["changeAnnotations"]["codels"]["needsConfirmation"],
-        true
-    );
+    // It changes several files: they are shown first.
+    let reviewed = &edit["changeAnnotations"]["reviewed"];
+    assert_eq!(reviewed["needsConfirmation"], true, "{edit:#}");
+    assert_eq!(reviewed["label"], "Rename to tank_fill_watch");
     write(&edit);
     let code = read(path(&source));
     assert!(code.contains("\ntank_fill_watch(double target"), "{code}");
