@@ -7,6 +7,7 @@ mod diagram;
 mod explain;
 mod fmt;
 mod generate;
+mod logging;
 mod lsp;
 mod man;
 mod model;

@@ -7,6 +7,7 @@
 mod read;
 pub mod schema;
 mod settings;
+pub(crate) mod style;
 
 use std::collections::BTreeMap;
 
@@ -313,9 +314,9 @@ fn resolve(path: &str, base: &Utf8Path) -> Utf8PathBuf {
         text.replace_range(start..=start + length, &value);
     }
     if let (Some(rest), Ok(home)) = (text.strip_prefix("~/"), std::env::var("HOME")) {
-        return crate::vfs::normalize(&Utf8Path::new(&home).join(rest));
+        return crate::files::vfs::normalize(&Utf8Path::new(&home).join(rest));
     }
-    crate::vfs::normalize(&base.join(text))
+    crate::files::vfs::normalize(&base.join(text))
 }
 
 #[cfg(test)]

@@ -1,43 +1,36 @@
 //! The `dotgen` program: language server and command line over one analysis.
 //!
-//! Only this crate touches the file system, starts processes, and knows protocol types. A message
-//! travels `server` (transport) → `backend` (one method per message) → `state` (the writer) or
-//! `dispatch` → `handlers` (one file per request) → `convert`. The command line is in `cli`.
+//! Only this crate touches the file system, starts processes, and knows protocol types. It is built in
+//! storeys: each folder uses those above it in this list, and none below.
+//!
+//! | storey | what it has |
+//! | --- | --- |
+//! | `process` | programs that are started, how they end and what confines them |
+//! | `files` | files: read for analysis, written for users, packages |
+//! | `config` | settings and what they amount to |
+//! | `verification` | real-time verification: problems, answers, and how they are shown |
+//! | `views` | what the command line and the editor both show: pictures, the model, the manual |
+//! | `protocol` | the types of LSP, messages beyond it, the client, conversions |
+//! | `workspace` | open documents, folders, templates, and the snapshot that requests read |
+//! | `features` | answers to requests, by language of the document |
+//! | `session` | one client: transport, dispatch, the writer, what is told unasked |
+//! | `cli` | the command line |
+//!
+//! `tests/tests/architecture.rs` reads the imports and fails on a circle.
 
 #![warn(clippy::print_stdout)]
 
-mod backend;
-pub mod caps;
 pub mod cli;
-mod client_process;
-mod codels;
 pub mod config;
-pub mod convert;
-pub mod disk;
-mod dispatch;
-pub mod ext;
-mod fixes;
-mod generation;
-mod handlers;
-pub mod logging;
-pub mod manual;
-mod model;
-mod outbox;
+mod features;
+pub mod files;
 mod panic;
-pub mod pictures;
 mod process;
-mod progress;
-pub mod proto;
-mod publish;
-pub mod server;
-pub mod snapshot;
-mod state;
-mod style;
-mod templates;
-mod transport;
+pub mod protocol;
+mod session;
 pub mod verification;
-pub mod verifier;
-pub mod vfs;
+pub mod views;
+pub mod workspace;
 
 #[cfg(test)]
 mod tests;

@@ -21,10 +21,10 @@ mod verification;
 use dotgen_analysis::host::Cancellable;
 use tower_lsp::LspServiceBuilder;
 
-use crate::backend::Backend;
-use crate::ext::DocumentParams;
-use crate::proto::Result;
-use crate::snapshot::{Snapshot, Subject};
+use crate::protocol::messages::DocumentParams;
+use crate::protocol::types::Result;
+use crate::session::backend::Backend;
+use crate::workspace::snapshot::{Snapshot, Subject};
 
 /// Requests that make the server do what no real one does.
 pub(crate) fn custom_methods(builder: LspServiceBuilder<Backend>) -> LspServiceBuilder<Backend> {

@@ -9,6 +9,8 @@ pub(crate) mod first;
 pub(crate) mod folded;
 pub mod problem;
 pub(crate) mod quick;
+pub(crate) mod results;
+pub(crate) mod run;
 pub mod summary;
 pub(crate) mod timeline;
 pub(crate) mod view;

@@ -12,9 +12,9 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use super::report::{self, Format, Report};
 use super::session::{self, ConfigProblems, Session, SourceFile, Texts, Trouble};
 use super::{Outcome, Reading};
-use crate::convert::{Encoding, Lines};
+use crate::files::vfs;
+use crate::protocol::convert::{Encoding, Lines};
 use crate::verification::Problem;
-use crate::vfs;
 
 /// Report what is wrong with specifications
 ///

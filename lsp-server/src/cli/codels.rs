@@ -17,10 +17,10 @@ use std::io::Write as _;
 use super::report::{self, Format, Report};
 use super::session::{self, Session};
 use super::{Outcome, Reading};
-use crate::codels::Disk;
-use crate::convert::{Encoding, Lines};
-use crate::handlers::codels::headers::{FOLDER, IGNORED};
-use crate::vfs;
+use crate::features::codels::Disk;
+use crate::features::codels::headers::{FOLDER, IGNORED};
+use crate::files::vfs;
+use crate::protocol::convert::{Encoding, Lines};
 
 /// Compare specifications with their codels, write stubs, keep both in step
 #[derive(Debug, Args)]

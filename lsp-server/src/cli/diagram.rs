@@ -12,7 +12,7 @@ use dotgen_syntax::encoding;
 use serde_json::json;
 
 use super::{Outcome, Reading, report, session};
-use crate::pictures::{self, Form, Kind, Picture, Wish};
+use crate::views::pictures::{self, Form, Kind, Picture, Wish};
 
 /// Draw a specification
 ///

@@ -5,7 +5,7 @@ use std::io::Write;
 use clap::Args;
 
 use super::Outcome;
-use crate::manual;
+use crate::views::manual;
 
 /// Print the page of the manual about a diagnostic
 ///

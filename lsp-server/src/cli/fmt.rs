@@ -15,8 +15,8 @@ use similar::TextDiff;
 use super::report;
 use super::session::{self, Session, SourceFile};
 use super::{Outcome, Reading};
-use crate::style;
-use crate::vfs;
+use crate::config::style;
+use crate::files::vfs;
 
 /// Lines shown around each change.
 const CONTEXT: usize = 3;

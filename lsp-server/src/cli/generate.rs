@@ -15,8 +15,8 @@ use dotgen_codegen::template::console::StdConsole;
 use dotgen_codegen::template::{Limits, OutputSink};
 
 use crate::config::{self, Config, PackageConfig};
-use crate::disk::SystemDisk;
-use crate::vfs::Vfs;
+use crate::files::disk::SystemDisk;
+use crate::files::vfs::Vfs;
 
 /// Run a template over specifications; takes the arguments of `genom3`
 #[derive(Debug, Args)]
@@ -88,7 +88,7 @@ fn configuration(words: &[String]) -> Config {
     };
     let mut files = words.iter().rev().map(|it| here.join(it));
     let file = files.find(|it| it.is_file());
-    let file = crate::vfs::normalize(&file.unwrap_or_else(|| here.join("-")));
+    let file = crate::files::vfs::normalize(&file.unwrap_or_else(|| here.join("-")));
     let Some(directory) = config::nearest_directory(&file) else {
         return Config::default();
     };
@@ -109,7 +109,7 @@ fn run(
         variables: &|name| std::env::var(name).ok(),
         disk: Arc::new(SystemDisk),
         loader: Arc::new(Vfs::new(packages)),
-        pictures: Arc::new(crate::pictures::machine),
+        pictures: Arc::new(crate::views::pictures::machine),
         console: &mut StdConsole,
         limits: Limits::default(),
         base: PathBuf::new(),

@@ -2,9 +2,9 @@
 
 use clap::Args;
 
-use super::Outcome;
+use super::{Outcome, logging};
 use crate::process::folders;
-use crate::{logging, server};
+use crate::session::server;
 
 /// Serve an editor: the Language Server Protocol on standard input and output
 ///

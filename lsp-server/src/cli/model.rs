@@ -26,7 +26,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let mut outcome = Outcome::Fine;
     for file in &session.files {
         let unit = session.ask(&file.path, |it| it.root_unit(&file.path))?;
-        let model = crate::model::document(&unit);
+        let model = crate::views::model::document(&unit);
         let mut json = serde_json::to_string_pretty(&model)?;
         json.push('\n');
         std::io::stdout().write_all(dotgen_syntax::encoding::shown(&json).as_bytes())?;

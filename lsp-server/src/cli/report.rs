@@ -14,7 +14,7 @@ use dotgen_codegen::disk::{Disk as _, NewContent};
 use dotgen_syntax::encoding;
 
 use super::session::Texts;
-use crate::disk::SystemDisk;
+use crate::files::disk::SystemDisk;
 
 /// Diagnostics of all files checked.
 #[derive(Default)]

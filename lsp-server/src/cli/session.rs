@@ -14,10 +14,10 @@ use std::sync::Arc;
 
 use super::{Outcome, Reading};
 use crate::config::{self, Config, Level, Problem, Settings};
-use crate::convert::{Encoding, Lines};
+use crate::files::vfs::{self, Vfs};
 use crate::panic;
+use crate::protocol::convert::{Encoding, Lines};
 use crate::verification::problem::EXTENSION;
-use crate::vfs::{self, Vfs};
 
 /// Files that are read before what is known of them is forgotten again.
 const BATCH: usize = 64;

@@ -27,10 +27,10 @@ use self::progress::Doing;
 use self::told::Told;
 use super::session::{self, Session};
 use super::{Outcome, Reading};
+use crate::files::vfs;
 use crate::verification::Problem;
 use crate::verification::first::{self, FirstAnswer};
 use crate::verification::view::View;
-use crate::vfs;
 
 /// Verify real-time properties: deadlines, response times, bounded responses
 ///

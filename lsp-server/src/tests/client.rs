@@ -34,7 +34,7 @@ impl Client {
         Client {
             to: Some(to),
             from: BufReader::new(from),
-            server: tokio::spawn(crate::server::serve(input, output)),
+            server: tokio::spawn(crate::session::server::serve(input, output)),
             next_id: 0,
             waiting: VecDeque::new(),
             answers: Vec::new(),
@@ -323,7 +323,7 @@ impl Folder {
             "" => root,
             _ => root.join(name),
         };
-        let uri = crate::proto::Uri::from_file_path(path).expect("absolute");
+        let uri = crate::protocol::types::Uri::from_file_path(path).expect("absolute");
         uri.as_str().to_owned()
     }
 

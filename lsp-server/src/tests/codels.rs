@@ -15,9 +15,9 @@ use dotgen_codegen::codels::stub::StubOptions;
 use serde_json::{Value, json};
 
 use super::client::{Client, Folder, codes, document, pulling};
-use crate::codels::Disk;
-use crate::convert::{Encoding, Lines};
-use crate::vfs::Vfs;
+use crate::features::codels::Disk;
+use crate::files::vfs::Vfs;
+use crate::protocol::convert::{Encoding, Lines};
 
 const DID_CHANGE_FILES: &str = "workspace/didChangeWatchedFiles";
 const FILES: [&str; 3] = [
@@ -174,8 +174,8 @@ fn applied(edit: &Value, text: impl Fn(&str) -> Option<String>) -> BTreeMap<Stri
 }
 
 fn path(uri: &str) -> PathBuf {
-    let uri: crate::proto::Uri = uri.parse().expect("a URI");
-    crate::convert::uri::to_path(&uri).into_std_path_buf()
+    let uri: crate::protocol::types::Uri = uri.parse().expect("a URI");
+    crate::protocol::convert::uri::to_path(&uri).into_std_path_buf()
 }
 
 fn on_disk(uri: &str) -> Option<String> {

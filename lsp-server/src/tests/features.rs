@@ -86,7 +86,7 @@ async fn semantic_tokens_leave_to_a_grammar_what_it_tells_as_well() {
         .await;
     let data = tokens["data"].as_array().expect("numbers").clone();
     let types: Vec<u64> = data.chunks(5).filter_map(|it| it[3].as_u64()).collect();
-    let legend = crate::convert::semantic_tokens::legend().token_types;
+    let legend = crate::protocol::convert::semantic_tokens::legend().token_types;
     let lexical = [
         "comment",
         "keyword",

@@ -13,7 +13,7 @@ use dotgen_timing::scn::ast::{Item, Scenario, Spanned};
 use dotgen_timing::scn::{self, Platform, default_text_on};
 use dotgen_timing::verify::{Cancel, Options, SystemInput, verify_telling};
 
-use crate::vfs;
+use crate::files::vfs;
 
 /// Extension of scenario files.
 pub const EXTENSION: &str = "scn";

@@ -8,7 +8,7 @@ use dotgen_analysis::host::Change;
 
 use super::{Outcome, Report, Session, Trouble, check};
 use crate::cli::{fmt, report, session};
-use crate::fixes::together;
+use crate::views::fixes::together;
 
 /// Repairs may show what else is wrong; texts in which more than so many lie one below the other are left.
 const MOST_ROUNDS: usize = 20;

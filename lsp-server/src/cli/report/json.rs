@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::Report;
 use crate::cli::session::{self, Texts};
-use crate::proto::{Position, Range};
+use crate::protocol::types::{Position, Range};
 
 /// Version of the form. What a new one adds may be ignored; what it takes away or changes raises it.
 pub(in crate::cli) const VERSION: u32 = 1;

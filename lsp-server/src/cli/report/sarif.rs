@@ -9,8 +9,8 @@ use serde_json::{Value, json};
 
 use super::Report;
 use crate::cli::session;
-use crate::convert::uri;
-use crate::manual;
+use crate::protocol::convert::uri;
+use crate::views::manual;
 
 pub(in crate::cli) fn print(report: &Report) -> anyhow::Result<()> {
     let mut text = serde_json::to_string_pretty(&document(report))?;

@@ -14,8 +14,8 @@ use dotgen_syntax::encoding;
 
 use super::Report;
 use crate::cli::session::{self, Texts};
-use crate::convert::Lines;
 use crate::panic;
+use crate::protocol::convert::Lines;
 
 /// Lines longer than this many bytes are not shown: they are no help.
 const LONGEST_LINE: usize = 1000;

@@ -7,7 +7,7 @@ use dotgen_timing::scn;
 use crate::cli::report;
 use crate::cli::session::{Session, Texts};
 use crate::config::Level;
-use crate::convert::{Encoding, Lines};
+use crate::protocol::convert::{Encoding, Lines};
 use crate::verification::Problem;
 
 /// More places than this beside the first are not shown: a wall of them is no help.

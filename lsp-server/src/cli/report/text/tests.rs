@@ -3,7 +3,7 @@ use std::sync::Arc;
 use dotgen_analysis::diagnostic::{FileEdit, Related};
 
 use super::*;
-use crate::convert::Encoding;
+use crate::protocol::convert::Encoding;
 
 const ARM: &str = "\
 #include \"pose.idl\"

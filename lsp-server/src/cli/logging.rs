@@ -1,0 +1,16 @@
+//! The log: to stderr, never to stdout, which belongs to the protocol. `DOTGEN_LOG` filters it as
+//! `RUST_LOG` does elsewhere (`DOTGEN_LOG=debug`, `DOTGEN_LOG=dotgen_lsp_server=trace`).
+
+use tracing_subscriber::EnvFilter;
+
+/// Begins to log. What is logged without `DOTGEN_LOG` depends on who reads it: an editor keeps a
+/// log, a terminal shows it.
+pub(crate) fn install(default: &str) {
+    let filter = EnvFilter::try_from_env("DOTGEN_LOG").unwrap_or_else(|_| EnvFilter::new(default));
+    // A second call, as in tests, keeps the first log.
+    let _ = tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .with_ansi(std::io::IsTerminal::is_terminal(&std::io::stderr()))
+        .try_init();
+}

@@ -1,0 +1,13 @@
+//! Answers to requests. A handler takes a snapshot, the document and the parameters, asks analysis, and
+//! converts the answer; it runs on the blocking pool and may be cancelled or panic.
+
+pub(crate) mod codels;
+pub(crate) mod convert;
+pub(crate) mod diagnostics;
+pub(crate) mod diagram;
+pub(crate) mod generation;
+pub(crate) mod inspect;
+pub(crate) mod scenario;
+pub(crate) mod specification;
+pub(crate) mod verification;
+pub(crate) mod workspace_symbol;

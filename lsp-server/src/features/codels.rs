@@ -1,0 +1,456 @@
+//! Specifications beside the C and C++ sources of their codels, as a snapshot sees them.
+//!
+//! A source is parsed again only when its text changes, and a folder is compared again only when one
+//! of its sides does: what stays the same is kept in [`Cache`] from snapshot to snapshot. Texts come
+//! from analysis, so open documents count and a change on its way cancels between two files.
+
+pub(crate) mod actions;
+pub(crate) mod headers;
+pub(crate) mod lenses;
+pub(crate) mod navigation;
+
+use std::cell::Cell;
+use std::hash::{Hash, Hasher};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::diagnostic::Diagnostic;
+use dotgen_analysis::host::{Cancellable, Cancelled, FileContent};
+use dotgen_codegen::codels::allow;
+use dotgen_codegen::codels::command::{Side, diagnostics};
+use dotgen_codegen::codels::drift::Drift;
+use dotgen_codegen::codels::expected::Expected;
+use dotgen_codegen::codels::files::{Files, FilesConfig, IndexedFile, Indexes, Sources};
+use dotgen_codegen::codels::folder::{self, Folder};
+use dotgen_codegen::codels::repair::Repairs;
+use dotgen_codegen::codels::stub::StubOptions;
+use dotgen_codegen::template::notice;
+use rustc_hash::{FxHashMap, FxHasher};
+
+use crate::files::vfs;
+use crate::workspace::snapshot::{DocumentKind, Snapshot};
+
+/// What is known of sources, shared by all snapshots.
+#[derive(Default)]
+pub(crate) struct Cache {
+    indexes: Mutex<Indexes>,
+    /// By root of the unit.
+    compared: Mutex<FxHashMap<Utf8PathBuf, Arc<Compared>>>,
+}
+
+/// The folders of a unit, compared.
+pub(crate) struct Compared {
+    /// Revision of the snapshot that looked last.
+    revision: u64,
+    /// Folders with what differs there, before configuration and comments are looked at.
+    folders: Vec<(Folder, Vec<Drift>)>,
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Whether a document holds C or C++, by what its client calls it and by its name. A header belongs
+/// to a specification unless its client says otherwise.
+pub(crate) fn is_code(path: &Utf8Path, language: Option<&str>) -> bool {
+    let languages = [
+        "c",
+        "cpp",
+        "c++",
+        "cuda-cpp",
+        "objective-c",
+        "objective-cpp",
+    ];
+    matches!(path.extension(), Some("c" | "cc" | "cpp" | "cxx"))
+        || language.is_some_and(|it| languages.contains(&it))
+}
+
+/// Whether a file is a header by its name.
+pub(crate) fn is_header(path: &Utf8Path) -> bool {
+    matches!(path.extension(), Some("h" | "hh" | "hpp" | "hxx"))
+}
+
+/// The folder whose specifications have the codels of a source, if the source is in a folder of
+/// codels.
+pub(crate) fn home(config: &FilesConfig, source: &Utf8Path) -> Option<Utf8PathBuf> {
+    let mut folders = source.ancestors().skip(1);
+    folders.find_map(|inner| {
+        let mut outers = inner.ancestors();
+        // A specification is never below its codels, nor far above them.
+        outers
+            .by_ref()
+            .take(config.folder.components().count() + 1)
+            .find(|outer| config.folder_of(&outer.join("_.gen")) == inner)
+            .map(Utf8Path::to_owned)
+    })
+}
+
+/// The files of the disk.
+pub(crate) struct Disk;
+
+impl Files for Disk {
+    fn read(&self, path: &Utf8Path) -> Option<Arc<str>> {
+        match vfs::read(path) {
+            FileContent::Text(text) | FileContent::NotUtf8(text) => Some(text.into()),
+            _ => None,
+        }
+    }
+
+    fn list(&self, folder: &Utf8Path) -> Option<Vec<Utf8PathBuf>> {
+        folder.is_dir().then(|| {
+            let files = walkdir::WalkDir::new(folder)
+                .into_iter()
+                .filter_map(Result::ok);
+            files
+                .filter(|it| it.file_type().is_file())
+                .filter_map(|it| Utf8PathBuf::from_path_buf(it.into_path()).ok())
+                .filter_map(|it| Some(it.strip_prefix(folder).ok()?.to_owned()))
+                .collect()
+        })
+    }
+}
+
+/// The files of a snapshot. After a cancellation nothing can be read.
+pub(crate) struct Texts<'a> {
+    snapshot: &'a Snapshot,
+    cancelled: Cell<Option<Cancelled>>,
+}
+
+impl<'a> Texts<'a> {
+    pub(crate) fn new(snapshot: &'a Snapshot) -> Texts<'a> {
+        Texts {
+            snapshot,
+            cancelled: Cell::new(None),
+        }
+    }
+
+    /// Passes on that the answers are worth nothing.
+    pub(crate) fn check(&self) -> Cancellable<()> {
+        self.cancelled.get().map_or(Ok(()), Err)
+    }
+}
+
+impl Files for Texts<'_> {
+    fn read(&self, path: &Utf8Path) -> Option<Arc<str>> {
+        if self.cancelled.get().is_some() {
+            return None;
+        }
+        let text = self.snapshot.analysis.text(path);
+        text.unwrap_or_else(|cancelled| {
+            self.cancelled.set(Some(cancelled));
+            None
+        })
+    }
+
+    fn list(&self, folder: &Utf8Path) -> Option<Vec<Utf8PathBuf>> {
+        let open = self.snapshot.open.keys();
+        let open = open.filter_map(|it| it.strip_prefix(folder).ok().map(Utf8Path::to_owned));
+        let open: Vec<_> = open.collect();
+        match Disk.list(folder) {
+            Some(mut listing) => {
+                listing.extend(open);
+                Some(listing)
+            }
+            None => (!open.is_empty()).then_some(open),
+        }
+    }
+}
+
+impl Compared {
+    /// The folders.
+    pub(crate) fn folders(&self) -> impl Iterator<Item = &Folder> {
+        self.folders.iter().map(|it| &it.0)
+    }
+
+    /// Folders with their findings as configuration and comments want them.
+    pub(crate) fn findings<'a>(
+        &'a self,
+        snapshot: &'a Snapshot,
+    ) -> impl Iterator<Item = Cancellable<(&'a Folder, Vec<Drift>)>> {
+        self.folders.iter().map(|(folder, findings)| {
+            let findings = folder.adjust(findings.clone(), &snapshot.analysis)?;
+            Ok((folder, findings))
+        })
+    }
+}
+
+/// The folders of the unit that serves a specification, or of the units whose codels are in the
+/// folder of a source. Nothing for what is neither.
+pub(crate) fn around(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Arc<Compared>>> {
+    if !snapshot.is_code(path) {
+        return Ok(vec![of_unit(snapshot, &snapshot.analysis.root_of(path)?)?]);
+    }
+    let Some(config) = &snapshot.config.codels else {
+        return Ok(Vec::new());
+    };
+    let mut roots: Vec<Utf8PathBuf> = Vec::new();
+    for root in snapshot.roots.iter() {
+        if path.starts_with(config.folder_of(root)) {
+            let root = snapshot.analysis.root_of(root)?;
+            if !roots.contains(&root) {
+                roots.push(root);
+            }
+        }
+    }
+    let mut out = Vec::new();
+    for root in roots {
+        let compared = of_unit(snapshot, &root)?;
+        if compared.folders().any(|it| it.sources.file(path).is_some()) {
+            out.push(compared);
+        }
+    }
+    Ok(out)
+}
+
+/// The folders of the unit of a root, compared.
+fn of_unit(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<Arc<Compared>> {
+    let nothing = || Compared {
+        revision: snapshot.revision,
+        folders: Vec::new(),
+    };
+    let Some(config) = &snapshot.config.codels else {
+        return Ok(Arc::new(nothing()));
+    };
+    let known = lock(&snapshot.codels.compared).get(root).cloned();
+    if let Some(known) = &known
+        && known.revision == snapshot.revision
+    {
+        return Ok(known.clone());
+    }
+    let mut fresh = nothing();
+    for folder in folders(snapshot, config, root)? {
+        let mut before = known.iter().flat_map(|it| &it.folders);
+        let findings = before
+            .find(|it| same(&it.0, &folder))
+            .map(|it| it.1.clone())
+            .unwrap_or_else(|| folder.check(&folder.expected()));
+        fresh.folders.push((folder, findings));
+    }
+    let fresh = Arc::new(fresh);
+    // Without codels there is little to remember, and the model would be kept for it.
+    if fresh.folders().any(|it| it.sources.exists) {
+        lock(&snapshot.codels.compared).insert(root.to_owned(), fresh.clone());
+    } else {
+        lock(&snapshot.codels.compared).remove(root);
+    }
+    Ok(fresh)
+}
+
+/// Whether something can be said of a specification and its codels: a folder for them is there, or a comment allows
+/// findings. Told without asking what the specification means.
+fn is_concerned(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<bool> {
+    let Some(config) = &snapshot.config.codels else {
+        return Ok(false);
+    };
+    let text = snapshot.analysis.text(path)?;
+    if text.is_some_and(|it| it.contains("allow(")) {
+        return Ok(true);
+    }
+    let root = snapshot.analysis.root_of(path)?;
+    let files = snapshot.analysis.files_of_root(&root)?;
+    Ok(files.iter().any(|it| config.folder_of(it).is_dir()))
+}
+
+/// The folders of a unit, without what the units of other roots show.
+fn folders(snapshot: &Snapshot, config: &FilesConfig, root: &Utf8Path) -> Cancellable<Vec<Folder>> {
+    let unit = snapshot.analysis.root_unit(root)?;
+    let texts = Texts::new(snapshot);
+    let mut index = |path: Utf8PathBuf, text: Arc<str>, cxx| -> IndexedFile {
+        lock(&snapshot.codels.indexes).get(path, text, cxx)
+    };
+    let mut sources =
+        |specification: &Utf8Path| Sources::load_with(specification, config, &texts, &mut index);
+    let found = folder::folders(root, &unit, &mut sources).unwrap_or_default();
+    texts.check()?;
+    let mut out = Vec::new();
+    for mut folder in found {
+        if snapshot.analysis.root_of(&folder.specification)? != root {
+            continue;
+        }
+        // Specifications in one folder share its codels. Where there are none, nobody asks who else has them.
+        if !folder.sources.exists {
+            out.push(folder);
+            continue;
+        }
+        let beside = folder.specification.parent();
+        for other in snapshot.roots.iter().filter(|it| it.parent() == beside) {
+            for component in &snapshot.analysis.root_unit(other)?.spec.components {
+                let codels = component.all_codels();
+                let names = codels.map(|it| component.codel(it).name.clone());
+                folder.also_named.extend(names);
+            }
+        }
+        out.push(folder);
+    }
+    Ok(out)
+}
+
+/// Whether two states of a folder have the same findings.
+fn same(a: &Folder, b: &Folder) -> bool {
+    let files = |it: &Folder| -> Vec<*const ()> {
+        let all = it.sources.all();
+        all.map(|it| Arc::as_ptr(&it.index).cast()).collect()
+    };
+    a.specification == b.specification
+        && Arc::ptr_eq(&a.unit.spec, &b.unit.spec)
+        && a.components == b.components
+        && a.sources.exists == b.sources.exists
+        && a.sources.incomplete == b.sources.incomplete
+        && a.sources.folder == b.sources.folder
+        && files(a) == files(b)
+        && a.also_named == b.also_named
+}
+
+/// What is to be said of a specification or a source.
+pub(crate) fn file_diagnostics(
+    snapshot: &Snapshot,
+    path: &Utf8Path,
+) -> Cancellable<Vec<Diagnostic>> {
+    let mut out: Vec<Diagnostic> = Vec::new();
+    if !snapshot.is_code(path) && !is_concerned(snapshot, path)? {
+        return Ok(out);
+    }
+    for compared in around(snapshot, path)? {
+        for found in compared.findings(snapshot) {
+            let (folder, findings) = found?;
+            let all = diagnostics(&findings, &*folder.unit.locations, Side::Both);
+            for it in all.into_iter().filter(|it| it.path == *path) {
+                if !out.contains(&it) {
+                    out.push(it);
+                }
+            }
+        }
+    }
+    out.extend(unused_in(snapshot, path)?);
+    out.sort_by_key(|it| (it.range.start, it.range.end));
+    Ok(out)
+}
+
+/// Comments of a file that allow what nothing is.
+pub(crate) fn unused_in(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
+    let mut unused = unused_allowances(snapshot, &around(snapshot, path)?)?;
+    unused.retain(|it| it.path == *path);
+    Ok(unused)
+}
+
+/// Comments that allow what nothing is.
+fn unused_allowances(
+    snapshot: &Snapshot,
+    compared: &[Arc<Compared>],
+) -> Cancellable<Vec<Diagnostic>> {
+    let folders = compared.iter().flat_map(|it| &it.folders);
+    let folders: Vec<_> = folders.map(|it| (&it.0, it.1.as_slice())).collect();
+    allow::unused(&folders, &snapshot.analysis)
+}
+
+/// The sources of the workspace that something is to be said of.
+pub(crate) fn sources_with_findings(snapshot: &Snapshot) -> Cancellable<Vec<Utf8PathBuf>> {
+    let mut out = Vec::new();
+    let Some(config) = &snapshot.config.codels else {
+        return Ok(out);
+    };
+    let shown = |it: &&Utf8PathBuf| snapshot.in_workspace(it) || snapshot.open.contains_key(*it);
+    for root in snapshot.roots.iter().filter(shown) {
+        if snapshot.analysis.root_of(root)? != *root && !config.folder_of(root).is_dir() {
+            continue;
+        }
+        if !is_concerned(snapshot, root)? {
+            continue;
+        }
+        for found in of_unit(snapshot, &snapshot.analysis.root_of(root)?)?.findings(snapshot) {
+            for source in found?.1.into_iter().filter_map(|it| it.source) {
+                if !out.contains(&source.path) {
+                    out.push(source.path);
+                }
+            }
+        }
+    }
+    Ok(out)
+}
+
+/// Stands for what specifications and open sources say of each other, whatever the places; 0 for
+/// nothing.
+pub(crate) fn fingerprint(snapshot: &Snapshot) -> Cancellable<u64> {
+    let mut hasher = FxHasher::default();
+    let mut anything = false;
+    let code = snapshot
+        .open
+        .iter()
+        .filter(|it| it.1.kind == DocumentKind::Code);
+    for path in code.map(|it| it.0) {
+        for (lens, _) in crate::features::codels::lenses::lenses(snapshot, path)? {
+            anything = true;
+            lens.hash(&mut hasher);
+        }
+    }
+    let compared: Vec<_> = lock(&snapshot.codels.compared).values().cloned().collect();
+    let (mut seen, mut seen_unused) = (Vec::new(), Vec::new());
+    for found in compared.iter().flat_map(|it| it.findings(snapshot)) {
+        seen.extend(
+            found?
+                .1
+                .into_iter()
+                .map(|it| (it.code, it.severity, it.message())),
+        );
+    }
+    for it in unused_allowances(snapshot, &compared)? {
+        seen_unused.push((it.path, it.message));
+    }
+    seen_unused.sort();
+    seen_unused.hash(&mut hasher);
+    anything |= !seen_unused.is_empty();
+    seen.sort();
+    seen.hash(&mut hasher);
+    anything |= !seen.is_empty();
+    Ok(if anything { hasher.finish() } else { 0 })
+}
+
+/// How stubs of a folder are written: with the notice of its specification.
+pub(crate) fn stub_options(folder: &Folder, texts: &Texts<'_>) -> StubOptions {
+    let text = texts.read(&folder.specification);
+    StubOptions {
+        use_parameters: true,
+        notice: text.and_then(|it| notice(&it)),
+        ..StubOptions::default()
+    }
+}
+
+/// The repairs of a component of a folder.
+pub(crate) fn repairs<'a>(
+    folder: &'a Folder,
+    expected: &'a Expected<'a>,
+    texts: &'a Texts<'a>,
+    stubs: &'a StubOptions,
+) -> Repairs<'a> {
+    Repairs {
+        expected,
+        sources: &folder.sources,
+        locations: &*folder.unit.locations,
+        text: texts,
+        stubs,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_home_of_a_source_is_where_its_specification_is() {
+        let home = |folder: &str, source: &str| {
+            let config = FilesConfig {
+                folder: folder.into(),
+                ..FilesConfig::default()
+            };
+            super::home(&config, source.into()).map(Utf8PathBuf::into_string)
+        };
+        assert_eq!(home("codels", "/a/codels/x.c").as_deref(), Some("/a"));
+        assert_eq!(home("codels", "/a/codels/sub/x.c").as_deref(), Some("/a"));
+        assert_eq!(
+            home("src/codels", "/a/src/codels/x.c").as_deref(),
+            Some("/a")
+        );
+        assert_eq!(home("codels", "/a/other/x.c"), None);
+        assert_eq!(home(".", "/a/x.c").as_deref(), Some("/a"));
+    }
+}

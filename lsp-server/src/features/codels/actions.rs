@@ -1,0 +1,404 @@
+//! Code actions that bring specifications and codels together.
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::host::{AnalysisHost, Cancellable, Change};
+use dotgen_analysis::model::{CodelRef, Owner};
+use dotgen_analysis::source_map::Locations;
+use dotgen_codegen::codels::command::{FileChange, Project, Side, SyncOptions, diagnostics, sync};
+use dotgen_codegen::codels::drift::{Drift, Repair};
+use dotgen_codegen::codels::edit::{Edit, apply, line_edits};
+use dotgen_codegen::codels::expected::owner_words;
+use dotgen_codegen::codels::files::Files as _;
+use dotgen_codegen::codels::folder::Folder;
+use dotgen_codegen::codels::links;
+use dotgen_codegen::codels::repair::Repairs;
+use dotgen_codegen::codels::stub::StubOptions;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+use crate::features::codels::lenses::SHOW_CODEL;
+use crate::features::codels::{self, Texts};
+use crate::features::convert::diagnostic;
+use crate::features::convert::edit::{Edited, Review, edit_of, with_edit};
+use crate::features::specification::rename::Refusable;
+use crate::protocol::convert::Lines;
+use crate::protocol::types::*;
+use crate::workspace::snapshot::{Snapshot, Subject};
+
+/// Kind of the action that mends everything. It is not below `source.fixAll`, which editors run
+/// unasked when a file is saved.
+pub(crate) const SYNC: CodeActionKind = CodeActionKind::new("source.syncCodels");
+
+/// Title of that action.
+const FIX_ALL: &str = "Fix all differences between specification and codels";
+
+/// What comes back with an action to be resolved.
+#[derive(Debug, Serialize, Deserialize)]
+struct Data {
+    /// The document in which everything was to be mended.
+    sync: Utf8PathBuf,
+}
+
+/// The actions for a range of a specification or a source.
+pub(crate) fn actions(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    range: &std::ops::Range<usize>,
+    wanted: &dyn Fn(&CodeActionKind) -> bool,
+    out: &mut Vec<CodeActionOrCommand>,
+) -> Cancellable<()> {
+    let quick = wanted(&CodeActionKind::QUICKFIX);
+    let rewrite = wanted(&CodeActionKind::REFACTOR_REWRITE);
+    let sync_wanted = wanted(&SYNC);
+    if !(quick || rewrite || sync_wanted) {
+        return Ok(());
+    }
+    let texts = Texts::new(snapshot);
+    for compared in codels::around(snapshot, &subject.path)? {
+        let mut here = false;
+        let mut mendable = 0;
+        for found in compared.findings(snapshot) {
+            let (folder, findings) = found?;
+            let work = Work {
+                snapshot,
+                subject,
+                folder,
+                texts: &texts,
+            };
+            mendable += findings.iter().filter(|it| !it.repairs.is_empty()).count();
+            for drift in findings.iter().filter(|_| quick) {
+                here |= work.fixes(drift, range, out)?;
+            }
+            if rewrite && !snapshot.is_code(&subject.path) {
+                work.stubs_at(range, out)?;
+            }
+        }
+        let fix = here && mendable > 1 && quick;
+        if mendable > 0 && (fix || sync_wanted) {
+            out.extend(sync_action(snapshot, subject, fix)?);
+        }
+    }
+    texts.check()
+}
+
+/// Everything that is needed for the edits of one folder.
+struct Work<'a> {
+    snapshot: &'a Snapshot,
+    subject: &'a Subject,
+    folder: &'a Folder,
+    texts: &'a Texts<'a>,
+}
+
+impl Work<'_> {
+    /// The fixes of a finding that has a place in a range of the document; whether it has one.
+    fn fixes(
+        &self,
+        drift: &Drift,
+        range: &std::ops::Range<usize>,
+        out: &mut Vec<CodeActionOrCommand>,
+    ) -> Cancellable<bool> {
+        let one = std::slice::from_ref(drift);
+        let all = diagnostics(one, &*self.folder.unit.locations, Side::Both);
+        let touches = |it: &dotgen_analysis::diagnostic::Diagnostic| {
+            it.path == self.subject.path
+                && it.range.start <= range.end
+                && range.start <= it.range.end
+        };
+        let Some(here) = all.into_iter().find(touches) else {
+            return Ok(false);
+        };
+        let shown = diagnostic::to_proto(self.snapshot, &here)?;
+        let expected = self.folder.expected();
+        let Some(expected) = expected.iter().find(|it| it.component == drift.component) else {
+            return Ok(true);
+        };
+        let stubs = codels::stub_options(self.folder, self.texts);
+        let repairs = codels::repairs(self.folder, expected, self.texts, &stubs);
+        let mut push = |title, edit: &Edit, written, preferred| -> Cancellable<()> {
+            let action = CodeAction {
+                title,
+                kind: Some(CodeActionKind::QUICKFIX),
+                diagnostics: shown.clone().map(|it| vec![it]),
+                is_preferred: Some(preferred),
+                ..CodeAction::default()
+            };
+            out.extend(self.action(action, edit, written)?);
+            Ok(())
+        };
+        let name = |at: CodelRef| expected.component().codel(at).name.as_str();
+        for (rank, repair) in drift.repairs.iter().enumerate() {
+            if let Some(edit) = repairs.edit(repair) {
+                let written = match repair {
+                    Repair::Stub { at } => Some(name(*at)),
+                    _ => None,
+                };
+                push(repairs.title(repair), &edit, written, rank == 0)?;
+            }
+            if let Repair::Stub { at } = repair {
+                for (title, codels) in more_stubs(&repairs, at.owner) {
+                    if let Ok(edit) = repairs.stub(&codels) {
+                        push(title, &edit, Some(name(*at)), false)?;
+                    }
+                }
+            }
+        }
+        Ok(true)
+    }
+
+    /// Stubs for the codel, the task or service, or the component whose name is selected.
+    fn stubs_at(
+        &self,
+        range: &std::ops::Range<usize>,
+        out: &mut Vec<CodeActionOrCommand>,
+    ) -> Cancellable<()> {
+        for expected in &self.folder.expected() {
+            let stubs = codels::stub_options(self.folder, self.texts);
+            let repairs = codels::repairs(self.folder, expected, self.texts, &stubs);
+            let component = expected.component();
+            let selected = |src| {
+                let place = self.folder.unit.locations.locate(src);
+                place.is_some_and(|it| {
+                    it.path == self.subject.path
+                        && it.range.start <= range.end
+                        && range.start <= it.range.end
+                })
+            };
+            let mut wanted: Vec<(String, Vec<CodelRef>)> = Vec::new();
+            let missing = repairs.missing();
+            // Where the others are, a diagnostic offers them.
+            let silent = !self.folder.sources.exists || missing.len() == expected.functions.len();
+            if !silent || missing.is_empty() {
+                continue;
+            }
+            let codel = missing
+                .iter()
+                .find(|it| selected(component.codel(**it).src));
+            if let Some(at) = codel {
+                wanted.push((repairs.title(&Repair::Stub { at: *at }), vec![*at]));
+            }
+            for owner in component.owners() {
+                let src = match owner {
+                    Owner::Task(it) => component.tasks[it as usize].src,
+                    Owner::Service(it) => component.services[it as usize].src,
+                };
+                let of_owner = repairs.missing_of(owner);
+                if selected(src) && !of_owner.is_empty() {
+                    wanted.push((owner_title(&repairs, owner, of_owner.len()), of_owner));
+                }
+            }
+            if selected(component.src) {
+                wanted.push((component_title(&repairs, missing.len()), missing));
+            }
+            for (title, codels) in wanted {
+                let Ok(edit) = repairs.stub(&codels) else {
+                    continue;
+                };
+                let action = CodeAction {
+                    title,
+                    kind: Some(CodeActionKind::REFACTOR_REWRITE),
+                    ..CodeAction::default()
+                };
+                let first = codels.first().map(|it| component.codel(*it).name.as_str());
+                out.extend(self.action(action, &edit, first)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// The action with its edit; where it writes the function of a codel, the client then shows the body of that.
+    /// `None` when there is nothing to do, or when a file that is there would have to be replaced.
+    fn action(
+        &self,
+        action: CodeAction,
+        edit: &Edit,
+        written: Option<&str>,
+    ) -> Cancellable<Option<CodeActionOrCommand>> {
+        let mut created = edit.created.keys();
+        if edit.is_empty() || created.any(|it| self.texts.read(it).is_some()) {
+            return Ok(None);
+        }
+        let body = written.and_then(|it| self.body(edit, it));
+        let action = CodeAction {
+            command: body
+                .map(|it| Command::new("Show".to_owned(), SHOW_CODEL.to_owned(), Some(vec![it]))),
+            ..action
+        };
+        let edit = edit_of(self.snapshot, Review::None, edit)?;
+        Ok(with_edit(self.snapshot, action, edit).map(CodeActionOrCommand::CodeAction))
+    }
+
+    /// The place of the body of a function in the texts that an edit makes, for clients that can go there.
+    fn body(&self, edit: &Edit, codel: &str) -> Option<serde_json::Value> {
+        if !self.snapshot.client.show_document {
+            return None;
+        }
+        let created = edit.created.iter().map(|it| (it.0, it.1.clone()));
+        let changed = edit
+            .changed
+            .iter()
+            .filter_map(|(path, edits)| Some((path, apply(&self.texts.read(path)?, edits))));
+        let mut texts = created.chain(changed);
+        texts.find_map(|(path, text)| {
+            let body = links::body_start(path, &text, codel)?;
+            let range = Lines::new(text.into(), self.snapshot.client.encoding).range(&body);
+            let uri = self.snapshot.uri(path)?;
+            Some(json!(Location { uri, range }))
+        })
+    }
+}
+
+/// Stubs of the task or service of a codel, and of the component, where these are more.
+fn more_stubs(repairs: &Repairs<'_>, owner: Owner) -> Vec<(String, Vec<CodelRef>)> {
+    let of_owner = repairs.missing_of(owner);
+    let all = repairs.missing();
+    let mut out = Vec::new();
+    if of_owner.len() > 1 {
+        out.push((
+            owner_title(repairs, owner, of_owner.len()),
+            of_owner.clone(),
+        ));
+    }
+    if all.len() > of_owner.len().max(1) {
+        out.push((component_title(repairs, all.len()), all));
+    }
+    out
+}
+
+fn owner_title(repairs: &Repairs<'_>, owner: Owner, count: usize) -> String {
+    let (kind, name) = owner_words(repairs.expected.component(), owner);
+    format!("Write {} of {kind} `{name}`", stubs(count))
+}
+
+fn component_title(repairs: &Repairs<'_>, count: usize) -> String {
+    let name = &repairs.expected.component().name;
+    format!("Write {} of component `{name}`", stubs(count))
+}
+
+fn stubs(count: usize) -> String {
+    match count {
+        1 => "the missing stub".to_owned(),
+        count => format!("the {count} missing stubs"),
+    }
+}
+
+/// The action that mends everything; worked out when it is chosen, if the client can wait.
+fn sync_action(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    fix: bool,
+) -> Cancellable<Option<CodeActionOrCommand>> {
+    let action = CodeAction {
+        title: FIX_ALL.to_owned(),
+        kind: Some(if fix { CodeActionKind::QUICKFIX } else { SYNC }),
+        ..CodeAction::default()
+    };
+    let action = match snapshot.client.resolves_edits {
+        true => Some(CodeAction {
+            data: Some(json!({ "sync": subject.path })),
+            ..action
+        }),
+        false => sync_edit(snapshot, &subject.path)?.and_then(|it| with_edit(snapshot, action, it)),
+    };
+    Ok(action.map(CodeActionOrCommand::CodeAction))
+}
+
+/// `codeAction/resolve`
+pub(crate) fn resolve(
+    snapshot: &Snapshot,
+    action: &CodeAction,
+) -> Cancellable<Refusable<CodeAction>> {
+    let data = action.data.clone().map(serde_json::from_value::<Data>);
+    let Some(Ok(data)) = data else {
+        return Ok(Refusable::default());
+    };
+    let edit = sync_edit(snapshot, &data.sync)?.transpose();
+    Ok(Refusable(edit.map(|edit| {
+        Some(CodeAction {
+            edit,
+            ..action.clone()
+        })
+    })))
+}
+
+/// Everything that can be mended around a document, hints included.
+fn sync_edit(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Option<Edited>> {
+    let mut roots: Vec<Utf8PathBuf> = Vec::new();
+    for compared in codels::around(snapshot, path)? {
+        for folder in compared.folders() {
+            let beside = folder.specification.parent();
+            roots.push(snapshot.analysis.root_of(&folder.specification)?);
+            roots.extend(
+                snapshot
+                    .roots
+                    .iter()
+                    .filter(|it| it.parent() == beside)
+                    .cloned(),
+            );
+        }
+    }
+    roots.sort();
+    roots.dedup();
+    let mut host = private_host(snapshot)?;
+    let texts = Texts::new(snapshot);
+    let mut project = project(&mut host, snapshot, &texts);
+    let options = SyncOptions {
+        hints: true,
+        ..SyncOptions::default()
+    };
+    let done = sync(&mut project, &roots, &options);
+    drop(project);
+    texts.check()?;
+    let mut edit = Edit::default();
+    for FileChange {
+        path,
+        before,
+        after,
+    } in done.changes
+    {
+        match before {
+            Some(before) => {
+                for it in line_edits(&before, &after) {
+                    edit.replace(&path, it.range, it.text);
+                }
+            }
+            None => {
+                edit.created.insert(path, after);
+            }
+        }
+    }
+    if edit.is_empty() {
+        return Ok(None);
+    }
+    edit_of(snapshot, Review::SeveralFiles(FIX_ALL), &edit).map(Some)
+}
+
+/// A database of our own with the texts of a snapshot, for work that tries changes.
+pub(crate) fn private_host(snapshot: &Snapshot) -> Cancellable<AnalysisHost> {
+    let mut host = AnalysisHost::new(snapshot.vfs.clone());
+    let mut files = Vec::new();
+    for path in snapshot.open.keys() {
+        let text = snapshot.analysis.text(path)?;
+        files.push((path.clone(), text.map(|it| it.to_string())));
+    }
+    host.apply(Change {
+        files,
+        roots: Some(snapshot.roots.to_vec()),
+        config: Some(snapshot.config.for_analysis()),
+        ..Change::default()
+    });
+    Ok(host)
+}
+
+/// A project over a database of our own.
+pub(crate) fn project<'a>(
+    host: &'a mut AnalysisHost,
+    snapshot: &Snapshot,
+    texts: &'a Texts<'a>,
+) -> Project<'a> {
+    let files = snapshot.config.codels.clone().unwrap_or_default();
+    let stubs = StubOptions {
+        use_parameters: true,
+        ..StubOptions::default()
+    };
+    Project::new(host, texts, files, stubs)
+}

@@ -1,0 +1,85 @@
+//! `dotgen/codelHeaders`: the headers that let clangd understand codels without a build. The client
+//! writes them.
+
+use dotgen_analysis::host::{AnalysisHost, Cancellable};
+use dotgen_codegen::codels::command;
+use serde::{Deserialize, Serialize};
+
+use super::actions;
+use crate::features::codels::{self, Texts};
+use crate::protocol::messages::DocumentParams;
+use crate::protocol::types::*;
+use crate::workspace::snapshot::{Snapshot, Subject};
+
+/// Folder for generated headers, beside the specification.
+pub(crate) const FOLDER: &str = ".dotgen";
+
+/// Text of the `.gitignore` there: all of it can be made again.
+pub(crate) const IGNORED: &str = "*\n";
+
+/// A file to be written.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct HeaderFile {
+    /// Where.
+    uri: Uri,
+    /// The whole text.
+    text: String,
+}
+
+/// Answer of `dotgen/codelHeaders`.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct CodelHeaders {
+    /// The folder of all files; its `compile_flags.txt` is for clangd's `--compile-commands-dir`.
+    folder: Uri,
+    /// In order of paths.
+    files: Vec<HeaderFile>,
+}
+
+/// An answer, or what is wrong with the specification.
+pub(crate) fn handle(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    _: &DocumentParams,
+) -> Cancellable<crate::features::specification::rename::Refusable<CodelHeaders>> {
+    use crate::features::specification::rename::Refusable;
+    let mut specification = None;
+    for compared in codels::around(snapshot, &subject.path)? {
+        specification = compared.folders().next().map(|it| it.specification.clone());
+    }
+    let specification = match (specification, snapshot.is_code(&subject.path)) {
+        (Some(it), _) => it,
+        (None, false) => subject.path.clone(),
+        (None, true) => return Ok(Refusable::default()),
+    };
+    let Some(base) = specification.parent() else {
+        return Ok(Refusable::default());
+    };
+    let output = base.join(FOLDER);
+    let mut host: AnalysisHost = actions::private_host(snapshot)?;
+    let texts = Texts::new(snapshot);
+    let mut project = actions::project(&mut host, snapshot, &texts);
+    let files = match command::headers(&mut project, &specification, &output, &[]) {
+        Ok(files) => files,
+        Err(why) => return Ok(Refusable(Err(why))),
+    };
+    drop(project);
+    texts.check()?;
+    let files = files.into_iter().filter_map(|file| {
+        Some(HeaderFile {
+            uri: snapshot.uri(&output.join(file.path))?,
+            text: file.text,
+        })
+    });
+    let ignored = HeaderFile {
+        uri: match snapshot.uri(&output.join(".gitignore")) {
+            Some(uri) => uri,
+            None => return Ok(Refusable::default()),
+        },
+        text: IGNORED.to_owned(),
+    };
+    let files = std::iter::once(ignored).chain(files).collect();
+    let answer = snapshot
+        .uri(&output)
+        .map(|folder| CodelHeaders { folder, files });
+    Ok(Refusable(Ok(answer)))
+}

@@ -1,0 +1,159 @@
+//! From codels to functions and back.
+
+use std::ops::Range;
+
+use camino::Utf8Path;
+use dotgen_analysis::host::Cancellable;
+use dotgen_analysis::source_map::Locations;
+use dotgen_codegen::codels::drift::{Repair, SourcePlace};
+use dotgen_codegen::codels::edit::Edit;
+use dotgen_codegen::codels::folder::Folder;
+use dotgen_codegen::codels::links;
+
+use crate::features::codels::{self, Texts};
+use crate::workspace::snapshot::Snapshot;
+
+/// Calls `visit` with the folder, the component (index into what the folder expects) and the name of
+/// each codel that is written at an offset of a specification.
+fn for_codel_at(
+    snapshot: &Snapshot,
+    path: &Utf8Path,
+    offset: usize,
+    mut visit: impl FnMut(&Folder, usize, &str),
+) -> Cancellable<()> {
+    if snapshot.is_code(path) {
+        return Ok(());
+    }
+    for compared in codels::around(snapshot, path)? {
+        for folder in compared.folders() {
+            for (index, expected) in folder.expected().iter().enumerate() {
+                let component = expected.component();
+                for function in &expected.functions {
+                    let mut uses = function.uses.iter();
+                    let here = uses.any(|&at| {
+                        let place = folder.unit.locations.locate(component.codel(at).src);
+                        place.is_some_and(|it| {
+                            it.path == path && it.range.start <= offset && offset <= it.range.end
+                        })
+                    });
+                    if here {
+                        visit(folder, index, &function.name);
+                    }
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The functions of the codel at an offset of a specification.
+pub(crate) fn implementations(
+    snapshot: &Snapshot,
+    path: &Utf8Path,
+    offset: usize,
+) -> Cancellable<Vec<SourcePlace>> {
+    let mut out = Vec::new();
+    for_codel_at(snapshot, path, offset, |folder, _, name| {
+        out.extend(links::implementations(&folder.sources, name));
+    })?;
+    Ok(out)
+}
+
+/// Mentions in the sources of the codel at an offset of a specification; for a function of a
+/// source, where specifications name it.
+pub(crate) fn references(
+    snapshot: &Snapshot,
+    path: &Utf8Path,
+    offset: usize,
+) -> Cancellable<Vec<SourcePlace>> {
+    let mut out: Vec<SourcePlace> = Vec::new();
+    for_codel_at(snapshot, path, offset, |folder, _, name| {
+        out.extend(links::references(&folder.sources, name));
+    })?;
+    if snapshot.is_code(path) {
+        for compared in codels::around(snapshot, path)? {
+            for folder in compared.folders() {
+                for place in named_at(folder, path, offset) {
+                    if !out.contains(&place) {
+                        out.push(place);
+                    }
+                }
+            }
+        }
+    }
+    Ok(out)
+}
+
+/// Where the specification names the identifier at an offset of a source.
+fn named_at(folder: &Folder, path: &Utf8Path, offset: usize) -> Vec<SourcePlace> {
+    let Some(file) = folder.sources.file(path) else {
+        return Vec::new();
+    };
+    let word = word_at(&file.text, offset);
+    let name = file.text.get(word).unwrap_or_default();
+    let mut out = Vec::new();
+    for expected in folder.expected() {
+        let uses = expected.function(name).map(|it| it.uses.clone());
+        for at in uses.unwrap_or_default() {
+            let place = folder
+                .unit
+                .locations
+                .locate(expected.component().codel(at).src);
+            out.extend(place.map(|it| SourcePlace {
+                path: it.path,
+                range: it.range,
+            }));
+        }
+    }
+    out
+}
+
+/// The identifier around an offset.
+fn word_at(text: &str, offset: usize) -> Range<usize> {
+    let is_part = |it: &char| it.is_alphanumeric() || *it == '_';
+    let before = text.get(..offset).unwrap_or_default();
+    let after = text.get(offset..).unwrap_or_default();
+    let length = |it: &mut dyn Iterator<Item = char>| {
+        it.take_while(is_part).map(char::len_utf8).sum::<usize>()
+    };
+    offset - length(&mut before.chars().rev())..offset + length(&mut after.chars())
+}
+
+/// The edits of the sources that go with a new name of the codel at an offset; why it cannot have
+/// that name.
+pub(crate) fn rename(
+    snapshot: &Snapshot,
+    path: &Utf8Path,
+    offset: usize,
+    to: &str,
+) -> Cancellable<Result<Edit, String>> {
+    let mut edit = Edit::default();
+    let mut refused = None;
+    let texts = Texts::new(snapshot);
+    for_codel_at(snapshot, path, offset, |folder, index, from| {
+        if from == to {
+            return;
+        }
+        if let Some(taken) = links::implementations(&folder.sources, to).first() {
+            refused.get_or_insert(format!(
+                "A function `{to}` exists already, in {}; choose another name, or rename that one first",
+                taken.path
+            ));
+        }
+        let all = folder.expected();
+        let stubs = codels::stub_options(folder, &texts);
+        let repairs = codels::repairs(folder, &all[index], &texts, &stubs);
+        let repair = Repair::RenameFunction {
+            from: from.into(),
+            to: to.into(),
+        };
+        if let Some(one) = repairs.edit(&repair) {
+            edit.merge(one);
+        }
+    })?;
+    texts.check()?;
+    Ok(match refused {
+        Some(why) => Err(why),
+        None => Ok(edit),
+    })
+}

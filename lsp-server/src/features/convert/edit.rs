@@ -1,0 +1,208 @@
+//! Edits of files as workspace edits.
+
+use std::collections::HashMap;
+
+use camino::Utf8Path;
+use dotgen_analysis::diagnostic::FileEdit;
+use dotgen_analysis::host::Cancellable;
+use dotgen_codegen::codels::{self, edit::Edit};
+use dotgen_syntax::encoding::LineEnd;
+
+use crate::protocol::types::*;
+use crate::workspace::snapshot::Snapshot;
+
+/// An edit for the client, or why there is none: a message for the user.
+pub(crate) type Edited = std::result::Result<WorkspaceEdit, String>;
+
+/// What a client may do to a file, or why it may not: it would write its own idea of bytes that are no UTF-8.
+/// An open document is written as the client read it. The line end of the file.
+fn line_end_of(
+    snapshot: &Snapshot,
+    path: &Utf8Path,
+) -> Cancellable<std::result::Result<LineEnd, String>> {
+    let Some(text) = snapshot.analysis.text(path)? else {
+        return Ok(Err(format!("{path} cannot be read")));
+    };
+    if !snapshot.open.contains_key(path) && snapshot.analysis.is_not_utf8(path)? {
+        let at = text.find(char::REPLACEMENT_CHARACTER).unwrap_or(0);
+        let line = 1 + text[..at].matches('\n').count();
+        return Ok(Err(format!(
+            "{path} would have to be changed, and line {line} is not UTF-8: the editor would damage it. Save the file \
+             as UTF-8, or open it first in the encoding that it has"
+        )));
+    }
+    Ok(Ok(LineEnd::of(&text)))
+}
+
+/// New text as the file wants it. Characters that could not be read are not passed on.
+fn fitted(line_end: LineEnd, text: &str, path: &Utf8Path) -> std::result::Result<String, String> {
+    if text.contains(char::REPLACEMENT_CHARACTER) {
+        return Err(format!(
+            "the text for {path} has characters that could not be read where they come from: save that file as UTF-8"
+        ));
+    }
+    Ok(line_end.fit(text).into_owned())
+}
+
+/// As one workspace edit, made at once.
+pub(crate) fn workspace_edit(snapshot: &Snapshot, edits: &[FileEdit]) -> Cancellable<Edited> {
+    edit_of(snapshot, Review::None, &gathered(edits))
+}
+
+/// The edits of one file.
+pub(crate) fn text_edits(
+    snapshot: &Snapshot,
+    path: &Utf8Path,
+    edits: &[FileEdit],
+) -> Cancellable<Option<Vec<TextEdit>>> {
+    let Some(lines) = snapshot.lines(path)? else {
+        return Ok(None);
+    };
+    let of_file = edits.iter().filter(|it| it.path == path);
+    let line_end = LineEnd::of(lines.text());
+    let convert = of_file.map(|it| {
+        let new_text = line_end.fit(&it.new_text).into_owned();
+        TextEdit::new(lines.range(&it.range), new_text)
+    });
+    Ok(Some(convert.collect()))
+}
+
+/// Whether the user sees an edit before it is made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Review<'a> {
+    /// It is what was asked for, and is made at once.
+    None,
+    /// It reaches further than what is on the screen: where several files change, they are shown first, under this
+    /// label, by clients that can.
+    SeveralFiles(&'a str),
+}
+
+/// An edit of specifications and sources, with new files.
+pub(crate) fn edit_of(snapshot: &Snapshot, review: Review<'_>, edit: &Edit) -> Cancellable<Edited> {
+    let mut changed: Vec<(Uri, Option<i32>, Vec<TextEdit>)> = Vec::new();
+    for (path, edits) in &edit.changed {
+        let line_end = match line_end_of(snapshot, path)? {
+            Ok(line_end) => line_end,
+            Err(why) => return Ok(Err(why)),
+        };
+        let (Some(lines), Some(uri)) = (snapshot.lines(path)?, snapshot.uri(path)) else {
+            return Ok(Err(format!("{path} cannot be read")));
+        };
+        let mut converted = Vec::new();
+        for it in edits {
+            match fitted(line_end, &it.text, path) {
+                Ok(text) => converted.push(TextEdit::new(lines.range(&it.range), text)),
+                Err(why) => return Ok(Err(why)),
+            }
+        }
+        let version = snapshot.open.get(path).map(|it| it.version);
+        changed.push((uri, version, converted));
+    }
+    let mut created: Vec<(Uri, TextEdit)> = Vec::new();
+    for (path, text) in &edit.created {
+        let Some(uri) = snapshot.uri(path) else {
+            return Ok(Err(format!("{path} has no name that the editor could use")));
+        };
+        match fitted(LineEnd::Lf, text, path) {
+            Ok(text) => created.push((uri, TextEdit::new(Range::default(), text))),
+            Err(why) => return Ok(Err(why)),
+        }
+    }
+    let client = &snapshot.client;
+    if !client.document_changes || !(created.is_empty() || client.creates_files) {
+        let created = created.into_iter().map(|it| (it.0, vec![it.1]));
+        let changed = changed.into_iter().map(|it| (it.0, it.2));
+        #[allow(clippy::mutable_key_type, reason = "the type of the protocol")]
+        let changes: HashMap<_, _> = created.chain(changed).collect();
+        return Ok(Ok(WorkspaceEdit::new(changes)));
+    }
+    let label = match review {
+        Review::SeveralFiles(label) if created.len() + changed.len() > 1 => Some(label),
+        _ => None,
+    };
+    let label = label.filter(|_| client.change_annotations);
+    let annotation = label.map(|_| REVIEWED.to_owned());
+    let document = |uri, version, edits: Vec<TextEdit>| {
+        let edits = edits.into_iter().map(|text_edit| match annotation.clone() {
+            Some(annotation_id) => OneOf::Right(AnnotatedTextEdit {
+                text_edit,
+                annotation_id,
+            }),
+            None => OneOf::Left(text_edit),
+        });
+        DocumentChangeOperation::Edit(TextDocumentEdit {
+            text_document: OptionalVersionedTextDocumentIdentifier { uri, version },
+            edits: edits.collect(),
+        })
+    };
+    let mut operations = Vec::new();
+    for (uri, edit) in created {
+        operations.push(DocumentChangeOperation::Op(ResourceOp::Create(
+            CreateFile {
+                uri: uri.clone(),
+                options: Some(CreateFileOptions {
+                    overwrite: Some(false),
+                    ignore_if_exists: Some(false),
+                }),
+                annotation_id: annotation.clone(),
+            },
+        )));
+        operations.push(document(uri, None, vec![edit]));
+    }
+    for (uri, version, edits) in changed {
+        operations.push(document(uri, version, edits));
+    }
+    let annotations = label.map(|label| {
+        let annotation = ChangeAnnotation {
+            label: label.to_owned(),
+            needs_confirmation: Some(true),
+            description: None,
+        };
+        HashMap::from([(REVIEWED.to_owned(), annotation)])
+    });
+    Ok(Ok(WorkspaceEdit {
+        document_changes: Some(DocumentChanges::Operations(operations)),
+        change_annotations: annotations,
+        ..WorkspaceEdit::default()
+    }))
+}
+
+/// Name of the annotation of what is shown first.
+const REVIEWED: &str = "reviewed";
+
+/// As the edit of a whole, for [`edit_of`]. Insertions at one place stay in their order.
+pub(crate) fn gathered(edits: &[FileEdit]) -> Edit {
+    let mut all = Edit::default();
+    for it in edits {
+        all.changed
+            .entry(it.path.clone())
+            .or_default()
+            .push(codels::edit::TextEdit {
+                range: it.range.clone(),
+                text: it.new_text.clone(),
+            });
+    }
+    for edits in all.changed.values_mut() {
+        edits.sort_by_key(|it| it.range.start);
+    }
+    all
+}
+
+/// An action with its edit. One that cannot be made is shown with the reason, where the client does that.
+pub(crate) fn with_edit(
+    snapshot: &Snapshot,
+    action: CodeAction,
+    edit: Edited,
+) -> Option<CodeAction> {
+    match edit {
+        Ok(edit) => Some(CodeAction {
+            edit: Some(edit),
+            ..action
+        }),
+        Err(reason) => snapshot.client.disabled_actions.then(|| CodeAction {
+            disabled: Some(CodeActionDisabled { reason }),
+            is_preferred: None,
+            ..action
+        }),
+    }
+}

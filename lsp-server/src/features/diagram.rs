@@ -1,0 +1,283 @@
+//! `dotgen/diagram`, the picture in hovers, and the commands that give a picture as text.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use base64::Engine;
+use dotgen_analysis::diagnostic::Severity;
+use dotgen_analysis::host::{Cancellable, UnitResult};
+use dotgen_analysis::ide::{DocumentSymbol, FilePosition, SymbolKind};
+use dotgen_diagram::theme::Theme;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use crate::protocol::types::*;
+use crate::views::pictures::{self, Form, Kind, Wish};
+use crate::workspace::snapshot::{Snapshot, Subject};
+
+/// Server command: a picture as Mermaid. Argument: as for `dotgen/diagram`.
+pub(crate) const MERMAID: &str = "dotgen.diagram.mermaid";
+/// Server command: a picture as Graphviz DOT.
+pub(crate) const DOT: &str = "dotgen.diagram.dot";
+
+/// Parameters of `dotgen/diagram`.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct DiagramParams {
+    /// The document.
+    pub(crate) text_document: TextDocumentIdentifier,
+    /// Whatever is declared around this place is drawn; it wins over the names in the wish.
+    #[serde(default)]
+    pub(crate) position: Option<Position>,
+    /// What to draw.
+    #[serde(flatten)]
+    pub(crate) wish: Wish,
+    /// Colours.
+    #[serde(default = "editor_theme")]
+    pub(crate) theme: Theme,
+    /// Form of the picture.
+    #[serde(default)]
+    pub(crate) format: Form,
+}
+
+fn editor_theme() -> Theme {
+    Theme::Editor
+}
+
+/// A question with what was answered before.
+pub(crate) struct Question {
+    pub(crate) params: DiagramParams,
+    pub(crate) last: Arc<LastGood>,
+}
+
+/// The last answers that were drawn from texts without syntax errors.
+#[derive(Default)]
+pub(crate) struct LastGood(Mutex<VecDeque<(String, Value)>>);
+
+impl LastGood {
+    /// Pictures remembered.
+    const CAPACITY: usize = 64;
+
+    fn get(&self, key: &str) -> Option<Value> {
+        let all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let found = all.iter().find(|it| it.0 == key);
+        found.map(|it| it.1.clone())
+    }
+
+    fn set(&self, key: String, value: Value) {
+        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        all.retain(|it| it.0 != key);
+        all.push_back((key, value));
+        if all.len() > LastGood::CAPACITY {
+            all.pop_front();
+        }
+    }
+}
+
+/// `dotgen/diagram`
+pub(crate) fn handle(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    question: &Question,
+) -> Cancellable<Option<Value>> {
+    let params = &question.params;
+    let mut wish = params.wish.clone();
+    let symbols = snapshot.analysis.document_symbols(&subject.path)?;
+    if let Some(position) = params.position
+        && let Some(at) = snapshot.cursor(subject, position)?
+    {
+        around(&symbols, at.offset, &mut wish);
+    }
+    let key = format!(
+        "{} {:?} {:?} {:?}",
+        subject.path, wish, params.theme, params.format
+    );
+    let broken = syntax_error(snapshot, subject)?;
+    if let Some(reason) = &broken
+        && let Some(mut last) = question.last.get(&key)
+    {
+        last["stale"] = json!(reason);
+        last["version"] = json!(subject.version);
+        return Ok(Some(last));
+    }
+    let units = units(snapshot, subject, &wish)?;
+    let drawn = pictures::draw(&units, &snapshot.config.connections, &wish);
+    let Some(picture) = drawn.first() else {
+        return Ok(None);
+    };
+    let (nodes, edges) = pictures::data(&units, picture, &|it| {
+        let uri = snapshot.uri(&it.path)?;
+        let lines = snapshot.lines(&it.path).ok()??;
+        // The whole codel, component…, where the outline of this document knows it.
+        let whole = (it.path == subject.path).then(|| whole(&symbols, it.range.start));
+        let whole = whole.flatten().unwrap_or(it.range.clone());
+        Some(json!({
+            "uri": uri,
+            "range": lines.range(&whole),
+            "selectionRange": lines.range(&it.range),
+        }))
+    });
+    let declared = declared(
+        &symbols,
+        picture.component.as_deref(),
+        picture.owner.as_deref(),
+    );
+    let place = match (declared, snapshot.lines(&subject.path)?) {
+        (Some(it), Some(lines)) => json!({
+            "uri": snapshot.uri(&subject.path),
+            "range": lines.range(&it.range),
+            "selectionRange": lines.range(&it.selection_range),
+        }),
+        _ => Value::Null,
+    };
+    let answer = json!({
+        "kind": wish.kind,
+        "place": place,
+        "title": picture.graph.title,
+        "component": picture.component,
+        "owner": picture.owner,
+        "notes": picture.graph.notes,
+        "picture": picture.text(params.format, params.theme),
+        "width": picture.layout.width,
+        "height": picture.layout.height,
+        "nodes": nodes,
+        "edges": edges,
+        "version": subject.version,
+        "stale": Value::Null,
+        "incomplete": broken,
+    });
+    if broken.is_none() {
+        question.last.set(key, answer.clone());
+    }
+    Ok(Some(answer))
+}
+
+/// The picture alone, for editors that show text.
+pub(crate) fn text(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    question: &Question,
+) -> Cancellable<Option<Value>> {
+    let answer = handle(snapshot, subject, question)?;
+    Ok(answer.map(|mut it| it["picture"].take()))
+}
+
+/// The units a picture is drawn from.
+fn units(snapshot: &Snapshot, subject: &Subject, wish: &Wish) -> Cancellable<Vec<UnitResult>> {
+    if wish.kind != Kind::System {
+        return Ok(vec![snapshot.analysis.unit(&subject.path)?]);
+    }
+    snapshot.system_units(&subject.path)
+}
+
+/// Names what is declared around an offset; keeps the names there are when nothing is.
+fn around(symbols: &[DocumentSymbol], offset: usize, wish: &mut Wish) {
+    for symbol in symbols.iter().filter(|it| it.range.contains(&offset)) {
+        match symbol.kind {
+            SymbolKind::Component if wish.component.as_deref() != Some(&symbol.name) => {
+                wish.component = Some(symbol.name.clone());
+                wish.owner = None;
+            }
+            SymbolKind::Task | SymbolKind::Activity if wish.kind == Kind::Fsm => {
+                let machine = symbol
+                    .children
+                    .iter()
+                    .any(|it| it.kind == SymbolKind::Codel);
+                if machine {
+                    wish.owner = Some(symbol.name.clone());
+                }
+            }
+            _ => {}
+        }
+        around(&symbol.children, offset, wish);
+    }
+}
+
+/// The whole declaration whose name starts at an offset.
+fn whole(symbols: &[DocumentSymbol], offset: usize) -> Option<std::ops::Range<usize>> {
+    symbols.iter().find_map(|it| {
+        if it.selection_range.start == offset {
+            Some(it.range.clone())
+        } else {
+            whole(&it.children, offset)
+        }
+    })
+}
+
+/// The component of a picture, or its task or activity, where the document declares it.
+fn declared<'s>(
+    symbols: &'s [DocumentSymbol],
+    component: Option<&str>,
+    owner: Option<&str>,
+) -> Option<&'s DocumentSymbol> {
+    let component = symbols
+        .iter()
+        .find(|it| it.kind == SymbolKind::Component && Some(it.name.as_str()) == component)?;
+    let Some(owner) = owner else {
+        return Some(component);
+    };
+    component.children.iter().find(|it| {
+        matches!(
+            it.kind,
+            SymbolKind::Task | SymbolKind::Activity | SymbolKind::Function
+        ) && it.name == owner
+    })
+}
+
+/// What the parser says about texts that are not whole.
+const BROKEN: [&str; 4] = ["syntax", "syntax-eof", "missing-semicolon", "missing-yield"];
+
+/// What keeps the text from being read, if anything.
+fn syntax_error(snapshot: &Snapshot, subject: &Subject) -> Cancellable<Option<String>> {
+    let diagnostics = snapshot.analysis.diagnostics(&subject.path)?;
+    let first = diagnostics
+        .iter()
+        .find(|it| it.severity == Severity::Error && BROKEN.contains(&it.code));
+    let Some(first) = first else {
+        return Ok(None);
+    };
+    let lines = snapshot.lines(&subject.path)?;
+    let line = lines.map_or(0, |it| it.position(first.range.start).line) + 1;
+    Ok(Some(format!("line {line}: {}", first.message)))
+}
+
+/// The picture of what is under the cursor, as Markdown, for clients that show images in hovers.
+pub(crate) fn hover_image(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    at: &FilePosition,
+) -> Cancellable<Option<String>> {
+    /// Hovers are about so high; VS Code cuts Markdown at 100,000 characters.
+    const HEIGHT: f64 = 220.0;
+    const LONGEST: usize = 60_000;
+    if !snapshot.client.hover_images {
+        return Ok(None);
+    }
+    let Some(targets) = snapshot.analysis.goto_definition(at)? else {
+        return Ok(None);
+    };
+    let mut wish = Wish::default();
+    let symbols = snapshot.analysis.document_symbols(&subject.path)?;
+    around(&symbols, at.offset, &mut wish);
+    let fits = targets.info.iter().any(|it| match it.kind {
+        SymbolKind::State => true,
+        SymbolKind::Task | SymbolKind::Activity => {
+            wish.owner = Some(it.name.to_string());
+            true
+        }
+        _ => false,
+    });
+    if !fits || wish.owner.is_none() {
+        return Ok(None);
+    }
+    let units = units(snapshot, subject, &wish)?;
+    let drawn = pictures::draw(&units, &[], &wish);
+    let Some(picture) = drawn.first() else {
+        return Ok(None);
+    };
+    let svg = picture.text(Form::Svg, Theme::Neutral);
+    let data = base64::engine::general_purpose::STANDARD.encode(svg);
+    let height = picture.layout.height.min(HEIGHT).round();
+    Ok((data.len() < LONGEST)
+        .then(|| format!("![state machine](data:image/svg+xml;base64,{data}|height={height})")))
+}

@@ -1,0 +1,146 @@
+//! What runs of templates would do, and how that is written.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use camino::Utf8Path;
+use dotgen_codegen::disk::{Disk as _, NewContent};
+use serde_json::{Value, json};
+
+use super::choices;
+use super::edit::{self, FileChange};
+use super::run::{Generated, Job};
+use crate::config::{self, Generate};
+use crate::files::disk::SystemDisk;
+use crate::protocol::convert::uri;
+
+/// What one or several templates would do.
+#[derive(Default)]
+pub(crate) struct Plan {
+    pub(crate) choices: Vec<Generate>,
+    pub(crate) changes: Vec<FileChange>,
+    pub(crate) output: String,
+    pub(crate) messages: String,
+    pub(crate) problem: Option<Value>,
+    pub(crate) failed: bool,
+}
+
+/// Runs templates one after the other; the first that fails ends it.
+pub(crate) fn plan(job: &Job, choices: Vec<Generate>, cancel: &Arc<AtomicBool>) -> Plan {
+    let mut plan = Plan::default();
+    let mut files = BTreeMap::new();
+    for choice in choices {
+        let done = job.run(&choice.template, &choice.arguments, cancel.clone());
+        plan.choices.push(choice);
+        plan.output += &done.output;
+        plan.messages += &done.messages;
+        if done.status != 0 {
+            plan.failed = true;
+            plan.problem = problem(&done);
+            return plan;
+        }
+        files.extend(done.files);
+    }
+    match edit::changes(&files) {
+        Ok(changes) => plan.changes = changes,
+        Err(message) => {
+            plan.failed = true;
+            plan.messages += &message;
+        }
+    }
+    plan
+}
+
+fn problem(done: &Generated) -> Option<Value> {
+    let place = done.failed_at.as_ref()?;
+    let uri = uri::from_path(Utf8Path::from_path(&place.file)?)?;
+    Some(json!({ "uri": uri, "line": place.line, "message": place.message }))
+}
+
+impl Plan {
+    pub(crate) fn templates(&self) -> String {
+        let names: Vec<&str> = self.choices.iter().map(|it| it.template.as_str()).collect();
+        names.join(", ")
+    }
+
+    /// What would happen, as a question.
+    pub(crate) fn question(&self) -> String {
+        let name = |it: &FileChange| {
+            let path = uri::to_path(&it.uri);
+            path.file_name().unwrap_or_default().to_owned()
+        };
+        let list = |new: bool| -> Vec<String> {
+            let of = self.changes.iter().filter(|it| it.before.is_none() == new);
+            of.map(name).collect()
+        };
+        let mut parts = Vec::new();
+        for (word, names) in [("create", list(true)), ("change", list(false))] {
+            if !names.is_empty() {
+                parts.push(format!("{word} {}", names.join(", ")));
+            }
+        }
+        format!("{} would {}.", self.templates(), parts.join(" and "))
+    }
+
+    pub(crate) fn answer(&self) -> Value {
+        let files = self.changes.iter().map(|it| {
+            json!({
+                "uri": it.uri,
+                "change": if it.before.is_some() { "change" } else { "create" },
+                "before": it.before,
+                "after": it.after,
+                "mode": it.mode,
+            })
+        });
+        json!({
+            "files": files.collect::<Vec<_>>(),
+            "choices": self.choices,
+            "output": self.output,
+            "messages": self.messages,
+            "problem": self.problem,
+        })
+    }
+}
+
+/// Adds choices to the `dotgen.toml` of a folder.
+pub(crate) fn remember(folder: &Utf8Path, choices: &[Generate]) -> std::result::Result<(), String> {
+    let path = folder.join(config::FILE_NAME);
+    let before = match std::fs::read_to_string(&path) {
+        Ok(text) => text,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
+        Err(error) => return Err(format!("cannot read {path}: {error}")),
+    };
+    let mut text = before.clone();
+    for choice in choices {
+        text = choices::remember(&text, choice)
+            .map_err(|error| format!("cannot remember the choice in {path}: {error}"))?;
+    }
+    if text == before {
+        return Ok(());
+    }
+    let file = NewContent {
+        path: path.into(),
+        bytes: text.into_bytes(),
+        mode: None,
+    };
+    SystemDisk.write(&[file]).map_err(|it| it.to_string())
+}
+
+/// Writes what the client cannot, all or none.
+pub(crate) fn write(changes: &[FileChange]) -> std::result::Result<(), String> {
+    let content = |it: &FileChange| NewContent {
+        path: uri::to_path(&it.uri).into(),
+        bytes: it.after.clone().into_bytes(),
+        mode: None,
+    };
+    let files: Vec<NewContent> = changes.iter().map(content).collect();
+    SystemDisk.write(&files).map_err(|it| it.to_string())
+}
+
+pub(crate) fn set_mode(change: &FileChange) {
+    if let Some(mode) = change.mode {
+        // A client that has not saved the file yet keeps what it has.
+        let _ = SystemDisk.set_mode(uri::to_path(&change.uri).as_std_path(), mode);
+    }
+}

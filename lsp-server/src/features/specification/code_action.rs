@@ -1,0 +1,239 @@
+//! `textDocument/codeAction`: the fixes that diagnostics bring along, and refactorings.
+
+use dotgen_analysis::diagnostic::{Diagnostic, Fix};
+use dotgen_analysis::host::Cancellable;
+use dotgen_analysis::ide::AssistKind;
+
+use crate::features::codels::actions;
+use crate::features::convert::diagnostic;
+use crate::features::convert::edit::{Review, edit_of, gathered, with_edit, workspace_edit};
+use crate::protocol::types::*;
+use crate::views::fixes::together;
+use crate::workspace::snapshot::{Snapshot, Subject};
+
+/// Files are generated from a component.
+pub(crate) const GENERATE: CodeActionKind = CodeActionKind::new("source.generate");
+
+/// Everything that has a fix gets it, guesses and placeholders included. Not below `source.fixAll`, which editors run
+/// unasked when a file is saved.
+pub(crate) const FIX_FINDINGS: CodeActionKind = CodeActionKind::new("source.fixFindings");
+
+pub(crate) fn handle(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &CodeActionParams,
+) -> Cancellable<Option<CodeActionResponse>> {
+    let wanted = |kind: &CodeActionKind| is_wanted(params, kind);
+    let Some(lines) = snapshot.lines(&subject.path)? else {
+        return Ok(None);
+    };
+    let Some(range) = lines.clamped(params.range) else {
+        return Ok(None);
+    };
+    let mut actions = Vec::new();
+    // What changes every file is not offered in passing.
+    let codels = |kind: &CodeActionKind| {
+        wanted(kind) && (*kind != actions::SYNC || params.context.only.is_some())
+    };
+    if snapshot.is_code(&subject.path) {
+        actions::actions(snapshot, subject, &range, &codels, &mut actions)?;
+        return Ok(Some(actions));
+    }
+    let mut all = snapshot.analysis.diagnostics(&subject.path)?;
+    all.extend(crate::features::codels::unused_in(snapshot, &subject.path)?);
+    // Only on request: it changes the whole file.
+    let plain = "Fix all that has one plain repair";
+    for (kind, title, guesses) in [
+        (CodeActionKind::SOURCE_FIX_ALL, plain, false),
+        (FIX_FINDINGS, "Fix all that has a fix", true),
+    ] {
+        let which = |it: &Diagnostic| guesses || it.fixes.first().is_some_and(|it| it.plain);
+        if params.context.only.is_some()
+            && wanted(&kind)
+            && let Some(it) = fix_all(snapshot, title, &all, which)?
+        {
+            actions.push(CodeActionOrCommand::CodeAction(CodeAction {
+                kind: Some(kind),
+                ..it
+            }));
+        }
+    }
+    for it in crate::features::verification::actions(snapshot, subject, &range)? {
+        if it.kind.as_ref().is_none_or(wanted) {
+            actions.push(CodeActionOrCommand::CodeAction(it));
+        }
+    }
+    actions::actions(snapshot, subject, &range, &codels, &mut actions)?;
+    if !wanted(&CodeActionKind::QUICKFIX) {
+        generate(snapshot, subject, &range, params, &mut actions)?;
+        refactorings(snapshot, subject, &range, params, &mut actions)?;
+        return Ok(Some(actions));
+    }
+    let mut codes: Vec<&str> = Vec::new();
+    let mut offered: Vec<&Fix> = Vec::new();
+    // What is wrong here comes first, then what is wrong elsewhere and mended here.
+    let (here, elsewhere): (Vec<_>, Vec<_>) = all.iter().partition(|it| touches(&it.range, &range));
+    for it in here {
+        for (rank, fix) in it.fixes.iter().enumerate() {
+            actions.extend(quick_fix(snapshot, it, fix, rank == 0)?);
+            offered.push(fix);
+        }
+        if !it.fixes.is_empty() && !codes.contains(&it.code) {
+            codes.push(it.code);
+        }
+    }
+    for it in elsewhere {
+        for fix in &it.fixes {
+            let mut edits = fix.edits.iter();
+            let mends = edits.any(|it| it.path == subject.path && touches(&it.range, &range));
+            if mends && !offered.contains(&fix) {
+                actions.extend(quick_fix(snapshot, it, fix, false)?);
+                offered.push(fix);
+            }
+        }
+    }
+    for code in codes {
+        let alike = all
+            .iter()
+            .filter(|it| it.code == code && !it.fixes.is_empty());
+        if alike.count() > 1 {
+            let title = format!("Fix all `{code}` in this file");
+            let action = fix_all(snapshot, &title, &all, |it| it.code == code)?;
+            actions.extend(action.map(CodeActionOrCommand::CodeAction));
+        }
+    }
+    refactorings(snapshot, subject, &range, params, &mut actions)?;
+    generate(snapshot, subject, &range, params, &mut actions)?;
+    Ok(Some(actions))
+}
+
+/// Whether a client wants actions of a kind.
+fn is_wanted(params: &CodeActionParams, kind: &CodeActionKind) -> bool {
+    let only = params.context.only.as_deref();
+    only.is_none_or(|only| only.iter().any(|it| kind.as_str().starts_with(it.as_str())))
+}
+
+/// Whether two ranges have a place in common; the ends count.
+fn touches(a: &std::ops::Range<usize>, b: &std::ops::Range<usize>) -> bool {
+    a.start <= b.end && b.start <= a.end
+}
+
+/// The action of a fix.
+fn quick_fix(
+    snapshot: &Snapshot,
+    it: &Diagnostic,
+    fix: &Fix,
+    first: bool,
+) -> Cancellable<Option<CodeActionOrCommand>> {
+    let action = CodeAction {
+        title: fix.title.clone(),
+        kind: Some(CodeActionKind::QUICKFIX),
+        diagnostics: diagnostic::to_proto(snapshot, it)?.map(|it| vec![it]),
+        // Editors may apply a preferred fix without showing it.
+        is_preferred: Some(first && fix.plain),
+        ..CodeAction::default()
+    };
+    let action = with_edit(snapshot, action, workspace_edit(snapshot, &fix.edits)?);
+    Ok(action.map(CodeActionOrCommand::CodeAction))
+}
+
+/// Refactorings of the selection, and what changes the whole file when it is asked for.
+fn refactorings(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    range: &std::ops::Range<usize>,
+    params: &CodeActionParams,
+    actions: &mut Vec<CodeActionOrCommand>,
+) -> Cancellable<()> {
+    let only = params.context.only.as_deref();
+    let wanted = |kind: &CodeActionKind| is_wanted(params, kind);
+    let organize = CodeActionKind::SOURCE_ORGANIZE_IMPORTS;
+    let mut assists = Vec::new();
+    // A client that asks on every move of the cursor for fixes alone does not pay for these.
+    let asked = |it: &CodeActionKind| it.as_str().split('.').next() == Some("refactor");
+    if only.is_none_or(|only| only.iter().any(asked) || only.contains(&CodeActionKind::EMPTY)) {
+        assists = snapshot.analysis.assists(&subject.path, range.clone())?;
+    }
+    if only.is_some() && wanted(&organize) {
+        assists.extend(snapshot.analysis.organize_includes(&subject.path)?);
+    }
+    for it in assists {
+        let kind = match it.kind {
+            AssistKind::Extract => CodeActionKind::REFACTOR_EXTRACT,
+            AssistKind::Inline => CodeActionKind::REFACTOR_INLINE,
+            AssistKind::Move => CodeActionKind::new("refactor.move"),
+            AssistKind::Rewrite => CodeActionKind::REFACTOR_REWRITE,
+            AssistKind::OrganizeIncludes => organize.clone(),
+        };
+        if wanted(&kind) {
+            let action = CodeAction {
+                title: it.title,
+                kind: Some(kind),
+                ..CodeAction::default()
+            };
+            let action = with_edit(snapshot, action, workspace_edit(snapshot, &it.edits)?);
+            actions.extend(action.map(CodeActionOrCommand::CodeAction));
+        }
+    }
+    Ok(())
+}
+
+/// "Generate…" and "Regenerate": at the name of a component, and anywhere on request. Editors hide
+/// `source` actions unless they are asked for; at a component they are of no kind, so that they show.
+fn generate(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    range: &std::ops::Range<usize>,
+    params: &CodeActionParams,
+    actions: &mut Vec<CodeActionOrCommand>,
+) -> Cancellable<()> {
+    let only = params.context.only.as_deref().unwrap_or_default();
+    let asked = |it: &CodeActionKind| GENERATE.as_str().starts_with(it.as_str());
+    let kind = if only.is_empty() || only.contains(&CodeActionKind::EMPTY) {
+        let symbols = snapshot.analysis.document_symbols(&subject.path)?;
+        let here = symbols.iter().any(|it| {
+            it.kind == dotgen_analysis::ide::SymbolKind::Component
+                && touches(&it.selection_range, range)
+        });
+        if !here {
+            return Ok(());
+        }
+        CodeActionKind::EMPTY
+    } else if only.iter().any(asked) {
+        GENERATE
+    } else {
+        return Ok(());
+    };
+    let path = subject.path.as_str();
+    let remembered = snapshot.config.generate.iter().any(|it| it.file == path);
+    for (title, command) in crate::features::generation::actions(&subject.uri, remembered) {
+        actions.push(CodeActionOrCommand::CodeAction(CodeAction {
+            title,
+            kind: Some(kind.clone()),
+            command: Some(command),
+            ..CodeAction::default()
+        }));
+    }
+    Ok(())
+}
+
+/// One action that applies the first fix of each diagnostic, where they do not touch each other.
+fn fix_all(
+    snapshot: &Snapshot,
+    title: &str,
+    all: &[Diagnostic],
+    which: impl Fn(&Diagnostic) -> bool,
+) -> Cancellable<Option<CodeAction>> {
+    let chosen = all.iter().filter(|it| which(it));
+    let edits = together(chosen.filter_map(|it| it.fixes.first()));
+    if edits.is_empty() {
+        return Ok(None);
+    }
+    let action = CodeAction {
+        title: title.to_owned(),
+        kind: Some(CodeActionKind::QUICKFIX),
+        ..CodeAction::default()
+    };
+    let edit = edit_of(snapshot, Review::SeveralFiles(title), &gathered(&edits))?;
+    Ok(with_edit(snapshot, action, edit))
+}

@@ -1,0 +1,110 @@
+//! `textDocument/codeLens` and `codeLens/resolve`
+
+use camino::Utf8PathBuf;
+use dotgen_analysis::host::Cancellable;
+use dotgen_analysis::ide::LensKind;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+use crate::features::{scenario, verification};
+use crate::protocol::types::*;
+use crate::workspace::snapshot::{Snapshot, Subject};
+
+/// Client command that shows a state machine; argument `{ uri, component, owner }`.
+pub(crate) const SHOW_DIAGRAM: &str = "dotgen.showDiagram";
+/// Client command that shows a state machine between the lines, or hides it; argument as above.
+pub(crate) const TOGGLE_INLINE: &str = "dotgen.toggleInlineDiagram";
+/// Client command that lists references; argument `{ uri, position, locations }`.
+pub(crate) const SHOW_REFERENCES: &str = "dotgen.showReferences";
+
+/// What comes back with a lens to be resolved.
+#[derive(Debug, Serialize, Deserialize)]
+struct Data {
+    path: Utf8PathBuf,
+    lens: LensKind,
+    /// Version of the document it was made for.
+    version: Option<i32>,
+}
+
+pub(crate) fn handle(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    _: &CodeLensParams,
+) -> Cancellable<Option<Vec<CodeLens>>> {
+    if snapshot.is_code(&subject.path) {
+        return crate::features::codels::lenses::handle(snapshot, subject);
+    }
+    let Some(lines) = snapshot.lines(&subject.path)? else {
+        return Ok(None);
+    };
+    if !snapshot.config.code_lens {
+        return Ok(Some(Vec::new()));
+    }
+    if scenario::is(&subject.path) {
+        return verification::scenario_lenses(snapshot, subject);
+    }
+    let mut lenses = snapshot.analysis.code_lenses(&subject.path)?;
+    if !snapshot.client.inline_diagrams {
+        lenses.retain(|it| !matches!(it.kind, LensKind::InlineMachine { .. }));
+    }
+    let convert = lenses.into_iter().map(|it| CodeLens {
+        range: lines.range(&it.range),
+        command: None,
+        data: Some(json!({
+            "path": subject.path,
+            "lens": it.kind,
+            "version": subject.version,
+        })),
+    });
+    let mut lenses: Vec<CodeLens> = convert.collect();
+    lenses.extend(verification::lenses(snapshot, subject)?);
+    Ok(Some(lenses))
+}
+
+/// Adds to a lens what it says and does.
+pub(crate) fn resolve(snapshot: &Snapshot, lens: &CodeLens) -> Cancellable<Option<CodeLens>> {
+    let data = lens.data.clone().map(serde_json::from_value::<Data>);
+    let Some(Ok(data)) = data else {
+        return Ok(None);
+    };
+    // Offsets of another version lead elsewhere; the client asks again anyway.
+    let version = snapshot.open.get(&data.path).map(|it| it.version);
+    let text = match version == data.version {
+        true => snapshot.analysis.resolve_lens(&data.path, &data.lens)?,
+        false => None,
+    };
+    let uri = snapshot.uri(&data.path);
+    let (Some(text), Some(uri)) = (text, uri) else {
+        return Ok(Some(CodeLens {
+            command: Some(Command::new(String::new(), String::new(), None)),
+            ..lens.clone()
+        }));
+    };
+    let (command, argument) = match &data.lens {
+        LensKind::StateMachine { component, owner } => (
+            SHOW_DIAGRAM,
+            json!({ "uri": uri, "component": component, "owner": owner }),
+        ),
+        LensKind::InlineMachine { component, owner } => (
+            TOGGLE_INLINE,
+            json!({ "uri": uri, "component": component, "owner": owner }),
+        ),
+        LensKind::References { .. } if !text.references.is_empty() => {
+            let mut locations = Vec::with_capacity(text.references.len());
+            for it in &text.references {
+                locations.extend(snapshot.location(&it.path, &it.range)?);
+            }
+            let position = lens.range.start;
+            (
+                SHOW_REFERENCES,
+                json!({ "uri": uri, "position": position, "locations": locations }),
+            )
+        }
+        _ => ("", json!(null)),
+    };
+    let arguments = (!command.is_empty()).then(|| vec![argument]);
+    Ok(Some(CodeLens {
+        command: Some(Command::new(text.title, command.to_owned(), arguments)),
+        ..lens.clone()
+    }))
+}

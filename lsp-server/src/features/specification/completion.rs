@@ -1,0 +1,150 @@
+//! `textDocument/completion` and `completionItem/resolve`
+
+mod typed;
+
+use camino::Utf8PathBuf;
+use dotgen_analysis::host::Cancellable;
+use dotgen_analysis::ide::{self, CompletionKind, plain_snippet};
+use serde::{Deserialize, Serialize};
+
+use crate::protocol::convert::Lines;
+use crate::protocol::types::*;
+use crate::workspace::snapshot::{Snapshot, Subject};
+
+/// What comes back with a proposal to be resolved.
+#[derive(Debug, Serialize, Deserialize)]
+struct Data {
+    path: Utf8PathBuf,
+    definition: u32,
+    name: String,
+}
+
+pub(crate) fn handle(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &CompletionParams,
+) -> Cancellable<Option<CompletionResponse>> {
+    let position = params.text_document_position.position;
+    let lines = snapshot.lines(&subject.path)?;
+    if lines.is_some_and(|it| !typed::wanted(params.context.as_ref(), &it, position)) {
+        return Ok(None);
+    }
+    if crate::features::scenario::is(&subject.path) {
+        return crate::features::scenario::completion(snapshot, subject, position);
+    }
+    let (Some(at), Some(lines)) = (
+        snapshot.cursor(subject, position)?,
+        snapshot.lines(&subject.path)?,
+    ) else {
+        return Ok(None);
+    };
+    let items = snapshot.analysis.completions(&at)?;
+    let convert = (0..).zip(items).map(|(order, it)| {
+        let mut item = to_proto(snapshot, &lines, it, order);
+        item.data = item.data.map(|definition| {
+            let name = last_name(&item.label);
+            serde_json::json!({ "path": subject.path, "definition": definition, "name": name })
+        });
+        item
+    });
+    Ok(Some(CompletionResponse::List(CompletionList {
+        is_incomplete: false,
+        items: convert.collect(),
+    })))
+}
+
+/// The name in `port in p` or `m::t`.
+fn last_name(label: &str) -> &str {
+    let at = label.rfind([' ', ':']).map_or(0, |it| it + 1);
+    let name = label.strip_suffix(" =").unwrap_or(label);
+    match name.strip_prefix('.') {
+        Some(member) => member,
+        None => &label[at..],
+    }
+}
+
+fn to_proto(
+    snapshot: &Snapshot,
+    lines: &Lines,
+    it: ide::CompletionItem,
+    order: usize,
+) -> CompletionItem {
+    let snippets = snapshot.client.snippets;
+    let new_text = match it.snippet && !snippets {
+        true => plain_snippet(&it.insert),
+        false => it.insert,
+    };
+    CompletionItem {
+        label: it.label,
+        kind: Some(kind(it.kind)),
+        detail: it.detail,
+        sort_text: Some(format!("{:02}{order:05}", it.rank)),
+        insert_text_format: Some(match it.snippet && snippets {
+            true => InsertTextFormat::SNIPPET,
+            false => InsertTextFormat::PLAIN_TEXT,
+        }),
+        text_edit: Some(CompletionTextEdit::Edit(TextEdit::new(
+            lines.range(&it.replace),
+            new_text,
+        ))),
+        data: it.definition.map(Into::into),
+        ..CompletionItem::default()
+    }
+}
+
+fn kind(kind: CompletionKind) -> CompletionItemKind {
+    use dotgen_analysis::ide::SymbolKind as Kind;
+    match kind {
+        CompletionKind::Keyword => CompletionItemKind::KEYWORD,
+        CompletionKind::Snippet => CompletionItemKind::SNIPPET,
+        CompletionKind::BaseType => CompletionItemKind::TYPE_PARAMETER,
+        CompletionKind::Unit => CompletionItemKind::UNIT,
+        CompletionKind::Directory => CompletionItemKind::FOLDER,
+        CompletionKind::Package => CompletionItemKind::MODULE,
+        CompletionKind::Symbol(kind) => match kind {
+            Kind::File => CompletionItemKind::FILE,
+            Kind::Macro | Kind::Const => CompletionItemKind::CONSTANT,
+            Kind::Module => CompletionItemKind::MODULE,
+            Kind::Component => CompletionItemKind::CLASS,
+            Kind::Interface | Kind::Remote => CompletionItemKind::INTERFACE,
+            Kind::Ids | Kind::Struct | Kind::Union | Kind::Exception => CompletionItemKind::STRUCT,
+            Kind::Enum => CompletionItemKind::ENUM,
+            Kind::Enumerator => CompletionItemKind::ENUM_MEMBER,
+            Kind::Typedef | Kind::Native => CompletionItemKind::TYPE_PARAMETER,
+            Kind::Member => CompletionItemKind::FIELD,
+            Kind::Task => CompletionItemKind::VALUE,
+            Kind::Port => CompletionItemKind::PROPERTY,
+            Kind::Attribute | Kind::Function | Kind::Activity => CompletionItemKind::METHOD,
+            Kind::Parameter | Kind::Local => CompletionItemKind::VARIABLE,
+            Kind::Codel => CompletionItemKind::FUNCTION,
+            Kind::State => CompletionItemKind::EVENT,
+        },
+    }
+}
+
+/// Adds documentation to a proposal.
+pub(crate) fn resolve(
+    snapshot: &Snapshot,
+    item: &CompletionItem,
+) -> Cancellable<Option<CompletionItem>> {
+    let data = item.data.clone().map(serde_json::from_value::<Data>);
+    let Some(Ok(data)) = data else {
+        return Ok(None);
+    };
+    let doc = snapshot
+        .analysis
+        .resolve_completion(&data.path, data.definition, &data.name)?;
+    let documentation = doc.map(|it| {
+        Documentation::MarkupContent(MarkupContent {
+            kind: match snapshot.client.markdown_hover {
+                true => MarkupKind::Markdown,
+                false => MarkupKind::PlainText,
+            },
+            value: it.markdown,
+        })
+    });
+    Ok(Some(CompletionItem {
+        documentation,
+        ..item.clone()
+    }))
+}

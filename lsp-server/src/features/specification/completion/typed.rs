@@ -1,0 +1,106 @@
+//! Whether a character that was typed asks for proposals.
+//!
+//! Clients ask behind each of the trigger characters, wherever they are typed. A list that opens in an
+//! indentation or behind a comment takes the next Enter for a choice.
+
+use crate::protocol::convert::Lines;
+use crate::protocol::types::*;
+
+/// Whether proposals are wanted: always, but behind characters that mean something else where they stand.
+pub(super) fn wanted(
+    context: Option<&CompletionContext>,
+    lines: &Lines,
+    position: Position,
+) -> bool {
+    let by_character =
+        |it: &&CompletionContext| it.trigger_kind == CompletionTriggerKind::TRIGGER_CHARACTER;
+    if context.filter(by_character).is_none() {
+        return true;
+    }
+    let line = lines.line(position.line).zip(lines.offset(position));
+    line.is_none_or(|(line, at)| asks(&lines.text()[line.start..at.max(line.start)]))
+}
+
+/// Whether the last character of the beginning of a line asks.
+fn asks(before: &str) -> bool {
+    let Some(typed) = before.chars().next_back() else {
+        return true;
+    };
+    let before = &before[..before.len() - typed.len_utf8()];
+    let in_string = before.matches('"').count() % 2 == 1;
+    let directive = before.trim_start().starts_with('#');
+    match typed {
+        // Behind a word or between the items of a list, not in an indentation or behind what is complete.
+        ' ' => {
+            let before = before.strip_suffix("<=").unwrap_or(before);
+            before.ends_with(|it: char| {
+                it.is_alphanumeric() || matches!(it, '_' | ',' | '=' | ')' | '>')
+            })
+        }
+        // A list of states or elements, not a comparison.
+        '<' => directive || !before.ends_with(' '),
+        // Of a path.
+        ':' => before.ends_with(':'),
+        // Of a member, not of a number.
+        '.' => {
+            let word = before.rsplit(|it: char| !it.is_alphanumeric() && it != '_');
+            let mut word = word.map(|it| it.starts_with(|c: char| c.is_ascii_digit()));
+            directive || in_string || word.next() != Some(true)
+        }
+        // The beginning of a text, not its end.
+        '"' => !in_string,
+        '/' => directive || in_string,
+        _ => true,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::asks;
+
+    #[test]
+    fn where_a_name_may_follow() {
+        for before in [
+            "  yield ",
+            "  codel<start> f(in x, ",
+            "  codel<start> f(in x) ",
+            "  const long n = ",
+            "  yield pause::",
+            "#include \"",
+            "#include \"or/",
+            "#include \"../",
+            "#include <or/",
+            "  requires \"",
+            "  use \"idl/",
+            "  codel<",
+            "#",
+            "  x = a1.",
+            "  out trajectory.",
+        ] {
+            assert!(asks(before), "{before:?}");
+        }
+    }
+
+    #[test]
+    fn not_where_a_line_break_is_next() {
+        for before in [
+            " ",
+            "    ",
+            "  double x; ",
+            "  double x;  ",
+            "  } ",
+            "  ids { ",
+            "  /* why */",
+            "  /* why */ ",
+            "  //",
+            "  doc \"Moves the arm.\"",
+            "  in double x = 1.",
+            "  in double x = 0. :",
+            "  yield pause:",
+            "  check within a => b <",
+            "  check within a => b <= ",
+        ] {
+            assert!(!asks(before), "{before:?}");
+        }
+    }
+}

@@ -1,0 +1,30 @@
+//! `textDocument/documentHighlight`
+
+use dotgen_analysis::host::Cancellable;
+
+use crate::protocol::convert::symbol;
+use crate::protocol::types::*;
+use crate::workspace::snapshot::{Snapshot, Subject};
+
+pub(crate) fn handle(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &DocumentHighlightParams,
+) -> Cancellable<Option<Vec<DocumentHighlight>>> {
+    let position = params.text_document_position_params.position;
+    if crate::features::scenario::is(&subject.path) {
+        return crate::features::scenario::highlights(snapshot, subject, position);
+    }
+    let (Some(at), Some(lines)) = (
+        snapshot.cursor(subject, position)?,
+        snapshot.lines(&subject.path)?,
+    ) else {
+        return Ok(None);
+    };
+    let highlights = snapshot.analysis.highlights(&at)?;
+    let convert = highlights.iter().map(|it| DocumentHighlight {
+        range: lines.range(&it.range),
+        kind: Some(symbol::highlight(it.access)),
+    });
+    Ok(Some(convert.collect()))
+}

@@ -1,0 +1,24 @@
+//! `textDocument/documentLink`
+
+use dotgen_analysis::host::Cancellable;
+
+use crate::protocol::types::*;
+use crate::workspace::snapshot::{Snapshot, Subject};
+
+pub(crate) fn handle(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    _: &DocumentLinkParams,
+) -> Cancellable<Option<Vec<DocumentLink>>> {
+    let Some(lines) = snapshot.lines(&subject.path)? else {
+        return Ok(None);
+    };
+    let links = snapshot.analysis.document_links(&subject.path)?;
+    let convert = links.iter().map(|it| DocumentLink {
+        range: lines.range(&it.range),
+        target: snapshot.uri(&it.target),
+        tooltip: Some(it.target.to_string()),
+        data: None,
+    });
+    Ok(Some(convert.collect()))
+}

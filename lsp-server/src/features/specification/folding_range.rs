@@ -1,0 +1,41 @@
+//! `textDocument/foldingRange`
+
+use dotgen_analysis::host::Cancellable;
+use dotgen_analysis::ide::FoldKind;
+
+use crate::protocol::types::*;
+use crate::workspace::snapshot::{Snapshot, Subject};
+
+pub(crate) fn handle(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    _: &FoldingRangeParams,
+) -> Cancellable<Option<Vec<FoldingRange>>> {
+    if crate::features::scenario::is(&subject.path) {
+        return crate::features::scenario::folds(snapshot, subject);
+    }
+    let Some(lines) = snapshot.lines(&subject.path)? else {
+        return Ok(None);
+    };
+    let whole_lines = snapshot.client.line_folding_only;
+    let folds = snapshot.analysis.folding_ranges(&subject.path)?;
+    let convert = folds.iter().filter_map(|it| {
+        let range = lines.range(&it.range);
+        // A client that folds whole lines would hide what follows the closing brace.
+        let keep_last = whole_lines && it.kind.is_none();
+        let end_line = range.end.line - u32::from(keep_last && range.end.line > 0);
+        (end_line > range.start.line).then(|| FoldingRange {
+            start_line: range.start.line,
+            start_character: (!whole_lines).then_some(range.start.character),
+            end_line,
+            end_character: (!whole_lines).then_some(range.end.character),
+            kind: it.kind.map(|kind| match kind {
+                FoldKind::Comment => FoldingRangeKind::Comment,
+                FoldKind::Imports => FoldingRangeKind::Imports,
+                FoldKind::Region => FoldingRangeKind::Region,
+            }),
+            collapsed_text: None,
+        })
+    });
+    Ok(Some(convert.collect()))
+}

@@ -1,0 +1,111 @@
+//! `textDocument/definition`, `declaration`, `typeDefinition` and `implementation`
+
+use dotgen_analysis::host::{Analysis, Cancellable};
+use dotgen_analysis::ide::{FilePosition, NavTarget, RangeInfo};
+
+use crate::features::codels::navigation;
+use crate::features::scenario;
+use crate::protocol::types::*;
+use crate::workspace::snapshot::{Snapshot, Subject};
+
+type Targets = Cancellable<Option<RangeInfo<Vec<NavTarget>>>>;
+
+pub(crate) fn definition(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &GotoDefinitionParams,
+) -> Cancellable<Option<GotoDefinitionResponse>> {
+    if scenario::is(&subject.path) {
+        let position = params.text_document_position_params.position;
+        let found = scenario::definition(snapshot, subject, position)?;
+        return Ok(found.map(GotoDefinitionResponse::Array));
+    }
+    goto(snapshot, subject, params, Analysis::goto_definition)
+}
+
+pub(crate) fn declaration(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &GotoDeclarationParams,
+) -> Cancellable<Option<GotoDeclarationResponse>> {
+    goto(snapshot, subject, params, Analysis::goto_declaration)
+}
+
+pub(crate) fn type_definition(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &GotoTypeDefinitionParams,
+) -> Cancellable<Option<GotoTypeDefinitionResponse>> {
+    goto(snapshot, subject, params, Analysis::goto_type_definition)
+}
+
+pub(crate) fn implementation(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &GotoImplementationParams,
+) -> Cancellable<Option<GotoImplementationResponse>> {
+    let found = goto(snapshot, subject, params, Analysis::goto_implementation)?;
+    let position = params.text_document_position_params.position;
+    let Some(at) = snapshot.cursor(subject, position)? else {
+        return Ok(found);
+    };
+    let mut functions = Vec::new();
+    for it in navigation::implementations(snapshot, &at.path, at.offset)? {
+        functions.extend(snapshot.location(&it.path, &it.range)?);
+    }
+    if functions.is_empty() {
+        return Ok(found);
+    }
+    let found = match found {
+        Some(GotoDefinitionResponse::Scalar(it)) => vec![it],
+        Some(GotoDefinitionResponse::Array(all)) => all,
+        Some(GotoDefinitionResponse::Link(all)) => {
+            let convert =
+                |it: LocationLink| Location::new(it.target_uri, it.target_selection_range);
+            all.into_iter().map(convert).collect()
+        }
+        None => Vec::new(),
+    };
+    functions.extend(found);
+    Ok(Some(GotoDefinitionResponse::Array(functions)))
+}
+
+fn goto(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &GotoDefinitionParams,
+    question: fn(&Analysis, &FilePosition) -> Targets,
+) -> Cancellable<Option<GotoDefinitionResponse>> {
+    let position = params.text_document_position_params.position;
+    let Some(at) = snapshot.cursor(subject, position)? else {
+        return Ok(None);
+    };
+    let Some(found) = question(&snapshot.analysis, &at)? else {
+        return Ok(None);
+    };
+    let origin = snapshot
+        .location(&at.path, &found.range)?
+        .map(|it| it.range);
+    let mut links = Vec::new();
+    for target in found.info {
+        let whole = snapshot.location(&target.path, &target.full_range)?;
+        let focus = snapshot.location(&target.path, &target.focus_range)?;
+        if let (Some(whole), Some(focus)) = (whole, focus) {
+            links.push(LocationLink {
+                origin_selection_range: origin,
+                target_uri: whole.uri,
+                target_range: whole.range,
+                target_selection_range: focus.range,
+            });
+        }
+    }
+    Ok(Some(match snapshot.client.definition_link {
+        true => GotoDefinitionResponse::Link(links),
+        false => GotoDefinitionResponse::Array(
+            links
+                .into_iter()
+                .map(|it| Location::new(it.target_uri, it.target_selection_range))
+                .collect(),
+        ),
+    }))
+}

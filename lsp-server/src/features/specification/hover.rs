@@ -1,0 +1,121 @@
+//! `textDocument/hover`
+
+use dotgen_analysis::host::Cancellable;
+use dotgen_analysis::model::system::{System, listed, parts};
+use dotgen_analysis::model::{CodelRef, Component, ParamSource};
+use dotgen_codegen::lang::prototypes as prototypes_of;
+
+use crate::protocol::types::*;
+use crate::workspace::snapshot::{Snapshot, Subject};
+
+pub(crate) fn handle(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &HoverParams,
+) -> Cancellable<Option<Hover>> {
+    let position = params.text_document_position_params.position;
+    if crate::features::scenario::is(&subject.path) {
+        return crate::features::scenario::hover(snapshot, subject, position);
+    }
+    let Some(at) = snapshot.cursor(subject, position)? else {
+        return Ok(None);
+    };
+    let Some(hover) = snapshot.analysis.hover(&at)? else {
+        return Ok(None);
+    };
+    let kind = match snapshot.client.markdown_hover {
+        true => MarkupKind::Markdown,
+        false => MarkupKind::PlainText,
+    };
+    let mut markdown = hover.info.markdown;
+    for (component, codel) in &hover.info.codels {
+        if let Some(excluded) = remote_exclusions(snapshot, subject, component, codel)? {
+            // One more of the facts.
+            markdown = format!("{markdown}\n{excluded}");
+        }
+        if let Some(prototypes) = prototypes(snapshot, subject, component, codel)? {
+            markdown = format!("{markdown}\n\n{prototypes}");
+        }
+    }
+    if let Some(image) = crate::features::diagram::hover_image(snapshot, subject, &at)? {
+        markdown = format!("{markdown}\n\n{image}");
+    }
+    let location = snapshot.location(&at.path, &hover.range)?;
+    Ok(Some(Hover {
+        contents: HoverContents::Markup(MarkupContent {
+            kind,
+            value: markdown,
+        }),
+        range: location.map(|it| it.range),
+    }))
+}
+
+/// More codels of other components than are worth reading.
+const MANY: usize = 6;
+
+/// The codels of other components that a codel excludes.
+fn remote_exclusions(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    component: &str,
+    codel: &str,
+) -> Cancellable<Option<String>> {
+    // Most codels use no port, and need no system.
+    let unit = snapshot.analysis.unit(&subject.path)?;
+    let own = unit.spec.components.iter();
+    let own = own.filter(|it| it.name.as_str() == component);
+    let mut params = own.flat_map(|it| uses(it, codel).flat_map(|at| &it.codel(at).params));
+    if !params.any(|it| matches!(it.source, ParamSource::Port(_))) {
+        return Ok(None);
+    }
+    let units = snapshot.system_units(&subject.path)?;
+    let specs = units.iter().map(|it| &*it.spec);
+    let system = System::new(parts(specs), &snapshot.config.connections);
+    let Some(part) = system.part(component) else {
+        return Ok(None);
+    };
+    let mut names: Vec<String> = Vec::new();
+    for at in uses(system.parts[part].component, codel) {
+        for it in system.exclusions(part, at) {
+            let name = system.describe(&it);
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+    }
+    let text = || format!("* excludes in other components {}", listed(&names, MANY));
+    Ok((!names.is_empty()).then(text))
+}
+
+/// The places in a component that have a codel of that name.
+fn uses<'a>(component: &'a Component, codel: &'a str) -> impl Iterator<Item = CodelRef> + 'a {
+    let all = component.all_codels();
+    all.filter(move |at| component.codel(*at).name.as_str() == codel)
+}
+
+/// What a codel looks like in C and in C++.
+fn prototypes(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    component: &str,
+    codel: &str,
+) -> Cancellable<Option<String>> {
+    let unit = snapshot.analysis.unit(&subject.path)?;
+    let mut components = (0..).zip(&unit.spec.components);
+    let found = components.find(|(_, it)| it.name.as_str() == component);
+    let codel = found.and_then(|(index, component)| {
+        let mut codels = component.all_codels().map(|it| component.codel(it));
+        Some((index, codels.find(|it| it.name.as_str() == codel)?))
+    });
+    let Some((index, codel)) = codel else {
+        return Ok(None);
+    };
+    let blocks: Vec<String> = prototypes_of(&unit.spec, index, codel)
+        .into_iter()
+        .map(|(language, text)| {
+            let fence = if language == "c++" { "cpp" } else { language };
+            dotgen_analysis::markdown::block(fence, &format!("{text};"))
+        })
+        .collect();
+    Ok((!blocks.is_empty()).then(|| blocks.join("\n\n")))
+}

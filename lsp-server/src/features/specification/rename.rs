@@ -1,0 +1,128 @@
+//! `textDocument/prepareRename`, `textDocument/rename` and `workspace/willRenameFiles`
+
+use camino::Utf8PathBuf;
+use dotgen_analysis::host::Cancellable;
+
+use crate::features::codels::navigation;
+use crate::features::convert::edit::{Review, edit_of, gathered, workspace_edit};
+use crate::features::scenario;
+use crate::protocol::convert::uri;
+use crate::protocol::types::*;
+use crate::workspace::snapshot::{Snapshot, Subject};
+
+/// An answer, or why there is none: a message for the user.
+#[derive(Debug)]
+pub(crate) struct Refusable<T>(pub(crate) std::result::Result<Option<T>, String>);
+
+impl<T> Default for Refusable<T> {
+    fn default() -> Refusable<T> {
+        Refusable(Ok(None))
+    }
+}
+
+impl<T> Refusable<T> {
+    /// As the protocol says it: `RequestFailed`.
+    pub(crate) fn into_response(self) -> Result<Option<T>> {
+        self.0.map_err(|message| Error {
+            code: ErrorCode::ServerError(-32803),
+            message: message.into(),
+            data: None,
+        })
+    }
+}
+
+pub(crate) fn prepare(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &TextDocumentPositionParams,
+) -> Cancellable<Refusable<PrepareRenameResponse>> {
+    if scenario::is(&subject.path) {
+        let found = scenario::declared_at(snapshot, subject, params.position)?;
+        let Some((at, range, placeholder)) = found.filter(|it| !scenario::is(&it.0.path)) else {
+            return Ok(Refusable::default());
+        };
+        return Ok(Refusable(match snapshot.analysis.prepare_rename(&at)? {
+            Ok(_) => Ok(Some(PrepareRenameResponse::RangeWithPlaceholder {
+                range,
+                placeholder,
+            })),
+            Err(error) => Err(error.0),
+        }));
+    }
+    let Some(at) = snapshot.cursor(subject, params.position)? else {
+        return Ok(Refusable::default());
+    };
+    let found = match snapshot.analysis.prepare_rename(&at)? {
+        Ok(found) => found,
+        Err(error) => return Ok(Refusable(Err(error.0))),
+    };
+    let location = snapshot.location(&at.path, &found.range)?;
+    Ok(Refusable(Ok(location.map(|it| {
+        PrepareRenameResponse::RangeWithPlaceholder {
+            range: it.range,
+            placeholder: found.info,
+        }
+    }))))
+}
+
+pub(crate) fn rename(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &RenameParams,
+) -> Cancellable<Refusable<WorkspaceEdit>> {
+    let position = params.text_document_position.position;
+    let at = match scenario::is(&subject.path) {
+        true => scenario::declared_at(snapshot, subject, position)?.map(|it| it.0),
+        false => snapshot.cursor(subject, position)?,
+    };
+    let Some(at) = at.filter(|it| !scenario::is(&it.path)) else {
+        return Ok(Refusable::default());
+    };
+    let mut edits = match snapshot.analysis.rename(&at, &params.new_name)? {
+        Ok(edits) => edits,
+        Err(error) => return Ok(Refusable(Err(error.0))),
+    };
+    edits.extend(scenario::renames(snapshot, &at, &params.new_name)?);
+    // Headers of installed packages belong to others.
+    let foreign = edits.iter().find(|it| {
+        !snapshot.folders.is_empty()
+            && !snapshot.in_workspace(&it.path)
+            && !snapshot.open.contains_key(&it.path)
+    });
+    if let Some(foreign) = foreign {
+        return Ok(Refusable(Err(format!(
+            "The name is also written in {}, which is not in the workspace",
+            foreign.path
+        ))));
+    }
+    let sources = match navigation::rename(snapshot, &at.path, at.offset, &params.new_name)? {
+        Ok(sources) => sources,
+        Err(why) => return Ok(Refusable(Err(why))),
+    };
+    let mut all = gathered(&edits);
+    for (path, edits) in sources.changed {
+        for it in edits {
+            all.replace(&path, it.range, it.text);
+        }
+    }
+    let label = format!("Rename to {}", params.new_name);
+    let edit = edit_of(snapshot, Review::SeveralFiles(&label), &all)?;
+    Ok(Refusable(edit.map(Some)))
+}
+
+/// The edits of includes that follow from moving files.
+pub(crate) fn files(
+    snapshot: &Snapshot,
+    params: &RenameFilesParams,
+) -> Cancellable<Refusable<WorkspaceEdit>> {
+    let path = |it: &str| -> Option<Utf8PathBuf> { Some(uri::to_path(&it.parse().ok()?)) };
+    let moves = params.files.iter();
+    let moves: Vec<_> = moves
+        .filter_map(|it| Some((path(&it.old_uri)?, path(&it.new_uri)?)))
+        .collect();
+    let edits = snapshot.analysis.files_moved(&moves)?;
+    match edits.is_empty() {
+        true => Ok(Refusable::default()),
+        false => Ok(Refusable(workspace_edit(snapshot, &edits)?.map(Some))),
+    }
+}

@@ -1,0 +1,40 @@
+//! `textDocument/signatureHelp`
+
+use dotgen_analysis::host::Cancellable;
+
+use crate::protocol::types::*;
+use crate::workspace::snapshot::{Snapshot, Subject};
+
+pub(crate) fn handle(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &SignatureHelpParams,
+) -> Cancellable<Option<SignatureHelp>> {
+    let position = params.text_document_position_params.position;
+    let Some(at) = snapshot.cursor(subject, position)? else {
+        return Ok(None);
+    };
+    let Some(help) = snapshot.analysis.signature_help(&at)? else {
+        return Ok(None);
+    };
+    // Offsets of labels are in UTF-16 units, whatever was negotiated for positions.
+    let units = |byte: usize| help.label[..byte].encode_utf16().count() as u32;
+    let parameters = help.parameters.iter().map(|it| ParameterInformation {
+        label: match snapshot.client.label_offsets {
+            true => ParameterLabel::LabelOffsets([units(it.start), units(it.end)]),
+            false => ParameterLabel::Simple(help.label[it.clone()].to_owned()),
+        },
+        documentation: None,
+    });
+    let active = help.active.map(|it| it as u32);
+    Ok(Some(SignatureHelp {
+        signatures: vec![SignatureInformation {
+            parameters: Some(parameters.collect()),
+            active_parameter: active,
+            documentation: help.documentation.clone().map(Documentation::String),
+            label: help.label.clone(),
+        }],
+        active_signature: Some(0),
+        active_parameter: active,
+    }))
+}

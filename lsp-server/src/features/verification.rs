@@ -1,0 +1,155 @@
+//! What verification shows in documents: lenses on tasks, diagnostics, code actions, and
+//! `dotgen/verification` with everything in one answer.
+
+mod answer;
+mod diagnostics;
+mod lens;
+pub(crate) mod problems;
+mod sensitivity;
+
+use std::ops::Range;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::host::Cancellable;
+use dotgen_analysis::source_map::Locations;
+use dotgen_timing::report::TaskId;
+use dotgen_timing::scn::names::Names;
+use serde_json::{Value, json};
+
+use crate::protocol::types::*;
+use crate::verification::{Problem, problem};
+use crate::workspace::snapshot::{Snapshot, Subject};
+
+pub(crate) use answer::{Question, VerificationParams, VerificationResult, prepare, present};
+pub(crate) use diagnostics::{in_scenario, in_specification};
+pub(crate) use lens::{lenses, scenario_lenses};
+pub(crate) use sensitivity::{SensitivityParams, SensitivityResult, ask, shown};
+
+/// Client command that shows a verification; argument `{ uri, check }`.
+const SHOW: &str = "dotgen.showVerification";
+
+/// A task of a document: its name and the place of it.
+struct TaskAt {
+    id: TaskId,
+    range: Range<usize>,
+}
+
+/// The tasks that a file of a problem declares.
+fn tasks(problem: &Problem, path: &Utf8Path) -> Vec<TaskAt> {
+    let mut out: Vec<TaskAt> = Vec::new();
+    let specs = problem.specs();
+    for (c, member) in Names::new(&specs).components.iter().enumerate() {
+        let unit = &problem.units[member.spec_index];
+        for (t, task) in (0..).zip(&member.component.tasks) {
+            let place = unit.locations.locate(task.src);
+            if let Some(place) = place.filter(|it| it.path == path) {
+                out.push(TaskAt {
+                    id: (c, t),
+                    range: place.range,
+                });
+            }
+        }
+    }
+    out
+}
+
+/// The place of something in the specifications of a problem.
+fn place(
+    problem: &Problem,
+    src: Option<(usize, dotgen_analysis::model::Src)>,
+) -> Option<(Utf8PathBuf, Range<usize>)> {
+    let (spec, src) = src?;
+    problem.place(spec, src)
+}
+
+/// The argument of [`SHOW`].
+fn argument(uri: &Uri, check: Option<usize>) -> Value {
+    json!({ "uri": uri, "check": check })
+}
+
+/// Code actions: open the run that a diagnostic is about; write the default scenario out.
+pub(crate) fn actions(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    range: &Range<usize>,
+) -> Cancellable<Vec<CodeAction>> {
+    let mut out = Vec::new();
+    if snapshot.client.verification_status {
+        for (uri, found) in diagnostics::at(snapshot, &subject.path, range)? {
+            let diagnostic =
+                crate::features::convert::diagnostic::to_proto(snapshot, &found.diagnostic)?;
+            let arguments = Some(vec![argument(&uri, Some(found.check))]);
+            out.push(CodeAction {
+                title: "Show the timeline of the run".to_owned(),
+                kind: Some(CodeActionKind::QUICKFIX),
+                diagnostics: diagnostic.map(|it| vec![it]),
+                command: Some(Command::new(
+                    "Show the timeline of the run".to_owned(),
+                    SHOW.to_owned(),
+                    arguments,
+                )),
+                ..CodeAction::default()
+            });
+        }
+    }
+    out.extend(write_out(snapshot, subject, range)?);
+    Ok(out)
+}
+
+/// The default scenario as a file beside the specification, offered on the heading of a component.
+fn write_out(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    range: &Range<usize>,
+) -> Cancellable<Option<CodeAction>> {
+    let path = &subject.path;
+    if !snapshot.client.creates_files || path.extension() != Some("gen") {
+        return Ok(None);
+    }
+    let unit = snapshot.analysis.root_unit(path)?;
+    let heading = problem::components(&unit.spec).any(|it| {
+        let place = unit.locations.locate(it.src);
+        place.is_some_and(|it| {
+            it.path == *path && it.range.start <= range.end && range.start <= it.range.end
+        })
+    });
+    let target = path.with_extension(problem::EXTENSION);
+    if !heading || target.exists() || snapshot.open.contains_key(&target) {
+        return Ok(None);
+    }
+    let (Some(problem), Some(uri)) = (problems::problem_of(snapshot, path)?, snapshot.uri(&target))
+    else {
+        return Ok(None);
+    };
+    if !problem.errors.is_empty() {
+        return Ok(None);
+    }
+    let file = target.file_name().unwrap_or_default();
+    let create = CreateFile {
+        uri: uri.clone(),
+        options: Some(CreateFileOptions {
+            overwrite: Some(false),
+            ignore_if_exists: Some(false),
+        }),
+        annotation_id: None,
+    };
+    let fill = TextDocumentEdit {
+        text_document: OptionalVersionedTextDocumentIdentifier { uri, version: None },
+        edits: vec![OneOf::Left(TextEdit::new(
+            crate::protocol::types::Range::default(),
+            problem.text,
+        ))],
+    };
+    Ok(Some(CodeAction {
+        title: format!("Write the verification scenario to {file}"),
+        kind: Some(CodeActionKind::new("refactor.rewrite")),
+        edit: Some(WorkspaceEdit {
+            document_changes: Some(DocumentChanges::Operations(vec![
+                DocumentChangeOperation::Op(ResourceOp::Create(create)),
+                DocumentChangeOperation::Edit(fill),
+            ])),
+            ..WorkspaceEdit::default()
+        }),
+        ..CodeAction::default()
+    }))
+}

@@ -1,0 +1,574 @@
+//! `dotgen/verification`: all that is known about the verification of a document, or about a
+//! variation of it. `docs/protocol.md` describes it for clients.
+
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use dotgen_analysis::host::Cancellable;
+use dotgen_diagram::theme::Theme;
+use dotgen_diagram::timeline::{self, Timeline};
+use dotgen_timing::explore::MomentKind;
+use dotgen_timing::remark::together;
+use dotgen_timing::report::{CheckReport, Event, Verdict};
+use dotgen_timing::scn::Severity;
+use dotgen_timing::verify::{Cancel, Options, settings};
+use serde::{Deserialize, Serialize};
+
+use super::place;
+use super::problems::{self, about};
+use crate::protocol::types::{Location, TextDocumentIdentifier, Uri};
+use crate::verification::advice;
+use crate::verification::blocking::{self, CodelAt};
+use crate::verification::folded::{Part, folded, words as again};
+use crate::verification::results::{Answer, Status};
+use crate::verification::run::{self, Found};
+use crate::verification::summary;
+use crate::verification::timeline::{Ending, first_shown, left_out, of_end};
+use crate::verification::view::CheckView;
+use crate::verification::what_if::WhatIf;
+use crate::verification::{Problem, TaskBound};
+use crate::workspace::snapshot::{Snapshot, Subject};
+
+/// Parameters of `dotgen/verification`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct VerificationParams {
+    /// A scenario or a specification.
+    pub(crate) text_document: TextDocumentIdentifier,
+    /// Number of the check whose run is wanted; the first refuted one if it is not given.
+    #[serde(default)]
+    check: Option<usize>,
+    /// A variation.
+    #[serde(default)]
+    what_if: WhatIf,
+    /// Colours of the timeline.
+    #[serde(default)]
+    theme: Theme,
+}
+
+impl VerificationParams {
+    /// Everything about a document, with a variation.
+    pub(super) fn about(text_document: TextDocumentIdentifier, what_if: WhatIf) -> Self {
+        VerificationParams {
+            text_document,
+            check: None,
+            what_if,
+            theme: Theme::default(),
+        }
+    }
+}
+
+/// Answer of `dotgen/verification`.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct VerificationResult {
+    /// The scenario, or the specification that is verified without one.
+    uri: Option<Uri>,
+    /// Version of the document it holds for.
+    version: Option<i32>,
+    status: Option<Status>,
+    /// Whether what follows is of an earlier text.
+    earlier: bool,
+    /// How many checks are answered, as long as it is not all of them.
+    how_far: Option<String>,
+    scenario: String,
+    /// Whether the scenario is written in a file.
+    written: bool,
+    /// Cores, policy, durations in words.
+    platform: String,
+    cores: Option<u32>,
+    policy: String,
+    durations: String,
+    /// Why there is no answer.
+    errors: Vec<String>,
+    /// What was assumed of the model, and where it stands.
+    warnings: Vec<WarningShown>,
+    /// What to do about checks that were given up.
+    advice: Option<String>,
+    checks: Vec<CheckShown>,
+    /// Quick bounds by task.
+    bounds: Vec<BoundShown>,
+    minimum_cores: Option<u32>,
+    assumptions: Vec<String>,
+    notes: Vec<String>,
+    blocking: Vec<BlockedShown>,
+    codels: Vec<CodelShown>,
+    timeline: Option<TimelineShown>,
+    states: usize,
+    seconds: f64,
+    /// Whether this is the answer to a variation.
+    what_if: bool,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct WarningShown {
+    message: String,
+    location: Option<Location>,
+}
+
+/// A check and its answer.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct CheckShown {
+    name: Option<String>,
+    check: String,
+    of: String,
+    verdict: String,
+    /// What the verdict is worth, if it is not exact.
+    worth: Option<String>,
+    value: Option<String>,
+    limit: Option<String>,
+    slack: Option<String>,
+    note: Option<String>,
+    /// Why a job is late.
+    reason: Vec<String>,
+    has_run: bool,
+    location: Option<Location>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct BoundShown {
+    task: String,
+    bound: String,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct BlockedShown {
+    codel: String,
+    location: Option<Location>,
+    by: Vec<BlockerShown>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct BlockerShown {
+    codel: String,
+    location: Option<Location>,
+    /// Longest time it keeps the lock.
+    time: String,
+    through: String,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct CodelShown {
+    path: String,
+    /// Longest execution time in microseconds; none if it has no end.
+    wcet: Option<f64>,
+    location: Option<Location>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct TimelineShown {
+    check: usize,
+    title: String,
+    /// Elements with a `data-link` lead to that one of `links`.
+    svg: String,
+    timeline: Timeline,
+    links: Vec<Option<Location>>,
+    /// The run as text, one line per event.
+    events: Vec<String>,
+}
+
+/// What a document's verification knows, taken out of a snapshot.
+pub(crate) struct Prepared {
+    uri: Option<Uri>,
+    version: Option<i32>,
+    status: Status,
+    earlier: bool,
+    problem: Arc<Problem>,
+    places: Arc<Problem>,
+    bounds: Arc<Vec<TaskBound>>,
+    /// `None`: to be worked out here.
+    known: Option<Option<Arc<Answer>>>,
+    what_if: WhatIf,
+    options: Options,
+    limit: Duration,
+}
+
+/// Finds the verification of a document.
+pub(crate) fn prepare(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &VerificationParams,
+) -> Cancellable<Option<Prepared>> {
+    let settings = &snapshot.config.verification;
+    let found = about(snapshot, &subject.path).into_iter().next();
+    let blank = |problem: Problem| {
+        let problem = Arc::new(problem);
+        Prepared {
+            uri: Some(subject.uri.clone()),
+            version: subject.version,
+            status: Status::Running,
+            earlier: false,
+            places: problem.clone(),
+            problem,
+            bounds: Arc::default(),
+            known: None,
+            what_if: params.what_if.clone(),
+            options: settings.options(),
+            limit: settings.time_limit(),
+        }
+    };
+    let Some((path, entry)) = found else {
+        // Verification on edit is off, or nothing here is timed: on request all the same.
+        let problem = problems::problem_of(snapshot, &subject.path)?;
+        return Ok(problem.map(blank));
+    };
+    let known = params.what_if.is_nothing();
+    Ok(Some(Prepared {
+        uri: snapshot.uri(path),
+        version: entry.version,
+        status: entry.status,
+        earlier: known && entry.answer.is_some() && entry.known().is_none(),
+        problem: entry.problem.clone(),
+        places: entry.places().clone(),
+        bounds: entry.bounds.clone(),
+        known: known.then(|| entry.answer.clone()),
+        ..blank((*entry.problem).clone())
+    }))
+}
+
+/// Something to be shown.
+pub(crate) struct Shown {
+    prepared: Prepared,
+    answer: Option<Arc<Answer>>,
+    errors: Vec<String>,
+}
+
+/// Ends work that nobody waits for.
+pub(super) struct CancelOnDrop(pub(super) Arc<Cancel>);
+
+impl Drop for CancelOnDrop {
+    fn drop(&mut self) {
+        self.0.abandon();
+    }
+}
+
+impl Prepared {
+    /// Version of the document.
+    pub(super) fn version(&self) -> Option<i32> {
+        self.version
+    }
+
+    /// What it is about.
+    pub(super) fn problem(&self) -> Arc<Problem> {
+        self.problem.clone()
+    }
+
+    fn errors(&self) -> Vec<String> {
+        let errors = self.problem.errors.iter();
+        errors.map(|it| it.message.clone()).collect()
+    }
+
+    /// What is to be verified, and how; or why it cannot be.
+    pub(super) fn varied(&self) -> Result<(Problem, Options), Vec<String>> {
+        let mut errors = self.errors();
+        let varied = self.what_if.apply(&self.problem);
+        let options = self.what_if.options(self.options.clone());
+        match (varied, options) {
+            (Ok(problem), Ok(options)) if errors.is_empty() => return Ok((problem, options)),
+            (Err(why), _) | (_, Err(why)) => errors.push(why),
+            _ => {}
+        }
+        Err(errors)
+    }
+
+    /// Verifies if that has to be done. Dropping the future ends the work.
+    pub(crate) async fn answer(mut self) -> Shown {
+        let failures = self.errors();
+        if let Some(answer) = self.known.clone() {
+            return Shown {
+                prepared: self,
+                answer,
+                errors: failures,
+            };
+        }
+        let (problem, options) = match self.varied() {
+            Ok(varied) => varied,
+            Err(errors) => {
+                self.status = Status::Blocked;
+                return Shown {
+                    prepared: self,
+                    answer: None,
+                    errors,
+                };
+            }
+        };
+        let cancel = Arc::new(Cancel::default());
+        let _guard = CancelOnDrop(cancel.clone());
+        let (problem, limit) = (Arc::new(problem), self.limit);
+        let work = tokio::task::spawn_blocking(move || {
+            let last: Mutex<Option<Arc<Answer>>> = Mutex::default();
+            let tell = |found: Found| {
+                if let Found::Answer(answer) = found {
+                    *last.lock().unwrap_or_else(PoisonError::into_inner) = Some(answer);
+                }
+            };
+            run::run(problem, options, limit, &cancel, tell);
+            last.into_inner().unwrap_or_else(PoisonError::into_inner)
+        });
+        let answer = match work.await {
+            Ok(answer) => answer,
+            Err(error) => {
+                tracing::error!("verification panicked: {error}");
+                None
+            }
+        };
+        if let Some(answer) = &answer {
+            self.status = answer.status();
+            self.places = answer.problem.clone();
+            self.bounds = answer.bounds.clone();
+        }
+        Shown {
+            prepared: self,
+            answer,
+            errors: Vec::new(),
+        }
+    }
+}
+
+/// What to show, and of which document.
+pub(crate) struct Question {
+    /// What was found.
+    pub(crate) shown: Shown,
+    /// What was asked.
+    pub(crate) params: VerificationParams,
+}
+
+/// The answer for a client.
+pub(crate) fn present(
+    snapshot: &Snapshot,
+    _: &Subject,
+    question: &Question,
+) -> Cancellable<Option<VerificationResult>> {
+    let Question { shown, params } = question;
+    let Shown {
+        prepared,
+        answer,
+        errors,
+    } = shown;
+    let options = answer.as_ref().map_or(&prepared.options, |it| &it.options);
+    let problem = answer.as_ref().map_or(&prepared.problem, |it| &it.problem);
+    let settings = settings(&problem.scenario, options);
+    let scale = summary::Scale::of(&settings);
+    let location = |at: &CodelAt| locate(snapshot, &prepared.places, at.src);
+    let table = blocking::table(problem, options);
+    let mut blocked = Vec::new();
+    let mut codels = Vec::new();
+    for row in &table {
+        codels.push(CodelShown {
+            path: row.codel.path.clone(),
+            wcet: row.codel.micros,
+            location: location(&row.codel)?,
+        });
+        let mut by = Vec::new();
+        for it in &row.by {
+            by.push(BlockerShown {
+                codel: it.codel.path.clone(),
+                location: location(&it.codel)?,
+                time: it
+                    .codel
+                    .upper
+                    .map_or("no end".to_owned(), |it| scale.show(it)),
+                through: it.through.join(", "),
+            });
+        }
+        if !by.is_empty() {
+            blocked.push(BlockedShown {
+                codel: row.codel.path.clone(),
+                location: location(&row.codel)?,
+                by,
+            });
+        }
+    }
+    let mut out = VerificationResult {
+        uri: prepared.uri.clone(),
+        version: prepared.version,
+        status: Some(prepared.status),
+        earlier: prepared.earlier,
+        scenario: problem.scenario.name.clone(),
+        written: prepared.problem.is_written(),
+        platform: summary::platform(&settings),
+        cores: settings.cores,
+        policy: settings.policy().name().to_owned(),
+        durations: settings.durations.name().to_owned(),
+        errors: errors.clone(),
+        bounds: (prepared.bounds.iter())
+            .map(|it| BoundShown {
+                task: it.task.clone(),
+                bound: scale.show(it.bound),
+            })
+            .collect(),
+        blocking: blocked,
+        codels,
+        what_if: !params.what_if.is_nothing(),
+        ..VerificationResult::default()
+    };
+    let Some(answer) = answer else {
+        return Ok(Some(out));
+    };
+    let report = &answer.report;
+    for it in together(&report.diagnostics) {
+        if it.severity == Severity::Error {
+            out.errors.push(it.message);
+            continue;
+        }
+        let at = prepared.places.diagnostic(&it);
+        out.warnings.push(WarningShown {
+            location: snapshot.location(&at.path, &at.range)?,
+            message: at.message,
+        });
+    }
+    if report.answered() < report.checks.len() && !prepared.earlier {
+        out.how_far = Some(report.how_far());
+    }
+    out.advice = advice::of_report(report, problem, advice::Names::Settings);
+    out.minimum_cores = answer.cores.as_ref().and_then(|it| it.cores);
+    out.assumptions.clone_from(&report.assumptions);
+    out.notes.clone_from(&report.notes);
+    out.states = report.states;
+    out.seconds = report.seconds;
+    for check in &answer.view().checks {
+        out.checks.push(shown_check(snapshot, prepared, check)?);
+    }
+    let has_run = |it: &CheckReport| !it.run().is_empty();
+    let refuted = || {
+        let mut all = report.checks.iter();
+        all.position(|it| it.verdict == Verdict::Refuted && has_run(it))
+    };
+    let wanted = params
+        .check
+        .filter(|&it| report.checks.get(it).is_some_and(has_run));
+    let chosen = wanted
+        .or_else(refuted)
+        .or_else(|| report.checks.iter().position(has_run));
+    if let Some(chosen) = chosen {
+        out.timeline = Some(shown_run(snapshot, prepared, answer, chosen, params.theme)?);
+    }
+    Ok(Some(out))
+}
+
+/// A place of a specification for a client.
+pub(super) fn locate(
+    snapshot: &Snapshot,
+    places: &Problem,
+    src: Option<(usize, dotgen_analysis::model::Src)>,
+) -> Cancellable<Option<Location>> {
+    match place(places, src) {
+        Some((path, range)) => snapshot.location(&path, &range),
+        None => Ok(None),
+    }
+}
+
+fn shown_check(
+    snapshot: &Snapshot,
+    prepared: &Prepared,
+    view: &CheckView,
+) -> Cancellable<CheckShown> {
+    let check = view.report;
+    let location = match &view.written {
+        Some(it) => snapshot.location(&prepared.places.path, it)?,
+        None => None,
+    };
+    Ok(CheckShown {
+        name: check.name.clone(),
+        check: check.kind.word().to_owned(),
+        of: check.of.clone(),
+        verdict: view.outcome.word().to_owned(),
+        worth: view.worth.map(str::to_owned),
+        value: view.value.clone(),
+        limit: view.limit.clone(),
+        slack: view.slack.clone(),
+        note: check.note.clone(),
+        reason: view.reason.clone(),
+        has_run: !check.run().is_empty(),
+        location,
+    })
+}
+
+/// A run line by line, what repeats itself once. It may be the end of one, without the first so many events.
+fn in_words(
+    events: &[Event],
+    cycle: Option<usize>,
+    without: usize,
+    scale: summary::Scale,
+) -> Vec<String> {
+    let cycle = cycle.and_then(|it| it.checked_sub(without));
+    let mut lines = Vec::new();
+    for part in folded(events, cycle) {
+        match part {
+            Part::Steps(range) => {
+                for step in range {
+                    if cycle == Some(step) {
+                        lines.push("from here on for ever:".to_owned());
+                    }
+                    let event = &events[step];
+                    let who = match &event.task {
+                        Some(task) => format!("{}.{task}", event.component),
+                        None => event.component.clone(),
+                    };
+                    lines.push(format!("{}  {who}  {}", scale.show(event.time), event.what));
+                }
+            }
+            Part::Again { steps, times, last } => lines.push(format!(
+                "… {}, until {} …",
+                again(steps, times),
+                scale.show(events[last].time)
+            )),
+        }
+    }
+    lines
+}
+
+fn shown_run(
+    snapshot: &Snapshot,
+    prepared: &Prepared,
+    answer: &Answer,
+    number: usize,
+    theme: Theme,
+) -> Cancellable<TimelineShown> {
+    let check = &answer.report.checks[number];
+    let events = check.run();
+    let refuted = check.verdict == Verdict::Refuted;
+    let what = match (refuted, check.kind.is_time()) {
+        _ if !check.possible_run.is_empty() => {
+            "a run with rounded durations; it may not be possible"
+        }
+        (true, _) => "a run that refutes it",
+        (false, true) => "the longest run found",
+        (false, false) => "a run that shows it",
+    };
+    let title = format!("{} {}: {what}", check.kind, check.of);
+    let says_so = events
+        .last()
+        .is_some_and(|it| it.kind == MomentKind::Excess);
+    let late = check.id.task.is_some();
+    let ending = match refuted && late && !says_so {
+        true => Ending::Miss(&check.of),
+        false => Ending::Fine,
+    };
+    let first = first_shown(events);
+    let picture = of_end(title.clone(), &answer.report.unit, events, first, ending);
+    // Of what is not shown nothing can be clicked.
+    let mut links = vec![None; first];
+    for event in &events[first..] {
+        links.push(locate(snapshot, &prepared.places, event.src)?);
+    }
+    let mut lines = in_words(&events[first..], check.cycle, first, answer.scale());
+    if first > 0 {
+        lines.insert(0, format!("… {}", left_out(first)));
+    }
+    Ok(TimelineShown {
+        check: number,
+        title,
+        svg: timeline::svg(&picture, theme),
+        timeline: picture,
+        links,
+        events: lines,
+    })
+}

@@ -1,0 +1,251 @@
+//! Diagnostics of verifications: at the task in the specification, at the check in the scenario.
+
+use std::ops::Range;
+
+use camino::Utf8Path;
+use dotgen_analysis::codes;
+use dotgen_analysis::diagnostic::{Diagnostic, Related, Severity};
+use dotgen_analysis::host::Cancellable;
+use dotgen_timing::explore::MomentKind;
+use dotgen_timing::property::PropertyKind;
+use dotgen_timing::remark::together;
+use dotgen_timing::report::{CheckReport, Value, Verdict};
+use dotgen_timing::scn;
+
+use super::problems::about;
+use super::{place, tasks};
+use crate::config::Level;
+use crate::protocol::types::Uri;
+use crate::verification::Problem;
+use crate::verification::advice::{self, Names};
+use crate::verification::problem::{self, EXTENSION};
+use crate::verification::results::{Answer, Entry};
+use crate::verification::view::{CheckView, Outcome};
+use crate::workspace::snapshot::Snapshot;
+
+const MISS: &str = "timing/deadline-miss";
+const EXCEEDED: &str = "timing/response-exceeded";
+const FAILED: &str = "timing/check-failed";
+const GAVE_UP: &str = "timing/gave-up";
+
+/// Places of a run that a diagnostic leads to; the last ones say most.
+const RELATED: usize = 8;
+
+/// A diagnostic and the check it is about.
+pub(super) struct Found {
+    pub(super) diagnostic: Diagnostic,
+    pub(super) check: usize,
+}
+
+/// What is found at a place, with the document whose verification found it.
+pub(super) fn at(
+    snapshot: &Snapshot,
+    path: &Utf8Path,
+    range: &Range<usize>,
+) -> Cancellable<Vec<(Uri, Found)>> {
+    let mut out = Vec::new();
+    let touches = |it: &Found| {
+        it.diagnostic.range.start <= range.end && range.start <= it.diagnostic.range.end
+    };
+    for (of, entry) in about(snapshot, path) {
+        let found = match path.extension() == Some(EXTENSION) {
+            true => scenario(snapshot, entry, path),
+            false => specification(snapshot, entry, path),
+        };
+        if let Some(uri) = snapshot.uri(of) {
+            let here = found.into_iter().filter(touches);
+            out.extend(here.map(|it| (uri.clone(), it)));
+        }
+    }
+    Ok(out)
+}
+
+/// Missed deadlines and exceeded bounds, at the tasks of a specification.
+pub(crate) fn in_specification(
+    snapshot: &Snapshot,
+    path: &Utf8Path,
+) -> Cancellable<Vec<Diagnostic>> {
+    let mut out = Vec::new();
+    for (_, entry) in about(snapshot, path) {
+        let found = specification(snapshot, entry, path);
+        out.extend(found.into_iter().map(|it| it.diagnostic));
+        out.extend(of_model(entry, path));
+    }
+    Ok(out)
+}
+
+/// Why a specification cannot be verified without a scenario. What is merely remarked about it is said by analysis;
+/// and what is wrong with a scenario is said there.
+fn of_model(entry: &Entry, path: &Utf8Path) -> Vec<Diagnostic> {
+    let answer = entry.known().filter(|_| !entry.problem.is_written());
+    let found = answer.iter().flat_map(|it| &it.report.diagnostics);
+    let found = found.filter(|it| it.remark.is_none());
+    let found = found.map(|it| entry.problem.diagnostic(it));
+    found.filter(|it| it.path == path).collect()
+}
+
+fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Found> {
+    // What was found in an earlier version says nothing about this one.
+    let Some(answer) = entry.known() else {
+        return Vec::new();
+    };
+    let mut out = Vec::new();
+    let view = answer.view();
+    for task in tasks(&entry.problem, path) {
+        for (check, it) in view.of_task(task.id) {
+            let asked = match it.report.kind {
+                PropertyKind::Schedulable => true,
+                PropertyKind::Response => it.report.bound.is_some(),
+                _ => false,
+            };
+            if asked && it.report.verdict == Verdict::Refuted {
+                let found = diagnostic(snapshot, entry, answer, it, path, &task.range);
+                out.extend(found.map(|diagnostic| Found { diagnostic, check }));
+            }
+        }
+    }
+    out
+}
+
+/// What the verifier says about a scenario, at its checks and names.
+pub(crate) fn in_scenario(snapshot: &Snapshot, path: &Utf8Path) -> Vec<Diagnostic> {
+    let Some(entry) = snapshot.verification.get(path) else {
+        return Vec::new();
+    };
+    let mut out: Vec<Diagnostic> = Vec::new();
+    if let Some(answer) = entry.known() {
+        let of_model = together(&answer.report.diagnostics);
+        let of_model = of_model.iter().map(|it| at_use(&entry.problem, it));
+        out.extend(of_model.filter_map(|it| Level::apply(&snapshot.config.severity, it)));
+    }
+    let checks = scenario(snapshot, entry, path).into_iter();
+    out.extend(checks.map(|it| it.diagnostic));
+    out
+}
+
+/// What is about a specification stands at the `use` of it, and leads there.
+fn at_use(problem: &Problem, it: &scn::Diagnostic) -> Diagnostic {
+    let mut out = problem.diagnostic(it);
+    if let Some(place) = it.places.first().filter(|_| out.path != problem.path) {
+        let uses = problem::used(&problem.scenario, &problem.path);
+        let range = uses.get(place.spec).map(|it| it.range.clone());
+        let related = Related {
+            path: std::mem::replace(&mut out.path, problem.path.clone()),
+            range: std::mem::replace(&mut out.range, range.unwrap_or_default()),
+            message: place.what.clone(),
+        };
+        out.related.insert(0, related);
+    }
+    out
+}
+
+fn scenario(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Found> {
+    let Some(answer) = entry.known() else {
+        return Vec::new();
+    };
+    let mut out = Vec::new();
+    for (check, it) in answer.view().checks.iter().enumerate() {
+        let Some(written) = &it.written else {
+            continue;
+        };
+        let found = diagnostic(snapshot, entry, answer, it, path, written);
+        out.extend(found.map(|diagnostic| Found { diagnostic, check }));
+    }
+    out
+}
+
+fn diagnostic(
+    snapshot: &Snapshot,
+    entry: &Entry,
+    answer: &Answer,
+    view: &CheckView,
+    path: &Utf8Path,
+    range: &Range<usize>,
+) -> Option<Diagnostic> {
+    let scale = answer.scale();
+    let check = view.report;
+    let of = &check.of;
+    let (code, mut message) = match (view.outcome, check.kind) {
+        (Outcome::Proved | Outcome::Bounded | Outcome::Exceeds | Outcome::Open, _) => return None,
+        // What is missing is said where it is missing.
+        (Outcome::Nothing, _) => return None,
+        (Outcome::GaveUp, kind) => (GAVE_UP, {
+            let why = check.note.as_deref().unwrap_or("gave up");
+            let reason = check.gave_up.map(|it| it.reason);
+            let advice = advice::of(reason, &answer.problem, Names::Settings);
+            let advice = advice.map_or(String::new(), |it| format!("; {it}"));
+            format!("`{kind} {of}` is neither proved nor refuted: {why}{advice}")
+        }),
+        (_, PropertyKind::Schedulable) => {
+            let last = check.run().last();
+            let at = last.map_or(String::new(), |it| format!("at {} ", scale.show(it.time)));
+            let what = format!("{at}its next period begins before the job has ended");
+            (MISS, format!("`{of}` can miss its deadline: {what}"))
+        }
+        (_, kind @ (PropertyKind::Response | PropertyKind::Within)) => {
+            let what = match kind {
+                PropertyKind::Response => format!("the response time of `{of}`"),
+                _ => format!("the time of `{of}`"),
+            };
+            let message = match (check.value?, check.bound) {
+                (Value::Unbounded, _) => format!("{what} has no bound"),
+                (value, Some(bound)) => format!(
+                    "{what} can be {}, more than {}",
+                    scale.show_value(value),
+                    scale.show_value(bound)
+                ),
+                (_, None) => return None,
+            };
+            (EXCEEDED, message)
+        }
+        (_, kind) => (FAILED, format!("`{kind} {of}` does not hold")),
+    };
+    if let Some(why) = view.reason.last() {
+        message += &format!("; {why}");
+    }
+    if view.outcome == Outcome::PossiblyRefuted {
+        message +=
+            "; this may be a false alarm, as durations are rounded up to the unit of the scenario";
+    }
+    if path.extension() != Some(EXTENSION) {
+        message += &match entry.problem.is_written() {
+            true => format!(" (scenario `{}`)", answer.report.scenario),
+            false => " (no scenario: any client, at any time)".to_owned(),
+        };
+    }
+    let severity = severity(snapshot, code)?;
+    Some(Diagnostic {
+        related: related(entry, answer, check),
+        ..Diagnostic::new(code, severity, message, path.to_owned(), range.clone())
+    })
+}
+
+/// As configured; `None` for off.
+fn severity(snapshot: &Snapshot, code: &str) -> Option<Severity> {
+    if let Some(level) = snapshot.config.severity.get(code) {
+        return Level::severity(*level);
+    }
+    let known = codes::all().find(|it| it.id == code);
+    Some(known.map_or(Severity::Warning, |it| it.severity))
+}
+
+/// The last places of the run.
+fn related(entry: &Entry, answer: &Answer, check: &CheckReport) -> Vec<Related> {
+    let scale = answer.scale();
+    let mut related: Vec<Related> = Vec::new();
+    for event in check.run().iter().rev() {
+        if related.len() < RELATED
+            && matches!(event.kind, MomentKind::Wait | MomentKind::Begin)
+            && let Some((path, range)) = place(entry.places(), event.src)
+        {
+            let message = format!("{}: {}", scale.show(event.time), event.what);
+            related.push(Related {
+                path,
+                range,
+                message,
+            });
+        }
+    }
+    related.reverse();
+    related
+}

@@ -1,0 +1,248 @@
+//! Lenses: one per task of a specification, one per check of a scenario. They say what was computed,
+//! and nothing else.
+
+use dotgen_analysis::host::Cancellable;
+use dotgen_timing::property::PropertyKind;
+use dotgen_timing::report::{TaskId, Verdict};
+use dotgen_timing::verify::settings;
+
+use super::problems::about;
+use super::{SHOW, argument, tasks};
+use crate::protocol::types::{CodeLens, Command, Uri};
+use crate::verification::results::{Answer, Entry, Status};
+use crate::verification::summary::Scale;
+use crate::verification::view::{CheckView, Outcome};
+use crate::workspace::snapshot::{Snapshot, Subject};
+
+/// Of what has no answer yet.
+const VERIFYING: &str = "verifying …";
+
+/// `R 7 ms of 10 ms · slack 30 % · proved, ≥ 2 cores` over every task.
+pub(crate) fn lenses(snapshot: &Snapshot, subject: &Subject) -> Cancellable<Vec<CodeLens>> {
+    let mut out = Vec::new();
+    let Some(lines) = snapshot.lines(&subject.path)? else {
+        return Ok(out);
+    };
+    let about = about(snapshot, &subject.path);
+    for (path, entry) in &about {
+        let Some(uri) = snapshot.uri(path) else {
+            continue;
+        };
+        for task in tasks(&entry.problem, &subject.path) {
+            let Some(mut title) = of_task(entry, task.id) else {
+                continue;
+            };
+            if about.len() > 1 {
+                title = format!("{}: {title}", entry.problem.scenario.name);
+            }
+            let check = shown(entry, task.id);
+            out.push(lens(snapshot, lines.range(&task.range), title, &uri, check));
+        }
+    }
+    Ok(out)
+}
+
+/// The verdict over every check of a scenario, and where the whole stands over its name.
+pub(crate) fn scenario_lenses(
+    snapshot: &Snapshot,
+    subject: &Subject,
+) -> Cancellable<Option<Vec<CodeLens>>> {
+    let (Some(lines), Some(entry)) = (
+        snapshot.lines(&subject.path)?,
+        snapshot.verification.get(&subject.path),
+    ) else {
+        return Ok(None);
+    };
+    let uri = &subject.uri;
+    let heading = lines.range(&entry.problem.scenario.name_range);
+    let mut out = vec![lens(snapshot, heading, whole(entry), uri, None)];
+    if let Some(answer) = entry.known() {
+        let mut titles: Vec<(std::ops::Range<usize>, Vec<String>, usize)> = Vec::new();
+        for (i, it) in answer.view().checks.iter().enumerate() {
+            let Some(range) = it.written.clone() else {
+                continue;
+            };
+            let mut word = outcome(it);
+            if let Some(value) = &it.value {
+                word = format!("{value} · {word}");
+            }
+            if it.is_one_of_all {
+                word = format!("{} {word}", it.report.of);
+            }
+            match titles.iter_mut().find(|it| it.0 == range) {
+                Some(it) => it.1.push(word),
+                None => titles.push((range, vec![word], i)),
+            }
+        }
+        for (range, words, check) in titles {
+            let title = words.join(" | ");
+            out.push(lens(snapshot, lines.range(&range), title, uri, Some(check)));
+        }
+    }
+    Ok(Some(out))
+}
+
+fn lens(
+    snapshot: &Snapshot,
+    range: crate::protocol::types::Range,
+    title: String,
+    uri: &Uri,
+    check: Option<usize>,
+) -> CodeLens {
+    // Text alone for clients without the panel.
+    let command = match snapshot.client.verification_status {
+        true => Command::new(title, SHOW.to_owned(), Some(vec![argument(uri, check)])),
+        false => Command::new(title, String::new(), None),
+    };
+    CodeLens {
+        range,
+        command: Some(command),
+        data: None,
+    }
+}
+
+/// The check that shows most about a task: a refuted one, else its response.
+fn shown(entry: &Entry, task: TaskId) -> Option<usize> {
+    let view = entry.known()?.view();
+    let of_task = || {
+        view.of_task(task)
+            .filter(|it| it.1.outcome != Outcome::Open)
+    };
+    let refuted = of_task().find(|it| it.1.report.verdict == Verdict::Refuted);
+    let response = || of_task().find(|it| it.1.report.kind == PropertyKind::Response);
+    refuted
+        .or_else(response)
+        .or_else(|| of_task().next())
+        .map(|it| it.0)
+}
+
+/// Where a verification as a whole stands.
+fn whole(entry: &Entry) -> String {
+    let text = match entry.status {
+        Status::Stale | Status::Running => VERIFYING.to_owned(),
+        Status::Proved => proved(entry).to_owned(),
+        Status::Refuted => "refuted".to_owned(),
+        Status::Nothing => "nothing to verify".to_owned(),
+        Status::GaveUp => "gave up".to_owned(),
+        Status::Blocked => return "not verified: there are errors".to_owned(),
+    };
+    match (entry.settled(), entry.known()) {
+        (Some(it), _) => format!(
+            "{text} · {} states, {:.2} s",
+            it.report.states, it.report.seconds
+        ),
+        (None, Some(it)) => format!("{text} · {}", it.report.how_far()),
+        (None, None) => text,
+    }
+}
+
+/// Of a whole without failures: where something has no limit and exceeds the period of its task, that is no proof.
+fn proved(entry: &Entry) -> &'static str {
+    let exceeds = |it: &CheckView| it.outcome == Outcome::Exceeds;
+    let answer = entry.known();
+    match answer.is_some_and(|it| it.view().checks.iter().any(exceeds)) {
+        true => "answered",
+        false => "proved",
+    }
+}
+
+/// What is known of a task; `None` if the verification says nothing about it.
+fn of_task(entry: &Entry, task: TaskId) -> Option<String> {
+    let bound = entry.bounds.iter().find(|it| it.id == task);
+    let bound = bound.filter(|_| entry.status == Status::Running);
+    let bound = bound.map(|it| format!("R ≤ {}", scale_of(entry).show(it.bound)));
+    let Some(answer) = entry.known().filter(|_| entry.status != Status::Blocked) else {
+        let what = match entry.status {
+            Status::Blocked => "not verified: there are errors",
+            _ => VERIFYING,
+        };
+        return Some(match bound {
+            Some(it) => format!("{it} · {what}"),
+            None => what.to_owned(),
+        });
+    };
+    let view = answer.view();
+    let all: Vec<&CheckView> = view.of_task(task).map(|it| it.1).collect();
+    let of_kind = |kind: PropertyKind| all.iter().find(|it| it.report.kind == kind);
+    let response = of_kind(PropertyKind::Response);
+    if all.is_empty() {
+        return None;
+    }
+    let has = |outcome| all.iter().any(|it| it.outcome == outcome);
+    let open = has(Outcome::Open);
+    if has(Outcome::Nothing) {
+        return Some("nothing to verify: no execution times".to_owned());
+    }
+    let mut parts = Vec::new();
+    match of_kind(PropertyKind::Schedulable).map(|it| it.outcome) {
+        Some(Outcome::Refuted) => parts.push("deadline missed".to_owned()),
+        Some(Outcome::PossiblyRefuted) => parts.push("deadline perhaps missed".to_owned()),
+        Some(Outcome::Proved) if open => parts.push("deadline met".to_owned()),
+        _ => {}
+    }
+    match response.filter(|it| it.outcome != Outcome::Open) {
+        Some(it) => parts.extend(measured(it)),
+        None => parts.extend(bound.filter(|_| open)),
+    }
+    if open {
+        if has(Outcome::Refuted) {
+            parts.push("refuted".to_owned());
+        }
+        parts.push(VERIFYING.to_owned());
+        return Some(parts.join(" · "));
+    }
+    let mut word = if has(Outcome::Refuted) {
+        "refuted".to_owned()
+    } else if has(Outcome::PossiblyRefuted) {
+        "refuted with rounded durations only".to_owned()
+    } else if let Some(it) = all.iter().find(|it| it.outcome == Outcome::GaveUp) {
+        outcome(it)
+    } else if has(Outcome::Exceeds) {
+        "later than its period".to_owned()
+    } else {
+        "proved".to_owned()
+    };
+    if let Some(cores) = answer.cores.as_ref().and_then(|it| it.cores) {
+        word += &format!(", ≥ {cores} {}", if cores == 1 { "core" } else { "cores" });
+    } else if let Some(cores) = settings(&answer.problem.scenario, &answer.options).cores {
+        word += &format!(" on {cores} {}", if cores == 1 { "core" } else { "cores" });
+    }
+    parts.push(word);
+    if !answer.problem.is_written() {
+        parts.push("any client".to_owned());
+    }
+    Some(parts.join(" · "))
+}
+
+/// `R 7 ms of 10 ms`, `slack 30 %`
+fn measured(check: &CheckView) -> Vec<String> {
+    let value = check.value.as_ref();
+    let Some(value) = value.filter(|_| check.outcome != Outcome::GaveUp) else {
+        return Vec::new();
+    };
+    match (&check.limit, &check.slack) {
+        (Some(limit), Some(slack)) => {
+            vec![format!("R {value} of {limit}"), format!("slack {slack}")]
+        }
+        _ => vec![format!("R {value}")],
+    }
+}
+
+fn scale_of(entry: &Entry) -> Scale {
+    Scale::of(&settings(&entry.problem.scenario, &Default::default()))
+}
+
+fn outcome(check: &CheckView) -> String {
+    match (check.outcome, check.report.gave_up) {
+        (Outcome::GaveUp, Some(why)) => why.to_string(),
+        (Outcome::Open, _) => VERIFYING.to_owned(),
+        (it, _) => it.counted().to_owned(),
+    }
+}
+
+impl Answer {
+    /// Of its times.
+    pub(super) fn scale(&self) -> Scale {
+        Scale::of(&settings(&self.problem.scenario, &self.options))
+    }
+}

@@ -1,0 +1,141 @@
+//! What is to be verified: by document.
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::host::{Cancellable, FileContent};
+use dotgen_analysis::model::{CodelKind, Spec};
+use dotgen_timing::scn;
+
+use crate::files::vfs;
+use crate::verification::Problem;
+use crate::verification::problem::{self, EXTENSION};
+use crate::verification::results::Entry;
+use crate::workspace::snapshot::Snapshot;
+
+/// More scenarios than this that use an open specification, without being open, are not verified.
+const UNOPENED: usize = 8;
+
+/// What is to be verified now.
+pub(crate) struct Wanted {
+    pub(crate) path: Utf8PathBuf,
+    pub(crate) version: Option<i32>,
+    pub(crate) problem: Problem,
+}
+
+/// What the open documents want to be verified: open scenarios; scenarios of the workspace that use an
+/// open specification; open specifications with timing that neither uses.
+pub(crate) fn wanted(snapshot: &Snapshot) -> Cancellable<Vec<Wanted>> {
+    let mut out: Vec<Wanted> = Vec::new();
+    let open = |extension: &'static str| {
+        let mut paths: Vec<_> = snapshot.open.keys().collect();
+        paths.sort();
+        paths
+            .into_iter()
+            .filter(move |it| it.extension() == Some(extension))
+    };
+    let version = |path: &Utf8Path| snapshot.open.get(path).map(|it| it.version);
+    for path in open(EXTENSION) {
+        let problem = problem_of(snapshot, path)?;
+        out.extend(problem.map(|problem| Wanted {
+            path: path.clone(),
+            version: version(path),
+            problem,
+        }));
+    }
+    let mut unopened = 0;
+    for path in snapshot.scenarios.iter() {
+        if snapshot.open.contains_key(path) || unopened == UNOPENED {
+            continue;
+        }
+        let FileContent::Text(text) = vfs::read(path) else {
+            continue;
+        };
+        let files = problem::used(&scn::parse(&text).scenario, path);
+        if files.iter().any(|it| snapshot.open.contains_key(&it.path)) {
+            unopened += 1;
+            let problem = scenario(snapshot, path, text)?;
+            out.push(Wanted {
+                path: path.clone(),
+                version: None,
+                problem,
+            });
+        }
+    }
+    for path in open("gen") {
+        if out.iter().any(|it| it.problem.uses(path)) {
+            continue;
+        }
+        if let Some(problem) = problem_of(snapshot, path)?
+            && problem.units.iter().any(|it| is_timed(&it.spec))
+        {
+            out.push(Wanted {
+                path: path.clone(),
+                version: version(path),
+                problem,
+            });
+        }
+    }
+    Ok(out)
+}
+
+/// The problem of one document: a scenario as written, or a specification with the default scenario
+/// on the configured platform.
+pub(crate) fn problem_of(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Option<Problem>> {
+    match path.extension() {
+        Some(EXTENSION) => {
+            let text = match snapshot.analysis.text(path)? {
+                Some(text) => text.to_string(),
+                None => return Ok(None),
+            };
+            scenario(snapshot, path, text).map(Some)
+        }
+        Some("gen") => {
+            let unit = snapshot.analysis.root_unit(path)?;
+            let name = path.file_name().unwrap_or_default().to_owned();
+            let platform = scn::Platform {
+                cores: snapshot.config.lints.cores.filter(|&it| it > 0),
+                policy: snapshot.config.verification.policy(),
+                semantics: snapshot.config.verification.semantics(),
+            };
+            Ok(Some(Problem::by_default_on(
+                platform,
+                path,
+                &[name],
+                vec![unit],
+            )))
+        }
+        _ => Ok(None),
+    }
+}
+
+/// A scenario and what it uses, open documents included.
+pub(crate) fn scenario(snapshot: &Snapshot, path: &Utf8Path, text: String) -> Cancellable<Problem> {
+    let exists = |file: &Utf8Path| match snapshot.open.contains_key(file) {
+        true => FileContent::Text(String::new()),
+        false => vfs::read(file),
+    };
+    Problem::from_scenario(path, text, &snapshot.analysis, exists)
+}
+
+/// Whether there is something to say about time: a period, and the duration of a codel.
+fn is_timed(spec: &Spec) -> bool {
+    problem::components(spec).any(|it| {
+        it.tasks.iter().any(|it| it.period.is_some())
+            && it.all_codels().any(|codel| {
+                let codel = it.codel(codel);
+                codel.kind == CodelKind::Fsm && codel.wcet.is_some()
+            })
+    })
+}
+
+/// The verifications that speak about a document: its own, else those of the scenarios that use it.
+pub(crate) fn about<'s>(
+    snapshot: &'s Snapshot,
+    path: &'s Utf8Path,
+) -> Vec<(&'s Utf8Path, &'s Entry)> {
+    let all = &snapshot.verification;
+    if let Some(entry) = all.get(path) {
+        return vec![(path, entry)];
+    }
+    let uses = all.iter().filter(|(_, entry)| entry.problem.reads(path));
+    uses.map(|(path, entry)| (path.as_path(), entry)).collect()
+}

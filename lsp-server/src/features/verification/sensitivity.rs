@@ -1,0 +1,182 @@
+//! `dotgen/sensitivity`: how far a system is from missing deadlines, or from meeting them. Takes its time, tells how
+//! far it is, and ends when the request is cancelled. `docs/protocol.md` describes it for clients.
+
+use std::sync::Arc;
+
+use dotgen_analysis::host::Cancellable;
+use dotgen_analysis::model::Src;
+use dotgen_timing::derive::{Extreme, Sensitivity};
+use dotgen_timing::scn::names::Names;
+use dotgen_timing::system::build::build;
+use dotgen_timing::verify::{Cancel, Options, settings};
+use serde::{Deserialize, Serialize};
+
+use super::answer::{CancelOnDrop, Prepared, VerificationParams, locate};
+use crate::protocol::outbox::Outbox;
+use crate::protocol::types::{
+    Location, ProgressParams, ProgressParamsValue, ProgressToken, TextDocumentIdentifier,
+    WorkDoneProgress, WorkDoneProgressReport, notification,
+};
+use crate::verification::Problem;
+use crate::verification::summary::{self, Scale};
+use crate::verification::what_if::WhatIf;
+use crate::workspace::snapshot::{Snapshot, Subject};
+
+/// Parameters of `dotgen/sensitivity`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct SensitivityParams {
+    /// A scenario or a specification.
+    pub(crate) text_document: TextDocumentIdentifier,
+    /// A variation.
+    #[serde(default)]
+    what_if: WhatIf,
+    /// Told after each question.
+    #[serde(default)]
+    pub(crate) work_done_token: Option<ProgressToken>,
+}
+
+impl SensitivityParams {
+    /// The same document and variation.
+    pub(crate) fn verification(&self) -> VerificationParams {
+        VerificationParams::about(self.text_document.clone(), self.what_if.clone())
+    }
+}
+
+/// Answer of `dotgen/sensitivity`.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct SensitivityResult {
+    /// Version of the document it holds for.
+    version: Option<i32>,
+    /// Why there is no answer.
+    errors: Vec<String>,
+    /// The smallest number of cores; none if no number is enough.
+    cores: Option<u32>,
+    /// The largest WCET of each codel.
+    wcet: Vec<ExtremeShown>,
+    /// The smallest period of each task.
+    period: Vec<ExtremeShown>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct ExtremeShown {
+    of: String,
+    now: String,
+    extreme: String,
+    /// What the extreme is worth, if it is not exact.
+    remark: String,
+    location: Option<Location>,
+}
+
+/// What was found out about a document.
+pub(crate) struct Asked {
+    version: Option<i32>,
+    problem: Arc<Problem>,
+    options: Options,
+    found: Result<Sensitivity, Vec<String>>,
+}
+
+/// Asks. Dropping the future ends the work.
+pub(crate) async fn ask(prepared: Prepared, token: Option<ProgressToken>, to: &Outbox) -> Asked {
+    let version = prepared.version();
+    let (problem, options) = match prepared.varied() {
+        Ok((problem, options)) => (Arc::new(problem), options),
+        Err(errors) => {
+            return Asked {
+                version,
+                problem: prepared.problem(),
+                options: Options::default(),
+                found: Err(errors),
+            };
+        }
+    };
+    let cancel = Arc::new(Cancel::default());
+    let _guard = CancelOnDrop(cancel.clone());
+    let to = to.clone();
+    let (asked, with) = (problem.clone(), options.clone());
+    let work = tokio::task::spawn_blocking(move || {
+        asked.sensitivity(&with, &cancel, &|it| {
+            if let Some(token) = &token {
+                to.notify::<notification::Progress>(ProgressParams {
+                    token: token.clone(),
+                    value: ProgressParamsValue::WorkDone(WorkDoneProgress::Report(
+                        WorkDoneProgressReport {
+                            cancellable: Some(true),
+                            message: Some(it.asking),
+                            percentage: Some((100 * it.done / it.of) as u32),
+                        },
+                    )),
+                });
+            }
+        })
+    });
+    let found = match work.await {
+        Ok(found) => found.map_err(|all| all.into_iter().map(|it| it.message).collect()),
+        Err(error) => {
+            tracing::error!("the search for limits panicked: {error}");
+            Err(vec!["the search failed; the log says more".to_owned()])
+        }
+    };
+    Asked {
+        version,
+        problem,
+        options,
+        found,
+    }
+}
+
+/// The answer for a client.
+pub(crate) fn shown(
+    snapshot: &Snapshot,
+    _: &Subject,
+    asked: &Asked,
+) -> Cancellable<SensitivityResult> {
+    let mut out = SensitivityResult {
+        version: asked.version,
+        ..SensitivityResult::default()
+    };
+    let found = match &asked.found {
+        Ok(found) => found,
+        Err(errors) => {
+            out.errors.clone_from(errors);
+            return Ok(out);
+        }
+    };
+    let specs = asked.problem.specs();
+    let names = Names::new(&specs);
+    let settings = settings(&asked.problem.scenario, &asked.options);
+    let (scale, system) = (
+        Scale::of(&settings),
+        build(&names, &settings, &|_| true).system,
+    );
+    let spec = |c: usize| names.components[c].spec_index;
+    let codels = system.codels.iter();
+    let codels = codels.map(|it| {
+        let src = it.site.and_then(|(c, _)| Some((spec(c), it.src?)));
+        (it.path.clone(), src)
+    });
+    let tasks = system.tasks.iter();
+    let tasks = tasks.map(|it| {
+        let component = &system.components[it.component].name;
+        let src = it.src.map(|(c, src)| (spec(c), src));
+        (format!("{component}.{}", it.name), src)
+    });
+    let places: Vec<(String, Option<(usize, Src)>)> = codels.chain(tasks).collect();
+    let show = |it: &Extreme| -> Cancellable<ExtremeShown> {
+        let (extreme, remark) = summary::extreme(it, scale);
+        let place = places.iter().find(|(path, _)| *path == it.of);
+        Ok(ExtremeShown {
+            of: it.of.clone(),
+            now: scale.show_value(it.now),
+            extreme,
+            remark: remark.to_owned(),
+            location: locate(snapshot, &asked.problem, place.and_then(|it| it.1))?,
+        })
+    };
+    out.cores = found.minimum_cores.cores;
+    out.wcet = found.wcet.iter().map(show).collect::<Cancellable<_>>()?;
+    out.period = found.period.iter().map(show).collect::<Cancellable<_>>()?;
+    Ok(out)
+}

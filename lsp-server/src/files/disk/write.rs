@@ -1,0 +1,424 @@
+//! Writing files of users: each is whole at any moment, and of several all are changed or none.
+//!
+//! New content goes into temporary files beside the old ones; when all of it is on the disk, they are renamed
+//! over the old ones. What was changed is put back when a rename fails in the middle. A temporary file is locked
+//! as long as its writer lives, so the next writer knows which are left over from one that was killed.
+
+#[cfg(test)]
+mod tests;
+
+use std::fs::{File, Metadata, TryLockError};
+use std::io::{self, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use dotgen_codegen::disk::{NewContent, WriteError};
+
+/// What the names of temporary files begin with: those with new content, and second names of old files.
+const NEW: &str = ".dotgen-new-";
+const OLD: &str = ".dotgen-old-";
+/// What they end with.
+const SUFFIX: &str = ".tmp";
+
+/// Links that lead on to links: more than the systems follow.
+const MAX_LINKS: usize = 40;
+
+/// One step of writing. Tests make each of them fail.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Step {
+    /// A directory that is missing is made.
+    MakeDirectory,
+    /// A temporary file is created.
+    Create,
+    /// The first half of the content is written.
+    Fill,
+    /// The second half is.
+    FillMore,
+    /// The content is brought to the disk.
+    Sync,
+    /// An old file gets a second name.
+    Remember,
+    /// The new file takes the place of the old one.
+    Replace,
+    /// A second name is removed.
+    Forget,
+    /// An old file is put back.
+    PutBack,
+}
+
+/// Called before each step; an error makes the step fail.
+pub(super) type Hook<'a> = &'a mut dyn FnMut(Step) -> io::Result<()>;
+
+/// See `Disk::write`.
+pub(super) fn write(files: &[NewContent], hook: Hook<'_>) -> Result<(), WriteError> {
+    let mut batch = Batch::default();
+    let done = batch
+        .stage_all(files, hook)
+        .and_then(|()| batch.replace_all(hook));
+    match done {
+        Ok(()) => {
+            batch.finish(hook);
+            Ok(())
+        }
+        Err((at, reason)) => Err(WriteError {
+            path: files.get(at).map(|it| it.path.clone()).unwrap_or_default(),
+            reason,
+            changed: batch.put_back(hook),
+            of: files.len(),
+        }),
+    }
+}
+
+/// Index of the file that cannot be written, and why.
+type Failed = (usize, io::Error);
+
+/// Files on their way.
+#[derive(Default)]
+struct Batch {
+    files: Vec<Staged>,
+    /// Directories that were made, outermost first.
+    directories: Vec<PathBuf>,
+    /// Directories that were looked through for leftovers.
+    cleaned: Vec<PathBuf>,
+}
+
+/// One file on its way.
+struct Staged {
+    /// Where it goes, links followed.
+    target: PathBuf,
+    content: Content,
+    old: Option<Old>,
+    /// Whether its content is in place.
+    replaced: bool,
+}
+
+enum Content {
+    /// In a temporary file. The open file keeps its lock.
+    File(
+        PathBuf,
+        #[allow(dead_code, reason = "held for its lock")] File,
+    ),
+    /// For what is no regular file: a device or pipe is written to as it is.
+    Stream(Vec<u8>),
+}
+
+/// The file that was there.
+struct Old {
+    /// Its second name, while there is one.
+    second: Option<PathBuf>,
+    /// Keeps its lock.
+    lock: Option<File>,
+}
+
+impl Batch {
+    fn stage_all(&mut self, files: &[NewContent], hook: Hook<'_>) -> Result<(), Failed> {
+        for (at, file) in files.iter().enumerate() {
+            let staged = self.stage(file, hook).map_err(|it| (at, it))?;
+            self.files.push(staged);
+        }
+        Ok(())
+    }
+
+    fn stage(&mut self, file: &NewContent, hook: Hook<'_>) -> io::Result<Staged> {
+        let target = followed(&file.path)?;
+        let old = match std::fs::metadata(&target) {
+            Ok(it) if it.is_dir() => return Err(ErrorKind::IsADirectory.into()),
+            Ok(it) => Some(it),
+            Err(error) if error.kind() == ErrorKind::NotFound => None,
+            Err(error) => return Err(error),
+        };
+        let staged = |content| Staged {
+            target: target.clone(),
+            content,
+            old: old.as_ref().map(|_| Old {
+                second: None,
+                lock: None,
+            }),
+            replaced: false,
+        };
+        if old.as_ref().is_some_and(|it| !it.is_file()) {
+            return Ok(staged(Content::Stream(file.bytes.clone())));
+        }
+        if old.is_some() {
+            may_write(&target)?;
+        }
+        let directory = directory_of(&target);
+        self.make(directory, hook)?;
+        if !self.cleaned.iter().any(|it| it == directory) {
+            clean(directory);
+            self.cleaned.push(directory.to_owned());
+        }
+        let (path, mut temporary) = create(directory, old.is_some(), hook)
+            .map_err(|error| explained(&error, "no file can be made in", directory))?;
+        match fill(&mut temporary, file, old.as_ref(), hook) {
+            Ok(()) => Ok(staged(Content::File(path, temporary))),
+            Err(error) => {
+                let _ = std::fs::remove_file(&path);
+                Err(error)
+            }
+        }
+    }
+
+    /// Makes a directory, and remembers what was made.
+    fn make(&mut self, directory: &Path, hook: Hook<'_>) -> io::Result<()> {
+        let mut missing = Vec::new();
+        let mut at = Some(directory);
+        while let Some(it) = at.filter(|it| !it.as_os_str().is_empty() && !it.exists()) {
+            missing.push(it);
+            at = it.parent();
+        }
+        for it in missing.into_iter().rev() {
+            hook(Step::MakeDirectory)?;
+            match std::fs::create_dir(it) {
+                Ok(()) => self.directories.push(it.to_owned()),
+                Err(error) if error.kind() == ErrorKind::AlreadyExists && it.is_dir() => {}
+                Err(error) => {
+                    return Err(explained(
+                        &error,
+                        "there is no folder, and none can be made at",
+                        it,
+                    ));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn replace_all(&mut self, hook: Hook<'_>) -> Result<(), Failed> {
+        let several = self.files.len() > 1;
+        for (at, file) in self.files.iter_mut().enumerate() {
+            if let (true, Some(old), Content::File(..)) = (several, &mut file.old, &file.content) {
+                old.remember(&file.target, hook).map_err(|it| (at, it))?;
+            }
+        }
+        // What cannot be put back comes last.
+        for stream in [false, true] {
+            for (at, file) in self.files.iter_mut().enumerate() {
+                if stream == matches!(file.content, Content::Stream(_)) {
+                    file.replace(hook).map_err(|it| (at, it))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// All is in place: removes second names, and brings the renames to the disk.
+    fn finish(self, hook: Hook<'_>) {
+        for old in self.files.iter().filter_map(|it| it.old.as_ref()) {
+            if let Some(second) = &old.second
+                && hook(Step::Forget).is_ok()
+            {
+                let _ = std::fs::remove_file(second);
+            }
+        }
+        for directory in &self.cleaned {
+            // Not every system can sync a directory.
+            let _ = File::open(directory).and_then(|it| it.sync_all());
+        }
+    }
+
+    /// Undoes everything; returns what stays changed, and why.
+    fn put_back(self, hook: Hook<'_>) -> Vec<(PathBuf, io::Error)> {
+        let mut stuck = Vec::new();
+        for file in self.files.iter().rev() {
+            let second = file.old.as_ref().and_then(|it| it.second.as_ref());
+            if file.replaced {
+                let undone = hook(Step::PutBack).and_then(|()| match (&file.old, second) {
+                    (Some(_), Some(second)) => std::fs::rename(second, &file.target),
+                    (Some(_), None) => Err(io::Error::other("it cannot be taken back")),
+                    (None, _) => std::fs::remove_file(&file.target),
+                });
+                if let Err(error) = undone {
+                    let error = match second {
+                        Some(it) => explained(&error, "what it was is in", it),
+                        None => error,
+                    };
+                    stuck.push((file.target.clone(), error));
+                }
+                continue;
+            }
+            if let Content::File(temporary, _) = &file.content {
+                let _ = std::fs::remove_file(temporary);
+            }
+            if let Some(second) = second {
+                let _ = std::fs::remove_file(second);
+            }
+        }
+        for directory in self.directories.iter().rev() {
+            // It stays where something else has come into it.
+            let _ = std::fs::remove_dir(directory);
+        }
+        stuck
+    }
+}
+
+impl Staged {
+    fn replace(&mut self, hook: Hook<'_>) -> io::Result<()> {
+        hook(Step::Replace)?;
+        match &self.content {
+            Content::File(temporary, _) => std::fs::rename(temporary, &self.target)?,
+            Content::Stream(bytes) => {
+                let mut stream = File::options().write(true).open(&self.target)?;
+                stream.write_all(bytes)?;
+            }
+        }
+        self.replaced = true;
+        Ok(())
+    }
+}
+
+impl Old {
+    /// Gives the file a second name, so that it can be put back without any space.
+    fn remember(&mut self, target: &Path, hook: Hook<'_>) -> io::Result<()> {
+        hook(Step::Remember)?;
+        let directory = directory_of(target);
+        self.lock = File::open(target)
+            .ok()
+            .filter(|it| it.try_lock_shared().is_ok());
+        let named = tempfile::Builder::new()
+            .prefix(OLD)
+            .suffix(SUFFIX)
+            .make_in(directory, |second| {
+                match std::fs::hard_link(target, second) {
+                    // Some file systems have no second names.
+                    Err(error) if error.kind() != ErrorKind::AlreadyExists => {
+                        std::fs::copy(target, second).map(|_| ())
+                    }
+                    done => done,
+                }
+            })?;
+        self.second = Some(named.into_temp_path().keep().map_err(|it| it.error)?);
+        Ok(())
+    }
+}
+
+/// Where a path leads when links are followed; what is there need not exist.
+fn followed(path: &Path) -> io::Result<PathBuf> {
+    let mut path = path.to_owned();
+    for _ in 0..MAX_LINKS {
+        match std::fs::read_link(&path) {
+            Ok(to) => path = directory_of(&path).join(to),
+            // There is nothing, or it is no link.
+            Err(_) => return Ok(path),
+        }
+    }
+    Err(io::Error::other("too many links that lead to links"))
+}
+
+fn directory_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(it) if !it.as_os_str().is_empty() => it,
+        _ => Path::new("."),
+    }
+}
+
+/// A file that was made read-only is not to be changed, although a rename could.
+fn may_write(path: &Path) -> io::Result<()> {
+    match File::options().write(true).open(path) {
+        Err(error)
+            if matches!(
+                error.kind(),
+                ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem
+            ) =>
+        {
+            Err(error)
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Creates a temporary file and locks it. One that takes the place of another is private at first.
+fn create(directory: &Path, private: bool, hook: Hook<'_>) -> io::Result<(PathBuf, File)> {
+    hook(Step::Create)?;
+    loop {
+        let named = tempfile::Builder::new()
+            .prefix(NEW)
+            .suffix(SUFFIX)
+            .make_in(directory, |path| {
+                let mut options = File::options();
+                options.write(true).create_new(true);
+                #[cfg(unix)]
+                if private {
+                    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
+                }
+                options.open(path)
+            })?;
+        let (file, path) = named.into_parts();
+        let locked = file.try_lock();
+        let path = path.keep().map_err(|it| it.error)?;
+        // Another writer may take it for a leftover before it is locked, and then removes it.
+        if !matches!(locked, Err(TryLockError::WouldBlock)) && path.exists() {
+            return Ok((path, file));
+        }
+    }
+}
+
+fn fill(
+    file: &mut File,
+    content: &NewContent,
+    old: Option<&Metadata>,
+    hook: Hook<'_>,
+) -> io::Result<()> {
+    let (first, second) = content.bytes.split_at(content.bytes.len() / 2);
+    hook(Step::Fill)?;
+    file.write_all(first)?;
+    hook(Step::FillMore)?;
+    file.write_all(second)?;
+    set_attributes(file, content.mode, old)?;
+    hook(Step::Sync)?;
+    file.sync_all()
+}
+
+/// Owner and permissions as of the old file, as far as that is permitted.
+#[cfg(unix)]
+fn set_attributes(file: &File, mode: Option<u32>, old: Option<&Metadata>) -> io::Result<()> {
+    use std::os::unix::fs::{MetadataExt, PermissionsExt, fchown};
+    let mut mode = mode;
+    if let Some(old) = old {
+        let now = file.metadata()?;
+        mode = mode.or(Some(old.mode() & 0o7777));
+        let kept = (now.uid(), now.gid()) == (old.uid(), old.gid())
+            || fchown(file, Some(old.uid()), Some(old.gid())).is_ok();
+        if !kept {
+            // The group can be given by its members.
+            let _ = fchown(file, None, Some(old.gid()));
+            // What runs with the rights of the owner is not to run with ours.
+            mode = mode.map(|it| it & 0o1777);
+        }
+    }
+    match mode {
+        Some(mode) => file.set_permissions(std::fs::Permissions::from_mode(mode)),
+        None => Ok(()),
+    }
+}
+
+#[cfg(not(unix))]
+fn set_attributes(_: &File, _: Option<u32>, _: Option<&Metadata>) -> io::Result<()> {
+    Ok(())
+}
+
+/// Removes temporary files whose writer is no more.
+fn clean(directory: &Path) {
+    let entries = std::fs::read_dir(directory).into_iter().flatten().flatten();
+    for entry in entries {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let ours = (name.starts_with(NEW) || name.starts_with(OLD)) && name.ends_with(SUFFIX);
+        if !ours || !entry.file_type().is_ok_and(|it| it.is_file()) {
+            continue;
+        }
+        // Opened without waiting or changing anything; locked by its writer as long as that lives.
+        let unused = File::open(entry.path()).is_ok_and(|it| it.try_lock().is_ok());
+        if unused {
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// An error with what it means here.
+fn explained(error: &io::Error, what: &str, path: &Path) -> io::Error {
+    let reason = crate::files::vfs::reason(error);
+    io::Error::new(
+        error.kind(),
+        format!("{what} `{}`: {reason}", path.display()),
+    )
+}

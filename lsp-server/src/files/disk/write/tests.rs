@@ -1,0 +1,308 @@
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use super::*;
+
+/// A folder with two files, a link to the second, and what is to be written: both, and a new one in a new folder.
+struct Fixture {
+    directory: tempfile::TempDir,
+    files: Vec<NewContent>,
+}
+
+const BEFORE: [(&str, &str); 2] = [("a.c", "old a\n"), ("b.c", "old b\n")];
+
+fn fixture() -> Fixture {
+    let directory = tempfile::tempdir().unwrap();
+    for (name, text) in BEFORE {
+        std::fs::write(directory.path().join(name), text).unwrap();
+    }
+    let new = |name: &str| NewContent {
+        path: directory.path().join(name),
+        bytes: format!("new {name}\n").into_bytes(),
+        mode: None,
+    };
+    let files = vec![new("a.c"), new("b.c"), new("sub/c.c")];
+    Fixture { directory, files }
+}
+
+/// Every file below a folder with its content, but for leftovers, which are counted.
+fn contents(directory: &Path) -> (BTreeMap<String, String>, usize) {
+    let mut leftovers = 0;
+    let mut files = BTreeMap::new();
+    for entry in walkdir::WalkDir::new(directory).into_iter().flatten() {
+        let name = entry
+            .path()
+            .strip_prefix(directory)
+            .unwrap()
+            .display()
+            .to_string();
+        if entry.file_type().is_file() {
+            match name.ends_with(SUFFIX) {
+                true => leftovers += 1,
+                false => drop(files.insert(name, std::fs::read_to_string(entry.path()).unwrap())),
+            }
+        }
+    }
+    (files, leftovers)
+}
+
+fn map(files: &[(&str, &str)]) -> BTreeMap<String, String> {
+    files
+        .iter()
+        .map(|(name, text)| (name.to_string(), text.to_string()))
+        .collect()
+}
+
+/// How many steps the writing of a fixture has.
+fn steps(fixture: &Fixture) -> Vec<Step> {
+    let mut all = Vec::new();
+    let done = write(&fixture.files, &mut |step| {
+        all.push(step);
+        Ok(())
+    });
+    done.unwrap();
+    all
+}
+
+#[test]
+fn all_files_are_written_and_nothing_else_stays() {
+    let fixture = fixture();
+    let all = steps(&fixture);
+    assert_eq!(all.iter().filter(|it| **it == Step::Replace).count(), 3);
+    let after = map(&[
+        ("a.c", "new a.c\n"),
+        ("b.c", "new b.c\n"),
+        ("sub/c.c", "new sub/c.c\n"),
+    ]);
+    assert_eq!(contents(fixture.directory.path()), (after, 0));
+}
+
+#[test]
+fn a_step_that_fails_leaves_everything_as_it_was() {
+    let count = steps(&fixture()).len();
+    for fails in 0..count {
+        let fixture = fixture();
+        let (mut at, mut failed) = (0, None);
+        let done = write(&fixture.files, &mut |step| {
+            at += 1;
+            if at - 1 != fails {
+                return Ok(());
+            }
+            failed = Some(step);
+            Err(ErrorKind::StorageFull.into())
+        });
+        // By then everything is in place: what stays is a second name.
+        if failed == Some(Step::Forget) {
+            assert!(done.is_ok());
+            continue;
+        }
+        let error = done.expect_err("it has failed").to_string();
+        assert!(
+            error.ends_with("; none of the 3 files was changed"),
+            "{error}"
+        );
+        assert_eq!(
+            contents(fixture.directory.path()),
+            (map(&BEFORE), 0),
+            "{failed:?}"
+        );
+        assert!(!fixture.directory.path().join("sub").exists(), "{failed:?}");
+    }
+}
+
+#[test]
+fn what_cannot_be_put_back_is_named() {
+    let fixture = fixture();
+    let mut replaced = 0;
+    let done = write(&fixture.files, &mut |step| match step {
+        Step::Replace if replaced == 1 => Err(ErrorKind::StorageFull.into()),
+        Step::Replace => {
+            replaced += 1;
+            Ok(())
+        }
+        Step::PutBack => Err(ErrorKind::PermissionDenied.into()),
+        _ => Ok(()),
+    });
+    let error = done.expect_err("it has failed");
+    assert_eq!(error.changed.len(), 1);
+    let text = error.to_string();
+    assert!(text.contains("b.c`: no storage space; `"), "{text}");
+    assert!(
+        text.contains("a.c` was changed before and cannot be put back: what it was is in `"),
+        "{text}"
+    );
+}
+
+/// A panic in the hook stands for the end of the process: nothing is cleaned up, and locks are given back.
+fn killed_at(fixture: &Fixture, step: usize) {
+    let mut at = 0;
+    let quiet = std::panic::take_hook();
+    std::panic::set_hook(Box::new(|_| {}));
+    let killed = catch_unwind(AssertUnwindSafe(|| {
+        write(&fixture.files, &mut |_| {
+            at += 1;
+            assert!(at - 1 != step, "killed");
+            Ok(())
+        })
+    }));
+    std::panic::set_hook(quiet);
+    assert!(killed.is_err());
+}
+
+#[test]
+fn files_are_whole_after_a_kill_at_any_step_and_the_next_write_cleans_up() {
+    let count = steps(&fixture()).len();
+    let mut seen = 0;
+    for step in 0..count {
+        let fixture = fixture();
+        killed_at(&fixture, step);
+        let (files, leftovers) = contents(fixture.directory.path());
+        seen += leftovers;
+        for (name, old) in BEFORE {
+            assert!(
+                files[name] == old || files[name] == format!("new {name}\n"),
+                "{step}: {files:?}"
+            );
+        }
+        if let Some(new) = files.get("sub/c.c") {
+            assert_eq!(new, "new sub/c.c\n");
+        }
+        cleaned_up(&fixture, step);
+    }
+    assert!(seen > count / 2, "kills leave something behind: {seen}");
+}
+
+/// In a process of its own that is killed with SIGKILL before a step.
+#[cfg(unix)]
+#[test]
+fn kill_9_at_any_step() {
+    const STEP: &str = "DOTGEN_TEST_KILLED_AT";
+    const FOLDER: &str = "DOTGEN_TEST_FOLDER";
+    let bytes = |name: &str| format!("new {name}\n").repeat(10_000).into_bytes();
+    if let (Ok(step), Ok(folder)) = (std::env::var(STEP), std::env::var(FOLDER)) {
+        let mut left: usize = step.parse().unwrap();
+        let files: Vec<NewContent> = (BEFORE.iter())
+            .map(|(name, _)| NewContent {
+                path: Path::new(&folder).join(name),
+                bytes: bytes(name),
+                mode: None,
+            })
+            .collect();
+        let _ = write(&files, &mut |_| {
+            if left == 0 {
+                let own = std::process::id().to_string();
+                let _ = std::process::Command::new("kill")
+                    .args(["-9", &own])
+                    .status();
+            }
+            left -= 1;
+            Ok(())
+        });
+        return;
+    }
+    for step in [0, 1, 2, 3, 5, 7, 8, 9, 10, 11, 12] {
+        let fixture = fixture();
+        let (_, module) = module_path!().split_once("::").unwrap();
+        let name = format!("{module}::kill_9_at_any_step");
+        let status = std::process::Command::new(std::env::current_exe().unwrap())
+            .args([&name, "--exact", "--quiet"])
+            .env(STEP, step.to_string())
+            .env(FOLDER, fixture.directory.path())
+            .stdout(std::process::Stdio::null())
+            .status();
+        assert!(!status.unwrap().success(), "{step}: it is killed");
+        for (name, old) in BEFORE {
+            let now = std::fs::read(fixture.directory.path().join(name)).unwrap();
+            assert!(
+                now == old.as_bytes() || now == bytes(name),
+                "{step}: {name}"
+            );
+        }
+        cleaned_up(&fixture, step);
+    }
+}
+
+/// The next write removes what was left over. A process that another test starts has our locks until it runs its own
+/// program, so it may take more than one.
+fn cleaned_up(fixture: &Fixture, step: usize) {
+    let leftovers = || contents(fixture.directory.path()).1;
+    for _ in 0..200 {
+        write(&fixture.files, &mut |_| Ok(())).unwrap();
+        if leftovers() == 0 {
+            return;
+        }
+    }
+    panic!("{step}: {} files are left over", leftovers());
+}
+
+#[test]
+fn files_of_a_writer_that_lives_are_not_cleaned_up() {
+    let fixture = fixture();
+    let mut inner = None;
+    let done = write(&fixture.files, &mut |step| {
+        if step == Step::Sync && inner.is_none() {
+            // Another writer in the same folder, in the middle of ours.
+            inner = Some(contents(fixture.directory.path()).1);
+            write(&fixture.files[1..2], &mut |_| Ok(())).unwrap();
+            assert_eq!(Some(contents(fixture.directory.path()).1), inner);
+        }
+        Ok(())
+    });
+    done.unwrap();
+    assert_eq!(inner, Some(1));
+}
+
+#[cfg(unix)]
+#[test]
+fn mode_stays_links_are_followed_and_permissions_are_given() {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+    let fixture = fixture();
+    let at = |name: &str| fixture.directory.path().join(name);
+    let mode = |name: &str| at(name).metadata().unwrap().permissions().mode() & 0o7777;
+    std::fs::set_permissions(at("a.c"), PermissionsExt::from_mode(0o640)).unwrap();
+    std::fs::create_dir(at("links")).unwrap();
+    symlink("../a.c", at("links/a")).unwrap();
+    symlink("links/a", at("again")).unwrap();
+    symlink("nothing.c", at("dangling")).unwrap();
+    let new = |name: &str, mode| NewContent {
+        path: at(name),
+        bytes: b"x".to_vec(),
+        mode,
+    };
+    let files = [
+        new("again", None),
+        new("dangling", Some(0o755)),
+        new("b.c", Some(0o600)),
+    ];
+    write(&files, &mut |_| Ok(())).unwrap();
+    assert_eq!(std::fs::read(at("a.c")).unwrap(), b"x");
+    assert_eq!(
+        (mode("a.c"), mode("nothing.c"), mode("b.c")),
+        (0o640, 0o755, 0o600)
+    );
+    assert!(at("again").is_symlink() && at("dangling").is_symlink());
+    symlink("loop", at("loop")).unwrap();
+    let error = write(&[new("loop", None)], &mut |_| Ok(()))
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("too many links"), "{error}");
+}
+
+#[test]
+fn directories_in_the_way_are_told() {
+    let fixture = fixture();
+    let at = |name: &str| NewContent {
+        path: fixture.directory.path().join(name),
+        bytes: Vec::new(),
+        mode: None,
+    };
+    std::fs::create_dir(fixture.directory.path().join("d")).unwrap();
+    let refused = |name: &str| write(&[at(name)], &mut |_| Ok(())).unwrap_err().to_string();
+    assert!(
+        refused("d").ends_with("d`: is a directory"),
+        "{}",
+        refused("d")
+    );
+    let below = refused("a.c/x.c");
+    assert!(below.contains("not a directory"), "{below}");
+}

@@ -1,0 +1,43 @@
+//! The GenoM3 that is installed: by the version file beside the templates in use, else by its package.
+
+use camino::Utf8PathBuf;
+use dotgen_analysis::release::{ReleaseChoice, ReleaseOrigin};
+use dotgen_codegen::command::search_path;
+use dotgen_codegen::template::discover;
+
+use super::{pkg_config, pkg_file};
+use crate::config::PackageConfig;
+
+/// Its package.
+const PACKAGE: &str = "genom3";
+
+/// Its release.
+pub(super) fn release(config: &PackageConfig) -> Option<ReleaseChoice> {
+    let configured = config
+        .templates
+        .iter()
+        .map(|it| it.clone().into_std_path_buf());
+    // The settings replace the environment's list of templates, and nothing replaces the built-in folder.
+    let search = search_path(None, &|name| std::env::var(name).ok());
+    let mut templates: Vec<std::path::PathBuf> = configured.collect();
+    if templates.is_empty() {
+        templates = search.dirs;
+    }
+    templates.extend(search.builtin);
+    if let Some((release, file)) = discover::release_of(&crate::files::disk::SystemDisk, &templates)
+    {
+        let file = Utf8PathBuf::from_path_buf(file).unwrap_or_default();
+        return Some(ReleaseChoice {
+            release,
+            origin: ReleaseOrigin::Templates(file),
+        });
+    }
+    let directories = pkg_file::search_path(&config.paths);
+    let version = pkg_file::version(&directories, PACKAGE);
+    // The tool may know of more directories.
+    let version = version.or_else(|| pkg_config::version(config, PACKAGE))?;
+    Some(ReleaseChoice {
+        release: version.parse().ok()?,
+        origin: ReleaseOrigin::Package,
+    })
+}

@@ -1,0 +1,9 @@
+//! The language server protocol: its types, messages beyond it, the client, and conversions between the
+//! protocol's values and those of analysis.
+
+pub mod client;
+pub mod convert;
+pub mod messages;
+pub(crate) mod outbox;
+pub(crate) mod progress;
+pub mod types;

@@ -1,0 +1,197 @@
+//! What the client can do. Every decision that depends on the client is made from here.
+
+use serde_json::Value;
+
+use super::convert::Encoding;
+use super::types::{InitializeParams, MarkupKind};
+
+/// What matters of the client's capabilities.
+#[derive(Debug, Clone, Default)]
+pub struct ClientCaps {
+    /// Unit of `character` in positions.
+    pub encoding: Encoding,
+    /// The client asks for diagnostics, so none are pushed.
+    pub pull_diagnostics: bool,
+    /// `workspace/diagnostic/refresh`.
+    pub diagnostic_refresh: bool,
+    /// `workspace/semanticTokens/refresh`.
+    pub semantic_tokens_refresh: bool,
+    /// Semantic tokens come on top of a grammar's colours: those that say no more are not wanted.
+    pub augments_syntax_tokens: bool,
+    /// Related information in diagnostics.
+    pub related_information: bool,
+    /// `codeDescription` in diagnostics.
+    pub code_description: bool,
+    /// Nested document symbols.
+    pub hierarchical_symbols: bool,
+    /// `LocationLink` as the answer to definition, declaration, type definition.
+    pub definition_link: bool,
+    /// Folding by whole lines only.
+    pub line_folding_only: bool,
+    /// Hover in Markdown.
+    pub markdown_hover: bool,
+    /// Snippets in completion.
+    pub snippets: bool,
+    /// Offsets in the labels of parameters.
+    pub label_offsets: bool,
+    /// Answers `dotgen/documentText` (`initializationOptions.documentText`).
+    pub document_text: bool,
+    /// Images in hovers, with a size after `|` (`initializationOptions.hoverImages`).
+    pub hover_images: bool,
+    /// Wants to be told where verifications stand (`initializationOptions.verificationStatus`).
+    pub verification_status: bool,
+    /// Pictures between the lines of the text (`initializationOptions.inlineDiagrams`).
+    pub inline_diagrams: bool,
+    /// `CodeAction` literals.
+    pub code_action_literals: bool,
+    /// Versioned document changes in workspace edits.
+    pub document_changes: bool,
+    /// clangd's notification `textDocument/inactiveRegions`.
+    pub inactive_regions: bool,
+    /// `workspace/configuration`.
+    pub configuration: bool,
+    /// Dynamic registration of watched files.
+    pub watched_files: bool,
+    /// Dynamic registration of configuration changes.
+    pub configuration_registration: bool,
+    /// Changes of workspace folders.
+    pub workspace_folders: bool,
+    /// `workspace/applyEdit`.
+    pub applies_edits: bool,
+    /// `window/workDoneProgress/create`.
+    pub progress: bool,
+    /// New files in workspace edits.
+    pub creates_files: bool,
+    /// Changes that are confirmed before they are made.
+    pub change_annotations: bool,
+    /// Actions that cannot be made are shown with the reason.
+    pub disabled_actions: bool,
+    /// `codeAction/resolve` for edits.
+    pub resolves_edits: bool,
+    /// `workspace/codeLens/refresh`.
+    pub code_lens_refresh: bool,
+    /// `window/showDocument`.
+    pub show_document: bool,
+    /// Registration of what is offered for documents in other languages.
+    pub documents_registration: bool,
+}
+
+impl ClientCaps {
+    /// From the parameters of `initialize`. `raw` is the same message before it became typed: it
+    /// still has what the protocol types do not know.
+    pub fn new(params: &InitializeParams, raw: &Value) -> ClientCaps {
+        let capabilities = &params.capabilities;
+        let text = capabilities.text_document.clone().unwrap_or_default();
+        let workspace = capabilities.workspace.clone().unwrap_or_default();
+        let window = capabilities.window.clone().unwrap_or_default();
+        let diagnostics = text.publish_diagnostics.clone().unwrap_or_default();
+        let links = |link_support: Option<bool>| link_support.unwrap_or(false);
+        ClientCaps {
+            encoding: Encoding::negotiate(
+                capabilities
+                    .general
+                    .as_ref()
+                    .and_then(|it| it.position_encodings.as_deref()),
+            ),
+            pull_diagnostics: text.diagnostic.is_some(),
+            // ls-types calls the capability `diagnostic`; the protocol says `diagnostics`.
+            diagnostic_refresh: flag(raw, "/capabilities/workspace/diagnostics/refreshSupport")
+                || flag(raw, "/capabilities/workspace/diagnostic/refreshSupport"),
+            semantic_tokens_refresh: flag(
+                raw,
+                "/capabilities/workspace/semanticTokens/refreshSupport",
+            ),
+            augments_syntax_tokens: flag(
+                raw,
+                "/capabilities/textDocument/semanticTokens/augmentsSyntaxTokens",
+            ),
+            related_information: diagnostics.related_information.unwrap_or(false)
+                || flag(
+                    raw,
+                    "/capabilities/textDocument/diagnostic/relatedInformation",
+                )
+                || text.diagnostic.is_some(),
+            code_description: diagnostics.code_description_support.unwrap_or(false)
+                || text.diagnostic.is_some(),
+            hierarchical_symbols: text
+                .document_symbol
+                .and_then(|it| it.hierarchical_document_symbol_support)
+                .unwrap_or(false),
+            definition_link: links(text.definition.and_then(|it| it.link_support)),
+            line_folding_only: text
+                .folding_range
+                .and_then(|it| it.line_folding_only)
+                .unwrap_or(false),
+            markdown_hover: text
+                .hover
+                .and_then(|it| it.content_format)
+                .is_none_or(|it| it.contains(&MarkupKind::Markdown)),
+            snippets: flag(
+                raw,
+                "/capabilities/textDocument/completion/completionItem/snippetSupport",
+            ),
+            label_offsets: flag(
+                raw,
+                "/capabilities/textDocument/signatureHelp/signatureInformation/parameterInformation/labelOffsetSupport",
+            ),
+            document_text: flag(raw, "/initializationOptions/documentText"),
+            hover_images: flag(raw, "/initializationOptions/hoverImages"),
+            verification_status: flag(raw, "/initializationOptions/verificationStatus"),
+            inline_diagrams: flag(raw, "/initializationOptions/inlineDiagrams"),
+            code_action_literals: text
+                .code_action
+                .is_some_and(|it| it.code_action_literal_support.is_some()),
+            document_changes: workspace
+                .workspace_edit
+                .and_then(|it| it.document_changes)
+                .unwrap_or(false),
+            inactive_regions: flag(
+                raw,
+                "/capabilities/textDocument/inactiveRegionsCapabilities/inactiveRegions",
+            ),
+            configuration: workspace.configuration.unwrap_or(false),
+            watched_files: workspace
+                .did_change_watched_files
+                .and_then(|it| it.dynamic_registration)
+                .unwrap_or(false),
+            configuration_registration: workspace
+                .did_change_configuration
+                .and_then(|it| it.dynamic_registration)
+                .unwrap_or(false),
+            workspace_folders: workspace.workspace_folders.unwrap_or(false),
+            applies_edits: flag(raw, "/capabilities/workspace/applyEdit"),
+            progress: window.work_done_progress.unwrap_or(false),
+            creates_files: operations(raw, "create"),
+            change_annotations: raw
+                .pointer("/capabilities/workspace/workspaceEdit/changeAnnotationSupport")
+                .is_some_and(Value::is_object),
+            disabled_actions: flag(raw, "/capabilities/textDocument/codeAction/disabledSupport"),
+            resolves_edits: flag(raw, "/capabilities/textDocument/codeAction/dataSupport")
+                && raw
+                    .pointer("/capabilities/textDocument/codeAction/resolveSupport/properties")
+                    .and_then(Value::as_array)
+                    .is_some_and(|it| it.iter().any(|it| it == "edit")),
+            code_lens_refresh: flag(raw, "/capabilities/workspace/codeLens/refreshSupport"),
+            show_document: flag(raw, "/capabilities/window/showDocument/support"),
+            documents_registration: ["synchronization", "codeAction", "codeLens", "references"]
+                .iter()
+                .all(|it| {
+                    flag(
+                        raw,
+                        &format!("/capabilities/textDocument/{it}/dynamicRegistration"),
+                    )
+                }),
+        }
+    }
+}
+
+/// Whether workspace edits may do something to files.
+fn operations(raw: &Value, wanted: &str) -> bool {
+    let all = raw.pointer("/capabilities/workspace/workspaceEdit/resourceOperations");
+    let mut all = all.and_then(Value::as_array).into_iter().flatten();
+    all.any(|it| it == wanted)
+}
+
+fn flag(raw: &Value, pointer: &str) -> bool {
+    raw.pointer(pointer).and_then(Value::as_bool) == Some(true)
+}

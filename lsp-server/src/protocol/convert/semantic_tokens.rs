@@ -1,0 +1,161 @@
+//! Semantic tokens: the legend, and the relative encoding of the protocol.
+
+use dotgen_analysis::ide::{SemanticToken as Token, TokenType};
+
+use super::Lines;
+use crate::protocol::types::{
+    SemanticToken, SemanticTokenModifier, SemanticTokenType, SemanticTokensEdit,
+    SemanticTokensLegend,
+};
+
+/// Names in the order of [`TokenType`]; standard ones where the protocol has one.
+const TYPES: [SemanticTokenType; TokenType::Directive as usize + 1] = [
+    SemanticTokenType::COMMENT,
+    SemanticTokenType::KEYWORD,
+    SemanticTokenType::STRING,
+    SemanticTokenType::NUMBER,
+    SemanticTokenType::OPERATOR,
+    SemanticTokenType::MACRO,
+    SemanticTokenType::NAMESPACE,
+    SemanticTokenType::TYPE,
+    SemanticTokenType::STRUCT,
+    SemanticTokenType::ENUM,
+    SemanticTokenType::ENUM_MEMBER,
+    SemanticTokenType::INTERFACE,
+    SemanticTokenType::CLASS,
+    SemanticTokenType::PROPERTY,
+    SemanticTokenType::PARAMETER,
+    SemanticTokenType::VARIABLE,
+    SemanticTokenType::FUNCTION,
+    SemanticTokenType::METHOD,
+    SemanticTokenType::EVENT,
+    SemanticTokenType::new("task"),
+    SemanticTokenType::new("port"),
+    SemanticTokenType::new("inactive"),
+    SemanticTokenType::new("directive"),
+];
+
+/// Names in the order of the bits of `TokenModifiers`.
+const MODIFIERS: [SemanticTokenModifier; 7] = [
+    SemanticTokenModifier::DECLARATION,
+    SemanticTokenModifier::DEFINITION,
+    SemanticTokenModifier::READONLY,
+    SemanticTokenModifier::MODIFICATION,
+    SemanticTokenModifier::ASYNC,
+    SemanticTokenModifier::DOCUMENTATION,
+    SemanticTokenModifier::DEFAULT_LIBRARY,
+];
+
+/// The legend of [`encode`].
+pub fn legend() -> SemanticTokensLegend {
+    SemanticTokensLegend {
+        token_types: TYPES.to_vec(),
+        token_modifiers: MODIFIERS.to_vec(),
+    }
+}
+
+/// Relative tokens; one that spans lines becomes one per line, since few clients take others.
+pub fn encode(tokens: &[Token], lines: &Lines) -> Vec<SemanticToken> {
+    let mut encoded = Vec::with_capacity(tokens.len());
+    let (mut last_line, mut last_start) = (0, 0);
+    for token in tokens {
+        let range = lines.range(&token.range);
+        for line in range.start.line..=range.end.line {
+            let Some(content) = lines.line(line) else {
+                break;
+            };
+            let start = match line == range.start.line {
+                true => range.start.character,
+                false => 0,
+            };
+            let end = match line == range.end.line {
+                true => range.end.character,
+                false => lines.position(content.end).character,
+            };
+            if start >= end {
+                continue;
+            }
+            if line != last_line {
+                last_start = 0;
+            }
+            encoded.push(SemanticToken {
+                delta_line: line - last_line,
+                delta_start: start - last_start,
+                length: end - start,
+                token_type: token.ty as u32,
+                token_modifiers_bitset: token.modifiers.0,
+            });
+            (last_line, last_start) = (line, start);
+        }
+    }
+    encoded
+}
+
+/// One edit that turns `old` into `new`, or none: what is common at both ends is kept.
+pub fn delta(old: &[SemanticToken], new: &[SemanticToken]) -> Vec<SemanticTokensEdit> {
+    let same = |(a, b): &(&SemanticToken, &SemanticToken)| a == b;
+    let head = old.iter().zip(new).take_while(same).count();
+    let (old, new) = (&old[head..], &new[head..]);
+    let tail = old
+        .iter()
+        .rev()
+        .zip(new.iter().rev())
+        .take_while(same)
+        .count();
+    let (old, new) = (&old[..old.len() - tail], &new[..new.len() - tail]);
+    if old.is_empty() && new.is_empty() {
+        return Vec::new();
+    }
+    // Each token is five numbers on the wire; edits count numbers.
+    let numbers = |tokens: usize| u32::try_from(tokens * 5).unwrap_or(u32::MAX);
+    vec![SemanticTokensEdit {
+        start: numbers(head),
+        delete_count: numbers(old.len()),
+        data: Some(new.to_vec()),
+    }]
+}
+
+#[cfg(test)]
+mod tests {
+    use dotgen_analysis::ide::TokenModifiers;
+
+    use super::*;
+    use crate::protocol::convert::Encoding;
+
+    fn token(range: std::ops::Range<usize>) -> Token {
+        Token {
+            range,
+            ty: TokenType::Comment,
+            modifiers: TokenModifiers::NONE,
+        }
+    }
+
+    fn plain(tokens: &[SemanticToken]) -> Vec<[u32; 3]> {
+        let numbers = |it: &SemanticToken| [it.delta_line, it.delta_start, it.length];
+        tokens.iter().map(numbers).collect()
+    }
+
+    #[test]
+    fn a_token_over_several_lines_is_split() {
+        let lines = Lines::new("x /* 😀\r\n\r\n b */ y".into(), Encoding::Utf16);
+        let end = lines.text().len();
+        let encoded = encode(&[token(2..end - 2), token(end - 1..end)], &lines);
+        assert_eq!(plain(&encoded), [[0, 2, 5], [2, 0, 5], [0, 6, 1]]);
+    }
+
+    #[test]
+    fn a_delta_keeps_what_is_common() {
+        let lines = Lines::new("a b c d".into(), Encoding::Utf8);
+        let all = encode(
+            &[token(0..1), token(2..3), token(4..5), token(6..7)],
+            &lines,
+        );
+        let mut changed = all.clone();
+        changed[1].token_type = 3;
+        let edits = delta(&all, &changed);
+        assert_eq!(edits.len(), 1);
+        assert_eq!((edits[0].start, edits[0].delete_count), (5, 5));
+        assert_eq!(delta(&all, &all), []);
+        assert_eq!(delta(&all[..2], &all)[0].delete_count, 0);
+    }
+}

@@ -1,0 +1,125 @@
+//! Symbols of documents.
+
+use std::ops::Range;
+
+use dotgen_analysis::ide::{self, AccessKind, SymbolKind as Kind};
+
+use super::Lines;
+use crate::protocol::types::{
+    DocumentHighlightKind, DocumentSymbol, DocumentSymbolResponse, Location, SymbolInformation,
+    SymbolKind, Uri,
+};
+
+/// A symbol with what is inside it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Symbol {
+    /// Its name.
+    pub name: String,
+    /// What is shown behind the name.
+    pub detail: Option<String>,
+    /// Its kind.
+    pub kind: SymbolKind,
+    /// All of it.
+    pub range: Range<usize>,
+    /// Its name.
+    pub selection: Range<usize>,
+    /// What it holds.
+    pub children: Vec<Symbol>,
+}
+
+impl From<ide::DocumentSymbol> for Symbol {
+    fn from(it: ide::DocumentSymbol) -> Symbol {
+        Symbol {
+            name: it.name,
+            detail: it.detail,
+            kind: kind(it.kind),
+            range: it.range,
+            selection: it.selection_range,
+            children: it.children.into_iter().map(Symbol::from).collect(),
+        }
+    }
+}
+
+/// The symbols of a document: nested, or each with the name of what holds it.
+pub fn response(
+    symbols: impl Iterator<Item = Symbol>,
+    hierarchical: bool,
+    uri: &Uri,
+    lines: &Lines,
+) -> DocumentSymbolResponse {
+    if hierarchical {
+        return DocumentSymbolResponse::Nested(symbols.map(|it| nested(it, lines)).collect());
+    }
+    let mut flat = Vec::new();
+    for it in symbols {
+        flatten(it, None, uri, lines, &mut flat);
+    }
+    DocumentSymbolResponse::Flat(flat)
+}
+
+fn nested(it: Symbol, lines: &Lines) -> DocumentSymbol {
+    let children = it.children.into_iter().map(|it| nested(it, lines));
+    #[allow(deprecated, reason = "the field has to be given")]
+    DocumentSymbol {
+        children: Some(children.collect()),
+        name: it.name,
+        detail: it.detail,
+        kind: it.kind,
+        tags: None,
+        deprecated: None,
+        range: lines.range(&it.range),
+        selection_range: lines.range(&it.selection),
+    }
+}
+
+fn flatten(
+    it: Symbol,
+    container: Option<&str>,
+    uri: &Uri,
+    lines: &Lines,
+    out: &mut Vec<SymbolInformation>,
+) {
+    #[allow(deprecated, reason = "the field has to be given")]
+    out.push(SymbolInformation {
+        name: it.name.clone(),
+        kind: it.kind,
+        tags: None,
+        deprecated: None,
+        location: Location::new(uri.clone(), lines.range(&it.range)),
+        container_name: container.map(str::to_owned),
+    });
+    for child in it.children {
+        flatten(child, Some(&it.name), uri, lines, out);
+    }
+}
+
+/// The protocol's nearest kind.
+pub fn kind(kind: Kind) -> SymbolKind {
+    match kind {
+        Kind::File => SymbolKind::FILE,
+        Kind::Macro | Kind::Const => SymbolKind::CONSTANT,
+        Kind::Module => SymbolKind::NAMESPACE,
+        Kind::Component => SymbolKind::CLASS,
+        Kind::Interface | Kind::Remote => SymbolKind::INTERFACE,
+        Kind::Ids | Kind::Struct | Kind::Union | Kind::Exception => SymbolKind::STRUCT,
+        Kind::Enum => SymbolKind::ENUM,
+        Kind::Enumerator => SymbolKind::ENUM_MEMBER,
+        Kind::Typedef | Kind::Native => SymbolKind::TYPE_PARAMETER,
+        Kind::Member => SymbolKind::FIELD,
+        Kind::Task => SymbolKind::OBJECT,
+        Kind::Port => SymbolKind::PROPERTY,
+        Kind::Attribute | Kind::Function | Kind::Activity => SymbolKind::METHOD,
+        Kind::Parameter | Kind::Local => SymbolKind::VARIABLE,
+        Kind::Codel => SymbolKind::FUNCTION,
+        Kind::State => SymbolKind::EVENT,
+    }
+}
+
+/// Reads and writes as editors colour them.
+pub fn highlight(access: AccessKind) -> DocumentHighlightKind {
+    match access {
+        AccessKind::Declaration | AccessKind::Mention => DocumentHighlightKind::TEXT,
+        AccessKind::Read => DocumentHighlightKind::READ,
+        AccessKind::Write | AccessKind::ReadWrite => DocumentHighlightKind::WRITE,
+    }
+}

@@ -1,0 +1,16 @@
+//! The one place that imports protocol types.
+//!
+//! Everything else says `types::Range`, `types::Uri`, …, so that a move to another version of the
+//! protocol library touches this file and `convert/`.
+
+pub use tower_lsp::jsonrpc::{Error, ErrorCode, Result};
+pub use tower_lsp::ls_types::notification::{self, Notification};
+pub use tower_lsp::ls_types::request::{
+    GotoDeclarationParams, GotoDeclarationResponse, GotoImplementationParams,
+    GotoImplementationResponse, GotoTypeDefinitionParams, GotoTypeDefinitionResponse,
+};
+pub use tower_lsp::ls_types::*;
+pub use tower_lsp::{Client, ClientSocket, LanguageServer, LspService};
+
+/// Shown as the source of every diagnostic.
+pub const SOURCE: &str = "dotgen";

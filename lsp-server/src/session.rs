@@ -1,0 +1,12 @@
+//! One client: bytes to messages, requests in order, the writer that owns the state, and what the client is
+//! told unasked.
+
+pub(crate) mod backend;
+mod capabilities;
+mod dispatch;
+mod generation;
+mod publish;
+pub(crate) mod server;
+mod transport;
+mod verifier;
+mod writer;

@@ -1,0 +1,93 @@
+//! `workspace/diagnostic`, file by file: the open ones first, a part at a time, so that changes and other requests have
+//! their turn in between.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use camino::Utf8PathBuf;
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::{Backend, retriggered};
+use crate::features::diagnostics::{self, Listing, Part};
+use crate::protocol::convert::uri;
+use crate::protocol::messages::{PartialDiagnostics, PartialDiagnosticsParams};
+use crate::protocol::types::*;
+
+/// Files of one part.
+const BATCH: usize = 32;
+
+impl Backend {
+    /// Answers `workspace/diagnostic`. A client that wants parts gets them as they come, and once more what a change
+    /// has overtaken; any other gets everything in the end.
+    pub(super) async fn diagnose(
+        &self,
+        params: WorkspaceDiagnosticParams,
+    ) -> Result<WorkspaceDiagnosticReport> {
+        let token = params.partial_result_params.partial_result_token;
+        // A client with results asks again at once: it is answered when there is news.
+        let has_results = !params.previous_result_ids.is_empty();
+        let mut known: FxHashMap<Utf8PathBuf, PreviousResultId> = FxHashMap::default();
+        for it in params.previous_result_ids {
+            known.insert(uri::to_path(&it.uri), it);
+        }
+        let mut revisions = self.revisions.clone();
+        let mut told = false;
+        loop {
+            revisions.mark_unchanged();
+            let Listing { open, rest } = self.listing().await?;
+            let mut queue: VecDeque<Utf8PathBuf> = open.into_iter().chain(rest).collect();
+            let there: FxHashSet<&Utf8PathBuf> = queue.iter().collect();
+            let gone = known.extract_if(|path, _| !there.contains(path));
+            let mut items: Vec<_> = gone.map(|it| diagnostics::gone(it.1)).collect();
+            while !queue.is_empty() || !items.is_empty() && token.is_some() {
+                let paths = queue.drain(..BATCH.min(queue.len())).collect();
+                let ids = known.iter().map(|it| (it.0.clone(), it.1.value.clone()));
+                let part = Part {
+                    paths,
+                    known: Arc::new(ids.collect()),
+                };
+                let reports = self.dispatch.workspace(part, diagnostics::part);
+                items.extend(reports.await.map_err(retriggered)?);
+                let Some(token) = &token else { continue };
+                let mut news = std::mem::take(&mut items);
+                news.retain(|it| !diagnostics::is_unchanged(it));
+                for it in &news {
+                    if let WorkspaceDocumentDiagnosticReport::Full(it) = it
+                        && let Some(value) = it.full_document_diagnostic_report.result_id.clone()
+                    {
+                        let uri = it.uri.clone();
+                        known.insert(uri::to_path(&uri), PreviousResultId { uri, value });
+                    }
+                }
+                if !news.is_empty() {
+                    told = true;
+                    let value = WorkspaceDiagnosticReport { items: news };
+                    let token = token.clone();
+                    let part = PartialDiagnosticsParams { token, value };
+                    // Before the answer, not in the order of other notifications.
+                    let client = self.dispatch.client();
+                    client.send_notification::<PartialDiagnostics>(part).await;
+                }
+                if revisions.has_changed().unwrap_or(false) {
+                    revisions.mark_unchanged();
+                    // What was done may be wrong now. It comes last, but for open files: the rest is to be done some
+                    // day, however fast somebody types.
+                    let left: FxHashSet<Utf8PathBuf> = queue.drain(..).collect();
+                    let Listing { open, rest } = self.listing().await?;
+                    let (left, done): (Vec<_>, Vec<_>) =
+                        rest.into_iter().partition(|it| left.contains(it));
+                    queue.extend(open.into_iter().chain(left).chain(done));
+                }
+            }
+            let news = told || items.iter().any(|it| !diagnostics::is_unchanged(it));
+            if news || !has_results || !self.changed(&mut revisions).await {
+                return Ok(WorkspaceDiagnosticReport { items });
+            }
+        }
+    }
+
+    async fn listing(&self) -> Result<Listing> {
+        let listing = self.dispatch.workspace((), diagnostics::listing);
+        listing.await.map_err(retriggered)
+    }
+}

@@ -1,0 +1,301 @@
+//! What this server offers to a client.
+
+use std::collections::BTreeSet;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use serde_json::{Value, json};
+
+use crate::features::codels::actions;
+use crate::protocol::client::ClientCaps;
+use crate::protocol::convert::semantic_tokens::legend;
+use crate::protocol::types::*;
+
+/// Command of the server: shows an included file in the unit of another root.
+pub(crate) const CHOOSE_ROOT: &str = "dotgen.chooseRoot";
+
+fn strings(all: &[&str]) -> Vec<String> {
+    all.iter().map(|it| (*it).to_owned()).collect()
+}
+
+/// What this server offers to that client.
+pub(crate) fn server_capabilities(client: &ClientCaps) -> ServerCapabilities {
+    ServerCapabilities {
+        position_encoding: Some(client.encoding.kind()),
+        text_document_sync: Some(TextDocumentSyncCapability::Options(
+            TextDocumentSyncOptions {
+                open_close: Some(true),
+                change: Some(TextDocumentSyncKind::INCREMENTAL),
+                save: Some(TextDocumentSyncSaveOptions::Supported(true)),
+                ..TextDocumentSyncOptions::default()
+            },
+        )),
+        document_symbol_provider: Some(OneOf::Left(true)),
+        workspace_symbol_provider: Some(OneOf::Left(true)),
+        folding_range_provider: Some(FoldingRangeProviderCapability::Simple(true)),
+        selection_range_provider: Some(SelectionRangeProviderCapability::Simple(true)),
+        document_link_provider: Some(DocumentLinkOptions {
+            resolve_provider: Some(false),
+            work_done_progress_options: WorkDoneProgressOptions::default(),
+        }),
+        semantic_tokens_provider: Some(SemanticTokensServerCapabilities::SemanticTokensOptions(
+            SemanticTokensOptions {
+                legend: legend(),
+                range: Some(true),
+                full: Some(SemanticTokensFullOptions::Delta { delta: Some(true) }),
+                ..SemanticTokensOptions::default()
+            },
+        )),
+        definition_provider: Some(OneOf::Left(true)),
+        declaration_provider: Some(DeclarationCapability::Simple(true)),
+        type_definition_provider: Some(TypeDefinitionProviderCapability::Simple(true)),
+        implementation_provider: Some(ImplementationProviderCapability::Simple(true)),
+        completion_provider: Some(CompletionOptions {
+            resolve_provider: Some(true),
+            trigger_characters: Some(strings(&[".", ":", "<", "\"", "/", "#", " "])),
+            ..CompletionOptions::default()
+        }),
+        signature_help_provider: Some(SignatureHelpOptions {
+            trigger_characters: Some(strings(&["(", ",", "{"])),
+            ..SignatureHelpOptions::default()
+        }),
+        rename_provider: Some(OneOf::Right(RenameOptions {
+            prepare_provider: Some(true),
+            work_done_progress_options: WorkDoneProgressOptions::default(),
+        })),
+        document_formatting_provider: Some(OneOf::Left(true)),
+        document_range_formatting_provider: Some(OneOf::Left(true)),
+        document_on_type_formatting_provider: Some(DocumentOnTypeFormattingOptions {
+            first_trigger_character: ";".to_owned(),
+            more_trigger_character: Some(strings(&["}", "\n"])),
+        }),
+        code_lens_provider: Some(CodeLensOptions {
+            resolve_provider: Some(true),
+        }),
+        inlay_hint_provider: Some(OneOf::Left(true)),
+        call_hierarchy_provider: Some(CallHierarchyServerCapability::Simple(true)),
+        execute_command_provider: Some(ExecuteCommandOptions {
+            commands: [
+                strings(&[
+                    CHOOSE_ROOT,
+                    crate::features::diagram::MERMAID,
+                    crate::features::diagram::DOT,
+                    crate::features::codels::lenses::SHOW_CODEL,
+                ]),
+                strings(&crate::features::generation::COMMANDS),
+            ]
+            .concat(),
+            ..ExecuteCommandOptions::default()
+        }),
+        references_provider: Some(OneOf::Left(true)),
+        document_highlight_provider: Some(OneOf::Left(true)),
+        hover_provider: Some(HoverProviderCapability::Simple(true)),
+        code_action_provider: client.code_action_literals.then(|| {
+            CodeActionProviderCapability::Options(CodeActionOptions {
+                code_action_kinds: Some(vec![
+                    CodeActionKind::QUICKFIX,
+                    CodeActionKind::REFACTOR_EXTRACT,
+                    CodeActionKind::REFACTOR_INLINE,
+                    CodeActionKind::new("refactor.move"),
+                    CodeActionKind::REFACTOR_REWRITE,
+                    CodeActionKind::SOURCE_ORGANIZE_IMPORTS,
+                    crate::features::specification::code_action::GENERATE,
+                    CodeActionKind::SOURCE_FIX_ALL,
+                    crate::features::specification::code_action::FIX_FINDINGS,
+                    actions::SYNC,
+                ]),
+                resolve_provider: Some(client.resolves_edits),
+                ..CodeActionOptions::default()
+            })
+        }),
+        diagnostic_provider: client.pull_diagnostics.then(|| {
+            DiagnosticServerCapabilities::Options(DiagnosticOptions {
+                identifier: Some("dotgen".to_owned()),
+                inter_file_dependencies: true,
+                workspace_diagnostics: true,
+                ..DiagnosticOptions::default()
+            })
+        }),
+        workspace: Some(WorkspaceServerCapabilities {
+            workspace_folders: Some(WorkspaceFoldersServerCapabilities {
+                supported: Some(true),
+                change_notifications: Some(OneOf::Left(true)),
+            }),
+            file_operations: Some(WorkspaceFileOperationsServerCapabilities {
+                will_rename: Some(FileOperationRegistrationOptions {
+                    filters: [
+                        ("**/*.{gen,idl,h,hh}", FileOperationPatternKind::File),
+                        ("**/*", FileOperationPatternKind::Folder),
+                    ]
+                    .map(|(glob, matches)| FileOperationFilter {
+                        scheme: Some("file".to_owned()),
+                        pattern: FileOperationPattern {
+                            glob: glob.to_owned(),
+                            matches: Some(matches),
+                            options: None,
+                        },
+                    })
+                    .to_vec(),
+                }),
+                ..WorkspaceFileOperationsServerCapabilities::default()
+            }),
+        }),
+        ..ServerCapabilities::default()
+    }
+}
+
+/// Extensions of the files that matter on disk.
+const WATCHED_EXTENSIONS: [&str; 12] = [
+    "gen", "idl", "scn", "pc", "c", "cc", "cpp", "cxx", "h", "hh", "hpp", "hxx",
+];
+
+/// Names of others.
+const WATCHED_NAMES: [&str; 3] = ["dotgen.toml", "Makefile.am", "template.tcl"];
+
+/// Whether a change of a file on disk matters because of its name.
+pub(crate) fn is_watched(path: &Utf8Path) -> bool {
+    let extension = path.extension();
+    extension.is_some_and(|it| WATCHED_EXTENSIONS.contains(&it))
+        || path
+            .file_name()
+            .is_some_and(|it| WATCHED_NAMES.contains(&it))
+}
+
+/// What is registered once the client is initialized.
+pub(crate) fn registrations(client: &ClientCaps) -> Vec<Registration> {
+    let mut registrations = Vec::new();
+    if client.watched_files {
+        let watcher = |glob: &str, kind| FileSystemWatcher {
+            glob_pattern: GlobPattern::String(glob.to_owned()),
+            kind,
+        };
+        let extensions = WATCHED_EXTENSIONS.join(",");
+        let mut watchers = vec![watcher(&format!("**/*.{{{extensions}}}"), None)];
+        watchers.extend(WATCHED_NAMES.map(|name| watcher(&format!("**/{name}"), None)));
+        // Of a folder that goes, only its own end is told.
+        watchers.push(watcher("**/*", Some(WatchKind::Delete)));
+        registrations.push(Registration {
+            id: "dotgen-watched-files".to_owned(),
+            method: "workspace/didChangeWatchedFiles".to_owned(),
+            register_options: serde_json::to_value(DidChangeWatchedFilesRegistrationOptions {
+                watchers,
+            })
+            .ok(),
+        });
+    }
+    if client.configuration_registration {
+        registrations.push(Registration {
+            id: "dotgen-configuration".to_owned(),
+            method: "workspace/didChangeConfiguration".to_owned(),
+            register_options: Some(json!({ "section": "dotgen" })),
+        });
+    }
+    registrations
+}
+
+/// What is registered for documents in other languages: its id and method.
+type Registered = (&'static str, &'static str);
+
+/// Documents are sent, those of codels and of templates by one registration: one that two
+/// registrations match may be sent twice.
+const SENT: [Registered; 3] = [
+    ("dotgen-documents-open", "textDocument/didOpen"),
+    ("dotgen-documents-change", "textDocument/didChange"),
+    ("dotgen-documents-close", "textDocument/didClose"),
+];
+
+/// What is asked about sources of codels.
+const ASKED: [Registered; 3] = [
+    ("dotgen-codels-action", "textDocument/codeAction"),
+    ("dotgen-codels-lens", "textDocument/codeLens"),
+    ("dotgen-codels-references", "textDocument/references"),
+];
+
+/// Languages of the files that templates are made of: those whose markers are coloured. Not ours:
+/// these documents are sent anyway.
+const TEMPLATE_LANGUAGES: [&str; 18] = [
+    "asciidoc",
+    "c",
+    "cmake",
+    "cpp",
+    "dockerfile",
+    "html",
+    "ini",
+    "java",
+    "json",
+    "makefile",
+    "markdown",
+    "plaintext",
+    "properties",
+    "python",
+    "shellscript",
+    "tcl",
+    "xml",
+    "yaml",
+];
+
+/// The documents in other languages that a client is to send, and nothing else of the server: the
+/// editor's server for those languages keeps the rest.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(crate) struct ForeignDocuments {
+    /// Name of the folders with sources of codels.
+    pub(crate) codels: Option<Utf8PathBuf>,
+    /// Globs of the files of templates.
+    pub(crate) templates: BTreeSet<String>,
+}
+
+impl ForeignDocuments {
+    fn registered(&self) -> Vec<Registered> {
+        let asked = self.codels.iter().flat_map(|_| ASKED);
+        let sent = SENT.into_iter().filter(|_| *self != Self::default());
+        sent.chain(asked).collect()
+    }
+
+    /// What is to be registered.
+    pub(crate) fn registrations(&self) -> Vec<Registration> {
+        let selector = |language: &str, pattern: &str| json!({ "language": language, "scheme": "file", "pattern": pattern });
+        let codels = self.codels.iter().flat_map(|folder| {
+            // What is above the folder cannot be told by a pattern.
+            let pattern = match folder.file_name() {
+                Some(name) => format!("**/{name}/**"),
+                None => "**/*".to_owned(),
+            };
+            ["c", "cpp"].map(|it| selector(it, &pattern))
+        });
+        let codels: Vec<Value> = codels.collect();
+        let templates = self
+            .templates
+            .iter()
+            .flat_map(|glob| TEMPLATE_LANGUAGES.map(|it| selector(it, glob)));
+        let sent: Vec<Value> = codels.iter().cloned().chain(templates).collect();
+        let registration = |(id, method): Registered| {
+            let mut options = json!({ "documentSelector": codels });
+            match method {
+                "textDocument/codeAction" => {
+                    options["codeActionKinds"] = json!(["quickfix", actions::SYNC]);
+                    options["resolveProvider"] = json!(true);
+                }
+                "textDocument/codeLens" => options["resolveProvider"] = json!(false),
+                "textDocument/references" => {}
+                _ => options["documentSelector"] = json!(sent),
+            }
+            if method == "textDocument/didChange" {
+                options["syncKind"] = json!(2);
+            }
+            Registration {
+                id: id.to_owned(),
+                method: method.to_owned(),
+                register_options: Some(options),
+            }
+        };
+        self.registered().into_iter().map(registration).collect()
+    }
+
+    /// Takes [`ForeignDocuments::registrations`] back.
+    pub(crate) fn unregistrations(&self) -> Vec<Unregistration> {
+        let one = |(id, method): Registered| Unregistration {
+            id: id.to_owned(),
+            method: method.to_owned(),
+        };
+        self.registered().into_iter().map(one).collect()
+    }
+}

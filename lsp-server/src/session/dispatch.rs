@@ -1,0 +1,354 @@
+//! Requests that read: admission by the writer in order of arrival, work on the blocking pool,
+//! answers or the right error.
+//!
+//! - A change that arrives while a request works cancels it. It is tried again if its own document
+//!   stayed the same, else the client is told `ContentModified`.
+//! - A client that cancels drops the future here; the guard then stops the work too.
+//! - A panic is an internal error of that request and of nothing else.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+use dotgen_analysis::host::{Cancellable, CancellationToken, Cancelled};
+use tokio::sync::mpsc::UnboundedSender;
+use tokio::sync::{Semaphore, oneshot};
+
+use crate::panic;
+use crate::protocol::outbox::Outbox;
+use crate::protocol::types::{self, MessageType, Uri};
+use crate::session::writer::Event;
+use crate::workspace::snapshot::{Snapshot, Subject};
+
+/// How often a request is tried. At the start the list of files and the settings arrive in a row;
+/// whatever is changed elsewhere more often than that would make the client wait for nothing.
+const ATTEMPTS: u32 = 4;
+
+/// A request on its way to the writer.
+pub(crate) struct Read {
+    /// The document it is about; `None` for the workspace.
+    pub(crate) subject: Option<Uri>,
+    /// It may be C or C++.
+    pub(crate) code: bool,
+    /// It is about many files.
+    pub(crate) bulk: bool,
+    /// It is about all of the workspace: it waits until all files of that are known.
+    pub(crate) whole: bool,
+    /// Version of that document at the first try.
+    pub(crate) expected: Option<Option<i32>>,
+    /// For cancellation by the client.
+    pub(crate) control: Arc<Control>,
+    /// Runs on the blocking pool.
+    pub(crate) work: Box<dyn FnOnce(Admission) + Send>,
+}
+
+/// What the writer says to a request.
+pub(crate) enum Admission {
+    /// Go ahead.
+    Admitted(Box<Snapshot>, Option<Subject>),
+    /// The document is unknown: not open and not on disk, or out of step with the client.
+    UnknownDocument,
+    /// The document changed since the first try.
+    Outdated,
+}
+
+/// Shared by the waiting handler and the working thread.
+#[derive(Default)]
+pub(crate) struct Control {
+    cancelled: AtomicBool,
+    token: Mutex<Option<CancellationToken>>,
+}
+
+impl Control {
+    /// Whether the client has gone.
+    pub(crate) fn is_cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Acquire)
+    }
+
+    /// Lets the snapshot of `token` be cancelled.
+    pub(crate) fn attach(&self, token: CancellationToken) {
+        *self.token.lock().unwrap_or_else(PoisonError::into_inner) = Some(token);
+        if self.is_cancelled() {
+            self.cancel();
+        }
+    }
+
+    fn cancel(&self) {
+        self.cancelled.store(true, Ordering::Release);
+        let token = self.token.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(token) = &*token {
+            token.cancel();
+        }
+    }
+}
+
+struct CancelOnDrop(Arc<Control>);
+
+impl Drop for CancelOnDrop {
+    fn drop(&mut self) {
+        self.0.cancel();
+    }
+}
+
+enum Outcome<R> {
+    Done(R),
+    Unknown,
+    Outdated,
+    Cancelled(Option<i32>),
+    Panicked(String),
+}
+
+/// What a request is about, besides its document.
+#[derive(Debug, Clone, Copy, Default)]
+struct About {
+    /// The document may be C or C++.
+    code: bool,
+    /// Many files.
+    bulk: bool,
+    /// All of the workspace.
+    whole: bool,
+}
+
+/// Hands requests to the writer and waits for what comes of them.
+#[derive(Clone)]
+pub(crate) struct Dispatcher {
+    events: UnboundedSender<Event>,
+    background: Arc<Semaphore>,
+    panic_shown: Arc<AtomicBool>,
+    outbox: Outbox,
+}
+
+impl Dispatcher {
+    pub(crate) fn new(events: UnboundedSender<Event>, outbox: Outbox) -> Dispatcher {
+        Dispatcher {
+            events,
+            background: Arc::new(Semaphore::new(2)),
+            panic_shown: Arc::default(),
+            outbox,
+        }
+    }
+
+    /// The client, for conversations of a command.
+    pub(crate) fn client(&self) -> &types::Client {
+        self.outbox.client()
+    }
+
+    /// Messages in order.
+    pub(crate) fn outbox(&self) -> &Outbox {
+        &self.outbox
+    }
+
+    /// Tells the writer something.
+    pub(crate) fn send(&self, event: Event) {
+        // Fails only after `exit`.
+        let _ = self.events.send(event);
+    }
+
+    /// Asks the client to show a place.
+    pub(crate) fn show(&self, place: types::Location) {
+        self.outbox.converse(|client| async move {
+            let params = types::ShowDocumentParams {
+                uri: place.uri,
+                external: None,
+                take_focus: Some(true),
+                selection: Some(place.range),
+            };
+            if let Err(error) = client.show_document(params).await {
+                tracing::warn!("the client shows nothing: {error}");
+            }
+        });
+    }
+
+    /// A request about a specification. An unknown document has nothing to show.
+    pub(crate) async fn document<P, R>(
+        &self,
+        uri: Uri,
+        params: P,
+        handler: fn(&Snapshot, &Subject, &P) -> Cancellable<R>,
+    ) -> types::Result<R>
+    where
+        P: Send + Sync + 'static,
+        R: Default + Send + 'static,
+    {
+        self.about(uri, false, params, handler).await
+    }
+
+    /// A request about a specification or a source of codels.
+    pub(crate) async fn any_document<P, R>(
+        &self,
+        uri: Uri,
+        params: P,
+        handler: fn(&Snapshot, &Subject, &P) -> Cancellable<R>,
+    ) -> types::Result<R>
+    where
+        P: Send + Sync + 'static,
+        R: Default + Send + 'static,
+    {
+        self.about(uri, true, params, handler).await
+    }
+
+    async fn about<P, R>(
+        &self,
+        uri: Uri,
+        code: bool,
+        params: P,
+        handler: fn(&Snapshot, &Subject, &P) -> Cancellable<R>,
+    ) -> types::Result<R>
+    where
+        P: Send + Sync + 'static,
+        R: Default + Send + 'static,
+    {
+        let work = move |snapshot: &Snapshot, subject: Option<&Subject>, params: &P| match subject {
+            Some(subject) => handler(snapshot, subject, params),
+            None => Ok(R::default()),
+        };
+        let about = About {
+            code,
+            ..About::default()
+        };
+        self.run(Some(uri), about, params, work).await
+    }
+
+    /// A request whose answer is wrong when a part of the workspace is not known yet: an edit of every place. It waits
+    /// until all files are listed, which the client is shown as progress.
+    pub(crate) async fn everywhere<P, R>(
+        &self,
+        uri: Option<Uri>,
+        params: P,
+        handler: fn(&Snapshot, Option<&Subject>, &P) -> Cancellable<R>,
+    ) -> types::Result<R>
+    where
+        P: Send + Sync + 'static,
+        R: Default + Send + 'static,
+    {
+        let _permit = self.background.acquire().await;
+        let work = move |snapshot: &Snapshot, subject: Option<&Subject>, params: &P| {
+            handler(snapshot, subject, params)
+        };
+        let about = About {
+            whole: true,
+            bulk: true,
+            ..About::default()
+        };
+        self.run(uri, about, params, work).await
+    }
+
+    /// A request that says itself what it is about: something to be resolved.
+    pub(crate) async fn anywhere<P, R>(
+        &self,
+        params: P,
+        handler: fn(&Snapshot, &P) -> Cancellable<R>,
+    ) -> types::Result<R>
+    where
+        P: Send + Sync + 'static,
+        R: Default + Send + 'static,
+    {
+        let work =
+            move |snapshot: &Snapshot, _: Option<&Subject>, params: &P| handler(snapshot, params);
+        self.run(None, About::default(), params, work).await
+    }
+
+    /// A request about the whole workspace. Few at a time, so that they never keep the others from
+    /// being answered.
+    pub(crate) async fn workspace<P, R>(
+        &self,
+        params: P,
+        handler: fn(&Snapshot, &P) -> Cancellable<R>,
+    ) -> types::Result<R>
+    where
+        P: Send + Sync + 'static,
+        R: Default + Send + 'static,
+    {
+        let _permit = self.background.acquire().await;
+        let work =
+            move |snapshot: &Snapshot, _: Option<&Subject>, params: &P| handler(snapshot, params);
+        let about = About {
+            bulk: true,
+            ..About::default()
+        };
+        self.run(None, about, params, work).await
+    }
+
+    async fn run<P, R, F>(
+        &self,
+        uri: Option<Uri>,
+        about: About,
+        params: P,
+        work: F,
+    ) -> types::Result<R>
+    where
+        P: Send + Sync + 'static,
+        R: Default + Send + 'static,
+        F: Fn(&Snapshot, Option<&Subject>, &P) -> Cancellable<R> + Send + Copy + 'static,
+    {
+        let params = Arc::new(params);
+        let control = Arc::new(Control::default());
+        let _guard = CancelOnDrop(control.clone());
+        let mut expected = None;
+        for _attempt in 0..ATTEMPTS {
+            let (reply, answer) = oneshot::channel();
+            let params = params.clone();
+            self.send(Event::Read(Read {
+                subject: uri.clone(),
+                code: about.code,
+                bulk: about.bulk,
+                whole: about.whole,
+                expected,
+                control: control.clone(),
+                work: Box::new(move |admission| {
+                    // The client may have gone meanwhile.
+                    let _ = reply.send(attempt(admission, &*params, work));
+                }),
+            }));
+            match answer.await {
+                Ok(Outcome::Done(value)) => return Ok(value),
+                Ok(Outcome::Unknown) => return Ok(R::default()),
+                Ok(Outcome::Outdated) => break,
+                Ok(Outcome::Cancelled(version)) => expected = Some(version),
+                Ok(Outcome::Panicked(message)) => return Err(self.panicked(&message)),
+                Err(_) => return Err(types::Error::request_cancelled()),
+            }
+        }
+        Err(types::Error::content_modified())
+    }
+
+    fn panicked(&self, message: &str) -> types::Error {
+        tracing::error!("a request panicked: {message}");
+        if !self.panic_shown.swap(true, Ordering::Relaxed) {
+            let text = format!("dotgen met an internal error and goes on: {message}");
+            self.outbox.show(MessageType::ERROR, text);
+        }
+        let mut error = types::Error::internal_error();
+        error.message = format!("internal error: {message}").into();
+        error
+    }
+}
+
+/// One try, on the blocking pool. The snapshot is gone when this returns.
+fn attempt<P, R>(
+    admission: Admission,
+    params: &P,
+    work: impl Fn(&Snapshot, Option<&Subject>, &P) -> Cancellable<R>,
+) -> Outcome<R> {
+    let (snapshot, subject) = match admission {
+        Admission::Admitted(snapshot, subject) => (snapshot, subject),
+        Admission::UnknownDocument => return Outcome::Unknown,
+        Admission::Outdated => return Outcome::Outdated,
+    };
+    let question = std::any::type_name::<P>();
+    let path = subject.as_ref().map(|it| it.path.as_str());
+    let version = subject.as_ref().and_then(|it| it.version);
+    let _span = tracing::debug_span!("request", question, path, version).entered();
+    let start = Instant::now();
+    let result = panic::isolate(|| work(&snapshot, subject.as_ref(), params));
+    tracing::debug!(elapsed = ?start.elapsed(), ok = matches!(result, Ok(Ok(_))), "answered");
+    match result {
+        Ok(Ok(value)) => Outcome::Done(value),
+        // Salsa says `PropagatedPanic` for any unwinding of the thread this one waited for, and that
+        // is nearly always a pending write. After a true panic the next try meets it itself.
+        Ok(Err(Cancelled::PendingWrite | Cancelled::Local | Cancelled::PropagatedPanic)) => {
+            Outcome::Cancelled(version)
+        }
+        Err(message) => Outcome::Panicked(message),
+    }
+}

@@ -1,0 +1,347 @@
+//! Diagnostics and inactive regions, pushed: computed after a pause in typing, sent with the
+//! version they hold for, and only when they differ from what the client has.
+//!
+//! Clients that pull diagnostics get those of specifications that way (see `features::diagnostics`),
+//! and only those of sources of codels and files of templates pushed: editors ask other servers for
+//! these.
+
+use std::collections::BTreeSet;
+use std::time::{Duration, Instant};
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::host::{Cancellable, Cancelled};
+use rustc_hash::{FxHashMap, FxHashSet};
+use tokio::runtime::Handle;
+use tokio::sync::mpsc::{UnboundedSender, WeakUnboundedSender};
+
+use crate::features::codels::{around, fingerprint, sources_with_findings};
+use crate::features::diagnostics::{self, file_diagnostics, inactive_ranges, least, survived};
+use crate::panic;
+use crate::protocol::client::ClientCaps;
+use crate::protocol::messages::{InactiveRegions, InactiveRegionsParams};
+use crate::protocol::outbox::Outbox;
+use crate::protocol::types::{
+    Diagnostic, PublishDiagnosticsParams, Range, Uri, VersionedTextDocumentIdentifier, notification,
+};
+use crate::session::writer::Event;
+use crate::workspace::snapshot::{OpenFile, Snapshot};
+
+/// The pause in typing that is waited for.
+const DEBOUNCE: Duration = Duration::from_millis(60);
+/// Whoever types without a pause sees diagnostics at least this often.
+const PATIENCE: Duration = Duration::from_millis(1000);
+
+/// What a run of the computation found.
+pub(crate) enum Computed {
+    /// About one file.
+    File(Box<FileResult>),
+    /// About all of them.
+    Finished {
+        /// These files have something to say, the others nothing.
+        files: BTreeSet<Utf8PathBuf>,
+        /// Stands for what specifications and sources say of each other.
+        codels: u64,
+    },
+}
+
+/// See [`Computed`].
+pub(crate) struct FileResult {
+    path: Utf8PathBuf,
+    uri: Uri,
+    version: Option<i32>,
+    diagnostics: Option<Vec<Diagnostic>>,
+    regions: Option<Vec<Range>>,
+}
+
+/// What the client was told, and what it is yet to be told.
+#[derive(Default)]
+pub(crate) struct Publisher {
+    push: bool,
+    regions: bool,
+    dirty_since: Option<Instant>,
+    sent: FxHashMap<Utf8PathBuf, Sent>,
+    codels: Option<u64>,
+    /// The revision that is being computed, or was last.
+    started: Option<u64>,
+    /// Something else than an open document changed since the client was last asked to refresh.
+    pub(crate) refresh_wanted: bool,
+}
+
+#[derive(Default)]
+struct Sent {
+    diagnostics: Vec<Diagnostic>,
+    regions: Vec<Range>,
+}
+
+impl Publisher {
+    /// Learns what the client wants to be told.
+    pub(crate) fn initialize(&mut self, client: &ClientCaps) {
+        self.push = !client.pull_diagnostics;
+        self.regions = client.inactive_regions;
+    }
+
+    /// The database has a new revision: computes after a pause.
+    pub(crate) fn changed(
+        &mut self,
+        revision: u64,
+        outbox: &Outbox,
+        events: &WeakUnboundedSender<Event>,
+    ) {
+        self.dirty_since.get_or_insert_with(Instant::now);
+        let events = events.clone();
+        outbox.runtime().spawn(async move {
+            tokio::time::sleep(DEBOUNCE).await;
+            if let Some(events) = events.upgrade() {
+                let _ = events.send(Event::PublishDue(revision));
+            }
+        });
+    }
+
+    /// Whether the pause has come: nothing changed since, or it has been put off for too long.
+    pub(crate) fn is_due(&mut self, revision: u64, current: u64) -> bool {
+        let since = self.dirty_since;
+        let due = revision == current || since.is_some_and(|it| it.elapsed() > PATIENCE);
+        if due {
+            self.dirty_since = None;
+        }
+        due
+    }
+
+    /// Begins to compute for a revision. `None`: that was begun already.
+    pub(crate) fn start(&mut self, revision: u64) -> Option<Run> {
+        let started = self.started.replace(revision) == Some(revision);
+        (!started).then(|| Run {
+            revision,
+            push: self.push,
+            regions: self.regions,
+            left: None,
+            seen: FxHashSet::default(),
+            files: BTreeSet::new(),
+            done: false,
+        })
+    }
+
+    /// Sends what is new of a result. Whether what one file says of another has changed, so that a
+    /// client that asks should ask again.
+    pub(crate) fn publish(
+        &mut self,
+        computed: Computed,
+        open: &FxHashMap<Utf8PathBuf, OpenFile>,
+        outbox: &Outbox,
+    ) -> bool {
+        match computed {
+            Computed::File(result) => {
+                self.publish_file(*result, open, outbox);
+                false
+            }
+            Computed::Finished { files, codels } => {
+                let gone: Vec<_> = self.sent.keys().filter(|it| !files.contains(*it)).collect();
+                for path in gone.into_iter().cloned().collect::<Vec<_>>() {
+                    self.clear(&path, outbox);
+                    self.sent.remove(&path);
+                }
+                let before = self.codels.replace(codels);
+                before.unwrap_or_default() != codels
+            }
+        }
+    }
+
+    fn publish_file(
+        &mut self,
+        result: FileResult,
+        open: &FxHashMap<Utf8PathBuf, OpenFile>,
+        outbox: &Outbox,
+    ) {
+        let FileResult {
+            path, uri, version, ..
+        } = result;
+        if open.get(&path).map(|it| it.version) != version {
+            return;
+        }
+        let is_new = !self.sent.contains_key(&path);
+        let sent = self.sent.entry(path).or_default();
+        if let Some(diagnostics) = result.diagnostics
+            && (sent.diagnostics != diagnostics || is_new && version.is_some())
+        {
+            sent.diagnostics.clone_from(&diagnostics);
+            outbox.notify::<notification::PublishDiagnostics>(PublishDiagnosticsParams {
+                uri: uri.clone(),
+                diagnostics,
+                version,
+            });
+        }
+        if let (Some(regions), Some(version)) = (result.regions, version)
+            && sent.regions != regions
+        {
+            sent.regions.clone_from(&regions);
+            outbox.notify::<InactiveRegions>(InactiveRegionsParams {
+                text_document: VersionedTextDocumentIdentifier { uri, version },
+                regions,
+            });
+        }
+    }
+
+    /// Takes back what was said about a file.
+    pub(crate) fn clear(&mut self, path: &Utf8Path, outbox: &Outbox) {
+        let Some(sent) = self.sent.get_mut(path) else {
+            return;
+        };
+        if !std::mem::take(&mut sent.diagnostics).is_empty() {
+            outbox.publish(path, Vec::new());
+        }
+    }
+
+    /// A document was opened: what is known of it is sent again, under the URI that its client uses now.
+    pub(crate) fn reopen(&mut self, path: &Utf8Path) {
+        self.sent.remove(path);
+    }
+
+    /// A document was closed: its client forgets the regions.
+    pub(crate) fn forget(&mut self, path: &Utf8Path) {
+        if let Some(sent) = self.sent.get_mut(path) {
+            sent.regions.clear();
+        }
+    }
+}
+
+/// Files whose diagnostics are computed in one go. In between changes and requests have their turn, and what analysis
+/// remembers of the files is forgotten.
+const BATCH: usize = 32;
+
+/// The computation of everything that is to be said about a revision, in parts: open documents first.
+pub(crate) struct Run {
+    revision: u64,
+    push: bool,
+    regions: bool,
+    /// Files still to be looked at, the next one last. `None`: open documents are next.
+    left: Option<Vec<Utf8PathBuf>>,
+    seen: FxHashSet<Utf8PathBuf>,
+    /// These have something to say.
+    files: BTreeSet<Utf8PathBuf>,
+    done: bool,
+}
+
+impl Run {
+    /// The revision it holds for.
+    pub(crate) fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Whether everything was said.
+    pub(crate) fn is_done(&self) -> bool {
+        self.done
+    }
+
+    /// Computes the next part on the blocking pool and comes back to the writer.
+    pub(crate) fn step(
+        mut self,
+        snapshot: Snapshot,
+        events: UnboundedSender<Event>,
+        runtime: &Handle,
+    ) {
+        runtime.spawn_blocking(move || {
+            let step = panic::isolate(|| self.compute(&snapshot, &events));
+            drop(snapshot);
+            match step {
+                Ok(Ok(())) => {
+                    let _ = events.send(Event::Step(Box::new(self)));
+                }
+                // A change came in between: it has scheduled the next run.
+                // `PropagatedPanic` too: see `dispatch`.
+                Ok(Err(
+                    Cancelled::PendingWrite | Cancelled::Local | Cancelled::PropagatedPanic,
+                )) => {}
+                Err(message) => tracing::error!("diagnostics panicked: {message}"),
+            }
+        });
+    }
+
+    fn compute(&mut self, snapshot: &Snapshot, events: &UnboundedSender<Event>) -> Cancellable<()> {
+        let Some(left) = &mut self.left else {
+            let open = snapshot.open.keys().cloned().collect();
+            self.look_at(open, snapshot, events)?;
+            let mut left = match self.push {
+                true => diagnostics::listing(snapshot, &())?.rest,
+                false => Vec::new(),
+            };
+            left.reverse();
+            self.left = Some(left);
+            return Ok(());
+        };
+        if !left.is_empty() {
+            let next = left.split_off(left.len().saturating_sub(BATCH));
+            return self.look_at(next, snapshot, events);
+        }
+        let sources = survived(
+            "sources".into(),
+            panic::isolate(|| sources_with_findings(snapshot)),
+        )?;
+        self.look_at(sources.unwrap_or_default(), snapshot, events)?;
+        let codels = survived("codels".into(), panic::isolate(|| fingerprint(snapshot)))?;
+        let _ = events.send(Event::Computed(Computed::Finished {
+            files: std::mem::take(&mut self.files),
+            codels: codels.unwrap_or_default(),
+        }));
+        self.done = true;
+        Ok(())
+    }
+
+    /// Computes what is to be said about some files, each on its own.
+    fn look_at(
+        &mut self,
+        mut paths: Vec<Utf8PathBuf>,
+        snapshot: &Snapshot,
+        events: &UnboundedSender<Event>,
+    ) -> Cancellable<()> {
+        paths.retain(|it| self.seen.insert(it.clone()));
+        let (push, regions) = (self.push, self.regions);
+        let found = snapshot.on_all_cores(&paths, |snapshot, path| {
+            let result = panic::isolate(|| file(snapshot, path, push, regions));
+            let result = survived(path, result)?.flatten();
+            let is_some = result.is_some();
+            if let Some(result) = result {
+                let _ = events.send(Event::Computed(Computed::File(Box::new(result))));
+            }
+            Ok::<_, Cancelled>(is_some)
+        });
+        for (path, is_some) in std::iter::zip(paths, found) {
+            if is_some? {
+                self.files.insert(path);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// What is to be said about a file; `None` for one that has no text or is of no concern.
+fn file(
+    snapshot: &Snapshot,
+    path: &Utf8Path,
+    push: bool,
+    regions: bool,
+) -> Cancellable<Option<FileResult>> {
+    let open = snapshot.open.get(path);
+    let Some(uri) = snapshot.uri(path) else {
+        return Ok(None);
+    };
+    let is_code = snapshot.is_code(path);
+    if is_code && around(snapshot, path)?.is_empty() {
+        return Ok(None);
+    }
+    let is_template = snapshot.is_template(path);
+    let diagnostics = match push || is_code || is_template {
+        true => Some(file_diagnostics(snapshot, path, least(snapshot, path))?),
+        false => None,
+    };
+    let regions = match regions && open.is_some() && !is_code && !is_template {
+        true => Some(inactive_ranges(snapshot, path)?),
+        false => None,
+    };
+    Ok(Some(FileResult {
+        path: path.to_owned(),
+        uri,
+        version: open.map(|it| it.version),
+        diagnostics,
+        regions,
+    }))
+}

@@ -1,0 +1,76 @@
+//! The server around the backend: custom methods, and when it ends.
+
+use std::pin::Pin;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
+use std::task::{Context, Poll};
+
+use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
+use tokio::sync::watch;
+
+use crate::protocol::types::LspService;
+use crate::session::backend::Backend;
+use crate::session::transport;
+
+/// Serves one client until it sends `exit` or closes its end. Whether it said `shutdown` before.
+pub(crate) async fn serve(input: impl AsyncRead + Unpin, output: impl AsyncWrite) -> bool {
+    let initialize = Arc::new(OnceLock::new());
+    let shut_down = Arc::new(AtomicBool::new(false));
+    let (close, closed) = watch::channel(false);
+    let input = Input { input, close };
+    let (service, socket) = {
+        let (initialize, shut_down) = (initialize.clone(), shut_down.clone());
+        let backend = |client| Backend::new(client, initialize, shut_down, closed);
+        let builder = LspService::build(backend);
+        custom_methods(builder).finish()
+    };
+    transport::serve(input, output, service, socket, initialize).await;
+    shut_down.load(Ordering::Acquire)
+}
+
+type Builder = tower_lsp::LspServiceBuilder<Backend>;
+
+/// Methods beyond the protocol; see `docs/protocol.md`.
+fn custom_methods(builder: Builder) -> Builder {
+    let builder = builder
+        .custom_method("dotgen/syntaxTree", Backend::syntax_tree)
+        .custom_method("dotgen/itemTree", Backend::item_tree)
+        .custom_method("dotgen/expandMacro", Backend::expand_macro)
+        .custom_method("dotgen/includingRoots", Backend::including_roots)
+        .custom_method("dotgen/release", Backend::release)
+        .custom_method("dotgen/diagram", Backend::diagram)
+        .custom_method("dotgen/verification", Backend::verification)
+        .custom_method("dotgen/sensitivity", Backend::sensitivity)
+        .custom_method("dotgen/codelHeaders", Backend::codel_headers)
+        .custom_method("dotgen/model", Backend::model)
+        .custom_method("window/workDoneProgress/cancel", Backend::cancel_progress);
+    #[cfg(test)]
+    let builder = crate::tests::custom_methods(builder);
+    builder
+}
+
+/// Tells when the client has closed its end: nobody waits for news then.
+struct Input<I> {
+    input: I,
+    close: watch::Sender<bool>,
+}
+
+impl<I: AsyncRead + Unpin> AsyncRead for Input<I> {
+    fn poll_read(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+        buffer: &mut ReadBuf<'_>,
+    ) -> Poll<std::io::Result<()>> {
+        let before = buffer.filled().len();
+        let poll = Pin::new(&mut self.input).poll_read(context, buffer);
+        let ended = match &poll {
+            Poll::Ready(Ok(())) => buffer.filled().len() == before && buffer.capacity() > before,
+            Poll::Ready(Err(_)) => true,
+            Poll::Pending => false,
+        };
+        if ended {
+            self.close.send_replace(true);
+        }
+        poll
+    }
+}

@@ -1,0 +1,372 @@
+//! Between the standard channels and the service: messages in and out, in order, and an answer to every
+//! request whatever it looks like.
+//!
+//! The protocol library has a transport of its own. It ends the session at the first message that is no
+//! JSON, takes wrong lengths at their word, and answers `shutdown` with an error when `initialize` is
+//! still being worked at.
+
+mod client_process;
+mod frame;
+mod message;
+mod spelling;
+
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::task::Poll;
+use std::time::Duration;
+
+use futures_util::stream::FuturesUnordered;
+use futures_util::{FutureExt, Sink, SinkExt, Stream, StreamExt};
+use serde_json::{Value, json};
+use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
+use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
+use tokio::sync::oneshot;
+use tower_lsp::jsonrpc::{Request, Response};
+use tower_lsp::{ClientSocket, LspService};
+use tower_service::Service;
+
+use crate::protocol::types::Uri;
+use crate::session::backend::Backend;
+use frame::{Frame, Frames};
+use message::{Incoming, code, failure};
+use spelling::Spelling;
+
+/// Requests that may be in work at once; beyond that nothing is read.
+const CONCURRENCY: usize = 256;
+/// How long the last answers may take to be read after `exit`.
+const PARTING: Duration = Duration::from_secs(5);
+
+/// How far the session is, by the rules of the protocol.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    /// Nothing but `initialize` and `exit` is served.
+    Before,
+    Serving,
+    /// Nothing but `exit` is served.
+    ShutDown,
+    /// `exit` was sent.
+    Exited,
+}
+
+/// Serves messages until the client sends `exit` or closes its end.
+pub(crate) async fn serve(
+    input: impl AsyncRead + Unpin,
+    output: impl AsyncWrite,
+    service: LspService<Backend>,
+    socket: ClientSocket,
+    initialize: Arc<OnceLock<Value>>,
+) {
+    let (requests, responses) = socket.split();
+    let (answers, outgoing) = unbounded_channel();
+    let spelling = Arc::new(Mutex::new(Spelling::default()));
+    let (client_gone, gone) = oneshot::channel();
+    let session = Session {
+        client_gone: Some(client_gone),
+        service,
+        initialize,
+        answers,
+        spelling: spelling.clone(),
+        phase: Phase::Before,
+    };
+    let writing = write(output, outgoing, requests, spelling);
+    tokio::pin!(writing);
+    tokio::select! {
+        // Nobody reads any more: there is nobody to serve.
+        _ = &mut writing => return,
+        () = session.run(input, responses) => {}
+        Ok(()) = gone => return,
+    }
+    // A client that does not read its last answers is not waited for.
+    let _ = tokio::time::timeout(PARTING, writing).await;
+}
+
+struct Session {
+    service: LspService<Backend>,
+    /// The parameters of `initialize` as they came: the typed ones lose capabilities that are not of the
+    /// protocol, such as clangd's inactive regions.
+    initialize: Arc<OnceLock<Value>>,
+    answers: UnboundedSender<Value>,
+    spelling: Arc<Mutex<Spelling>>,
+    /// To be told when the client's process is gone, once it is known.
+    client_gone: Option<oneshot::Sender<()>>,
+    phase: Phase,
+}
+
+/// A request in work: the answer, if there is to be one.
+type Call = futures_util::future::BoxFuture<'static, Option<Value>>;
+
+impl Session {
+    /// Reads and serves until `exit` or the end of the input. The writer ends with the session.
+    async fn run(
+        mut self,
+        mut input: impl AsyncRead + Unpin,
+        mut responses: impl Sink<Response> + Unpin,
+    ) {
+        let mut calls = FuturesUnordered::<Call>::new();
+        let mut frames = Frames::default();
+        let mut piece = vec![0; 64 << 10];
+        while self.phase != Phase::Exited {
+            tokio::select! {
+                Some(answer) = calls.next(), if !calls.is_empty() => self.answer(answer),
+                read = input.read(&mut piece), if calls.len() < CONCURRENCY => {
+                    let count = read.unwrap_or(0);
+                    if count == 0 {
+                        break;
+                    }
+                    frames.push(&piece[..count]);
+                    while self.phase != Phase::Exited && let Some(frame) = frames.next() {
+                        let body = match frame {
+                            Frame::Body(body) => body,
+                            Frame::Malformed(what) => {
+                                self.refuse(&Value::Null, code::PARSE_ERROR, what);
+                                continue;
+                            }
+                        };
+                        match message::parse(&body) {
+                            Ok(parsed) => {
+                                if !parsed.rest.is_empty() {
+                                    frames.give_back(&parsed.rest);
+                                }
+                                let incoming = message::classify(parsed.value);
+                                let call = self.take(incoming, parsed.mended, &mut responses).await;
+                                calls.extend(call);
+                            }
+                            Err(error) => {
+                                if let Some(at) = frame::header_at_end(&body) {
+                                    frames.give_back(&body[at..]);
+                                }
+                                let message = format!("this message is no JSON: {error}");
+                                self.refuse(&Value::Null, code::PARSE_ERROR, &message);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        // `exit` has cancelled what was in work; the answers say so.
+        while let Some(Some(answer)) = calls.next().now_or_never() {
+            self.answer(answer);
+        }
+    }
+
+    fn answer(&self, answer: Option<Value>) {
+        if let Some(answer) = answer {
+            // Fails only when nobody reads.
+            let _ = self.answers.send(answer);
+        }
+    }
+
+    fn refuse(&self, id: &Value, code: i64, message: &str) {
+        tracing::warn!("a message of the client is refused: {message}");
+        self.answer(Some(failure(id, code, message)));
+    }
+
+    async fn take(
+        &mut self,
+        incoming: Incoming,
+        mended: bool,
+        responses: &mut (impl Sink<Response> + Unpin),
+    ) -> Option<Call> {
+        match incoming {
+            Incoming::Request(request) => return self.serve(request, mended).await,
+            Incoming::Response(response) => {
+                // Fails only after `exit`.
+                let _ = responses.send(response).await;
+            }
+            Incoming::Invalid(id, what) => self.refuse(&id, code::INVALID_REQUEST, &what),
+        }
+        None
+    }
+
+    /// Begins to serve a request; what is left to do of it.
+    async fn serve(&mut self, request: Request, mended: bool) -> Option<Call> {
+        let method = request.method().to_owned();
+        let id = request.id().map(|it| json!(it));
+        tracing::debug!(method, ?id, "received");
+        if let Some((code, why)) = self.refusal(&method) {
+            if let Some(id) = &id {
+                self.refuse(id, code, why);
+            }
+            return None;
+        }
+        let params = request.params().cloned_if(&method);
+        if let Some(params) = &params {
+            lock(&self.spelling).learn(&method, params);
+        }
+        if method == "initialize"
+            && let Some(params) = params
+        {
+            self.watch_client(&params["processId"]);
+            self.initialize.get_or_init(|| params);
+        }
+        let document = mended.then(|| document_of(&request)).flatten();
+        let ready = std::future::poll_fn(|context| self.service.poll_ready(context));
+        if ready.await.is_err() {
+            self.phase = Phase::Exited;
+            return None;
+        }
+        let mut call = answered(self.service.call(request), id, method.clone());
+        // A message takes its place in the queue before it first waits. So messages keep their order.
+        let first = match method.as_str() {
+            // What follows these depends on what comes of them.
+            "initialize" | "shutdown" => Poll::Ready((&mut call).await),
+            _ => futures_util::poll!(&mut call),
+        };
+        match (method.as_str(), &first) {
+            ("initialize", Poll::Ready(Some(answer))) if answer.get("result").is_some() => {
+                self.phase = Phase::Serving;
+            }
+            ("shutdown", _) => self.phase = Phase::ShutDown,
+            ("exit", _) => self.phase = Phase::Exited,
+            _ => {}
+        }
+        if let Some(document) = document {
+            self.service.inner().mended(document);
+        }
+        match first {
+            Poll::Ready(answer) => {
+                self.answer(answer);
+                None
+            }
+            Poll::Pending => Some(call),
+        }
+    }
+
+    fn watch_client(&mut self, process: &Value) {
+        if let (Some(id), Some(tell)) = (process.as_i64(), self.client_gone.take()) {
+            let gone = client_process::gone(id);
+            tokio::spawn(async move {
+                if gone.await.is_ok() {
+                    // Fails when the session has ended.
+                    let _ = tell.send(());
+                }
+            });
+        }
+    }
+
+    /// Why a method is not served now, or never.
+    fn refusal(&self, method: &str) -> Option<(i64, &'static str)> {
+        if method == "exit" {
+            return None;
+        }
+        match self.phase {
+            Phase::Before if method != "initialize" => {
+                let why = "the server is not initialized: `initialize` comes first";
+                Some((code::NOT_INITIALIZED, why))
+            }
+            Phase::Serving if method == "initialize" => {
+                Some((code::INVALID_REQUEST, "the server is initialized already"))
+            }
+            Phase::ShutDown | Phase::Exited => {
+                let why = "the server was shut down: only `exit` may follow";
+                Some((code::INVALID_REQUEST, why))
+            }
+            _ => None,
+        }
+    }
+}
+
+/// Parameters are kept where something is learnt from them.
+trait ClonedIf {
+    fn cloned_if(self, method: &str) -> Option<Value>;
+}
+
+impl ClonedIf for Option<&Value> {
+    fn cloned_if(self, method: &str) -> Option<Value> {
+        match method {
+            "initialize" | "workspace/didChangeWorkspaceFolders" => self.cloned(),
+            "textDocument/didOpen" => {
+                let uri = &self?["textDocument"]["uri"];
+                Some(json!({ "textDocument": { "uri": uri } }))
+            }
+            _ => None,
+        }
+    }
+}
+
+/// The document whose text a notification changes.
+fn document_of(request: &Request) -> Option<Uri> {
+    let changes = matches!(
+        request.method(),
+        "textDocument/didOpen" | "textDocument/didChange"
+    );
+    let params = request.params().filter(|_| changes)?;
+    let uri = &params["textDocument"]["uri"];
+    serde_json::from_value(uri.clone()).ok()
+}
+
+/// Sees to it that what has an `id` gets an answer.
+fn answered<E: Send + 'static>(
+    call: impl Future<Output = Result<Option<Response>, E>> + Send + 'static,
+    id: Option<Value>,
+    method: String,
+) -> Call {
+    Box::pin(async move {
+        let answer = call.await.ok().flatten();
+        let answer = answer.and_then(|it| serde_json::to_value(it).ok());
+        match (answer, id) {
+            (Some(answer), _) => Some(answer),
+            (None, None) => None,
+            // The library is silent to unknown methods of the protocol itself, and to notifications.
+            (None, Some(id)) if method.starts_with("$/") && method != "$/cancelRequest" => {
+                let message = format!("there is no method `{method}`");
+                Some(failure(&id, code::METHOD_NOT_FOUND, &message))
+            }
+            (None, Some(id)) if method == "shutdown" => Some(failure(
+                &id,
+                code::INTERNAL_ERROR,
+                "the server cannot be shut down",
+            )),
+            (None, Some(id)) => Some(json!({ "jsonrpc": "2.0", "id": id, "result": null })),
+        }
+    })
+}
+
+/// Sends answers and the server's own messages, until there can be no more.
+async fn write(
+    output: impl AsyncWrite,
+    mut answers: UnboundedReceiver<Value>,
+    mut requests: impl Stream<Item = Request> + Unpin,
+    spelling: Arc<Mutex<Spelling>>,
+) -> std::io::Result<()> {
+    tokio::pin!(output);
+    let mut open = true;
+    loop {
+        let message = tokio::select! {
+            answer = answers.recv() => match answer {
+                Some(answer) => answer,
+                None => break,
+            },
+            request = requests.next(), if open => match request {
+                Some(request) => json!(request),
+                None => {
+                    open = false;
+                    continue;
+                }
+            },
+        };
+        send(output.as_mut(), message, &spelling).await?;
+    }
+    while open && let Some(Some(request)) = requests.next().now_or_never() {
+        send(output.as_mut(), json!(request), &spelling).await?;
+    }
+    output.flush().await
+}
+
+async fn send(
+    mut output: std::pin::Pin<&mut impl AsyncWrite>,
+    mut message: Value,
+    spelling: &Mutex<Spelling>,
+) -> std::io::Result<()> {
+    let before = lock(spelling).apply(&mut message);
+    for message in before.iter().chain([&message]) {
+        let body = message.to_string();
+        let head = format!("Content-Length: {}\r\n\r\n", body.len());
+        output.write_all(head.as_bytes()).await?;
+        output.write_all(body.as_bytes()).await?;
+    }
+    output.flush().await
+}
+
+fn lock(spelling: &Mutex<Spelling>) -> std::sync::MutexGuard<'_, Spelling> {
+    spelling.lock().unwrap_or_else(PoisonError::into_inner)
+}

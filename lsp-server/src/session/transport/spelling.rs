@@ -1,0 +1,217 @@
+//! One URI for each file: as the client writes it.
+//!
+//! `file:///a+b.gen` and `file:///a%2Bb.gen` are one file. The server knows paths and writes URIs in its
+//! own way; here every one that leaves gets the spelling that the client has used for the file, or for
+//! the folder it is in. Editors keep what they are told by spelling, so two of them would be two sets of
+//! diagnostics.
+
+use camino::{Utf8Path, Utf8PathBuf};
+use rustc_hash::FxHashMap;
+use serde_json::{Value, json};
+
+use crate::protocol::convert::uri;
+use crate::protocol::types::Uri;
+
+/// Fields whose value is a URI.
+const FIELDS: [&str; 6] = [
+    "uri",
+    "targetUri",
+    "oldUri",
+    "newUri",
+    "scopeUri",
+    "baseUri",
+];
+
+const PUBLISH: &str = "textDocument/publishDiagnostics";
+
+/// What is known of the client's spelling.
+#[derive(Debug, Default)]
+pub(super) struct Spelling {
+    files: FxHashMap<Utf8PathBuf, String>,
+    folders: FxHashMap<Utf8PathBuf, String>,
+    /// Files that have diagnostics at the client, with the URI they were sent under.
+    published: FxHashMap<Utf8PathBuf, String>,
+}
+
+impl Spelling {
+    /// Learns from a message of the client.
+    pub(super) fn learn(&mut self, method: &str, params: &Value) {
+        match method {
+            "initialize" => {
+                self.learn_folder(&params["rootUri"]);
+                self.learn_folders(&params["workspaceFolders"]);
+            }
+            "workspace/didChangeWorkspaceFolders" => {
+                self.learn_folders(&params["event"]["added"]);
+            }
+            "textDocument/didOpen" => {
+                if let Some((path, text)) = file(&params["textDocument"]["uri"]) {
+                    self.files.insert(path, text.to_owned());
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn learn_folders(&mut self, folders: &Value) {
+        for folder in folders.as_array().into_iter().flatten() {
+            self.learn_folder(&folder["uri"]);
+        }
+    }
+
+    fn learn_folder(&mut self, folder: &Value) {
+        if let Some((path, text)) = file(folder) {
+            let text = text.trim_end_matches('/').to_owned();
+            self.folders.insert(path, text);
+        }
+    }
+
+    /// Brings a message to the client in its spelling. Diagnostics that are there under another one are
+    /// to be taken back first, by the message that is returned.
+    pub(super) fn apply(&mut self, message: &mut Value) -> Option<Value> {
+        if !self.files.is_empty() || !self.folders.is_empty() {
+            for part in ["params", "result"] {
+                if let Some(part) = message.get_mut(part) {
+                    self.rewrite(part);
+                }
+            }
+        }
+        if message["method"] != PUBLISH {
+            return None;
+        }
+        let params = &message["params"];
+        let (path, text) = file(&params["uri"])?;
+        let empty = params["diagnostics"].as_array().is_none_or(Vec::is_empty);
+        let before = match empty {
+            true => self.published.remove(&path),
+            false => self.published.insert(path, text.to_owned()),
+        };
+        let before = before.filter(|it| it != text)?;
+        Some(json!({
+            "jsonrpc": "2.0",
+            "method": PUBLISH,
+            "params": { "uri": before, "diagnostics": [] },
+        }))
+    }
+
+    fn rewrite(&self, value: &mut Value) {
+        match value {
+            Value::Array(values) => values.iter_mut().for_each(|it| self.rewrite(it)),
+            Value::Object(fields) => {
+                // The edits of a workspace edit by URI.
+                if let Some(Value::Object(changes)) = fields.get_mut("changes") {
+                    let old = std::mem::take(changes);
+                    let renamed = |(key, value): (String, Value)| {
+                        let own = self.spell(&key);
+                        (own.unwrap_or(key), value)
+                    };
+                    *changes = old.into_iter().map(renamed).collect();
+                }
+                for (name, value) in fields {
+                    match value {
+                        Value::String(text) if FIELDS.contains(&name.as_str()) => {
+                            if let Some(own) = self.spell(text) {
+                                *text = own;
+                            }
+                        }
+                        value => self.rewrite(value),
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// The client's spelling of a URI, if it is another one.
+    fn spell(&self, text: &str) -> Option<String> {
+        let path = path(text)?;
+        let spelt = match self.files.get(&path) {
+            Some(own) => own.clone(),
+            None => {
+                let folder = path
+                    .ancestors()
+                    .find_map(|it| self.folders.get_key_value(it));
+                let (folder, own) = folder?;
+                // The rest of the path is spelt as the server does it.
+                let server = uri::from_path(folder)?;
+                let rest = text.strip_prefix(server.as_str().trim_end_matches('/'))?;
+                format!("{own}{rest}")
+            }
+        };
+        (spelt != text).then_some(spelt)
+    }
+}
+
+fn file(value: &Value) -> Option<(Utf8PathBuf, &str)> {
+    let text = value.as_str()?;
+    Some((path(text)?, text))
+}
+
+fn path(text: &str) -> Option<Utf8PathBuf> {
+    let scheme = text.get(..5)?;
+    if !scheme.eq_ignore_ascii_case("file:") {
+        return None;
+    }
+    let uri: Uri = text.parse().ok()?;
+    let path = uri::to_path(&uri);
+    (!uri::is_virtual(Utf8Path::new(&path))).then_some(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn publish(uri: &str, count: usize) -> Value {
+        let diagnostics = vec![json!({ "message": uri }); count];
+        json!({ "method": PUBLISH, "params": { "uri": uri, "diagnostics": diagnostics } })
+    }
+
+    fn opened(uri: &str) -> Value {
+        json!({ "textDocument": { "uri": uri } })
+    }
+
+    #[test]
+    fn uris_leave_as_they_came() {
+        let mut spelling = Spelling::default();
+        spelling.learn("initialize", &json!({ "rootUri": "file:///%77%2bx/" }));
+        let opened = opened("file:///%77%2bx/a%3Ab.gen");
+        spelling.learn("textDocument/didOpen", &opened);
+        let server = |path: &str| uri::from_path(path.into()).expect("a URI").to_string();
+        let (open, other, apart) = (
+            server("/w+x/a:b.gen"),
+            server("/w+x/sub/c.gen"),
+            server("/o+.gen"),
+        );
+        let mut message = json!({ "result": [
+            { "uri": open, "message": open },
+            { "targetUri": other },
+            { "changes": { (open.clone()): [], (apart.clone()): [] } },
+        ]});
+        assert_eq!(spelling.apply(&mut message), None);
+        let client = "file:///%77%2bx/a%3Ab.gen";
+        assert_eq!(
+            message["result"],
+            json!([
+                { "uri": client, "message": open },
+                { "targetUri": "file:///%77%2bx/sub/c.gen" },
+                { "changes": { (client): [], (apart): [] } },
+            ])
+        );
+    }
+
+    #[test]
+    fn a_new_spelling_takes_the_old_diagnostics_along() {
+        let mut spelling = Spelling::default();
+        spelling.learn("textDocument/didOpen", &opened("file:///x.gen"));
+        assert_eq!(spelling.apply(&mut publish("file:///a+b.gen", 1)), None);
+        spelling.learn("textDocument/didOpen", &opened("file:///a%2Bb.gen"));
+        let mut again = publish("file:///a+b.gen", 1);
+        let before = spelling.apply(&mut again).expect("a message");
+        assert_eq!(
+            before["params"],
+            json!({ "uri": "file:///a+b.gen", "diagnostics": [] })
+        );
+        assert_eq!(again["params"]["uri"], "file:///a%2Bb.gen");
+        assert_eq!(spelling.apply(&mut publish("file:///a+b.gen", 0)), None);
+    }
+}

@@ -1,0 +1,228 @@
+//! Verification on edit: after a pause in typing every scenario that concerns an open document, and
+//! every open specification with timing that no scenario uses, is verified beside everything else.
+//!
+//! The writer owns a [`Verifier`]; requests see its [`Results`] in their snapshot. An edit of a file
+//! that a verification read cancels it at once and makes its answer *stale*; the answer is taken
+//! back into use when what it was computed from turns out the same, now or later.
+
+mod job;
+
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+use std::time::Duration;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use tokio::sync::mpsc::UnboundedSender;
+
+use crate::config::Verification as Settings;
+use crate::features::verification::problems::Wanted;
+use crate::protocol::messages::{VerificationStatus, VerificationStatusParams};
+use crate::protocol::outbox::Outbox;
+use crate::session::writer::Event;
+use crate::verification::results::{Answer, Entry, Results, Status};
+use crate::verification::run::Found;
+
+pub(crate) use job::Verified;
+
+/// The pause in typing that is waited for.
+pub(crate) const DEBOUNCE: Duration = Duration::from_millis(200);
+
+/// Answers that are kept for the case that an edit is taken back.
+const REMEMBERED: usize = 24;
+
+/// See the module.
+#[derive(Default)]
+pub(crate) struct Verifier {
+    results: Arc<Results>,
+    remembered: VecDeque<Arc<Answer>>,
+    jobs: u64,
+    told: Told,
+}
+
+/// What the client was told last, by document; `None` if it does not want to be told.
+type Told = Option<BTreeMap<Utf8PathBuf, VerificationStatusParams>>;
+
+impl Verifier {
+    /// Learns whether the client wants to be told where verifications stand.
+    pub(crate) fn initialize(&mut self, tell: bool) {
+        self.told = tell.then(BTreeMap::new);
+    }
+
+    /// For snapshots.
+    pub(crate) fn results(&self) -> &Arc<Results> {
+        &self.results
+    }
+
+    /// Files have changed: what was computed from them is stale, and work on it ends. Whether
+    /// anything shown was concerned.
+    pub(crate) fn touched(&mut self, files: &[Utf8PathBuf], outbox: &Outbox) -> bool {
+        let read = |entry: &Entry| files.iter().any(|it| entry.problem.reads(it));
+        if !self.results.values().any(read) {
+            return false;
+        }
+        let mut changed = false;
+        for (path, entry) in Arc::make_mut(&mut self.results) {
+            if entry.status != Status::Stale && read(entry) {
+                entry.cancel.abandon();
+                entry.status = Status::Stale;
+                entry.holds = false;
+                changed = true;
+                notify(&mut self.told, path, entry, outbox);
+            }
+        }
+        changed
+    }
+
+    /// Starts what is new, cancels what nobody wants any more, and takes back into use what is known.
+    pub(crate) fn start(
+        &mut self,
+        wanted: Vec<Wanted>,
+        settings: &Settings,
+        outbox: &Outbox,
+        events: &UnboundedSender<Event>,
+    ) {
+        let options = settings.options();
+        let results = Arc::make_mut(&mut self.results);
+        results.retain(|path, entry| {
+            let stays = wanted.iter().any(|it| it.path == *path);
+            if !stays {
+                entry.cancel.abandon();
+                self.told.iter_mut().for_each(|it| drop(it.remove(path)));
+            }
+            stays
+        });
+        for Wanted {
+            path,
+            version,
+            problem,
+        } in wanted
+        {
+            let before = results.remove(&path);
+            if let Some(mut entry) = before.clone()
+                && entry.problem.is_same(&problem)
+                && entry.options == options
+                && (entry.status == Status::Running || entry.settled().is_some())
+                && !entry.cancel.is_abandoned()
+            {
+                entry.version = version;
+                // The same, but perhaps in other places.
+                entry.problem = Arc::new(problem);
+                notify(&mut self.told, &path, &entry, outbox);
+                results.insert(path, entry);
+                continue;
+            }
+            if let Some(entry) = &before {
+                entry.cancel.abandon();
+            }
+            self.jobs += 1;
+            let mut known = self.remembered.iter();
+            let known = known.find(|it| it.problem.is_same(&problem) && it.options == options);
+            let known = known.cloned();
+            let status = match &known {
+                _ if !problem.errors.is_empty() => Status::Blocked,
+                Some(answer) => answer.status(),
+                None => Status::Running,
+            };
+            let bounds = known.as_ref().map(|it| it.bounds.clone());
+            let holds = known.is_some();
+            let entry = Entry {
+                status,
+                version,
+                // Where places in the text are taken from must be the present text.
+                problem: Arc::new(problem),
+                answer: match status {
+                    Status::Blocked => None,
+                    _ => known.or(before.and_then(|it| it.answer)),
+                },
+                holds,
+                bounds: bounds.unwrap_or_default(),
+                options: options.clone(),
+                job: self.jobs,
+                cancel: Arc::default(),
+            };
+            notify(&mut self.told, &path, &entry, outbox);
+            if status == Status::Running {
+                let job = job::Job {
+                    path: path.clone(),
+                    number: entry.job,
+                    problem: entry.problem.clone(),
+                    options: options.clone(),
+                    limit: settings.time_limit(),
+                };
+                job.spawn(entry.cancel.clone(), events.clone(), outbox.runtime());
+            }
+            results.insert(path, entry);
+        }
+    }
+
+    /// Ends everything.
+    pub(crate) fn stop(&mut self) -> bool {
+        let any = !self.results.is_empty();
+        for entry in std::mem::take(&mut self.results).values() {
+            entry.cancel.abandon();
+        }
+        self.remembered.clear();
+        any
+    }
+
+    /// Takes over what was found; whether it is what was waited for.
+    pub(crate) fn finish(&mut self, it: Verified, outbox: &Outbox) -> bool {
+        let Some(entry) = self.results.get(&it.path) else {
+            return false;
+        };
+        if entry.job != it.number || entry.cancel.is_abandoned() {
+            return false;
+        }
+        let results = Arc::make_mut(&mut self.results);
+        let Some(entry) = results.get_mut(&it.path) else {
+            return false;
+        };
+        match it.found {
+            Found::Bounds(bounds) => entry.bounds = bounds,
+            // On its way when the whole answer came.
+            Found::SoFar(_) if entry.status != Status::Running => return false,
+            Found::SoFar(answer) => (entry.answer, entry.holds) = (Some(answer), true),
+            Found::Answer(answer) => {
+                self.remembered.retain(|it| {
+                    !it.problem.is_same(&answer.problem) || it.options != answer.options
+                });
+                self.remembered.push_front(answer.clone());
+                self.remembered.truncate(REMEMBERED);
+                entry.status = answer.status();
+                (entry.answer, entry.holds) = (Some(answer), true);
+            }
+        }
+        notify(&mut self.told, &it.path, entry, outbox);
+        true
+    }
+}
+
+impl Drop for Verifier {
+    /// The work ends with the server.
+    fn drop(&mut self) {
+        self.stop();
+    }
+}
+
+fn notify(told: &mut Told, path: &Utf8Path, entry: &Entry, outbox: &Outbox) {
+    let (Some(uri), Some(told)) = (crate::protocol::convert::uri::from_path(path), told) else {
+        return;
+    };
+    let (known, settled) = (entry.known(), entry.settled());
+    let params = VerificationStatusParams {
+        uri,
+        version: entry.version,
+        status: entry.status,
+        scenario: entry.problem.scenario.name.clone(),
+        written: entry.problem.is_written(),
+        answered: known.map(|it| it.report.answered()),
+        checks: known.map(|it| it.report.checks.len()),
+        minimum_cores: settled.and_then(|it| it.cores.as_ref()?.cores),
+        states: settled.map(|it| it.report.states),
+        seconds: settled.map(|it| it.report.seconds),
+    };
+    if told.get(path) != Some(&params) {
+        told.insert(path.to_owned(), params.clone());
+        outbox.notify::<VerificationStatus>(params);
+    }
+}

@@ -1,0 +1,87 @@
+//! The work itself: quick bounds, the exact answer, then the number of cores.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use camino::Utf8PathBuf;
+use dotgen_timing::verify::{Cancel, Options};
+use tokio::runtime::Handle;
+use tokio::sync::mpsc::{UnboundedSender, WeakUnboundedSender};
+
+use crate::panic;
+use crate::session::writer::Event;
+use crate::verification::Problem;
+use crate::verification::run::{Found, run};
+
+/// Answers that come sooner after others than this are told with them.
+const PACE: Duration = Duration::from_millis(50);
+
+/// News of a job.
+pub(crate) struct Verified {
+    pub(crate) path: Utf8PathBuf,
+    pub(crate) number: u64,
+    pub(crate) found: Found,
+}
+
+pub(super) struct Job {
+    pub(super) path: Utf8PathBuf,
+    pub(super) number: u64,
+    pub(super) problem: Arc<Problem>,
+    pub(super) options: Options,
+    pub(super) limit: Duration,
+}
+
+impl Job {
+    pub(super) fn spawn(
+        self,
+        cancel: Arc<Cancel>,
+        events: UnboundedSender<Event>,
+        runtime: &Handle,
+    ) {
+        // The writer goes when its queue is dropped: a job must not keep it.
+        let events = events.downgrade();
+        let pace = runtime.clone();
+        runtime.spawn_blocking(move || {
+            let Job {
+                path,
+                number,
+                problem,
+                options,
+                limit,
+            } = self;
+            // The last part of an answer that was not told yet.
+            let held: Arc<Mutex<Option<Verified>>> = Arc::default();
+            let send = |events: &WeakUnboundedSender<Event>, it: Verified| {
+                if let Some(events) = events.upgrade() {
+                    let _ = events.send(Event::Verified(Box::new(it)));
+                }
+            };
+            let tell = |found: Found| {
+                let part = matches!(found, Found::SoFar(_));
+                let it = Verified {
+                    path: path.clone(),
+                    number,
+                    found,
+                };
+                if !part {
+                    return send(&events, it);
+                }
+                if lock(&held).replace(it).is_none() {
+                    let (held, events) = (held.clone(), events.clone());
+                    pace.spawn(async move {
+                        tokio::time::sleep(PACE).await;
+                        let it = lock(&held).take();
+                        it.into_iter().for_each(|it| send(&events, it));
+                    });
+                }
+            };
+            if let Err(message) = panic::isolate(|| run(problem, options, limit, &cancel, tell)) {
+                tracing::error!(%path, "verification panicked: {message}");
+            }
+        });
+    }
+}
+
+fn lock<T>(it: &Mutex<T>) -> MutexGuard<'_, T> {
+    it.lock().unwrap_or_else(PoisonError::into_inner)
+}

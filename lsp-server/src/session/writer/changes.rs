@@ -1,0 +1,256 @@
+//! What changes: documents, files on disk, folders, settings, the root a file is shown as included by.
+
+use std::sync::Arc;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_codegen::template::files::SCRIPT;
+use serde_json::Value;
+
+use super::{Event, State};
+use crate::features::codels;
+use crate::files::vfs;
+use crate::protocol::convert::uri;
+use crate::protocol::messages::DocumentText;
+use crate::protocol::types::*;
+use crate::session::capabilities::is_watched;
+use crate::workspace::documents::Edited;
+use crate::workspace::snapshot::{DocumentKind, OpenFile};
+use crate::workspace::templates;
+
+/// Changes, by cause.
+pub(crate) enum Mutation {
+    /// `didOpen`
+    Open(DidOpenTextDocumentParams),
+    /// `didChange`
+    Change(DidChangeTextDocumentParams),
+    /// The last change of a document brought something that is no text, and was mended.
+    Mended(Uri),
+    /// The client has sent the text of such a document again.
+    SentAgain(Uri, Option<DocumentText>),
+    /// `didSave`
+    Saved(Uri),
+    /// `didClose`
+    Close(DidCloseTextDocumentParams),
+    /// `didChangeWatchedFiles`
+    Watched(DidChangeWatchedFilesParams),
+    /// Settings pushed with `didChangeConfiguration`.
+    SettingsPushed(Value),
+    /// Settings pulled with `workspace/configuration`: for all, then by folder.
+    SettingsPulled(Vec<Value>),
+    /// `didChangeWorkspaceFolders`
+    Folders(DidChangeWorkspaceFoldersParams),
+    /// The files of the workspace were listed.
+    Scanned(Vec<Utf8PathBuf>),
+    /// A file is to be shown as included by a root; `None` lets dotgen choose.
+    Choose(Utf8PathBuf, Option<Utf8PathBuf>),
+}
+
+impl State {
+    pub(super) fn mutate(&mut self, mutation: Mutation) {
+        match mutation {
+            Mutation::Open(params) => {
+                let document = params.text_document;
+                let path = uri::to_path(&document.uri);
+                let file = OpenFile {
+                    uri: document.uri,
+                    version: document.version,
+                    kind: self.kind(&path, &document.language_id),
+                };
+                self.documents.open(path.clone(), file, document.text);
+                self.publisher.reopen(&path);
+                self.mended.remove(&path);
+                if self.workspace.adopt(&path) {
+                    self.reconfigure();
+                }
+                self.pending.roots = true;
+                self.touch(path);
+            }
+            Mutation::Change(params) => {
+                let path = uri::to_path(&params.text_document.uri);
+                let version = params.text_document.version;
+                let encoding = self.client.encoding;
+                if self.mended.contains(&path) {
+                    self.ask_for_text(params.text_document.uri);
+                }
+                match self
+                    .documents
+                    .edit(&path, version, params.content_changes, encoding)
+                {
+                    Edited::Changed => self.touch(path),
+                    Edited::Lost => {
+                        tracing::error!(%path, version, "an edit does not fit; document dropped");
+                        self.publisher.clear(&path, &self.outbox);
+                        self.touch(path);
+                    }
+                    Edited::Ignored => tracing::warn!(%path, version, "edit ignored"),
+                }
+            }
+            Mutation::Mended(uri) => self.mended(uri),
+            Mutation::SentAgain(uri, sent) => self.sent_again(&uri, sent),
+            Mutation::Saved(uri) => self.saved(&uri),
+            Mutation::Close(params) => {
+                let path = uri::to_path(&params.text_document.uri);
+                self.mended.remove(&path);
+                if self.documents.close(&path) {
+                    self.pending.roots = true;
+                    self.publisher.forget(&path);
+                    self.pending.files.insert(path);
+                }
+            }
+            Mutation::Watched(params) => self.watched(params.changes),
+            Mutation::SettingsPushed(settings) => {
+                // A client that is asked for settings says null here, or repeats a part of them.
+                if self.client.configuration {
+                    self.pull_settings();
+                } else {
+                    self.set_editor_settings(&[settings]);
+                }
+            }
+            Mutation::SettingsPulled(settings) => {
+                self.set_editor_settings(&settings);
+            }
+            Mutation::Folders(params) => {
+                self.workspace.change_folders(&params.event);
+                self.reconfigure();
+                self.pull_settings();
+                self.scan();
+            }
+            Mutation::Choose(file, root) => {
+                self.chosen.retain(|it| it.0 != file);
+                self.chosen.extend(root.map(|root| (file.clone(), root)));
+                self.pending.chosen = true;
+                self.pending.files.insert(file);
+            }
+            Mutation::Scanned(files) => {
+                let configured = self.workspace.set_files(files);
+                self.pending.roots = true;
+                match configured {
+                    true => self.reconfigure(),
+                    false => self.register_documents(),
+                }
+                self.listings = self.listings.saturating_sub(1);
+                if self.listings == 0 {
+                    for read in std::mem::take(&mut self.waiting) {
+                        self.admit(read);
+                    }
+                }
+            }
+        }
+    }
+
+    pub(super) fn touch(&mut self, path: Utf8PathBuf) {
+        let is_specification = self.kind_of(&path) == DocumentKind::Specification;
+        if is_specification && self.active.as_ref() != Some(&path) {
+            self.active = Some(path.clone());
+            self.pending.active = true;
+        }
+        self.pending.files.insert(path);
+    }
+
+    /// What an open document is.
+    pub(super) fn kind_of(&self, path: &Utf8Path) -> DocumentKind {
+        let open = self.documents.open_files().get(path);
+        open.map_or(DocumentKind::Specification, |it| it.kind)
+    }
+
+    /// What a document is that is being opened.
+    fn kind(&self, path: &Utf8Path, language: &str) -> DocumentKind {
+        if language == templates::LANGUAGE {
+            return DocumentKind::Source;
+        }
+        let is_code = codels::is_code(path, Some(language));
+        // Codels that lie below a template remain codels.
+        let is_codel = || {
+            let home = (self.config.codels.as_ref()).and_then(|it| codels::home(it, path));
+            home.is_some_and(|it| !vfs::specifications_in(&it).is_empty())
+        };
+        if templates::is_template(&self.workspace.templates, path) && !(is_code && is_codel()) {
+            return DocumentKind::Template;
+        }
+        match is_code {
+            true => DocumentKind::Code,
+            false => DocumentKind::Specification,
+        }
+    }
+
+    fn watched(&mut self, changes: Vec<FileEvent>) {
+        let mut matters = false;
+        for change in changes {
+            let path = uri::to_path(&change.uri);
+            if change.typ == FileChangeType::DELETED {
+                matters |= self.gone(&path);
+            }
+            if !is_watched(&path) {
+                continue;
+            }
+            matters = true;
+            if path.file_name() == Some(crate::config::FILE_NAME) {
+                self.workspace.reload_files(&path);
+                self.reconfigure();
+                continue;
+            }
+            if path.file_name() == Some(SCRIPT) && self.workspace.contains(&path) {
+                let templates = Arc::make_mut(&mut self.workspace.templates);
+                if templates.add(&path) {
+                    self.register_documents();
+                }
+            }
+            match path.extension() {
+                Some("pc") => self.pending.packages = true,
+                Some("scn") if change.typ == FileChangeType::DELETED => {
+                    Arc::make_mut(&mut self.workspace.scenarios).remove(&path);
+                }
+                Some("scn") if self.workspace.contains(&path) => {
+                    Arc::make_mut(&mut self.workspace.scenarios).insert(path.clone());
+                }
+                Some("gen") if change.typ == FileChangeType::DELETED => {
+                    self.pending.roots |= self.workspace.files.remove(&path);
+                }
+                Some("gen") if self.workspace.contains(&path) => {
+                    self.pending.roots |= self.workspace.files.insert(path.clone());
+                }
+                _ => {}
+            }
+            if self.documents.text(&path).is_none() {
+                self.pending.files.insert(path);
+            }
+        }
+        self.publisher.refresh_wanted |= matters;
+    }
+
+    /// A file or a folder was deleted. Whether anything was known of it.
+    fn gone(&mut self, path: &Utf8Path) -> bool {
+        let mut known = self.host.known_at(path);
+        known.retain(|it| self.documents.text(it).is_none());
+        let found = self.workspace.remove(path) || !known.is_empty();
+        self.pending.roots |= found;
+        self.pending.files.extend(known);
+        found
+    }
+
+    /// Lists the files of the workspace folders, with progress.
+    pub(super) fn scan(&mut self) {
+        let folders = self.workspace.scanned_folders();
+        let Some(events) = self.events.upgrade().filter(|_| !folders.is_empty()) else {
+            return;
+        };
+        self.listings += 1;
+        let wants_progress = self.client.progress;
+        self.outbox.converse(move |client| async move {
+            let progress =
+                crate::protocol::progress::begin(&client, wants_progress, "Indexing").await;
+            let listing = tokio::task::spawn_blocking(move || {
+                let below = |it: &Utf8PathBuf| vfs::files_below(it, &["gen", "scn", "tcl", "toml"]);
+                folders.iter().flat_map(below).collect::<Vec<_>>()
+            });
+            let files = listing.await.unwrap_or_default();
+            let specifications = files.iter().filter(|it| it.extension() == Some("gen"));
+            let summary = match specifications.count() {
+                1 => "1 specification".to_owned(),
+                count => format!("{count} specifications"),
+            };
+            let _ = events.send(Event::Mutation(Mutation::Scanned(files)));
+            crate::protocol::progress::end(progress, summary).await;
+        });
+    }
+}

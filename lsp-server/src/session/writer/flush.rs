@@ -1,0 +1,90 @@
+//! Brings the database up to date with what has changed.
+
+use std::sync::Arc;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::host::Change;
+use rustc_hash::FxHashSet;
+
+use super::State;
+use super::session::Stale;
+use crate::features::codels;
+use crate::files::vfs;
+use crate::workspace::snapshot::DocumentKind;
+
+/// What the database does not know yet.
+#[derive(Default)]
+pub(super) struct Pending {
+    pub(super) files: FxHashSet<Utf8PathBuf>,
+    pub(super) roots: bool,
+    pub(super) config: bool,
+    pub(super) packages: bool,
+    pub(super) active: bool,
+    pub(super) chosen: bool,
+}
+
+impl State {
+    /// Brings the database up to date.
+    pub(super) fn flush(&mut self) {
+        let pending = std::mem::take(&mut self.pending);
+        if !(pending.roots || pending.config || pending.packages || !pending.files.is_empty()) {
+            return;
+        }
+        if pending.roots {
+            let open = self.documents.open_files().keys();
+            let open = open.filter(|it| {
+                !self.documents.is_lost(it)
+                    && it.extension() != Some(crate::verification::problem::EXTENSION)
+                    && !self.kind_of(it).is_template()
+            });
+            let (code, open): (Vec<_>, Vec<_>) =
+                open.partition(|it| self.kind_of(it) == DocumentKind::Code);
+            let mut roots: Vec<_> = self.workspace.files.iter().chain(open).cloned().collect();
+            // Without a folder that is searched, a source still finds its specification.
+            let homes = self.config.codels.iter().flat_map(|config| {
+                let home = |it: &&Utf8PathBuf| codels::home(config, it);
+                code.iter().filter_map(home)
+            });
+            roots.extend(homes.flat_map(|it| vfs::specifications_in(&it)));
+            roots.sort();
+            roots.dedup();
+            self.roots = Arc::new(roots);
+        }
+        let mut pending = pending;
+        if pending.config {
+            // A text that was too large may no longer be.
+            let open = self.documents.open_files().keys();
+            pending.files.extend(open.cloned());
+        }
+        let touched: Vec<Utf8PathBuf> = pending.files.iter().cloned().collect();
+        if self.verifier.touched(&touched, &self.outbox) {
+            self.show_verification();
+        }
+        let text = |path: &Utf8Path| match self.documents.text(path) {
+            Some(text) => Some(text.to_string()),
+            // Nothing true can be said about a document that is out of step.
+            None => self.documents.is_lost(path).then(String::new),
+        };
+        let files = pending.files.into_iter().map(|it| (text(&it), it));
+        let change = Change {
+            files: files.map(|(text, path)| (path, text)).collect(),
+            roots: pending.roots.then(|| self.roots.to_vec()),
+            active: self.active.clone().filter(|_| pending.active),
+            chosen: pending.chosen.then(|| self.chosen.clone()),
+            config: pending.config.then(|| self.config.for_analysis()),
+            reload_packages: pending.packages,
+        };
+        {
+            let _span = tracing::debug_span!("apply", files = change.files.len()).entered();
+            self.host.apply(change);
+        }
+        self.revision += 1;
+        self.revisions.send_replace(self.revision);
+        self.publisher
+            .changed(self.revision, &self.outbox, &self.events);
+        self.schedule_verification();
+        if std::mem::take(&mut self.publisher.refresh_wanted) {
+            self.refresh(Stale::Meaning);
+        }
+    }
+}

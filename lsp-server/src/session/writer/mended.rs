@@ -1,0 +1,76 @@
+//! Documents that came with half a character, which is no text.
+//!
+//! An edit that cuts a surrogate pair in two leaves `\ud83d` alone, and the next one may bring the other
+//! half. The server has U+FFFD for each, at the right place; only the client knows what they make
+//! together. It is asked, and where it cannot be, the file tells when it is saved.
+
+use super::{Event, Mutation, State};
+use crate::files::vfs;
+use crate::protocol::convert::uri;
+use crate::protocol::messages::{DocumentText, DocumentTextRequest};
+use crate::protocol::types::{TextDocumentContentChangeEvent, TextDocumentIdentifier, Uri};
+use dotgen_analysis::host::FileContent;
+
+impl State {
+    /// The last change of a document was mended.
+    pub(super) fn mended(&mut self, uri: Uri) {
+        let path = uri::to_path(&uri);
+        // Of a document that is marked already, the change itself has asked.
+        if self.documents.open_files().contains_key(&path) && self.mended.insert(path) {
+            self.ask_for_text(uri);
+        }
+    }
+
+    /// Asks the client for the whole text of a document.
+    pub(super) fn ask_for_text(&mut self, uri: Uri) {
+        let Some(events) = self.events.upgrade().filter(|_| self.client.document_text) else {
+            return;
+        };
+        self.outbox.converse(move |client| async move {
+            let params = TextDocumentIdentifier { uri: uri.clone() };
+            let sent = client.send_request::<DocumentTextRequest>(params).await;
+            let sent = sent.unwrap_or_else(|error| {
+                tracing::warn!("the client does not send the text again: {error}");
+                None
+            });
+            // Fails only after `exit`.
+            let _ = events.send(Event::Mutation(Mutation::SentAgain(uri, sent)));
+        });
+    }
+
+    /// The text as the client has it. It counts if it is that of the last change that arrived; else the
+    /// next change asks again.
+    pub(super) fn sent_again(&mut self, uri: &Uri, sent: Option<DocumentText>) {
+        let path = uri::to_path(uri);
+        let open = self.documents.open_files().get(&path);
+        let Some(sent) = sent.filter(|it| open.is_some_and(|open| open.version == it.version))
+        else {
+            return;
+        };
+        self.mended.remove(&path);
+        self.replace_text(&path, sent.version, sent.text);
+    }
+
+    /// What was saved is the text.
+    pub(super) fn saved(&mut self, uri: &Uri) {
+        let path = uri::to_path(uri);
+        if !self.mended.remove(&path) {
+            return;
+        }
+        let version = self.documents.open_files().get(&path).map(|it| it.version);
+        if let (Some(version), FileContent::Text(text)) = (version, vfs::read(&path)) {
+            self.replace_text(&path, version, text);
+        }
+    }
+
+    fn replace_text(&mut self, path: &camino::Utf8Path, version: i32, text: String) {
+        let edit = TextDocumentContentChangeEvent {
+            range: None,
+            range_length: None,
+            text,
+        };
+        let encoding = self.client.encoding;
+        self.documents.edit(path, version, vec![edit], encoding);
+        self.touch(path.to_owned());
+    }
+}

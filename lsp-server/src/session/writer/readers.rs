@@ -1,0 +1,107 @@
+//! Readers: requests and the computation of diagnostics get a snapshot in their turn and work elsewhere.
+
+use std::sync::Arc;
+
+use super::State;
+use crate::protocol::convert::uri;
+use crate::session::dispatch::{Admission, Read};
+use crate::session::publish::Run;
+use crate::workspace::snapshot::{DocumentKind, Snapshot, Subject};
+
+impl State {
+    pub(super) fn snapshot(&self) -> Snapshot {
+        let mut snapshot = Snapshot::new(
+            self.host.analysis(),
+            self.documents.open_files().clone(),
+            self.roots.clone(),
+            Arc::new(self.workspace.scanned_folders()),
+            self.config.clone(),
+            self.client.clone(),
+            self.revision,
+            self.vfs.clone(),
+            self.codels.clone(),
+            self.readers.clone(),
+        );
+        snapshot.verification = self.verifier.results().clone();
+        snapshot.scenarios = self.workspace.scenarios.clone();
+        snapshot.templates = self.workspace.templates.clone();
+        snapshot
+    }
+
+    /// Admits a request in its turn and sends it to the blocking pool.
+    pub(super) fn admit(&mut self, read: Read) {
+        if read.control.is_cancelled() {
+            return;
+        }
+        if read.whole && self.listings > 0 {
+            // What is asked is about the text as it is now.
+            let mut read = read;
+            let subject = read.subject.as_ref().map(uri::to_path);
+            let version =
+                subject.and_then(|it| self.documents.open_files().get(&it).map(|it| it.version));
+            read.expected.get_or_insert(version);
+            return self.waiting.push(read);
+        }
+        let subject = read.subject.map(|uri| {
+            let path = uri::to_path(&uri);
+            let version = self.documents.open_files().get(&path).map(|it| it.version);
+            Subject { path, uri, version }
+        });
+        if let Some(subject) = &subject {
+            let unknown = match subject.version {
+                Some(_) => self.documents.is_lost(&subject.path),
+                None => !subject.path.is_file(),
+            };
+            // What is said of C and C++ is said by few; of templates, by none.
+            let kind = self.kind_of(&subject.path);
+            let unserved = kind.is_template() || !read.code && kind == DocumentKind::Code;
+            if unknown || unserved {
+                return (read.work)(Admission::UnknownDocument);
+            }
+            if read.expected.is_some_and(|it| it != subject.version) {
+                return (read.work)(Admission::Outdated);
+            }
+        }
+        self.flush();
+        if read.bulk {
+            self.rest();
+        }
+        let snapshot = self.snapshot();
+        read.control.attach(snapshot.analysis.cancellation_token());
+        let work = read.work;
+        self.outbox
+            .runtime()
+            .spawn_blocking(move || work(Admission::Admitted(Box::new(snapshot), subject)));
+    }
+
+    pub(super) fn publish(&mut self, revision: u64) {
+        self.flush();
+        if self.publisher.is_due(revision, self.revision)
+            && let Some(run) = self.publisher.start(self.revision)
+        {
+            self.go_on(run);
+        }
+    }
+
+    /// The next part of a computation of diagnostics, unless a change has overtaken it: that has scheduled the
+    /// next one.
+    pub(super) fn go_on(&mut self, run: Run) {
+        self.rest();
+        if run.revision() != self.revision || run.is_done() {
+            return;
+        }
+        if let Some(events) = self.events.upgrade() {
+            let snapshot = self.snapshot();
+            run.step(snapshot, events, self.outbox.runtime());
+        }
+    }
+
+    /// Gives memory back after much was asked, when nobody asks: it would cancel them.
+    fn rest(&mut self) {
+        let idle = Arc::strong_count(&self.readers) == 1;
+        if idle && std::mem::take(&mut self.worked) {
+            self.host.shrink();
+        }
+        self.worked = true;
+    }
+}

@@ -1,0 +1,76 @@
+//! The editor's settings and configuration files: asked for, put together, and what is wrong with them reported.
+
+use std::sync::Arc;
+
+use serde_json::Value;
+
+use super::{Event, Mutation, State};
+use crate::protocol::types::*;
+
+impl State {
+    /// Asks the client for its settings, if it can be asked.
+    pub(super) fn pull_settings(&self) {
+        let Some(events) = self.events.upgrade().filter(|_| self.client.configuration) else {
+            return;
+        };
+        let scopes = std::iter::once(None).chain(self.workspace.folder_uris().map(Some));
+        let items = scopes.map(|scope_uri| ConfigurationItem {
+            scope_uri,
+            section: Some("dotgen".to_owned()),
+        });
+        let items = items.collect();
+        self.outbox.converse(|client| async move {
+            match client.configuration(items).await {
+                Ok(settings) => {
+                    let _ = events.send(Event::Mutation(Mutation::SettingsPulled(settings)));
+                }
+                Err(error) => tracing::warn!("the client did not send its settings: {error}"),
+            }
+        });
+    }
+
+    pub(super) fn set_editor_settings(&mut self, settings: &[Value]) {
+        let problems = self.workspace.set_editor_settings(settings);
+        if self.settings_problems != problems {
+            self.settings_problems = problems;
+            self.show_settings_problems();
+        }
+        self.reconfigure();
+    }
+
+    pub(super) fn show_settings_problems(&self) {
+        for problem in &self.settings_problems {
+            let message = format!("dotgen, editor settings: {problem}");
+            self.outbox.show(MessageType::WARNING, message);
+        }
+    }
+
+    /// Works the configuration out again, and reports what is wrong with its files.
+    pub(super) fn reconfigure(&mut self) {
+        let config = self.workspace.config();
+        self.pending.packages |= self.vfs.set_packages(&config.packages);
+        if *self.config != config {
+            self.config = Arc::new(config);
+            self.pending.config = true;
+            self.publisher.refresh_wanted = true;
+        }
+        if self.initialized {
+            self.report_problems();
+        }
+        self.register_documents();
+    }
+
+    /// Shows what is wrong with configuration files, and takes back what no longer is.
+    pub(super) fn report_problems(&mut self) {
+        let problems = self.workspace.problems(self.client.encoding);
+        let mut gone = std::mem::take(&mut self.reported);
+        for (path, diagnostics) in problems {
+            gone.remove(&path);
+            self.reported.insert(path.clone());
+            self.outbox.publish(&path, diagnostics);
+        }
+        for path in gone {
+            self.outbox.publish(&path, Vec::new());
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! One verification: quick bounds, the exact answer, then the number of cores.
+
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use dotgen_timing::derive::minimum_cores;
+use dotgen_timing::property::PropertyKind;
+use dotgen_timing::report::Verdict;
+use dotgen_timing::verify::{Cancel, Options, SystemInput};
+
+use super::results::Answer;
+use super::{Problem, TaskBound, quick_bounds};
+
+/// The number of cores is only asked for when the verification itself took at most so long: every
+/// number is a verification of its own.
+const QUICK_SECONDS: f64 = 1.0;
+
+/// One verification at a time: they are after the same memory, and the editor wants the other cores.
+static TURN: Mutex<()> = Mutex::new(());
+
+/// What was found on the way.
+pub(crate) enum Found {
+    /// Quick bounds.
+    Bounds(Arc<Vec<TaskBound>>),
+    /// What is known of the exact answer.
+    SoFar(Arc<Answer>),
+    /// The exact answer; again when the number of cores has come.
+    Answer(Arc<Answer>),
+}
+
+/// Verifies within a time limit and tells what it finds. Tells nothing more once cancelled.
+pub(crate) fn run(
+    problem: Arc<Problem>,
+    options: Options,
+    limit: Duration,
+    cancel: &Cancel,
+    tell: impl Fn(Found) + Sync,
+) {
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    if cancel.is_abandoned() {
+        return;
+    }
+    cancel.limit(limit);
+    let bounds = Arc::new(quick_bounds(&problem, &options));
+    tell(Found::Bounds(bounds.clone()));
+    let answer = |report, cores| {
+        Arc::new(Answer {
+            problem: problem.clone(),
+            options: options.clone(),
+            report,
+            bounds: bounds.clone(),
+            cores,
+        })
+    };
+    let report = problem.verify(&options, cancel, &|so_far| {
+        tell(Found::SoFar(answer(so_far.clone(), None)));
+    });
+    if cancel.is_abandoned() {
+        return;
+    }
+    tell(Found::Answer(answer(report.clone(), None)));
+    let deadlines = || {
+        report
+            .checks
+            .iter()
+            .filter(|it| it.kind == PropertyKind::Schedulable)
+    };
+    let worth_it = report.seconds < QUICK_SECONDS
+        && deadlines().next().is_some()
+        && deadlines().all(|it| it.verdict == Verdict::Proved);
+    if worth_it && !cancel.is_over() {
+        let input = SystemInput {
+            specs: problem.specs(),
+        };
+        let cores = minimum_cores(&input, &problem.scenario, &options, cancel);
+        let decided = |it: &dotgen_timing::derive::MinimumCores| {
+            it.cores.is_some() && it.tried.iter().all(|it| it.1 != Verdict::Unknown)
+        };
+        if let Some(cores) = cores.ok().filter(decided)
+            && !cancel.is_abandoned()
+        {
+            tell(Found::Answer(answer(report, Some(cores))));
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! Open documents, kept in step with the client.
+
+use std::sync::Arc;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use rustc_hash::FxHashMap;
+
+use crate::protocol::convert::{Encoding, Lines};
+use crate::protocol::types::TextDocumentContentChangeEvent;
+use crate::workspace::snapshot::OpenFile;
+
+/// The texts of open documents.
+#[derive(Default)]
+pub(crate) struct Documents {
+    texts: FxHashMap<Utf8PathBuf, Text>,
+    open: Arc<FxHashMap<Utf8PathBuf, OpenFile>>,
+}
+
+/// The text of an open document.
+enum Text {
+    Known(Arc<str>),
+    /// The client sent an edit that does not fit; nothing is known until it sends the whole text.
+    Lost,
+}
+
+/// What an edit did.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) enum Edited {
+    /// There is a new text.
+    Changed,
+    /// An edit did not fit: the document is dropped.
+    Lost,
+    /// Not open, or dropped before.
+    Ignored,
+}
+
+impl Documents {
+    /// Takes over a document from the client.
+    pub(crate) fn open(&mut self, path: Utf8PathBuf, file: OpenFile, text: String) {
+        self.texts.insert(path.clone(), Text::Known(text.into()));
+        Arc::make_mut(&mut self.open).insert(path, file);
+    }
+
+    /// Gives a document back; whether it was open.
+    pub(crate) fn close(&mut self, path: &Utf8Path) -> bool {
+        Arc::make_mut(&mut self.open).remove(path);
+        self.texts.remove(path).is_some()
+    }
+
+    /// Applies the edits of one `didChange`, in order.
+    pub(crate) fn edit(
+        &mut self,
+        path: &Utf8Path,
+        version: i32,
+        edits: Vec<TextDocumentContentChangeEvent>,
+        encoding: Encoding,
+    ) -> Edited {
+        let (Some(text), Some(open)) = (
+            self.texts.get_mut(path),
+            Arc::make_mut(&mut self.open).get_mut(path),
+        ) else {
+            return Edited::Ignored;
+        };
+        open.version = version;
+        let known_before = matches!(text, Text::Known(_));
+        for edit in edits {
+            match (&*text, edit.range) {
+                (_, None) => *text = Text::Known(edit.text.into()),
+                (Text::Lost, Some(_)) => {}
+                (Text::Known(old), Some(range)) => {
+                    let lines = Lines::new(old.clone(), encoding);
+                    *text = match lines.bytes(range) {
+                        Some(bytes) => {
+                            let mut new = String::with_capacity(old.len() + edit.text.len());
+                            new.push_str(&old[..bytes.start]);
+                            new.push_str(&edit.text);
+                            new.push_str(&old[bytes.end..]);
+                            Text::Known(new.into())
+                        }
+                        None => Text::Lost,
+                    };
+                }
+            }
+        }
+        match text {
+            Text::Known(_) => Edited::Changed,
+            Text::Lost if known_before => Edited::Lost,
+            Text::Lost => Edited::Ignored,
+        }
+    }
+
+    /// The text of an open document.
+    pub(crate) fn text(&self, path: &Utf8Path) -> Option<&Arc<str>> {
+        match self.texts.get(path) {
+            Some(Text::Known(text)) => Some(text),
+            _ => None,
+        }
+    }
+
+    /// Whether a document was dropped.
+    pub(crate) fn is_lost(&self, path: &Utf8Path) -> bool {
+        matches!(self.texts.get(path), Some(Text::Lost))
+    }
+
+    /// URIs and versions.
+    pub(crate) fn open_files(&self) -> &Arc<FxHashMap<Utf8PathBuf, OpenFile>> {
+        &self.open
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::protocol::types::{Position, Range};
+    use crate::workspace::snapshot::DocumentKind;
+
+    fn edit(range: Option<(u32, u32, u32, u32)>, text: &str) -> TextDocumentContentChangeEvent {
+        TextDocumentContentChangeEvent {
+            range: range.map(|(a, b, c, d)| Range::new(Position::new(a, b), Position::new(c, d))),
+            range_length: None,
+            text: text.to_owned(),
+        }
+    }
+
+    fn documents(text: &str) -> (Documents, Utf8PathBuf) {
+        let mut documents = Documents::default();
+        let path = Utf8PathBuf::from("/a.gen");
+        let uri = "file:///a.gen".parse().expect("a URI");
+        let file = OpenFile {
+            uri,
+            version: 1,
+            kind: DocumentKind::Specification,
+        };
+        documents.open(path.clone(), file, text.to_owned());
+        (documents, path)
+    }
+
+    #[test]
+    fn each_edit_applies_to_the_result_of_the_one_before() {
+        let (mut documents, path) = documents("ab\r\n😀c\n");
+        let edits = vec![
+            edit(Some((1, 2, 1, 3)), "xy"),
+            edit(Some((0, 2, 1, 0)), "\n"),
+            edit(Some((1, 3, 1, 4)), ""),
+        ];
+        assert_eq!(
+            documents.edit(&path, 2, edits, Encoding::Utf16),
+            Edited::Changed
+        );
+        assert_eq!(documents.text(&path).map(|it| &**it), Some("ab\n😀x\n"));
+        assert_eq!(documents.open_files()[&path].version, 2);
+    }
+
+    #[test]
+    fn an_edit_that_does_not_fit_drops_the_document_until_the_whole_text_comes() {
+        let (mut documents, path) = documents("ab\n");
+        let encoding = Encoding::Utf16;
+        let bad = vec![edit(Some((7, 0, 7, 0)), "x")];
+        assert_eq!(documents.edit(&path, 2, bad, encoding), Edited::Lost);
+        let good = vec![edit(Some((0, 0, 0, 0)), "x")];
+        assert_eq!(documents.edit(&path, 3, good, encoding), Edited::Ignored);
+        assert!(documents.is_lost(&path));
+        let whole = vec![edit(None, "new")];
+        assert_eq!(documents.edit(&path, 4, whole, encoding), Edited::Changed);
+        assert_eq!(documents.text(&path).map(|it| &**it), Some("new"));
+    }
+}

@@ -1,0 +1,292 @@
+//! Workspace folders, their files, and the layers of configuration.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::host::FileContent;
+use dotgen_codegen::template::files::SCRIPT;
+use serde_json::Value;
+
+use crate::config::{self, Config, Problem, Settings};
+use crate::files::vfs;
+use crate::protocol::convert::{Encoding, Lines, uri};
+use crate::protocol::types::{
+    self, Diagnostic, DiagnosticSeverity, InitializeParams, NumberOrString, Uri,
+    WorkspaceFoldersChangeEvent,
+};
+use crate::verification::problem::EXTENSION;
+use crate::workspace::templates::Templates;
+
+/// See the module.
+#[derive(Default)]
+pub(crate) struct Workspace {
+    folders: Vec<Folder>,
+    /// Other directories with a `dotgen.toml`, mostly below the folders.
+    projects: Vec<Folder>,
+    /// `.gen` files below the folders.
+    pub(crate) files: BTreeSet<Utf8PathBuf>,
+    /// `.scn` files below the folders.
+    pub(crate) scenarios: Arc<BTreeSet<Utf8PathBuf>>,
+    /// Templates below the folders.
+    pub(crate) templates: Arc<Templates>,
+    /// Settings of the editor that hold for every folder.
+    editor: Settings,
+    trusted: bool,
+}
+
+struct Folder {
+    /// As the client spells it; `None` for the directory of a file opened without a workspace.
+    uri: Option<Uri>,
+    path: Utf8PathBuf,
+    file: ConfigFile,
+    /// Settings of the editor for this folder alone.
+    editor: Option<Settings>,
+}
+
+/// The `dotgen.toml` of a folder.
+#[derive(Default)]
+struct ConfigFile {
+    text: String,
+    settings: Settings,
+    problems: Vec<Problem>,
+}
+
+impl Folder {
+    fn new(uri: Option<Uri>, path: Utf8PathBuf) -> Folder {
+        let file = ConfigFile::read(&path);
+        Folder {
+            uri,
+            path,
+            file,
+            editor: None,
+        }
+    }
+}
+
+impl ConfigFile {
+    fn read(folder: &Utf8Path) -> ConfigFile {
+        match vfs::read(&folder.join(config::FILE_NAME)) {
+            FileContent::Text(text) => {
+                let read = config::from_toml(&text);
+                ConfigFile {
+                    text,
+                    settings: read.settings,
+                    problems: read.problems,
+                }
+            }
+            FileContent::Missing => ConfigFile::default(),
+            _ => ConfigFile {
+                problems: vec![Problem::unreadable()],
+                ..ConfigFile::default()
+            },
+        }
+    }
+}
+
+impl Workspace {
+    /// Folders, trust and settings of `initialize`.
+    pub(crate) fn initialize(&mut self, params: &InitializeParams) -> BTreeSet<String> {
+        let options = params.initialization_options.as_ref();
+        let option = |name: &str| options.and_then(|it| it.get(name));
+        self.trusted = option("trusted").and_then(Value::as_bool).unwrap_or(false);
+        let problems = match option("settings") {
+            Some(settings) => self.set_editor_settings(std::slice::from_ref(settings)),
+            None => BTreeSet::new(),
+        };
+        let folders = params.workspace_folders.clone().unwrap_or_default();
+        let mut uris: Vec<Uri> = folders.into_iter().map(|it| it.uri).collect();
+        if uris.is_empty() {
+            #[allow(deprecated, reason = "older clients send nothing else")]
+            uris.extend(params.root_uri.clone());
+        }
+        for uri in uris {
+            self.add(uri);
+        }
+        problems
+    }
+
+    fn add(&mut self, uri: Uri) {
+        let path = uri::to_path(&uri);
+        if self.folders.iter().all(|it| it.path != path) {
+            self.folders.push(Folder::new(Some(uri), path));
+        }
+    }
+
+    /// `didChangeWorkspaceFolders`
+    pub(crate) fn change_folders(&mut self, event: &WorkspaceFoldersChangeEvent) {
+        let removed: Vec<_> = event
+            .removed
+            .iter()
+            .map(|it| uri::to_path(&it.uri))
+            .collect();
+        self.folders.retain(|it| !removed.contains(&it.path));
+        self.files
+            .retain(|file| !removed.iter().any(|folder| file.starts_with(folder)));
+        let kept = |it: &Utf8Path| !removed.iter().any(|folder| it.starts_with(folder));
+        self.projects.retain(|it| kept(&it.path));
+        Arc::make_mut(&mut self.templates).retain(kept);
+        for folder in &event.added {
+            self.add(folder.uri.clone());
+        }
+    }
+
+    /// The files found below the folders. Whether the configuration may differ.
+    pub(crate) fn set_files(&mut self, files: Vec<Utf8PathBuf>) -> bool {
+        let (mut scripts, mut scenarios) = (Vec::new(), BTreeSet::new());
+        let mut configured = false;
+        self.files.clear();
+        for file in files {
+            match file.extension() {
+                Some(EXTENSION) => _ = scenarios.insert(file),
+                Some("tcl") => scripts.push(file),
+                Some("toml") if file.file_name() == Some(config::FILE_NAME) => {
+                    configured |= self.add_project(file.parent());
+                }
+                Some("toml") => {}
+                _ => _ = self.files.insert(file),
+            }
+        }
+        scripts.retain(|it| it.file_name() == Some(SCRIPT));
+        self.scenarios = Arc::new(scenarios);
+        self.templates = Arc::new(Templates::new(scripts));
+        configured
+    }
+
+    /// Forgets what was listed at or below a path. Whether there was anything.
+    pub(crate) fn remove(&mut self, path: &Utf8Path) -> bool {
+        let kept = |it: &Utf8Path| !it.starts_with(path);
+        let before = self.files.len() + self.scenarios.len();
+        self.files.retain(|it| kept(it));
+        Arc::make_mut(&mut self.scenarios).retain(|it| kept(it));
+        Arc::make_mut(&mut self.templates).retain(kept);
+        before != self.files.len() + self.scenarios.len()
+    }
+
+    /// A directory with a `dotgen.toml`. Whether it is a new one.
+    fn add_project(&mut self, directory: Option<&Utf8Path>) -> bool {
+        let known = |it: &Utf8Path| {
+            let mut all = self.folders.iter().chain(&self.projects);
+            all.any(|known| known.path == it)
+        };
+        let Some(directory) = directory.filter(|it| !known(it)) else {
+            return false;
+        };
+        self.projects.push(Folder::new(None, directory.to_owned()));
+        self.projects.sort_by(|a, b| a.path.cmp(&b.path));
+        true
+    }
+
+    /// The nearest directory around an open file that has a `dotgen.toml` configures how it is read. Without workspace
+    /// folders, that of the first one is taken for all; its files are not listed. Whether the configuration may differ.
+    pub(crate) fn adopt(&mut self, file: &Utf8Path) -> bool {
+        if uri::is_virtual(file) {
+            return false;
+        }
+        let directory = config::nearest_directory(file);
+        match directory {
+            Some(directory) if self.folders.is_empty() => {
+                self.folders.push(Folder::new(None, directory));
+                true
+            }
+            directory => self.add_project(directory.as_deref()),
+        }
+    }
+
+    /// Settings for every folder, then those of each folder in turn. What is wrong with them.
+    pub(crate) fn set_editor_settings(&mut self, values: &[Value]) -> BTreeSet<String> {
+        let mut problems = BTreeSet::new();
+        let mut values = values.iter().map(|value| {
+            let read = config::from_editor(value);
+            problems.extend(read.problems.into_iter().map(|it| it.message));
+            read.settings
+        });
+        self.editor = values.next().unwrap_or_default();
+        let folders = self.folders.iter_mut().filter(|it| it.uri.is_some());
+        for folder in folders {
+            folder.editor = values.next();
+        }
+        problems
+    }
+
+    /// Reads the configuration files again; `changed` is one of them, perhaps a new one.
+    pub(crate) fn reload_files(&mut self, changed: &Utf8Path) {
+        if self.contains(changed) {
+            self.add_project(changed.parent());
+        }
+        for folder in self.folders.iter_mut().chain(&mut self.projects) {
+            folder.file = ConfigFile::read(&folder.path);
+        }
+        self.projects
+            .retain(|it| it.path.join(config::FILE_NAME).is_file());
+    }
+
+    /// The configuration in force.
+    pub(crate) fn config(&self) -> Config {
+        let of = |folder: &Folder| {
+            // A folder's own settings already contain those for all: that is how clients answer.
+            let editor = folder.editor.clone().unwrap_or_else(|| self.editor.clone());
+            let settings = editor.over(folder.file.settings.clone());
+            Config::new(&settings, &folder.path, self.trusted)
+        };
+        let folders = self.folders.iter().map(of).reduce(Config::join);
+        let all =
+            folders.unwrap_or_else(|| Config::new(&self.editor, Utf8Path::new("/"), self.trusted));
+        self.projects.iter().fold(all, |all, project| {
+            let around = self.folders.iter();
+            let around = around.filter(|it| project.path.starts_with(&it.path));
+            let around = around.max_by_key(|it| it.path.as_str().len());
+            let editor = around
+                .and_then(|it| it.editor.as_ref())
+                .unwrap_or(&self.editor);
+            // The editor's paths start at the workspace folder.
+            let base = around.map_or(&project.path, |it| &it.path);
+            let own = project.file.settings.clone().anchored(&project.path);
+            let settings = editor.clone().anchored(base).over(own);
+            let own = Config::new(&settings, &project.path, self.trusted);
+            all.with_project(&project.path, own)
+        })
+    }
+
+    /// What is wrong with the configuration files, by file; those in order are left out.
+    pub(crate) fn problems(&self, encoding: Encoding) -> Vec<(Utf8PathBuf, Vec<Diagnostic>)> {
+        let of = |folder: &Folder| {
+            let lines = Lines::new(folder.file.text.as_str().into(), encoding);
+            let diagnostics = folder.file.problems.iter().map(|problem| Diagnostic {
+                range: lines.range(&problem.range.clone().unwrap_or(0..0)),
+                severity: Some(match problem.kind.is_error() {
+                    true => DiagnosticSeverity::ERROR,
+                    false => DiagnosticSeverity::WARNING,
+                }),
+                code: Some(NumberOrString::String(problem.kind.code().to_owned())),
+                source: Some(types::SOURCE.to_owned()),
+                message: problem.message.clone(),
+                ..Diagnostic::default()
+            });
+            (folder.path.join(config::FILE_NAME), diagnostics.collect())
+        };
+        let with_problems = self
+            .folders
+            .iter()
+            .chain(&self.projects)
+            .filter(|it| !it.file.problems.is_empty());
+        with_problems.map(of).collect()
+    }
+
+    /// The folders of the client.
+    pub(crate) fn folder_uris(&self) -> impl Iterator<Item = Uri> {
+        self.folders.iter().filter_map(|it| it.uri.clone())
+    }
+
+    /// The folders whose files belong to the workspace.
+    pub(crate) fn scanned_folders(&self) -> Vec<Utf8PathBuf> {
+        let folders = self.folders.iter().filter(|it| it.uri.is_some());
+        folders.map(|it| it.path.clone()).collect()
+    }
+
+    /// Whether a path is below a folder of the client.
+    pub(crate) fn contains(&self, path: &Utf8Path) -> bool {
+        let mut folders = self.folders.iter().filter(|it| it.uri.is_some());
+        folders.any(|it| path.starts_with(&it.path))
+    }
+}

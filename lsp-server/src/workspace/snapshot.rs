@@ -1,0 +1,258 @@
+//! What a request handler sees: analysis, documents, configuration and client as they were when
+//! the request arrived.
+//!
+//! A snapshot blocks the writer as long as it lives; handlers run on the blocking pool and drop it
+//! before their answer is sent.
+
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+use std::ops::Range;
+use std::sync::Arc;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::host::{Analysis, Cancellable, UnitResult};
+use dotgen_analysis::ide::FilePosition;
+use dotgen_analysis::parallel;
+use rustc_hash::FxHashMap;
+
+use crate::config::Config;
+use crate::features::codels;
+use crate::files::vfs::Vfs;
+use crate::protocol::client::ClientCaps;
+use crate::protocol::convert::{Lines, uri};
+use crate::protocol::types::{Location, Position, Uri};
+use crate::workspace::templates::Templates;
+
+/// A document the client has open.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OpenFile {
+    /// As the client spells it.
+    pub uri: Uri,
+    /// Last version seen.
+    pub version: i32,
+    /// What it is.
+    pub kind: DocumentKind,
+}
+
+/// What a document is to this server.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DocumentKind {
+    /// Part of a specification, or a scenario.
+    Specification,
+    /// C or C++.
+    Code,
+    /// A file of a template.
+    Template,
+    /// A source of a template, because its client says so.
+    Source,
+}
+
+impl DocumentKind {
+    /// Whether it is of a template.
+    pub fn is_template(self) -> bool {
+        matches!(self, DocumentKind::Template | DocumentKind::Source)
+    }
+}
+
+/// See the module.
+pub struct Snapshot {
+    /// Answers questions.
+    pub analysis: Analysis,
+    /// Open documents by path.
+    pub open: Arc<FxHashMap<Utf8PathBuf, OpenFile>>,
+    /// `.gen` files of the workspace and open documents: what analysis starts from.
+    pub roots: Arc<Vec<Utf8PathBuf>>,
+    /// Workspace folders.
+    pub folders: Arc<Vec<Utf8PathBuf>>,
+    /// Settings in force.
+    pub config: Arc<Config>,
+    /// What the client can do.
+    pub client: Arc<ClientCaps>,
+    /// Counts the changes applied.
+    pub revision: u64,
+    /// What was verified.
+    pub(crate) verification: Arc<crate::verification::results::Results>,
+    /// `.scn` files of the workspace.
+    pub(crate) scenarios: Arc<BTreeSet<Utf8PathBuf>>,
+    /// Templates of the workspace.
+    pub(crate) templates: Arc<Templates>,
+    /// The disk.
+    pub(crate) vfs: Arc<Vfs>,
+    /// What is known of sources of codels.
+    pub(crate) codels: Arc<codels::Cache>,
+    /// Shared by all snapshots that live.
+    readers: Arc<()>,
+    lines: RefCell<FxHashMap<Utf8PathBuf, Option<Arc<Lines>>>>,
+}
+
+/// The document a request is about.
+#[derive(Debug, Clone)]
+pub struct Subject {
+    /// Absolute path.
+    pub path: Utf8PathBuf,
+    /// As the client spells it.
+    pub uri: Uri,
+    /// Version, if it is open.
+    pub version: Option<i32>,
+}
+
+impl Snapshot {
+    /// A snapshot without conversions done yet.
+    #[allow(clippy::too_many_arguments, reason = "one for each field")]
+    pub(crate) fn new(
+        analysis: Analysis,
+        open: Arc<FxHashMap<Utf8PathBuf, OpenFile>>,
+        roots: Arc<Vec<Utf8PathBuf>>,
+        folders: Arc<Vec<Utf8PathBuf>>,
+        config: Arc<Config>,
+        client: Arc<ClientCaps>,
+        revision: u64,
+        vfs: Arc<Vfs>,
+        codels: Arc<codels::Cache>,
+        readers: Arc<()>,
+    ) -> Snapshot {
+        Snapshot {
+            analysis,
+            open,
+            roots,
+            folders,
+            config,
+            client,
+            revision,
+            verification: Arc::default(),
+            scenarios: Arc::default(),
+            templates: Arc::default(),
+            vfs,
+            codels,
+            readers,
+            lines: RefCell::default(),
+        }
+    }
+
+    /// The same, for another thread.
+    pub(crate) fn fork(&self) -> Snapshot {
+        Snapshot {
+            analysis: self.analysis.clone(),
+            open: self.open.clone(),
+            roots: self.roots.clone(),
+            folders: self.folders.clone(),
+            config: self.config.clone(),
+            client: self.client.clone(),
+            revision: self.revision,
+            verification: self.verification.clone(),
+            scenarios: self.scenarios.clone(),
+            templates: self.templates.clone(),
+            vfs: self.vfs.clone(),
+            codels: self.codels.clone(),
+            readers: self.readers.clone(),
+            lines: RefCell::default(),
+        }
+    }
+
+    /// Applies `f` to every item, on all cores; see [`parallel::map`].
+    pub(crate) fn on_all_cores<T: Sync, R: Send>(
+        &self,
+        items: &[T],
+        f: impl Fn(&Snapshot, &T) -> R + Sync,
+    ) -> Vec<R> {
+        parallel::map(items, || self.fork(), |it| f(self, it), &f)
+    }
+
+    /// The lines of a file; `None` if it cannot be read.
+    pub fn lines(&self, path: &Utf8Path) -> Cancellable<Option<Arc<Lines>>> {
+        if let Some(lines) = self.lines.borrow().get(path) {
+            return Ok(lines.clone());
+        }
+        let lines = match self.analysis.text(path)? {
+            Some(text) => {
+                let index = self.analysis.line_index(path)?;
+                let lines = Lines::with_index(text, index, self.client.encoding);
+                Some(Arc::new(lines))
+            }
+            // What is to be said about it stands at its beginning.
+            None if self.analysis.is_too_large(path)? => {
+                Some(Arc::new(Lines::new("".into(), self.client.encoding)))
+            }
+            None => None,
+        };
+        self.lines
+            .borrow_mut()
+            .insert(path.to_owned(), lines.clone());
+        Ok(lines)
+    }
+
+    /// The URI of a file, spelled as the client does if it has it open.
+    pub fn uri(&self, path: &Utf8Path) -> Option<Uri> {
+        match self.open.get(path) {
+            Some(open) => Some(open.uri.clone()),
+            None => uri::from_path(path),
+        }
+    }
+
+    /// A range of a file.
+    pub fn location(&self, path: &Utf8Path, range: &Range<usize>) -> Cancellable<Option<Location>> {
+        let Some(lines) = self.lines(path)? else {
+            return Ok(None);
+        };
+        let location = |uri| Location::new(uri, lines.range(range));
+        Ok(self.uri(path).map(location))
+    }
+
+    /// A cursor; `None` for a position that does not exist.
+    pub fn cursor(
+        &self,
+        subject: &Subject,
+        position: Position,
+    ) -> Cancellable<Option<FilePosition>> {
+        let Some(lines) = self.lines(&subject.path)? else {
+            return Ok(None);
+        };
+        Ok(lines.offset(position).map(|offset| FilePosition {
+            path: subject.path.clone(),
+            offset,
+        }))
+    }
+
+    /// Whether a file is C or C++, not part of a specification.
+    pub fn is_code(&self, path: &Utf8Path) -> bool {
+        match self.open.get(path) {
+            Some(open) => open.kind == DocumentKind::Code,
+            None if codels::is_header(path) => {
+                let config = self.config.codels.as_ref();
+                config.is_some_and(|it| codels::home(it, path).is_some())
+            }
+            None => codels::is_code(path, None),
+        }
+    }
+
+    /// Whether a file is an open document of a template.
+    pub fn is_template(&self, path: &Utf8Path) -> bool {
+        let open = self.open.get(path);
+        open.is_some_and(|it| it.kind.is_template())
+    }
+
+    /// The units of the system that a file belongs to: what lies in the same workspace folder and, in there, below the
+    /// same `dotgen.toml`.
+    pub fn system_units(&self, path: &Utf8Path) -> Cancellable<Vec<UnitResult>> {
+        let folder = self.folders.iter().find(|it| path.starts_with(it));
+        let project = self.config.project(path);
+        let mut paths: Vec<&Utf8Path> = self
+            .roots
+            .iter()
+            .filter(|it| folder.is_some_and(|folder| it.starts_with(folder)))
+            .filter(|it| self.config.project(it) == project)
+            .map(|it| it.as_path())
+            .collect();
+        if paths.is_empty() {
+            paths.push(path);
+        }
+        paths.sort();
+        let units = paths.into_iter().map(|it| self.analysis.root_unit(it));
+        units.collect()
+    }
+
+    /// Whether a file belongs to the workspace.
+    pub fn in_workspace(&self, path: &Utf8Path) -> bool {
+        self.folders.iter().any(|folder| path.starts_with(folder))
+    }
+}
