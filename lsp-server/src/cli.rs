@@ -13,6 +13,7 @@ mod man;
 mod model;
 mod release;
 mod report;
+mod run;
 mod session;
 mod tree;
 mod verify;
@@ -49,6 +50,7 @@ enum Command {
     Model(model::Arguments),
     Release(release::Arguments),
     Verify(verify::Arguments),
+    Run(run::Arguments),
     Completions(completions::Arguments),
     Man(man::Arguments),
     Lsp(lsp::Arguments),
@@ -139,6 +141,7 @@ pub fn main() -> ExitCode {
         Command::Model(arguments) => model::run(&arguments),
         Command::Release(arguments) => release::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
+        Command::Run(arguments) => run::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
         Command::Man(arguments) => man::run(&arguments),
         Command::Lsp(_) => lsp::run(),

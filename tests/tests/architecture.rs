@@ -12,6 +12,10 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("codegen", &["dotgen-syntax", "dotgen-analysis"]),
     ("timing", &["dotgen-analysis"]),
     (
+        "runtime",
+        &["dotgen-analysis", "dotgen-codegen", "dotgen-timing"],
+    ),
+    (
         "lsp-server",
         &[
             "dotgen-syntax",
@@ -19,6 +23,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "dotgen-diagram",
             "dotgen-codegen",
             "dotgen-timing",
+            "dotgen-runtime",
         ],
     ),
     (
@@ -224,6 +229,7 @@ fn nothing_looks_into_a_message() {
         "diagram",
         "codegen",
         "timing",
+        "runtime",
         "lsp-server",
     ];
     let mut bad = Vec::new();

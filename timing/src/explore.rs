@@ -16,6 +16,7 @@ mod rules;
 mod run;
 mod search;
 mod state;
+mod stepper;
 mod store;
 mod watch;
 
@@ -25,5 +26,6 @@ pub use reductions::{Activity, Kind, Kinds, Reason};
 pub use rules::Action;
 pub use run::{Moment, MomentKind, Run};
 pub use search::{InZones, chase, explore, explore_telling, in_zones};
+pub use stepper::{Possible, Seen, Stepper, Watched, Work};
 
 pub use watch::{Limits, ResponseTime, Stop, Watch, Within};

@@ -325,6 +325,16 @@ pub struct ClientStep {
     pub label: Option<String>,
 }
 
+impl ClientStep {
+    /// The service that is requested.
+    pub fn requests(&self) -> Option<usize> {
+        match self.action {
+            ClientAction::Send { service, .. } => Some(service),
+            _ => None,
+        }
+    }
+}
+
 /// What a client does in one step.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ClientAction {

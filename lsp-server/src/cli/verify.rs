@@ -1,11 +1,11 @@
 //! `dotgen verify`
 
 mod explain;
-mod interrupt;
+pub(super) mod interrupt;
 mod json;
 mod progress;
 mod text;
-mod told;
+pub(super) mod told;
 
 use std::time::Duration;
 
@@ -113,18 +113,27 @@ enum Format {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Cores(Option<u32>);
+pub(super) struct Cores(pub(super) Option<u32>);
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
-enum SemanticsName {
+pub(super) enum SemanticsName {
     /// The servers that run on robots
     Servers,
     /// The published formal models
     Published,
 }
 
+impl SemanticsName {
+    pub(super) fn preset(self) -> Preset {
+        match self {
+            SemanticsName::Servers => Preset::Servers,
+            SemanticsName::Published => Preset::Published,
+        }
+    }
+}
+
 #[derive(Debug, Clone, Copy, ValueEnum)]
-enum PolicyName {
+pub(super) enum PolicyName {
     /// In order of release
     Fifo,
     /// Earliest deadline first
@@ -135,6 +144,18 @@ enum PolicyName {
     Priority,
     /// Any ready tasks, preempting others
     Fair,
+}
+
+impl PolicyName {
+    pub(super) fn policy(self) -> Policy {
+        match self {
+            PolicyName::Fifo => Policy::Fifo,
+            PolicyName::Edf => Policy::Edf,
+            PolicyName::Any => Policy::Any,
+            PolicyName::Priority => Policy::Priority,
+            PolicyName::Fair => Policy::Fair,
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -163,7 +184,7 @@ struct Answer {
     sensitivity: Option<Sensitivity>,
 }
 
-fn cores(text: &str) -> Result<Cores, String> {
+pub(super) fn cores(text: &str) -> Result<Cores, String> {
     match text.parse::<u32>() {
         _ if text == "free" => Ok(Cores(None)),
         Ok(0) => Err("a system needs at least one core".to_owned()),
@@ -195,7 +216,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     checks.iter().try_for_each(|it| check(it, 0).map(drop))?;
     let mut answers = Vec::new();
     let interrupt = interrupt::on_terminal();
-    for (session, problem) in problems(arguments)? {
+    for (session, problem) in problems(&arguments.files, &arguments.reading)? {
         if !problem.errors.is_empty() {
             Told::about(&session, &problem, problem.errors.clone())?.print()?;
             return Ok(Outcome::Unusable);
@@ -266,17 +287,20 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
 }
 
 /// One per scenario, and one for all specifications named.
-fn problems(arguments: &Arguments) -> anyhow::Result<Vec<(Session, Problem)>> {
+pub(super) fn problems(
+    files: &[Utf8PathBuf],
+    reading: &Reading,
+) -> anyhow::Result<Vec<(Session, Problem)>> {
     let mut out = Vec::new();
     let mut specifications = Vec::new();
-    for file in session::files(&arguments.files)? {
+    for file in session::files(files)? {
         match file.path.extension() {
             Some("scn") => {
                 let text = match vfs::read(&file.path) {
                     FileContent::Text(text) | FileContent::NotUtf8(text) => text,
                     _ => bail!("cannot read `{}`", session::display(&file.path)),
                 };
-                let session = session::around(&file.path, Vec::new(), &arguments.reading);
+                let session = session::around(&file.path, Vec::new(), reading);
                 let problem = session.ask(&file.path, |it| {
                     Problem::from_scenario(&file.path, text.clone(), it, vfs::read)
                 })?;
@@ -293,7 +317,7 @@ fn problems(arguments: &Arguments) -> anyhow::Result<Vec<(Session, Problem)>> {
         let mut units = Vec::new();
         let mut names = Vec::new();
         // One system, though each of its parts may have a configuration of its own.
-        let sessions = session::open(specifications, &arguments.reading)?;
+        let sessions = session::open(specifications, reading)?;
         for session in &sessions {
             for file in &session.files {
                 units.push(session.ask(&file.path, |it| it.root_unit(&file.path))?);
@@ -307,7 +331,6 @@ fn problems(arguments: &Arguments) -> anyhow::Result<Vec<(Session, Problem)>> {
 }
 
 impl Arguments {
-    /// Places in the checks follow the text of the problem.
     fn options(&self, checks: &[&str], problem: &Problem) -> anyhow::Result<Options> {
         let written = problem.path.extension() == Some("scn");
         let most = match written {
@@ -320,38 +343,34 @@ impl Arguments {
             threads: self.threads.unwrap_or(Limits::default().threads),
             without: self.without.iter().copied().collect(),
         };
-        let mut at = problem.text.len();
-        let mut parsed = Vec::new();
-        for body in checks {
-            parsed.push(check(body, at)?);
-            at += body.len() + 1;
-        }
         Ok(Options {
             cores: self.cores.map(|it| it.0),
-            policy: self.policy.map(|it| match it {
-                PolicyName::Fifo => Policy::Fifo,
-                PolicyName::Edf => Policy::Edf,
-                PolicyName::Any => Policy::Any,
-                PolicyName::Priority => Policy::Priority,
-                PolicyName::Fair => Policy::Fair,
-            }),
-            semantics: self.semantics.map(|it| match it {
-                SemanticsName::Servers => Preset::Servers,
-                SemanticsName::Published => Preset::Published,
-            }),
+            policy: self.policy.map(PolicyName::policy),
+            semantics: self.semantics.map(SemanticsName::preset),
             durations: self.durations.map(|it| match it {
                 DurationsName::Interval => Durations::Interval,
                 DurationsName::Fixed => Durations::Fixed,
                 DurationsName::Open => Durations::Open,
             }),
-            checks: parsed,
+            checks: parsed(checks, problem)?,
             limits,
         })
     }
 }
 
+/// Checks of the command line, as if they stood after the scenario.
+pub(super) fn parsed(checks: &[&str], problem: &Problem) -> anyhow::Result<Vec<Check>> {
+    let mut at = problem.text.len();
+    let mut parsed = Vec::new();
+    for body in checks {
+        parsed.push(check(body, at)?);
+        at += body.len() + 1;
+    }
+    Ok(parsed)
+}
+
 /// A check of the command line; a `check` before it and a `;` after it are welcome.
-fn body(text: &str) -> &str {
+pub(super) fn body(text: &str) -> &str {
     let body = text.trim().trim_end_matches(';');
     body.strip_prefix("check ").unwrap_or(body).trim()
 }

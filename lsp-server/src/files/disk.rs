@@ -1,11 +1,14 @@
 //! The disk: the one way in which dotgen reads and writes files of users.
 
+mod stream;
 mod write;
 
 use std::io;
 use std::path::{Path, PathBuf};
 
 use dotgen_codegen::disk::{Disk, Entry, Kind, NewContent, Status, WriteError};
+
+pub(crate) use stream::Stream;
 
 /// The files of the system.
 #[derive(Debug, Clone, Copy, Default)]

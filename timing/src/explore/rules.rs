@@ -52,6 +52,7 @@ pub(crate) mod servers;
 use super::reductions::Reductions;
 use super::run::Moment;
 use super::state::{Clocks, Frame, State, TaskStatus};
+use super::stepper::Work;
 use crate::property::Atom;
 use crate::system::{Ticks, TimedSystem};
 
@@ -218,6 +219,12 @@ pub(crate) trait Rules: Sized {
 
     /// Least and greatest time of what an executor executes.
     fn duration(&self, s: &State, executor: usize) -> (Ticks, Ticks);
+
+    /// What an executor takes a ticket or waits for, or executes; `None` if that is nothing.
+    fn work(&self, s: &State, executor: usize) -> Option<Work>;
+
+    /// The step a client is at; [`Client::done`](crate::system::Client::done) after the last, one more before the first.
+    fn position(&self, s: &State, client: usize) -> usize;
 
     /// An action in words: what it did to the first state, to become the second. `None`: the initial state.
     fn tell(

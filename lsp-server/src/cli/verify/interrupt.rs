@@ -8,7 +8,7 @@ use dotgen_timing::verify::Interrupt;
 const ENDED: i32 = 130;
 
 /// Raised by Ctrl-C, if somebody sits at a terminal; elsewhere the signal ends the process as it does others.
-pub(super) fn on_terminal() -> Interrupt {
+pub(crate) fn on_terminal() -> Interrupt {
     let interrupt = Interrupt::default();
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()

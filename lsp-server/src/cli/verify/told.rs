@@ -14,14 +14,14 @@ use crate::verification::Problem;
 const PLACES: usize = 4;
 
 /// Diagnostics and the texts they talk about.
-pub(super) struct Told {
+pub(crate) struct Told {
     found: Vec<Diagnostic>,
     texts: Texts,
 }
 
 impl Told {
     /// Why a problem cannot be verified.
-    pub(super) fn about(
+    pub(crate) fn about(
         session: &Session,
         problem: &Problem,
         found: Vec<Diagnostic>,
@@ -37,7 +37,7 @@ impl Told {
 
     /// What the verifier says, also about the checks of the command line, whose places follow the text of the
     /// scenario.
-    pub(super) fn by_verifier(
+    pub(crate) fn by_verifier(
         session: &Session,
         problem: &Problem,
         all: &[scn::Diagnostic],
@@ -62,7 +62,7 @@ impl Told {
     }
 
     /// On standard error.
-    pub(super) fn print(mut self) -> anyhow::Result<()> {
+    pub(crate) fn print(mut self) -> anyhow::Result<()> {
         for it in &mut self.found {
             if it.related.len() > PLACES {
                 it.related.clear();
@@ -72,7 +72,7 @@ impl Told {
     }
 
     /// As `dotgen check` has them.
-    pub(super) fn to_json(&self) -> anyhow::Result<serde_json::Value> {
+    pub(crate) fn to_json(&self) -> anyhow::Result<serde_json::Value> {
         let entries = report::json::entries(&self.found, &self.texts);
         Ok(serde_json::to_value(entries)?)
     }

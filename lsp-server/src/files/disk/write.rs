@@ -291,6 +291,16 @@ impl Old {
     }
 }
 
+/// A temporary file beside the one that a path leads to, whose place it may take.
+pub(super) fn beside(path: &Path) -> io::Result<(PathBuf, PathBuf, File)> {
+    let target = followed(path)?;
+    may_write(&target)?;
+    let directory = directory_of(&target);
+    clean(directory);
+    let (temporary, file) = create(directory, false, &mut |_| Ok(()))?;
+    Ok((temporary, target, file))
+}
+
 /// Where a path leads when links are followed; what is there need not exist.
 fn followed(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();

@@ -19,7 +19,8 @@ use self::layout::{Layout, control};
 use super::{Action, Enabled, Rules};
 use crate::explore::reductions::OfPublished;
 use crate::explore::run::Moment;
-use crate::explore::state::{Clocks, Frame, State, TaskStatus};
+use crate::explore::state::{Clocks, Frame, State, TaskStatus, phase};
+use crate::explore::stepper::Work;
 use crate::property::Atom;
 use crate::system::{ClientAction, Ticks, TimedSystem};
 
@@ -191,6 +192,43 @@ impl Rules for Published<'_> {
             Some(&ClientAction::Delay(lower, upper)) => (lower, upper),
             _ => (0, 0),
         }
+    }
+
+    fn work(&self, s: &State, executor: usize) -> Option<Work> {
+        let l = &self.layout;
+        if l.phase(s, executor) == phase::REST {
+            return None;
+        }
+        if let Some(client) = executor.checked_sub(l.automata + l.components) {
+            return Some(Work::Delay { client });
+        }
+        let codel = self.codel(s, executor)?;
+        Some(match executor.checked_sub(l.automata) {
+            Some(component) => {
+                let service = l.handled(s, component) as usize;
+                let validates = self.system.services[service].validate.is_some();
+                let simple = l.simple(s, component) as usize + usize::from(validates);
+                Work::Control {
+                    codel,
+                    service,
+                    number: match l.control(s, component) {
+                        control::VALIDATE => 0,
+                        _ => simple,
+                    },
+                }
+            }
+            None => Work::State {
+                codel,
+                task: self.system.automata[executor].task,
+                automaton: executor,
+                state: l.at(s, executor) as usize,
+                slot: executor,
+            },
+        })
+    }
+
+    fn position(&self, s: &State, client: usize) -> usize {
+        self.layout.position(s, client) as usize
     }
 
     fn tell(

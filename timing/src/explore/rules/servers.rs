@@ -26,6 +26,7 @@ use super::{Action, Enabled, Rules};
 use crate::explore::reductions::OfServers;
 use crate::explore::run::Moment;
 use crate::explore::state::{Clocks, Frame, State, TaskStatus};
+use crate::explore::stepper::Work;
 use crate::property::Atom;
 use crate::scn::semantics::{Semantics, TickRule};
 use crate::system::{ClientAction, Codel, Machine, State as MachineState, Ticks, TimedSystem};
@@ -278,6 +279,36 @@ impl Rules for Servers<'_> {
             Some(&ClientAction::Delay(lower, upper)) => (lower, upper),
             _ => (0, 0),
         }
+    }
+
+    fn work(&self, s: &State, executor: usize) -> Option<Work> {
+        let l = &self.layout;
+        if let Some(client) = executor.checked_sub(l.tasks + l.components) {
+            let waits = l.is_executing(s, executor);
+            return waits.then_some(Work::Delay { client });
+        }
+        let codel = self.codel(s, executor)?;
+        if executor >= l.tasks {
+            let component = executor - l.tasks;
+            return Some(Work::Control {
+                codel,
+                service: l.handled(s, component) as usize,
+                number: l.codel_number(s, component) as usize,
+            });
+        }
+        let slot = l.turn(s, executor) as usize;
+        let automaton = (l.automaton(s, slot) as usize).checked_sub(1)?;
+        Some(Work::State {
+            codel,
+            task: executor,
+            automaton,
+            state: l.at(s, slot) as usize,
+            slot,
+        })
+    }
+
+    fn position(&self, s: &State, client: usize) -> usize {
+        self.layout.position(s, client) as usize
     }
 
     fn tell(

@@ -1,0 +1,296 @@
+//! `dotgen run`
+
+mod bounds;
+mod text;
+
+use std::io::Write;
+
+use anyhow::Context;
+use camino::Utf8PathBuf;
+use clap::{Args, ValueEnum};
+use dotgen_analysis::model::Seconds;
+use dotgen_runtime::decide;
+use dotgen_runtime::engine::End;
+use dotgen_runtime::profile::{Profile, functions};
+use dotgen_runtime::report::Report;
+use dotgen_runtime::simulation::{Plan, simulate};
+use dotgen_timing::remark::together;
+use dotgen_timing::scn;
+use dotgen_timing::scn::ast::Unit;
+use dotgen_timing::scn::names::Names;
+use dotgen_timing::verify::{Options, Prepared, SystemInput, prepare};
+use num_rational::Ratio;
+
+use super::verify::told::Told;
+use super::verify::{Cores, PolicyName, SemanticsName, body, cores, interrupt, parsed, problems};
+use super::{Outcome, Reading};
+use crate::files::disk::Stream;
+use crate::verification::Problem;
+
+/// Run components on a virtual clock, with the checks of a scenario watched
+///
+/// A FILE.scn is a scenario: it names its specifications, platform, clients and checks. FILE.gen files are run together as
+/// one system, with a client that may send any request at any time. Whatever happens is a run of the model that `dotgen
+/// verify` verifies; no codel is executed: how long each takes and what it yields is drawn, always alike for the same seed.
+///
+/// Exit status: 0 if nothing was violated, 1 if a check or a proved bound was, 3 if the run ended before its time, 2 if
+/// nothing could be run (wrong usage, a file that cannot be read or has errors).
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// Scenarios (.scn) and specifications (.gen)
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<Utf8PathBuf>,
+
+    /// Which clock tells the time
+    #[arg(long, value_enum, default_value_t = Clock::Virtual)]
+    clock: Clock,
+
+    /// For which codels durations and yields are drawn
+    #[arg(long, value_enum, default_value_t = Simulate::All)]
+    simulate: Simulate,
+
+    /// How long to run: a number with a unit (us, ms, s, min, h)
+    #[arg(long, value_name = "TIME", default_value = "10s", value_parser = time)]
+    until: Seconds,
+
+    /// Run so many times from the start; each run has the next seed
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
+    runs: u64,
+
+    /// What chance depends on
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+
+    /// How long codels take, within their intervals
+    #[arg(long, value_enum, default_value_t = DurationsName::Random)]
+    durations: DurationsName,
+
+    /// Number of cores, or `free` for as many as there are tasks
+    #[arg(long, value_name = "N|free", value_parser = cores)]
+    cores: Option<Cores>,
+
+    /// What the model follows
+    #[arg(long, value_enum)]
+    semantics: Option<SemanticsName>,
+
+    /// Order in which tasks get a core
+    #[arg(long, value_enum)]
+    policy: Option<PolicyName>,
+
+    /// Watch this instead of what the scenario checks: "response arm.motion <= 5 ms"
+    #[arg(long = "check", value_name = "CHECK", action = clap::ArgAction::Append)]
+    checks: Vec<String>,
+
+    /// What response times are compared with
+    #[arg(long, value_enum, default_value_t = bounds::Source::Proved)]
+    bounds: bounds::Source,
+
+    /// What to do when something is violated
+    #[arg(long, value_enum, default_value_t = OnViolation::Report)]
+    on_violation: OnViolation,
+
+    /// Write every run of a codel to this file, in the format of GenoM3's profiler
+    #[arg(long, value_name = "FILE")]
+    profile: Option<Utf8PathBuf>,
+
+    /// How to print what came of it
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+
+    #[command(flatten)]
+    reading: Reading,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Clock {
+    /// That of the model: discrete events, no waiting
+    Virtual,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Simulate {
+    /// For all of them
+    All,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum DurationsName {
+    /// Always the greatest time
+    Worst,
+    /// Any time of the interval
+    Random,
+    /// Always the least time
+    Best,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum OnViolation {
+    /// Tell of it in the end
+    Report,
+    /// End the run
+    Stop,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Format {
+    /// For people
+    Text,
+    /// For programs
+    Json,
+}
+
+/// A run that is over.
+struct Answer {
+    problem: Problem,
+    options: Options,
+    report: Report,
+    /// What was written, if anything.
+    profile: Option<(Utf8PathBuf, u64)>,
+}
+
+/// A time with its unit.
+fn time(text: &str) -> Result<Seconds, String> {
+    let wrong = || "give a time with a unit, for example 10s, 500ms or 2min".to_owned();
+    let at = text.find(|c: char| c.is_ascii_alphabetic());
+    let (number, unit) = text.split_at(at.ok_or_else(wrong)?);
+    let number: Seconds = exact(number.trim()).ok_or_else(wrong)?;
+    let unit = match unit {
+        "us" | "µs" => Unit::Microseconds.seconds(),
+        "ms" => Unit::Milliseconds.seconds(),
+        "s" => Ratio::from_integer(1),
+        "min" => Ratio::from_integer(60),
+        "h" => Ratio::from_integer(3600),
+        _ => return Err(wrong()),
+    };
+    Ok(number * unit)
+}
+
+/// A decimal number that is not negative.
+fn exact(text: &str) -> Option<Seconds> {
+    let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
+    let digits = format!("{whole}{fraction}");
+    let short = fraction.len() <= 9 && digits.len() <= 18;
+    if !short || digits.is_empty() || !digits.bytes().all(|it| it.is_ascii_digit()) {
+        return None;
+    }
+    let scale = 10i128.pow(u32::try_from(fraction.len()).ok()?);
+    Some(Ratio::new(digits.parse().ok()?, scale))
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    let checks: Vec<&str> = arguments.checks.iter().map(|it| body(it)).collect();
+    let interrupt = interrupt::on_terminal();
+    let all = problems(&arguments.files, &arguments.reading)?;
+    if arguments.profile.is_some() && all.len() > 1 {
+        anyhow::bail!("`--profile` writes one file: run one scenario at a time");
+    }
+    let mut answers = Vec::new();
+    for (session, problem) in all {
+        if !problem.errors.is_empty() {
+            Told::about(&session, &problem, problem.errors.clone())?.print()?;
+            return Ok(Outcome::Unusable);
+        }
+        let options = Options {
+            cores: arguments.cores.map(|it| it.0),
+            policy: arguments.policy.map(PolicyName::policy),
+            semantics: arguments.semantics.map(SemanticsName::preset),
+            checks: parsed(&checks, &problem)?,
+            ..Options::default()
+        };
+        let input = SystemInput {
+            specs: problem.specs(),
+        };
+        let prepared = prepare(&input, &problem.scenario, &options);
+        let told = |all: &[scn::Diagnostic]| Told::by_verifier(&session, &problem, all, &checks);
+        if matches!(arguments.format, Format::Text) || prepared.report.has_errors() {
+            told(&together(&prepared.report.diagnostics))?.print()?;
+        }
+        if prepared.report.has_errors() {
+            return Ok(Outcome::Unusable);
+        }
+        let bounds = bounds::of_tasks(arguments.bounds, &problem, &options, &prepared, &interrupt);
+        let plan = arguments.plan(&prepared);
+        let mut profile = match &arguments.profile {
+            Some(path) => {
+                let stream = Stream::create(path.as_std_path());
+                let stream = stream.with_context(|| format!("cannot write `{path}`"))?;
+                let system = &prepared.built.system;
+                let functions = functions(system, &Names::new(&input.specs));
+                Some((path, Profile::new(system, functions, stream)))
+            }
+            None => None,
+        };
+        let outcome = simulate(
+            &prepared,
+            bounds.clone(),
+            &plan,
+            profile.as_mut().map(|it| &mut it.1),
+            &|| interrupt.is_raised(),
+        );
+        let report = Report::new(&prepared, &plan, &outcome, &bounds);
+        let profile = match profile {
+            Some((path, profile)) => {
+                let wrong = || format!("cannot write `{path}`");
+                let (stream, lines) = profile.finish().with_context(wrong)?;
+                stream.finish().with_context(wrong)?;
+                Some((path.clone(), lines))
+            }
+            None => None,
+        };
+        drop(outcome);
+        answers.push(Answer {
+            options,
+            report,
+            profile,
+            problem,
+        });
+    }
+    match arguments.format {
+        Format::Text => text::print(&answers)?,
+        Format::Json => print_json(&answers)?,
+    }
+    let ended = |it: &Answer| !matches!(it.report.end, End::Done | End::NothingLeft);
+    Ok(if answers.iter().any(|it| it.report.violated()) {
+        Outcome::Errors
+    } else if answers.iter().any(ended) {
+        Outcome::GaveUp
+    } else {
+        Outcome::Fine
+    })
+}
+
+impl Arguments {
+    fn plan(&self, prepared: &Prepared) -> Plan {
+        // There is one of each so far; another one is a decision to be made here.
+        let (Clock::Virtual, Simulate::All) = (self.clock, self.simulate);
+        Plan {
+            until: prepared.ticks(self.until),
+            runs: self.runs,
+            seed: self.seed,
+            durations: match self.durations {
+                DurationsName::Worst => decide::Durations::Worst,
+                DurationsName::Random => decide::Durations::Random,
+                DurationsName::Best => decide::Durations::Best,
+            },
+            stop_at_violation: self.on_violation == OnViolation::Stop,
+        }
+    }
+}
+
+/// One document: an object for one scenario, a list for several.
+fn print_json(answers: &[Answer]) -> anyhow::Result<()> {
+    let mut documents = Vec::new();
+    for it in answers {
+        let mut document = serde_json::to_value(&it.report)?;
+        document["file"] = super::session::display(&it.problem.path).into();
+        documents.push(document);
+    }
+    let document = match documents.len() {
+        1 => documents.remove(0),
+        _ => serde_json::Value::Array(documents),
+    };
+    let mut out = serde_json::to_string_pretty(&document)?;
+    out.push('\n');
+    std::io::stdout().write_all(out.as_bytes())?;
+    Ok(())
+}

@@ -1,0 +1,88 @@
+//! A file that grows while it is written: a log. It gets its name when it is whole.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use super::write;
+
+/// A file under a temporary name, beside the one whose place it will take. When it is dropped it is removed.
+#[derive(Debug)]
+pub(crate) struct Stream {
+    out: BufWriter<File>,
+    temporary: PathBuf,
+    target: PathBuf,
+    finished: bool,
+}
+
+impl Stream {
+    /// For a file that need not exist; its directory must.
+    ///
+    /// # Errors
+    /// It cannot be written there, or what is there is read-only.
+    pub(crate) fn create(path: &Path) -> io::Result<Stream> {
+        let (temporary, target, file) = write::beside(path)?;
+        Ok(Stream {
+            out: BufWriter::with_capacity(1 << 20, file),
+            temporary,
+            target,
+            finished: false,
+        })
+    }
+
+    /// Gives the file its name. What was there under it is replaced.
+    ///
+    /// # Errors
+    /// Something could not be written. Then what was there stays.
+    pub(crate) fn finish(mut self) -> io::Result<()> {
+        self.out.flush()?;
+        self.out.get_ref().sync_all()?;
+        std::fs::rename(&self.temporary, &self.target)?;
+        self.finished = true;
+        Ok(())
+    }
+}
+
+impl Write for Stream {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.out.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
+impl Drop for Stream {
+    fn drop(&mut self) {
+        if !self.finished {
+            let _ = std::fs::remove_file(&self.temporary);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_log_has_its_name_when_it_is_whole() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("run.out");
+        std::fs::write(&path, "before").expect("written");
+        let names = || -> Vec<PathBuf> {
+            let entries = std::fs::read_dir(folder.path()).expect("a folder");
+            entries.flatten().map(|it| it.path()).collect()
+        };
+        let mut dropped = Stream::create(&path).expect("created");
+        dropped.write_all(b"half").expect("written");
+        drop(dropped);
+        assert_eq!(names(), [path.clone()], "nothing stays behind");
+        let mut stream = Stream::create(&path).expect("created");
+        stream.write_all(b"whole").expect("written");
+        assert_eq!(std::fs::read(&path).expect("a file"), b"before");
+        stream.finish().expect("finished");
+        assert_eq!(std::fs::read(&path).expect("a file"), b"whole");
+        assert_eq!(names(), [path]);
+    }
+}

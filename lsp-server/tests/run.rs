@@ -1,0 +1,286 @@
+//! `dotgen run`, as users and scripts run it.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+#[path = "support/directory.rs"]
+mod directory;
+
+use directory::{Directory, status, stderr, stdout};
+
+fn example(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../examples")
+        .join(name)
+}
+
+fn pump(arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_dotgen"));
+    command.args(["run", "pump.scn"]).args(arguments);
+    command.current_dir(example("pump"));
+    command.output().expect("the program runs")
+}
+
+fn json_of(output: &Output) -> Value {
+    let text = stdout(output);
+    serde_json::from_str(&text).unwrap_or_else(|it| panic!("{it}: {text}{}", stderr(output)))
+}
+
+/// How many cycles of a task: `DOTGEN_RUN_CYCLES`, by default some thousands.
+fn cycles() -> u64 {
+    let given = std::env::var("DOTGEN_RUN_CYCLES").ok();
+    given.and_then(|it| it.parse().ok()).unwrap_or(20_000)
+}
+
+#[test]
+fn response_times_come_close_to_what_is_proved_and_never_exceed_it() {
+    // A run of 10 s has a thousand cycles of 10 ms.
+    let runs = (cycles() / 1_000).max(1).to_string();
+    let options = [
+        "--check",
+        "schedulable *",
+        "--semantics",
+        "servers",
+        "--format",
+        "json",
+        "--runs",
+        &runs,
+    ];
+    for durations in ["worst", "random", "best"] {
+        let output = pump(&[&options[..], &["--durations", durations]].concat());
+        assert_eq!(status(&output), 0, "{}", stderr(&output));
+        let report = json_of(&output);
+        assert_eq!(report["violation-count"], 0);
+        for task in report["tasks"].as_array().expect("a list") {
+            let number = |key: &str| {
+                task[key]
+                    .as_f64()
+                    .unwrap_or_else(|| panic!("{key}: {task}"))
+            };
+            let (greatest, bound) = (number("greatest"), number("bound"));
+            assert!(greatest <= bound, "{task}");
+            assert!(durations != "worst" || greatest >= 0.9 * bound, "{task}");
+            assert!(durations != "best" || greatest == 0.0, "{task}");
+            assert_eq!(task["missed"], 0, "{task}");
+        }
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_run() {
+    let run = |seed: &str| {
+        stdout(&pump(&[
+            "--seed", seed, "--format", "json", "--until", "2s",
+        ]))
+    };
+    assert_eq!(run("7"), run("7"));
+    let times = |seed: &str| -> Value {
+        let report: Value = serde_json::from_str(&run(seed)).expect("JSON");
+        report["tasks"].clone()
+    };
+    assert_ne!(times("7"), times("8"));
+}
+
+#[test]
+fn a_run_in_words() {
+    let output = pump(&[
+        "--until",
+        "1s",
+        "--semantics",
+        "servers",
+        "--durations",
+        "worst",
+    ]);
+    assert_eq!(stderr(&output), "");
+    insta::assert_snapshot!(stdout(&output));
+}
+
+const TIGHT: &str = "\
+component tight {
+  version \"1.0\"; lang \"c\";
+  ids { long it; };
+  task fast {
+    period 10 ms;
+    codel<start> read(out it) yield pause::start wcet 2 ms;
+  };
+  task slow {
+    period 40 ms;
+    codel<start> work(inout it) yield pause::start wcet 25 ms;
+  };
+};
+";
+
+const HELD: &str = "\
+scenario held {
+  use \"tight.gen\";
+  cores 2;
+  check late: schedulable tight.fast;
+  check quick: response tight.fast <= 20 ms;
+  check never: always not tight.slow.start.exec;
+  check ever: reachable tight.slow.start.exec;
+}
+";
+
+#[test]
+fn what_is_violated_is_told_with_its_moment() {
+    let it = Directory::new(&[("tight.gen", TIGHT), ("held.scn", HELD)]);
+    let arguments = ["run", "held.scn", "--durations", "worst", "--until", "1s"];
+    let output = it.run(&arguments);
+    assert_eq!(status(&output), 1, "{}", stderr(&output));
+    insta::assert_snapshot!(stdout(&output));
+    // The same violations are proved to be possible.
+    let proved = it.run(&["verify", "held.scn", "--format", "json"]);
+    let proved: Value = serde_json::from_str(&stdout(&proved)).expect("JSON");
+    let verdicts = |it: &Value| -> Vec<String> {
+        let checks = it["checks"].as_array().expect("a list");
+        let verdict = |it: &Value| it["verdict"].as_str().expect("a word").to_owned();
+        checks.iter().map(verdict).collect()
+    };
+    assert_eq!(
+        verdicts(&proved),
+        ["refuted", "refuted", "refuted", "proved"]
+    );
+    let stopped = it.run(
+        &[
+            &arguments[..],
+            &["--on-violation", "stop", "--format", "json"],
+        ]
+        .concat(),
+    );
+    assert_eq!(status(&stopped), 1);
+    let report = json_of(&stopped);
+    assert_eq!(
+        (&report["end"], &report["violation-count"]),
+        (&"stopped".into(), &1.into())
+    );
+}
+
+#[test]
+fn every_run_of_a_codel_is_a_line_of_the_profile() {
+    let it = Directory::new(&[("tight.gen", TIGHT), ("held.scn", HELD)]);
+    let arguments = [
+        "run",
+        "held.scn",
+        "--until",
+        "400ms",
+        "--profile",
+        "run.out",
+        "--format",
+        "json",
+    ];
+    let report = json_of(&it.run(&arguments));
+    let text = std::fs::read_to_string(it.path().join("run.out")).expect("the profile");
+    let mut counted = std::collections::BTreeMap::new();
+    for line in text.lines() {
+        let columns: Vec<&str> = line.split(' ').collect();
+        assert_eq!(columns.len(), 9, "{line}");
+        let times: Vec<f64> = columns[..3]
+            .iter()
+            .map(|it| it.parse().expect("seconds"))
+            .collect();
+        assert!(times.is_sorted(), "{line}");
+        let decimals = columns[0].split_once('.').expect("a fraction").1;
+        assert_eq!(decimals.len(), 9, "{line}");
+        *counted.entry(columns[3..].join(" ")).or_insert(0) += 1;
+    }
+    let runs = |codel: usize| report["codels"][codel]["runs"].as_u64().expect("a number");
+    let expected = [
+        (
+            "tight fast <permanent> read ::tight::start ::tight::pause::start",
+            runs(0),
+        ),
+        (
+            "tight slow <permanent> work ::tight::start ::tight::pause::start",
+            runs(1),
+        ),
+    ];
+    let expected = expected.map(|(it, count)| (it.to_owned(), count));
+    assert_eq!(counted, expected.into_iter().collect());
+    assert!(runs(0) > 10 && runs(1) > 5);
+}
+
+#[test]
+fn time_that_stands_still_ends_a_run() {
+    let spin = "\
+component spin {
+  version \"1.0\"; lang \"c\";
+  task round {
+    codel<start> a() yield other;
+    codel<other> b() yield start;
+  };
+};
+";
+    let it = Directory::new(&[("spin.gen", spin)]);
+    let output = it.run(&["run", "spin.gen", "--bounds", "none", "--until", "1s"]);
+    assert_eq!(status(&output), 3, "{}", stdout(&output));
+    assert!(
+        stdout(&output).contains("time stands still"),
+        "{}",
+        stdout(&output)
+    );
+}
+
+#[test]
+fn what_cannot_be_run_is_said() {
+    let it = Directory::new(&[("tight.gen", TIGHT), ("held.scn", HELD)]);
+    for (arguments, what) in [
+        (&["run", "held.scn", "--until", "soon"][..], "10s"),
+        (&["run", "nowhere.scn"], "nowhere.scn"),
+        (
+            &["run", "held.scn", "--profile", "none/run.out"],
+            "none/run.out",
+        ),
+        (
+            &["run", "held.scn", "tight.gen", "--profile", "run.out"],
+            "one scenario at a time",
+        ),
+        (
+            &["run", "held.scn", "--check", "response tight.nobody"],
+            "nobody",
+        ),
+    ] {
+        let output = it.run(arguments);
+        assert_eq!(status(&output), 2, "{arguments:?}");
+        assert!(
+            stderr(&output).contains(what),
+            "{arguments:?}: {}",
+            stderr(&output)
+        );
+    }
+    let files: Vec<_> = std::fs::read_dir(it.path())
+        .expect("a folder")
+        .flatten()
+        .collect();
+    assert_eq!(files.len(), 2, "nothing stays behind: {files:?}");
+}
+
+#[test]
+fn published_components_run() {
+    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/corpus/components");
+    let Ok(entries) = std::fs::read_dir(&corpus) else {
+        eprintln!("SKIPPED: {} is missing", corpus.display());
+        return;
+    };
+    let mut ran = 0;
+    for entry in entries.flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let main = entry
+            .path()
+            .join(format!("{}.gen", name.trim_end_matches("-genom3")));
+        if !main.is_file() {
+            continue;
+        }
+        let mut command = Command::new(env!("CARGO_BIN_EXE_dotgen"));
+        command.args([
+            "run", "--bounds", "none", "--until", "200ms", "--format", "json",
+        ]);
+        let output = command.arg(&main).output().expect("the program runs");
+        let code = output.status.code();
+        // What has errors without packages that are not installed is not run.
+        assert!(matches!(code, Some(0..=3)), "{}: {code:?}", main.display());
+        ran += usize::from(code != Some(2));
+    }
+    assert!(ran > 0, "no component ran");
+}

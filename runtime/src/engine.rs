@@ -1,0 +1,136 @@
+//! The loop of a run on the virtual clock: discrete events, no waiting.
+
+use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Work};
+
+use crate::decide::Decide;
+
+/// Actions at one moment after which time is taken to stand still. A system has some for each task, codel and client.
+const CROWDED: u64 = 1_000_000;
+
+/// Steps between two looks at what may end a run.
+const LOOKS: u64 = 256;
+
+/// Why a run has ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum End {
+    /// It has lasted as long as was asked for.
+    Done,
+    /// Nothing will ever happen again.
+    NothingLeft,
+    /// So much happens without taking time that time does not pass.
+    Standstill,
+    /// Whoever watches it has seen enough.
+    Stopped,
+    /// It was interrupted.
+    Interrupted,
+}
+
+/// Whoever watches a run.
+pub trait Watch {
+    /// Something was seen; the stepper is past it.
+    fn see(&mut self, stepper: &Stepper, seen: &Seen);
+
+    /// Time has passed.
+    fn moment(&mut self, stepper: &Stepper);
+
+    /// Whether to end the run.
+    fn is_over(&self) -> bool;
+}
+
+/// Runs a system from time 0 until a time, in base units.
+pub fn run(
+    stepper: &mut Stepper,
+    decide: &mut dyn Decide,
+    until: u64,
+    watch: &mut dyn Watch,
+    interrupted: &dyn Fn() -> bool,
+) -> End {
+    let mut possible = Possible::default();
+    let mut outcomes = Vec::new();
+    let mut seen = Vec::new();
+    let mut works: Vec<Option<Work>> = Vec::new();
+    let (mut steps, mut at_once) = (0u64, 0u64);
+    stepper.begin(&mut seen);
+    loop {
+        for it in &seen {
+            if let Seen::Begun {
+                executor,
+                work,
+                time: (least, greatest),
+            } = *it
+            {
+                if works.len() <= executor {
+                    works.resize(executor + 1, None);
+                }
+                works[executor] = Some(work);
+                stepper.decide(executor, decide.time(&work, least, greatest));
+            }
+            watch.see(stepper, it);
+        }
+        seen.clear();
+        if watch.is_over() {
+            return End::Stopped;
+        }
+        steps += 1;
+        if steps.is_multiple_of(LOOKS) && interrupted() {
+            return End::Interrupted;
+        }
+        stepper.possible(&mut possible);
+        let actions = possible.actions();
+        if possible.may_wait() && (actions.is_empty() || decide.waits()) {
+            let left = until.saturating_sub(stepper.now());
+            let jump = stepper.next_moment();
+            let jump = match jump {
+                _ if left == 0 => return End::Done,
+                None => return End::NothingLeft,
+                Some(jump) => u64::from(jump).min(left),
+            };
+            stepper.pass(u32::try_from(jump).unwrap_or(u32::MAX), &mut seen);
+            watch.moment(stepper);
+            at_once = 0;
+            continue;
+        }
+        at_once += 1;
+        if actions.is_empty() || at_once > CROWDED {
+            return End::Standstill;
+        }
+        let action = choose(actions, &works, decide, &mut outcomes);
+        stepper.perform(action, &mut seen);
+    }
+}
+
+/// Who an action is of, where the same one can do several instead of each other.
+fn chooser(action: &Action) -> Option<(u8, usize)> {
+    match *action {
+        Action::Finish { executor, .. } => Some((0, executor)),
+        Action::Request { client, .. } => Some((1, client)),
+        Action::Proceed { client, .. } => Some((2, client)),
+        _ => None,
+    }
+}
+
+/// First who is next, then what: who has more ways to go on is not next more often.
+fn choose(
+    actions: &[Action],
+    works: &[Option<Work>],
+    decide: &mut dyn Decide,
+    outcomes: &mut Vec<usize>,
+) -> Action {
+    let same = |a: &Action, b: &Action| chooser(a).is_some() && chooser(a) == chooser(b);
+    let groups = actions.chunk_by(same).count();
+    let chosen = decide.order(groups);
+    let group = actions.chunk_by(same).nth(chosen).unwrap_or(actions);
+    let Action::Finish { executor, .. } = group[0] else {
+        return group[decide.order(group.len())];
+    };
+    let Some(work) = works.get(executor).copied().flatten() else {
+        return group[decide.order(group.len())];
+    };
+    outcomes.clear();
+    outcomes.extend(group.iter().filter_map(|it| match *it {
+        Action::Finish { outcome, .. } => Some(outcome),
+        _ => None,
+    }));
+    group[decide.outcome(&work, outcomes).min(group.len() - 1)]
+}

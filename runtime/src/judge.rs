@@ -1,0 +1,300 @@
+//! A run held to the checks of its scenario, and to what is known of the system.
+
+use dotgen_timing::explore::{Seen, Stepper};
+use dotgen_timing::system::Ticks;
+use dotgen_timing::verify::{Prepared, Question};
+
+use crate::engine::End;
+
+/// What a run says about a check. No run proves that a check holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// Nothing was seen against it.
+    #[default]
+    Kept,
+    /// It was violated.
+    Violated,
+    /// What it asks for was seen.
+    Seen,
+    /// What it asks for was not seen.
+    NotSeen,
+}
+
+/// A moment of one of the runs, in base units.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Moment {
+    /// Which run, from 0.
+    pub run: u64,
+    /// Time since its start.
+    pub time: u64,
+}
+
+/// The answer to a check.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Answer {
+    /// In a word.
+    pub verdict: Verdict,
+    /// When that was known first.
+    pub at: Option<Moment>,
+    /// The greatest time that it asks for.
+    pub greatest: Option<Ticks>,
+    /// How often it was violated.
+    pub violations: u64,
+}
+
+/// Something that must not happen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Violation {
+    /// A check is violated.
+    Check(usize),
+    /// A response time exceeds its proved bound: something that was assumed does not hold, or dotgen is wrong.
+    BeyondBound {
+        /// The task.
+        task: usize,
+        /// The response time, as far as it has come.
+        response: Ticks,
+        /// The bound.
+        bound: Ticks,
+    },
+}
+
+/// Watches runs.
+#[derive(Debug)]
+pub struct Judge<'p> {
+    prepared: &'p Prepared,
+    /// Place of each check in what is watched.
+    places: Vec<Option<usize>>,
+    /// Bounds on response times, by task.
+    bounds: Vec<Option<Ticks>>,
+    /// Answers, by check.
+    pub answers: Vec<Answer>,
+    /// The first violation of each kind, with its moment.
+    pub violations: Vec<(Moment, Violation)>,
+    /// All of them.
+    pub count: u64,
+    run: u64,
+    /// Checks whose limit is exceeded by what goes on now.
+    exceeded: Vec<bool>,
+    /// Tasks likewise, of their bound.
+    beyond: Vec<bool>,
+    /// Checks whose predicate was true in this run.
+    reached: Vec<bool>,
+}
+
+impl<'p> Judge<'p> {
+    /// For a system whose tasks have these bounds on their response times.
+    pub fn new(
+        prepared: &'p Prepared,
+        places: Vec<Option<usize>>,
+        bounds: Vec<Option<Ticks>>,
+    ) -> Self {
+        let answers = prepared.checks.iter().map(|it| Answer {
+            verdict: match it.question {
+                Question::Reachable(_) | Question::Eventually(_) => Verdict::NotSeen,
+                _ => Verdict::Kept,
+            },
+            ..Answer::default()
+        });
+        Judge {
+            answers: answers.collect(),
+            exceeded: vec![false; prepared.checks.len()],
+            beyond: vec![false; bounds.len()],
+            reached: vec![false; prepared.checks.len()],
+            violations: Vec::new(),
+            count: 0,
+            run: 0,
+            prepared,
+            places,
+            bounds,
+        }
+    }
+
+    /// Something was seen.
+    pub fn see(&mut self, stepper: &Stepper, seen: &Seen) {
+        let now = Moment {
+            run: self.run,
+            time: stepper.now(),
+        };
+        match *seen {
+            Seen::Missed { task } => self.each(
+                now,
+                |it| matches!(it, Question::Schedulable(of) if *of == task),
+            ),
+            Seen::Overdue { task } => self.each(
+                now,
+                |it| matches!(it, Question::NoOverdue(of) if *of == task),
+            ),
+            Seen::Job { task, response } => {
+                self.lasts_job(now, task, response);
+                self.over(|it| matches!(it, Question::Response(of, _) if *of == task));
+                self.beyond[task] = false;
+            }
+            Seen::Reached { predicate } => self.reached(now, predicate),
+            Seen::Answered { within, after } => {
+                for check in 0..self.answers.len() {
+                    if self.places[check] == Some(within) && self.is_within(check) {
+                        self.lasts(now, check, after);
+                        self.exceeded[check] = false;
+                    }
+                }
+            }
+            Seen::Asked { .. }
+            | Seen::Begun { .. }
+            | Seen::Ended { .. }
+            | Seen::Requested { .. } => {}
+        }
+    }
+
+    /// Time has passed: what goes on lasts longer.
+    pub fn moment(&mut self, stepper: &Stepper) {
+        let now = Moment {
+            run: self.run,
+            time: stepper.now(),
+        };
+        for task in 0..self.bounds.len() {
+            if let Some(so_far) = stepper.job(task) {
+                self.lasts_job(now, task, so_far);
+            }
+        }
+        for check in 0..self.places.len() {
+            if let (Some(place), true) = (self.places[check], self.is_within(check))
+                && let Some(so_far) = stepper.awaited(place)
+            {
+                self.lasts(now, check, so_far);
+            }
+        }
+    }
+
+    /// A run has ended.
+    pub fn end(&mut self, stepper: &Stepper, end: End) {
+        let now = Moment {
+            run: self.run,
+            time: stepper.now(),
+        };
+        if end == End::NothingLeft {
+            self.each(now, |it| matches!(it, Question::Deadlock));
+            for check in 0..self.places.len() {
+                // What is awaited will never come.
+                let awaited = match (&self.prepared.checks[check].question, self.places[check]) {
+                    (Question::LeadsTo(..) | Question::Within(..), Some(place)) => {
+                        stepper.awaited(place).is_some()
+                    }
+                    (Question::Eventually(_), _) => !self.reached[check],
+                    _ => false,
+                };
+                if awaited && !self.exceeded[check] {
+                    self.violate(now, check);
+                }
+            }
+        }
+        self.exceeded.fill(false);
+        self.beyond.fill(false);
+        self.reached.fill(false);
+        self.run += 1;
+    }
+
+    /// Whether something was violated.
+    pub fn has_violations(&self) -> bool {
+        self.count > 0
+    }
+
+    fn is_within(&self, check: usize) -> bool {
+        matches!(
+            self.prepared.checks[check].question,
+            Question::Within(..) | Question::LeadsTo(..)
+        )
+    }
+
+    fn each(&mut self, now: Moment, concerned: impl Fn(&Question) -> bool) {
+        for check in 0..self.answers.len() {
+            if concerned(&self.prepared.checks[check].question) {
+                self.violate(now, check);
+            }
+        }
+    }
+
+    fn over(&mut self, concerned: impl Fn(&Question) -> bool) {
+        for (check, exceeded) in self.exceeded.iter_mut().enumerate() {
+            *exceeded &= !concerned(&self.prepared.checks[check].question);
+        }
+    }
+
+    fn reached(&mut self, now: Moment, predicate: usize) {
+        for check in 0..self.answers.len() {
+            if self.places[check] != Some(predicate) {
+                continue;
+            }
+            match self.prepared.checks[check].question {
+                Question::Always(_) => self.violate(now, check),
+                Question::Reachable(_) | Question::Eventually(_) => {
+                    self.reached[check] = true;
+                    let answer = &mut self.answers[check];
+                    if answer.verdict == Verdict::NotSeen {
+                        answer.verdict = Verdict::Seen;
+                        answer.at = Some(now);
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn lasts_job(&mut self, now: Moment, task: usize, time: Ticks) {
+        for check in 0..self.answers.len() {
+            if matches!(self.prepared.checks[check].question, Question::Response(of, _) if of == task)
+            {
+                self.lasts(now, check, time);
+            }
+        }
+        if let Some(bound) = self.bounds[task].filter(|&bound| time > bound)
+            && !std::mem::replace(&mut self.beyond[task], true)
+        {
+            self.note(
+                now,
+                Violation::BeyondBound {
+                    task,
+                    response: time,
+                    bound,
+                },
+            );
+        }
+    }
+
+    /// What a check asks the greatest time of has come so far.
+    fn lasts(&mut self, now: Moment, check: usize, time: Ticks) {
+        let answer = &mut self.answers[check];
+        answer.greatest = answer.greatest.max(Some(time));
+        let limit = match self.prepared.checks[check].question {
+            Question::Response(_, limit) | Question::Within(_, _, limit) => limit,
+            _ => None,
+        };
+        let exceeds = limit.is_some_and(|it| time > it);
+        if exceeds && !std::mem::replace(&mut self.exceeded[check], true) {
+            self.violate(now, check);
+        }
+    }
+
+    fn violate(&mut self, now: Moment, check: usize) {
+        let answer = &mut self.answers[check];
+        answer.violations += 1;
+        if answer.verdict != Verdict::Violated {
+            answer.verdict = Verdict::Violated;
+            answer.at = Some(now);
+        }
+        self.note(now, Violation::Check(check));
+    }
+
+    fn note(&mut self, now: Moment, violation: Violation) {
+        self.count += 1;
+        let same = |it: &Violation| match (*it, violation) {
+            (Violation::BeyondBound { task: a, .. }, Violation::BeyondBound { task: b, .. }) => {
+                a == b
+            }
+            (a, b) => a == b,
+        };
+        if !self.violations.iter().any(|it| same(&it.1)) {
+            self.violations.push((now, violation));
+        }
+    }
+}

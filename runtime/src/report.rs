@@ -1,0 +1,359 @@
+//! What a run found, as data. The JSON form is part of the interface of `dotgen run`.
+
+use dotgen_timing::property::PropertyKind;
+use dotgen_timing::report::Value;
+use dotgen_timing::system::{Ticks, Yield};
+use dotgen_timing::verify::Prepared;
+use serde::Serialize;
+
+use crate::decide::Durations;
+use crate::engine::End;
+use crate::judge::{Moment, Verdict, Violation};
+use crate::simulation::{Outcome, Plan};
+use crate::tally::Times;
+
+/// Version of the JSON form: raised when a field changes its meaning or goes.
+pub const FORMAT: u32 = 1;
+
+/// What a run found. All times are in the unit of the report.
+#[derive(Debug, Clone, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct Report {
+    /// Version of the form.
+    pub format: u32,
+    /// Name of the scenario.
+    pub scenario: String,
+    /// What the model follows.
+    pub semantics: String,
+    /// Unit of all times.
+    pub unit: String,
+    /// What chance depended on.
+    pub seed: u64,
+    /// How long codels took.
+    pub durations: Durations,
+    /// How many runs there were, each from the start.
+    pub runs: u64,
+    /// Time that all runs took together.
+    pub time: Value,
+    /// How the last run ended.
+    pub end: End,
+    /// Tasks, in order of declaration.
+    pub tasks: Vec<OfTask>,
+    /// Services likewise.
+    pub services: Vec<OfService>,
+    /// Codels likewise.
+    pub codels: Vec<OfCodel>,
+    /// State machines, with all their transitions.
+    pub machines: Vec<OfMachine>,
+    /// Checks, in order of the scenario.
+    pub checks: Vec<OfCheck>,
+    /// The first of each kind.
+    pub violations: Vec<OfViolation>,
+    /// All of them.
+    pub violation_count: u64,
+    /// What the model assumes.
+    pub assumptions: Vec<String>,
+    /// What else is worth knowing.
+    pub notes: Vec<String>,
+}
+
+/// A task.
+#[derive(Debug, Clone, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct OfTask {
+    /// `component.task`
+    pub task: String,
+    /// Jobs that have ended.
+    pub jobs: u64,
+    /// The greatest response time, that of a job that has not ended included.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub greatest: Option<Value>,
+    /// Of those that have ended.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mean: Option<Value>,
+    /// The proved bound on it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bound: Option<Value>,
+    /// Its period.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub period: Option<Value>,
+    /// Ticks before the job of the one before had ended.
+    pub missed: u64,
+}
+
+/// A service.
+#[derive(Debug, Clone, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct OfService {
+    /// `component.service`
+    pub service: String,
+    /// Requests taken.
+    pub requests: u64,
+    /// Refused by a codel, or ended by its exception.
+    pub refused: u64,
+    /// Activities that have ended.
+    pub ended: u64,
+}
+
+/// A codel.
+#[derive(Debug, Clone, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct OfCodel {
+    /// `component.owner.state`
+    pub codel: String,
+    /// How often it was executed.
+    pub runs: u64,
+    /// The greatest time of that.
+    pub greatest: Value,
+    /// The greatest time it waited for its locks.
+    pub waited: Value,
+}
+
+/// A state machine.
+#[derive(Debug, Clone, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct OfMachine {
+    /// `component.owner`
+    pub machine: String,
+    /// Transitions.
+    pub transitions: Vec<Transition>,
+}
+
+/// A transition.
+#[derive(Debug, Clone, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct Transition {
+    /// A state.
+    pub from: String,
+    /// What its codel yields: a state, with `pause::` before it, or `ether`.
+    pub to: String,
+    /// How often.
+    pub taken: u64,
+}
+
+/// A check.
+#[derive(Debug, Clone, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct OfCheck {
+    /// Its name, if it has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// What kind of property it asks for.
+    pub check: PropertyKind,
+    /// The task, or the predicates, in words.
+    pub of: String,
+    /// What the run says.
+    pub verdict: Verdict,
+    /// The greatest time that it asks for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub greatest: Option<Value>,
+    /// What that must not exceed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit: Option<Value>,
+    /// When the verdict was known first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at: Option<At>,
+    /// How often it was violated.
+    pub violations: u64,
+}
+
+/// A moment.
+#[derive(Debug, Clone, Copy, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct At {
+    /// Which run, from 1.
+    pub run: u64,
+    /// The seed with which this run is the first.
+    pub seed: u64,
+    /// Time since its start.
+    pub time: Value,
+}
+
+/// A violation.
+#[derive(Debug, Clone, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct OfViolation {
+    /// When.
+    pub at: At,
+    /// Of what.
+    #[serde(flatten)]
+    pub what: Violated,
+}
+
+/// What was violated.
+#[derive(Debug, Clone, Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Violated {
+    /// A check.
+    Check {
+        /// Its place in the list of checks.
+        check: usize,
+    },
+    /// A proved bound.
+    BeyondBound {
+        /// `component.task`
+        task: String,
+        /// The response time when that was seen.
+        response: Value,
+        /// The bound.
+        bound: Value,
+    },
+}
+
+impl Report {
+    /// Of runs that are over.
+    pub fn new(
+        prepared: &Prepared,
+        plan: &Plan,
+        outcome: &Outcome,
+        bounds: &[Option<Ticks>],
+    ) -> Report {
+        let make = Maker { prepared, plan };
+        let system = &prepared.built.system;
+        let tasks = system.tasks.iter().enumerate().map(|(task, it)| {
+            let counted = &outcome.tally.tasks[task];
+            OfTask {
+                task: system.task_path(task),
+                jobs: counted.jobs.count,
+                greatest: counted.greatest.map(|it| make.value(it)),
+                mean: make.mean(&counted.jobs),
+                bound: bounds.get(task).copied().flatten().map(|it| make.value(it)),
+                period: it.period.map(|it| make.value(it)),
+                missed: counted.missed,
+            }
+        });
+        let services = (0..system.services.len()).map(|service| {
+            let counted = &outcome.tally.services[service];
+            OfService {
+                service: system.service_path(service),
+                requests: counted.requests,
+                refused: counted.refused,
+                ended: counted.ended,
+            }
+        });
+        let codels = system.codels.iter().zip(&outcome.tally.codels);
+        let codels = codels.map(|(it, counted)| OfCodel {
+            codel: it.path.clone(),
+            runs: counted.runs.count,
+            greatest: make.value(counted.runs.greatest),
+            waited: make.value(counted.waits.greatest),
+        });
+        let mut notes = prepared.report.notes.clone();
+        notes.extend(outcome.refused.iter().map(|&it| {
+            let path = system.service_path(it);
+            format!("a request of {path} was refused because all its slots were in use")
+        }));
+        Report {
+            format: FORMAT,
+            scenario: prepared.report.scenario.clone(),
+            semantics: prepared.report.semantics.clone(),
+            unit: prepared.report.unit.clone(),
+            seed: plan.seed,
+            durations: plan.durations,
+            runs: outcome.runs,
+            time: Value::Time(prepared.time(outcome.time)),
+            end: outcome.end,
+            tasks: tasks.collect(),
+            services: services.collect(),
+            codels: codels.collect(),
+            machines: make.machines(outcome),
+            checks: make.checks(outcome),
+            violations: make.violations(outcome),
+            violation_count: outcome.judge.count,
+            assumptions: prepared.report.assumptions.clone(),
+            notes,
+        }
+    }
+
+    /// Whether something was violated.
+    pub fn violated(&self) -> bool {
+        self.violation_count > 0
+    }
+}
+
+struct Maker<'r> {
+    prepared: &'r Prepared,
+    plan: &'r Plan,
+}
+
+impl Maker<'_> {
+    fn value(&self, ticks: Ticks) -> Value {
+        Value::Time(self.prepared.time(u64::from(ticks)))
+    }
+
+    fn mean(&self, times: &Times) -> Option<Value> {
+        let all = self.prepared.time(times.total);
+        (times.count > 0).then(|| Value::Time(all / times.count as f64))
+    }
+
+    fn at(&self, it: Moment) -> At {
+        At {
+            run: it.run + 1,
+            seed: self.plan.seed.wrapping_add(it.run),
+            time: Value::Time(self.prepared.time(it.time)),
+        }
+    }
+
+    fn machines(&self, outcome: &Outcome) -> Vec<OfMachine> {
+        let machines = self.prepared.built.system.machines.iter();
+        let machines = machines.zip(&outcome.tally.transitions);
+        let machines = machines.map(|(machine, counts)| {
+            let mut transitions = Vec::new();
+            for (state, counts) in machine.states.iter().zip(counts) {
+                for (outcome, &taken) in counts.iter().enumerate() {
+                    let name = |it: usize| machine.states[it].name.clone();
+                    let to = match state.yields.get(outcome) {
+                        Some(&Yield::Next(to)) => name(to),
+                        Some(&Yield::Pause(to)) => format!("pause::{}", name(to)),
+                        Some(Yield::End) => "ether".to_owned(),
+                        None if taken == 0 => continue,
+                        None => "exception".to_owned(),
+                    };
+                    let from = state.name.clone();
+                    transitions.push(Transition { from, to, taken });
+                }
+            }
+            OfMachine {
+                machine: machine.name.clone(),
+                transitions,
+            }
+        });
+        machines.collect()
+    }
+
+    fn checks(&self, outcome: &Outcome) -> Vec<OfCheck> {
+        let checks = self.prepared.checks.iter().zip(&outcome.judge.answers);
+        let checks = checks.map(|(asked, answer)| OfCheck {
+            name: asked.report.name.clone(),
+            check: asked.report.kind,
+            of: asked.report.of.clone(),
+            verdict: answer.verdict,
+            greatest: answer.greatest.map(|it| self.value(it)),
+            limit: asked.report.bound,
+            at: answer.at.map(|it| self.at(it)),
+            violations: answer.violations,
+        });
+        checks.collect()
+    }
+
+    fn violations(&self, outcome: &Outcome) -> Vec<OfViolation> {
+        let system = &self.prepared.built.system;
+        let all = outcome.judge.violations.iter();
+        let all = all.map(|&(at, it)| OfViolation {
+            at: self.at(at),
+            what: match it {
+                Violation::Check(check) => Violated::Check { check },
+                Violation::BeyondBound {
+                    task,
+                    response,
+                    bound,
+                } => Violated::BeyondBound {
+                    task: system.task_path(task),
+                    response: self.value(response),
+                    bound: self.value(bound),
+                },
+            },
+        });
+        all.collect()
+    }
+}

@@ -1,0 +1,125 @@
+//! Runs of a whole system on the virtual clock, without its codels: durations and yields are drawn.
+
+use std::io::Write;
+
+use dotgen_timing::explore::{Seen, Stepper};
+use dotgen_timing::system::{Ticks, TimedSystem};
+use dotgen_timing::verify::Prepared;
+
+use crate::decide::{Drawn, Durations};
+use crate::engine::{self, End, Watch};
+use crate::judge::Judge;
+use crate::profile::Profile;
+use crate::tally::Tally;
+
+/// What to run.
+#[derive(Debug, Clone, Copy)]
+pub struct Plan {
+    /// How long each run lasts, in base units.
+    pub until: u64,
+    /// How many runs, each from the start. The first has the seed, the next ones those that follow.
+    pub runs: u64,
+    /// What chance depends on.
+    pub seed: u64,
+    /// How long codels take.
+    pub durations: Durations,
+    /// End with the first violation.
+    pub stop_at_violation: bool,
+}
+
+/// What came of it.
+#[derive(Debug)]
+pub struct Outcome<'p> {
+    /// Counts of all runs together.
+    pub tally: Tally,
+    /// The checks.
+    pub judge: Judge<'p>,
+    /// How the last run ended.
+    pub end: End,
+    /// How many runs have begun.
+    pub runs: u64,
+    /// Base units that all of them took.
+    pub time: u64,
+    /// Services of which a request was refused because no activity more could be taken.
+    pub refused: Vec<usize>,
+}
+
+/// Runs a system. `bounds` are those on the response times of its tasks, where they are known.
+pub fn simulate<'p, W: Write>(
+    prepared: &'p Prepared,
+    bounds: Vec<Option<Ticks>>,
+    plan: &Plan,
+    profile: Option<&mut Profile<'p, W>>,
+    interrupted: &dyn Fn() -> bool,
+) -> Outcome<'p> {
+    let system = &prepared.built.system;
+    let (watched, places) = prepared.watched();
+    let mut stepper = Stepper::new(system, &watched);
+    let mut observer = Observer {
+        system,
+        tally: Tally::new(system),
+        judge: Judge::new(prepared, places, bounds),
+        profile,
+        offset: 0,
+        stop_at_violation: plan.stop_at_violation,
+    };
+    let mut end = End::Done;
+    let mut runs = 0;
+    while runs < plan.runs {
+        let seed = plan.seed.wrapping_add(runs);
+        let mut dice = Drawn::new(system, plan.durations, seed);
+        end = engine::run(
+            &mut stepper,
+            &mut dice,
+            plan.until,
+            &mut observer,
+            interrupted,
+        );
+        observer.tally.end(&stepper);
+        observer.judge.end(&stepper, end);
+        observer.offset += stepper.now();
+        runs += 1;
+        let violated = plan.stop_at_violation && observer.judge.has_violations();
+        if violated || matches!(end, End::Stopped | End::Interrupted | End::Standstill) {
+            break;
+        }
+    }
+    Outcome {
+        tally: observer.tally,
+        judge: observer.judge,
+        time: observer.offset,
+        refused: (0..system.services.len())
+            .filter(|&it| stepper.has_refused(it))
+            .collect(),
+        end,
+        runs,
+    }
+}
+
+struct Observer<'o, 'p, W> {
+    system: &'p TimedSystem,
+    tally: Tally,
+    judge: Judge<'p>,
+    profile: Option<&'o mut Profile<'p, W>>,
+    /// What the runs before took.
+    offset: u64,
+    stop_at_violation: bool,
+}
+
+impl<W: Write> Watch for Observer<'_, '_, W> {
+    fn see(&mut self, stepper: &Stepper, seen: &Seen) {
+        if let Some(profile) = &mut self.profile {
+            profile.see(&mut self.tally, stepper, seen, self.offset);
+        }
+        self.tally.see(self.system, stepper, seen);
+        self.judge.see(stepper, seen);
+    }
+
+    fn moment(&mut self, stepper: &Stepper) {
+        self.judge.moment(stepper);
+    }
+
+    fn is_over(&self) -> bool {
+        self.stop_at_violation && self.judge.has_violations()
+    }
+}

@@ -1,0 +1,190 @@
+//! What is counted along runs.
+
+use dotgen_timing::explore::{Seen, Stepper, Work};
+use dotgen_timing::system::{Ticks, TimedSystem};
+
+/// Times of one thing that happens again and again, in base units.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Times {
+    /// How often it happened.
+    pub count: u64,
+    /// The least time, if it happened.
+    pub least: Ticks,
+    /// The greatest.
+    pub greatest: Ticks,
+    /// Their sum.
+    pub total: u64,
+}
+
+impl Times {
+    /// It happened once more.
+    pub fn add(&mut self, time: Ticks) {
+        self.least = match self.count {
+            0 => time,
+            _ => self.least.min(time),
+        };
+        self.greatest = self.greatest.max(time);
+        self.count += 1;
+        self.total += u64::from(time);
+    }
+}
+
+/// A task.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct OfTask {
+    /// Response times of jobs that have ended.
+    pub jobs: Times,
+    /// The greatest time a job has lasted, also one that has not ended.
+    pub greatest: Option<Ticks>,
+    /// Ticks that came before the job of the one before had ended.
+    pub missed: u64,
+    /// Jobs that waited for a core as long as their period.
+    pub overdue: u64,
+}
+
+/// A service.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct OfService {
+    /// Requests that its control task has taken.
+    pub requests: u64,
+    /// Refused by a codel, or ended by an exception of one.
+    pub refused: u64,
+    /// Activities that have ended in `ether`, or by an exception.
+    pub ended: u64,
+}
+
+/// A codel in one place of use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct OfCodel {
+    /// From getting its locks to releasing them.
+    pub runs: Times,
+    /// From asking for them to getting them.
+    pub waits: Times,
+}
+
+/// What an executor does at the moment.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Busy {
+    /// When it asked for locks.
+    pub(crate) asked: u64,
+    /// When it got them.
+    pub(crate) begun: u64,
+}
+
+/// Counts, of one run or of several.
+#[derive(Debug, Clone)]
+pub struct Tally {
+    /// Of each task.
+    pub tasks: Vec<OfTask>,
+    /// Of each service.
+    pub services: Vec<OfService>,
+    /// Of each codel.
+    pub codels: Vec<OfCodel>,
+    /// Of each machine, its states, and their outcomes (the last: by an exception), how often it was taken.
+    pub transitions: Vec<Vec<Vec<u64>>>,
+    pub(crate) busy: Vec<Busy>,
+}
+
+impl Tally {
+    /// Nothing has happened.
+    pub fn new(system: &TimedSystem) -> Self {
+        let machines = system.machines.iter().map(|machine| {
+            let states = machine.states.iter();
+            states.map(|it| vec![0; it.yields.len() + 1]).collect()
+        });
+        Tally {
+            tasks: vec![OfTask::default(); system.tasks.len()],
+            services: vec![OfService::default(); system.services.len()],
+            codels: vec![OfCodel::default(); system.codels.len()],
+            transitions: machines.collect(),
+            busy: Vec::new(),
+        }
+    }
+
+    /// Something was seen.
+    pub fn see(&mut self, system: &TimedSystem, stepper: &Stepper, seen: &Seen) {
+        let now = stepper.now();
+        match *seen {
+            Seen::Asked { executor, .. } => self.busy(executor).asked = now,
+            Seen::Begun { executor, work, .. } => {
+                let busy = self.busy(executor);
+                busy.begun = now;
+                let waited = now - busy.asked;
+                if let Some(codel) = work.codel() {
+                    self.codels[codel].waits.add(ticks(waited));
+                }
+            }
+            Seen::Ended {
+                executor,
+                work,
+                outcome,
+            } => {
+                let took = now - self.busy(executor).begun;
+                if let Some(codel) = work.codel() {
+                    self.codels[codel].runs.add(ticks(took));
+                }
+                self.ended(system, &work, outcome);
+            }
+            Seen::Requested { service, .. } => self.services[service].requests += 1,
+            Seen::Job { task, response } => {
+                self.tasks[task].jobs.add(response);
+                self.lasts(task, response);
+            }
+            Seen::Missed { task } => self.tasks[task].missed += 1,
+            Seen::Overdue { task } => self.tasks[task].overdue += 1,
+            Seen::Reached { .. } | Seen::Answered { .. } => {}
+        }
+    }
+
+    /// A run has ended: jobs that have not count as far as they have come.
+    pub fn end(&mut self, stepper: &Stepper) {
+        for task in 0..self.tasks.len() {
+            if let Some(so_far) = stepper.job(task) {
+                self.lasts(task, so_far);
+            }
+        }
+        self.busy.clear();
+    }
+
+    fn lasts(&mut self, task: usize, time: Ticks) {
+        let greatest = &mut self.tasks[task].greatest;
+        *greatest = (*greatest).max(Some(time));
+    }
+
+    fn ended(&mut self, system: &TimedSystem, work: &Work, outcome: usize) {
+        match *work {
+            Work::State {
+                automaton, state, ..
+            } => {
+                let it = &system.automata[automaton];
+                let counts = self.transitions[it.machine].get_mut(state);
+                if let Some(count) = counts.and_then(|it| it.get_mut(outcome)) {
+                    *count += 1;
+                }
+                let ends = match crate::decide::yielded(system, work, outcome) {
+                    Some(it) => it == dotgen_timing::system::Yield::End,
+                    None => true,
+                };
+                if let (true, Some(service)) = (ends, it.service) {
+                    self.services[service].ended += 1;
+                }
+            }
+            Work::Control { service, .. } => {
+                self.services[service].refused += u64::from(outcome != 0);
+            }
+            Work::Delay { .. } => {}
+        }
+    }
+
+    pub(crate) fn busy(&mut self, executor: usize) -> &mut Busy {
+        if self.busy.len() <= executor {
+            let idle = Busy { asked: 0, begun: 0 };
+            self.busy.resize(executor + 1, idle);
+        }
+        &mut self.busy[executor]
+    }
+}
+
+fn ticks(time: u64) -> Ticks {
+    Ticks::try_from(time).unwrap_or(Ticks::MAX)
+}

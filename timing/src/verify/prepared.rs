@@ -1,0 +1,176 @@
+//! A system as it is verified, for whoever runs it instead.
+
+use num_rational::Ratio;
+
+use super::checks::{Single, What, expand};
+use super::units::to_f64;
+use super::{Cancel, Group, Options, SystemInput, rounding, settings};
+use crate::explore::Watched;
+use crate::property::{Predicate, resolve};
+use crate::report::{CheckReport, Report};
+use crate::scn::Diagnostic;
+use crate::scn::ast::{Pred, Scenario, Unit};
+use crate::scn::names::Names;
+use crate::system::Ticks;
+use crate::system::build::{Built, build};
+use dotgen_analysis::model::Seconds;
+
+/// All of a system, and what is asked of it.
+#[derive(Debug, Clone)]
+pub struct Prepared {
+    /// The system.
+    pub built: Built,
+    /// One per check, in order of the scenario; `*` gives one per task.
+    pub checks: Vec<Asked>,
+    /// Unit of the report, in seconds.
+    pub unit: Seconds,
+    /// The report of a verification that has answered nothing yet: names, assumptions, diagnostics. With an error among
+    /// those the system is not to be run.
+    pub report: Report,
+}
+
+/// A check, looked up in the system.
+#[derive(Debug, Clone)]
+pub struct Asked {
+    /// The report of the check, without an answer.
+    pub report: CheckReport,
+    /// What is asked.
+    pub question: Question,
+}
+
+/// What a check asks of every moment of a run. Tasks are numbered as in the system.
+#[derive(Debug, Clone)]
+pub enum Question {
+    /// No tick comes before the job of the one before has ended.
+    Schedulable(usize),
+    /// No job waits for a core for as long as its period.
+    NoOverdue(usize),
+    /// No job lasts longer than the limit, if there is one.
+    Response(usize, Option<Ticks>),
+    /// The second predicate follows the first within the limit, if there is one.
+    Within(Predicate, Predicate, Option<Ticks>),
+    /// The second follows the first.
+    LeadsTo(Predicate, Predicate),
+    /// It becomes true.
+    Eventually(Predicate),
+    /// It is always true.
+    Always(Predicate),
+    /// It can become true.
+    Reachable(Predicate),
+    /// Something will always happen.
+    Deadlock,
+}
+
+/// Builds a system and looks up what is asked of it.
+pub fn prepare(input: &SystemInput, scenario: &Scenario, options: &Options) -> Prepared {
+    let names = Names::new(&input.specs);
+    let settings = settings(scenario, options);
+    let (count, unit) = settings.unit.unwrap_or((1, Unit::Milliseconds));
+    let built = build(&names, &settings, &|_| true);
+    let mut diagnostics = built.diagnostics.clone();
+    let singles = expand(&names, &built, &settings, &mut diagnostics);
+    if names.components.is_empty() {
+        let message = "there is no component to run".to_owned();
+        diagnostics.push(Diagnostic::error("scn-no-component", 0..0, message));
+    }
+    let cancel = Cancel::default();
+    let group = Group {
+        names: &names,
+        built: &built,
+        unit: unit.seconds() * Ratio::from_integer(i128::from(count)),
+        settings: &settings,
+        limits: options.limits,
+        cancel: &cancel,
+        tell: &|_| {},
+    };
+    let checks = singles.iter().filter_map(|it| {
+        Some(Asked {
+            report: group.open(it),
+            question: group.question(it)?,
+        })
+    });
+    let checks = checks.collect();
+    let report = Report {
+        scenario: settings.name.clone(),
+        semantics: settings.semantics().text(),
+        unit: match count {
+            1 => unit.name().to_owned(),
+            _ => format!("{count} {}", unit.name()),
+        },
+        assumptions: built.assumptions.clone(),
+        notes: rounding::note(&built).into_iter().collect(),
+        diagnostics,
+        ..Report::default()
+    };
+    Prepared {
+        unit: group.unit,
+        checks,
+        report,
+        built,
+    }
+}
+
+impl Group<'_> {
+    /// `None` where it talks about something that does not exist, which was reported.
+    fn question(&self, check: &Single) -> Option<Question> {
+        let task = |it: &(usize, u32)| self.built.tasks.get(it).copied();
+        let predicate = |it: &Pred| resolve::resolve(self.names, self.built, it).ok();
+        Some(match &check.what {
+            What::Schedulable(it) => Question::Schedulable(task(it)?),
+            What::NoOverdue(it) => Question::NoOverdue(task(it)?),
+            What::Response(it, bound) => Question::Response(task(it)?, self.ticks(*bound)),
+            What::Within(p, q, bound) => {
+                Question::Within(predicate(p)?, predicate(q)?, self.ticks(*bound))
+            }
+            What::LeadsTo(p, q) => Question::LeadsTo(predicate(p)?, predicate(q)?),
+            What::Eventually(p) => Question::Eventually(predicate(p)?),
+            What::Always(p) => Question::Always(predicate(p)?),
+            What::Reachable(p) => Question::Reachable(predicate(p)?),
+            What::Deadlock => Question::Deadlock,
+        })
+    }
+}
+
+impl Prepared {
+    /// A time of the system in the unit of the report.
+    pub fn time(&self, ticks: u64) -> f64 {
+        to_f64(self.built.system.unit * Ratio::from_integer(i128::from(ticks)) / self.unit)
+    }
+
+    /// A time of the system in seconds.
+    pub fn seconds(&self, ticks: u64) -> f64 {
+        to_f64(self.built.system.unit * Ratio::from_integer(i128::from(ticks)))
+    }
+
+    /// Seconds as a time of the system, rounded down.
+    pub fn ticks(&self, seconds: Seconds) -> u64 {
+        let ticks = (seconds / self.built.system.unit).to_integer();
+        u64::try_from(ticks).unwrap_or(0)
+    }
+
+    /// What has to be looked at along a run for the checks, and for each check its place there, if it has one: in
+    /// [`Watched::reach`] or in [`Watched::within`].
+    pub fn watched(&self) -> (Watched, Vec<Option<usize>>) {
+        let mut out = Watched::default();
+        let mut places = Vec::new();
+        for it in &self.checks {
+            let mut reach = |it: Predicate| {
+                out.reach.push(it);
+                Some(out.reach.len() - 1)
+            };
+            places.push(match &it.question {
+                Question::Always(p) => reach(Predicate::Not(Box::new(p.clone()))),
+                Question::Reachable(p) | Question::Eventually(p) => reach(p.clone()),
+                Question::Within(p, q, _) | Question::LeadsTo(p, q) => {
+                    out.within.push((p.clone(), q.clone()));
+                    Some(out.within.len() - 1)
+                }
+                Question::Schedulable(_)
+                | Question::NoOverdue(_)
+                | Question::Response(..)
+                | Question::Deadlock => None,
+            });
+        }
+        (out, places)
+    }
+}
