@@ -1,5 +1,7 @@
 //! What the integration tests share: where the workspace and its optional test data are.
 
+pub mod fuzz;
+
 use std::path::{Path, PathBuf};
 
 /// The root of the workspace.

@@ -7,6 +7,7 @@
 //! | `docs` | the pictures of the documentation |
 //! | `bench` | what whole processes take, and instruction counts |
 //! | `chart` | charts of what they take |
+//! | `fuzz` | inputs that break something, looked for with coverage |
 //! | `notices` | the licences of what is distributed |
 //! | `package` | the extension as a platform `.vsix`, server inside |
 //! | `extension` | building the extension |
@@ -19,6 +20,7 @@ mod chart;
 mod demo;
 mod docs;
 mod extension;
+mod fuzz;
 mod notices;
 mod package;
 mod run;
@@ -50,6 +52,8 @@ enum Command {
     Test(test::Options),
     /// Measure whole processes, and count instructions; draw what grows.
     Bench(bench::Options),
+    /// Look for inputs that break something, led by coverage.
+    Fuzz(fuzz::Options),
     /// Write the licences of what the program and the extension contain into THIRD-PARTY-NOTICES.txt.
     Notices(notices::Options),
     /// Make the .vsix for this system, with a release build of the server inside.
@@ -64,6 +68,7 @@ fn main() -> ExitCode {
         Command::Test(options) => test::test(&options),
         Command::Bench(options) => bench::bench(&options),
         Command::Package => package::package().map(|_| true),
+        Command::Fuzz(options) => fuzz::fuzz(&options),
         Command::Notices(options) => notices::notices(&options),
         Command::Docs => docs::docs().map(|()| true),
     };

@@ -1,0 +1,74 @@
+//! Scenarios.
+
+use std::sync::Arc;
+
+use camino::Utf8Path;
+use dotgen_analysis::host::{AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags};
+use dotgen_syntax::encoding;
+use dotgen_timing::scn;
+
+/// What the scenarios are about.
+const COMPONENT: &str = include_str!("../../../examples/pump/pump.gen");
+
+struct Nothing;
+
+impl Loader for Nothing {
+    fn read(&self, _: &Utf8Path) -> FileContent {
+        FileContent::Missing
+    }
+
+    fn packages(&self, _: &[String]) -> Result<PackageFlags, String> {
+        Ok(PackageFlags::default())
+    }
+}
+
+/// Parses, formats, resolves, and completes at one place.
+pub(super) fn read(input: &[u8]) {
+    let text = encoding::decode(input.to_vec());
+    let parse = scn::parse(&text);
+    for it in &parse.errors {
+        assert!(text.get(it.range.clone()).is_some(), "{it:?}");
+        assert!(!it.message.is_empty(), "{it:?}");
+    }
+    if let Some(once) = scn::format(&text) {
+        let solid = |text: &str| -> String { text.split_whitespace().collect() };
+        assert_eq!(
+            solid(&text),
+            solid(&once),
+            "the formatter changed more than blanks"
+        );
+        let twice = scn::format(&once).unwrap_or_else(|| once.clone());
+        assert_eq!(once, twice, "formatted twice is not formatted once");
+    }
+    let host = AnalysisHost::new(Arc::new(Nothing));
+    let input_of = Input::Text {
+        name: "/pump.gen".into(),
+        text: COMPONENT.into(),
+    };
+    let unit = host
+        .analysis()
+        .batch(&BatchInput {
+            inputs: vec![input_of],
+            ..BatchInput::default()
+        })
+        .expect("nothing cancels");
+    let names = scn::names::Names::new(&[&unit.spec]);
+    for it in names.unknown_names(&parse.scenario) {
+        assert!(text.get(it.range.clone()).is_some(), "{it:?}");
+    }
+    drop(names.references(&parse.scenario));
+    drop(scn::outline::outline(&text, &parse.scenario));
+    let sum = input
+        .iter()
+        .fold(0usize, |sum, it| sum.wrapping_mul(31) + usize::from(*it));
+    let mut offset = sum % (text.len() + 1);
+    while !text.is_char_boundary(offset) {
+        offset -= 1;
+    }
+    drop(scn::complete::complete(
+        &text,
+        &parse.scenario,
+        &names,
+        offset,
+    ));
+}
