@@ -388,12 +388,12 @@ pub enum PropertyKind {
     Interrupts(Vec<Name>),
     Before(Vec<Name>),
     After(Vec<Name>),
-    Validate(CodelDecl),
+    Validate(Box<CodelDecl>),
     Local {
         ty: TypeRef,
         declarators: Vec<Declarator>,
     },
-    Codel(CodelDecl),
+    Codel(Box<CodelDecl>),
 }
 
 /// A port declaration.
@@ -442,7 +442,7 @@ pub struct ParamDecl {
     pub dir: Dir,
     pub spec: ParamSpec,
     /// `= initializer` (services only).
-    pub init: Option<Initializer>,
+    pub init: Option<Box<Initializer>>,
     pub ptr: Ptr,
 }
 
@@ -452,9 +452,9 @@ pub enum ParamSpec {
     /// `in long a[2]`
     Typed {
         /// Declared type.
-        ty: TypeRef,
+        ty: Box<TypeRef>,
         /// Name and dimensions; `None` when missing.
-        declarator: Option<Declarator>,
+        declarator: Option<Box<Declarator>>,
     },
     /// `[source] in a.b[0]::renamed`, `in ::whole`
     Path {
@@ -463,7 +463,7 @@ pub enum ParamSpec {
         /// Empty for `::name` alone.
         path: Vec<PathStep>,
         /// `::name`
-        rename: Option<Name>,
+        rename: Option<Box<Name>>,
     },
 }
 
@@ -549,4 +549,17 @@ pub enum Designator {
 pub enum InitValue {
     Scalar(Expr),
     Compound(Vec<Initializer>),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// There are hundreds of them in each of a thousand components, and they are kept.
+    #[test]
+    fn declarations_stay_small() {
+        assert!(size_of::<Item>() <= 160, "{}", size_of::<Item>());
+        assert!(size_of::<ParamDecl>() <= 72, "{}", size_of::<ParamDecl>());
+        assert!(size_of::<CodelDecl>() <= 144, "{}", size_of::<CodelDecl>());
+    }
 }

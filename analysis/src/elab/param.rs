@@ -104,7 +104,7 @@ impl<'a> Elaborator<'a> {
             return None;
         };
         let at = self.src(decl.ptr);
-        let rename = rename.as_ref();
+        let rename = rename.as_deref();
         let Some((PathStep::Member(first), rest)) = path.split_first() else {
             let rename = rename?;
             if let Some((source, _)) = source
@@ -153,7 +153,7 @@ impl<'a> Elaborator<'a> {
             return None;
         };
         let at = self.src(decl.ptr);
-        let rename = rename.as_ref();
+        let rename = rename.as_deref();
         let Some((PathStep::Member(first), rest)) = path.split_first() else {
             return self.whole_ids(index, decl, rename?, attribute_access(decl.dir));
         };

@@ -83,7 +83,7 @@ impl<'a> Elaborator<'a> {
             }
             ParamSpec::Path { path, rename, .. } => {
                 let param = self.attribute_param(index, decl)?;
-                let name = rename.as_ref().or_else(|| {
+                let name = rename.as_deref().or_else(|| {
                     path.iter().rev().find_map(|it| match it {
                         PathStep::Member(name) => Some(name),
                         PathStep::Index(_) => None,

@@ -531,12 +531,16 @@ impl Lower<'_> {
                     _ => P::After(names),
                 }
             }
-            ast::Property::ValidateProperty(it) => P::Validate(self.codel(&it.codel()?, false)),
+            ast::Property::ValidateProperty(it) => {
+                P::Validate(Box::new(self.codel(&it.codel()?, false)))
+            }
             ast::Property::LocalProperty(it) => P::Local {
                 ty: self.type_ref(it.type_spec(), node),
                 declarators: self.declarators(it.declarators()),
             },
-            ast::Property::CodelProperty(it) => P::Codel(self.codel(&it.codel()?, it.is_async())),
+            ast::Property::CodelProperty(it) => {
+                P::Codel(Box::new(self.codel(&it.codel()?, it.is_async())))
+            }
         };
         Some(Property { kind, ptr, keyword })
     }

@@ -75,8 +75,11 @@ impl Lower<'_> {
             ast::Param::TypedParam(it) => (
                 it.dir_token(),
                 ParamSpec::Typed {
-                    ty: self.type_ref(it.type_spec(), it.syntax()),
-                    declarator: it.declarator().and_then(|it| self.declarator(&it)),
+                    ty: Box::new(self.type_ref(it.type_spec(), it.syntax())),
+                    declarator: it
+                        .declarator()
+                        .and_then(|it| self.declarator(&it))
+                        .map(Box::new),
                 },
                 it.initializer(),
             ),
@@ -104,7 +107,7 @@ impl Lower<'_> {
                 let spec = ParamSpec::Path {
                     source,
                     path,
-                    rename,
+                    rename: rename.map(Box::new),
                 };
                 (it.dir_token(), spec, it.initializer())
             }
@@ -117,7 +120,7 @@ impl Lower<'_> {
         Some(ParamDecl {
             dir,
             spec,
-            init: init.map(|it| self.initializer(&it)),
+            init: init.map(|it| Box::new(self.initializer(&it))),
             ptr,
         })
     }
