@@ -11,6 +11,7 @@
 pub(crate) mod confine;
 pub(crate) mod folders;
 pub(crate) mod launch;
+pub(crate) mod memory;
 mod watcher;
 
 use std::ffi::OsString;

@@ -3,7 +3,7 @@
 use clap::Args;
 
 use super::{Outcome, logging};
-use crate::process::folders;
+use crate::process::{folders, memory};
 use crate::session::server;
 
 /// Serve an editor: the Language Server Protocol on standard input and output
@@ -18,6 +18,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run() -> anyhow::Result<Outcome> {
     logging::install("warn,dotgen_lsp_server=info");
+    memory::share_arenas();
     // What sessions left behind that could not clean up; nobody waits for it.
     let cleaner = std::thread::Builder::new().name("cleaner".to_owned());
     if let Err(error) = cleaner.spawn(folders::clean_up) {

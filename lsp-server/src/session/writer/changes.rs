@@ -95,6 +95,8 @@ impl State {
                     self.pending.roots = true;
                     self.publisher.forget(&path);
                     self.pending.files.insert(path);
+                    self.rest();
+                    self.give_back();
                 }
             }
             Mutation::Watched(params) => self.watched(params.changes),

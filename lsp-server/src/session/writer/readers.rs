@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::State;
+use crate::process::memory;
 use crate::protocol::convert::uri;
 use crate::session::dispatch::{Admission, Read};
 use crate::session::publish::Run;
@@ -87,6 +88,9 @@ impl State {
     /// next one.
     pub(super) fn go_on(&mut self, run: Run) {
         self.rest();
+        if run.is_done() {
+            self.give_back();
+        }
         if run.revision() != self.revision || run.is_done() {
             return;
         }
@@ -96,12 +100,17 @@ impl State {
         }
     }
 
-    /// Gives memory back after much was asked, when nobody asks: it would cancel them.
-    fn rest(&mut self) {
+    /// Forgets what can be computed again after much was asked, when nobody asks: it would cancel them.
+    pub(super) fn rest(&mut self) {
         let idle = Arc::strong_count(&self.readers) == 1;
         if idle && std::mem::take(&mut self.worked) {
             self.host.shrink();
         }
         self.worked = true;
+    }
+
+    /// Lets the system have the memory of what was forgotten.
+    pub(super) fn give_back(&self) {
+        drop(self.outbox.runtime().spawn_blocking(memory::give_back));
     }
 }
