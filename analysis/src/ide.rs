@@ -43,10 +43,11 @@ use crate::{
 };
 pub use assists::{Assist, AssistKind};
 pub use call_hierarchy::{Call, CallItem, CallKey};
-pub use code_lens::{CodeLens, LensKind, LensText};
+pub use code_lens::{CodeLens, LensConfig, LensKind, LensText};
 pub use completion::{CompletionDoc, CompletionItem, CompletionKind, plain_snippet};
 pub use inlay_hints::{InlayConfig, InlayHint, InlayKind, InlayTypes};
 pub use rename::RenameError;
+pub use rename::relative as relative_path;
 pub use signature_help::SignatureHelp;
 pub(crate) use view::FileView;
 

@@ -7,6 +7,7 @@
 mod read;
 pub mod schema;
 mod settings;
+mod shown;
 pub(crate) mod style;
 
 use std::collections::BTreeMap;
@@ -17,7 +18,7 @@ use dotgen_analysis::release::{ReleaseChoice, ReleaseOrigin};
 use dotgen_codegen::codels::files::FilesConfig;
 use dotgen_diagram::system::Connection;
 
-use dotgen_analysis::ide::InlayConfig;
+use dotgen_analysis::ide::{InlayConfig, LensConfig};
 pub use read::{Problem, ProblemKind, Read, from_editor, from_toml};
 pub use settings::{
     DefineValue, Format, FormatAlign, FormatUnit, Generate, Level, Settings, Verification,
@@ -53,8 +54,8 @@ pub struct Config {
     pub max_file_size: Option<u32>,
     /// Which inlay hints are shown.
     pub inlay_hints: InlayConfig,
-    /// Whether code lenses are shown.
-    pub code_lens: bool,
+    /// Which code lenses are shown.
+    pub code_lens: LensConfig,
     /// Verification of open documents.
     pub verification: Verification,
     /// The style of the formatter.
@@ -118,7 +119,7 @@ impl Config {
                 .collect(),
             severity: settings.severity.clone(),
             inlay_hints: settings.inlay_config(),
-            code_lens: settings.code_lens.unwrap_or(true),
+            code_lens: settings.lens_config(),
             connections: connections(settings),
             verification: settings.verification.clone(),
             lints: settings.timing.lints(),

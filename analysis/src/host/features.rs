@@ -216,8 +216,8 @@ impl Analysis {
     }
 
     /// Where lenses are, by place.
-    pub fn code_lenses(&self, path: &Utf8Path) -> Cancellable<Vec<CodeLens>> {
-        self.list(path, ide::code_lens::code_lenses)
+    pub fn code_lenses(&self, path: &Utf8Path, config: &LensConfig) -> Cancellable<Vec<CodeLens>> {
+        self.list(path, |view| ide::code_lens::code_lenses(view, config))
     }
 
     /// What a lens of a file says; `None` if what it is about has gone.

@@ -1,6 +1,7 @@
-//! Lines above declarations: how often they are mentioned, their state machine, their load.
+//! Lines above declarations: the state machine of tasks and activities, and who reads and writes a port or a member of
+//! the ids.
 //!
-//! Where the lenses are is cheap; what they say is worked out one by one when they become visible.
+//! Where the lenses are is cheap; the places that they lead to are worked out one by one when they become visible.
 
 use std::ops::Range;
 
@@ -9,18 +10,48 @@ use smol_str::SmolStr;
 
 use super::{AccessKind, FileRange, FileView, inlay_hints::is_machine, references::references};
 use crate::{
-    elab::{DefKind, Entity},
-    model::Owner,
-    quantity,
+    elab::{DefKind, Definition, Elaborated, Entity},
+    model::{Owner, Param, ParamDir, ParamSource, PathElement, ServiceKind, system::listed},
     source_map::bytes,
 };
+
+/// Which lenses are shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct LensConfig {
+    /// What verification says, above tasks.
+    pub verdicts: bool,
+    /// State machines, above tasks and activities.
+    pub machines: bool,
+    /// Who reads and who writes, above ports and members of the ids.
+    pub accesses: bool,
+    /// What the specification says of a codel, above its function.
+    pub codels: bool,
+}
+
+impl LensConfig {
+    /// Each kind, or none.
+    pub fn all(shown: bool) -> LensConfig {
+        LensConfig {
+            verdicts: shown,
+            machines: shown,
+            accesses: shown,
+            codels: shown,
+        }
+    }
+}
+
+impl Default for LensConfig {
+    fn default() -> LensConfig {
+        LensConfig::all(true)
+    }
+}
 
 /// What a lens shows.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", tag = "kind")]
 pub enum LensKind {
-    /// Mentions of the name at an offset.
-    References {
+    /// Who reads and who writes the port or member of the ids at an offset.
+    Accesses {
         /// Byte offset of the name.
         offset: usize,
     },
@@ -30,20 +61,6 @@ pub enum LensKind {
         component: SmolStr,
         /// The task or activity.
         owner: SmolStr,
-    },
-    /// The same, between the lines of the text.
-    InlineMachine {
-        /// The component.
-        component: SmolStr,
-        /// The task or activity.
-        owner: SmolStr,
-    },
-    /// The load of a task.
-    Load {
-        /// The component.
-        component: SmolStr,
-        /// The task.
-        task: SmolStr,
     },
 }
 
@@ -61,32 +78,17 @@ pub struct CodeLens {
 pub struct LensText {
     /// The text.
     pub title: String,
-    /// For references: where they are.
+    /// For accesses: where they are.
     pub references: Vec<FileRange>,
 }
 
 /// The lenses of a file, by place.
-pub(crate) fn code_lenses(view: &FileView<'_>) -> Vec<CodeLens> {
+pub(crate) fn code_lenses(view: &FileView<'_>, config: &LensConfig) -> Vec<CodeLens> {
     let elaborated = view.elaborated();
     let mut out = Vec::new();
     for it in &elaborated.definitions {
         use DefKind::*;
-        if !matches!(
-            it.kind,
-            Component
-                | Interface
-                | Task
-                | Port
-                | Attribute
-                | Function
-                | Activity
-                | Struct
-                | Union
-                | Enum
-                | Exception
-                | Typedef
-                | Ids
-        ) {
+        if !matches!(it.kind, Task | Activity | Port | IdsMember) {
             continue;
         }
         let Some((file, place)) = view.place(it.src) else {
@@ -94,81 +96,162 @@ pub(crate) fn code_lenses(view: &FileView<'_>) -> Vec<CodeLens> {
         };
         let range = bytes(place);
         // Names that come out of macros have no line of their own.
-        if file != view.file || it.kind != Ids && view.text().get(range.clone()) != Some(&it.name) {
+        if file != view.file || view.text().get(range.clone()) != Some(&it.name) {
             continue;
         }
-        let mut push = |kind| {
-            out.push(CodeLens {
-                range: range.clone(),
-                kind,
-            });
+        let kind = match it.entity {
+            Some(Entity::Task(component, task)) => {
+                machine(elaborated, component, Owner::Task(task), &it.name)
+                    .filter(|_| config.machines)
+            }
+            Some(Entity::Service(component, service)) => {
+                machine(elaborated, component, Owner::Service(service), &it.name)
+                    .filter(|_| config.machines)
+            }
+            // What nobody uses is told as a finding.
+            _ => (config.accesses && !accesses(elaborated, it).is_empty()).then_some(
+                LensKind::Accesses {
+                    offset: range.start,
+                },
+            ),
         };
-        push(LensKind::References {
-            offset: range.start,
-        });
-        let (component, owner) = match it.entity {
-            Some(Entity::Task(component, task)) => (component, Owner::Task(task)),
-            Some(Entity::Service(component, service)) => (component, Owner::Service(service)),
-            _ => continue,
-        };
-        let Some(component) = elaborated.spec.components.get(component as usize) else {
-            continue;
-        };
-        if is_machine(component, owner) {
-            push(LensKind::StateMachine {
-                component: component.name.clone(),
-                owner: it.name.clone(),
-            });
-            push(LensKind::InlineMachine {
-                component: component.name.clone(),
-                owner: it.name.clone(),
-            });
-        }
-        if let Owner::Task(task) = owner
-            && component.utilisation(task).is_some()
-        {
-            push(LensKind::Load {
-                component: component.name.clone(),
-                task: it.name.clone(),
-            });
-        }
+        out.extend(kind.map(|kind| CodeLens { range, kind }));
     }
     out.sort_by_key(|it| it.range.start);
     out
 }
 
+fn machine(elaborated: &Elaborated, component: u32, owner: Owner, name: &str) -> Option<LensKind> {
+    let component = elaborated.spec.components.get(component as usize)?;
+    is_machine(component, owner).then(|| LensKind::StateMachine {
+        component: component.name.clone(),
+        owner: name.into(),
+    })
+}
+
+/// Tasks and services by what they do with a port or a member of the ids.
+#[derive(Debug, Default)]
+struct Accesses {
+    written: Vec<SmolStr>,
+    read: Vec<SmolStr>,
+}
+
+impl Accesses {
+    fn is_empty(&self) -> bool {
+        self.written.is_empty() && self.read.is_empty()
+    }
+
+    fn add(&mut self, name: &SmolStr, writes: bool, reads: bool) {
+        for (all, does) in [(&mut self.written, writes), (&mut self.read, reads)] {
+            if does && !all.contains(name) {
+                all.push(name.clone());
+            }
+        }
+    }
+
+    /// `written by a, b · read by c`
+    fn text(&self) -> String {
+        let part = |word: &str, all: &[SmolStr]| {
+            let names: Vec<String> = all.iter().map(|it| it.to_string()).collect();
+            (!names.is_empty()).then(|| format!("{word} {}", listed(&names, MANY)))
+        };
+        let parts = [
+            part("written by", &self.written),
+            part("read by", &self.read),
+        ];
+        parts.into_iter().flatten().collect::<Vec<_>>().join(" · ")
+    }
+}
+
+/// More names than a lens has room for.
+const MANY: usize = 3;
+
+/// Who uses a port or a member of the ids, in the component that declares it.
+fn accesses(elaborated: &Elaborated, it: &Definition) -> Accesses {
+    let mut out = Accesses::default();
+    let component = match it.entity {
+        Some(Entity::Port(component, _)) => Some(component),
+        _ => home(elaborated, it),
+    };
+    let component = component.and_then(|it| elaborated.spec.components.get(it as usize));
+    let Some(component) = component else {
+        return out;
+    };
+    let concerns = |param: &Param| match (&param.source, it.entity) {
+        (ParamSource::Port(port), Some(Entity::Port(_, own))) => *port == own,
+        // A path without a member is the ids as a whole.
+        (ParamSource::Ids, None) => match param.path.first() {
+            Some(PathElement::Member(name)) => *name == it.name,
+            _ => true,
+        },
+        _ => false,
+    };
+    for at in component.all_codels() {
+        let name = match at.owner {
+            Owner::Task(task) => &component.tasks[task as usize].name,
+            Owner::Service(service) => &component.services[service as usize].name,
+        };
+        for param in component.codel(at).params.iter().filter(|it| concerns(it)) {
+            let (reads, writes) = directions(param.dir);
+            out.add(name, writes, reads);
+        }
+    }
+    // A client gives an attribute what it writes, and gets what it reads.
+    let services = component.services.iter();
+    for service in services.filter(|it| it.kind == ServiceKind::Attribute) {
+        for param in service.params.iter().filter(|it| concerns(it)) {
+            let (given, returned) = directions(param.dir);
+            out.add(&service.name, given, returned);
+        }
+    }
+    out
+}
+
+/// Whether something comes in, and whether something goes out.
+fn directions(dir: ParamDir) -> (bool, bool) {
+    match dir {
+        ParamDir::In => (true, false),
+        ParamDir::Out => (false, true),
+        _ => (true, true),
+    }
+}
+
+/// The component around a definition.
+fn home(elaborated: &Elaborated, it: &Definition) -> Option<u32> {
+    let mut container = it.container;
+    while let Some(id) = container {
+        let around = elaborated.definition(id);
+        if let Some(Entity::Component(component)) = around.entity {
+            return Some(component);
+        }
+        container = around.container;
+    }
+    None
+}
+
 /// What a lens of a file says; `None` if what it is about has gone.
 pub(crate) fn resolve(view: &FileView<'_>, kind: &LensKind) -> Option<LensText> {
-    let text = |title: String| {
-        Some(LensText {
-            title,
-            references: Vec::new(),
-        })
-    };
     match kind {
-        LensKind::References { offset } => {
+        LensKind::Accesses { offset } => {
+            let elaborated = view.elaborated();
+            let mut all = elaborated.definitions.iter();
+            let it = all.find(|it| {
+                matches!(it.kind, DefKind::Port | DefKind::IdsMember)
+                    && view.place(it.src).is_some_and(|(file, place)| {
+                        file == view.file && bytes(place).start == *offset
+                    })
+            })?;
             let mut found = references(view, *offset, true)?;
             found.retain(|it| it.access != AccessKind::Declaration);
-            let plural = if found.len() == 1 { "" } else { "s" };
             Some(LensText {
-                title: format!("{} reference{plural}", found.len()),
+                title: accesses(elaborated, it).text(),
                 references: found.into_iter().map(|it| it.place).collect(),
             })
         }
-        LensKind::StateMachine { .. } => text("state machine".to_owned()),
-        LensKind::InlineMachine { .. } => text("inline".to_owned()),
-        LensKind::Load { component, task } => {
-            let all = &view.elaborated().spec.components;
-            let component = all.iter().find(|it| it.name == *component)?;
-            let index = component.tasks.iter().position(|it| it.name == *task)?;
-            let share = component.utilisation(index as u32)?;
-            let period = component.tasks[index].period.as_ref()?;
-            text(format!(
-                "load {} of {}",
-                quantity::load(share),
-                crate::lint::duration(period.value)
-            ))
-        }
+        LensKind::StateMachine { .. } => Some(LensText {
+            title: "state machine".to_owned(),
+            references: Vec::new(),
+        }),
     }
 }
 
@@ -177,6 +260,7 @@ mod tests {
     use camino::Utf8Path;
     use expect_test::expect;
 
+    use super::LensConfig;
     use crate::test_support::Fixture;
 
     #[test]
@@ -186,7 +270,10 @@ mod tests {
 typedef s u;
 component c {
   port in s p;
-  task t { period 10 ms; codel<start> f(port in p) wcet 1 ms yield pause::start; };
+  port out s idle;
+  ids { long speed; long unused; };
+  attribute set(in speed);
+  task t { period 10 ms; codel<start> f(port in p, in speed) wcet 1 ms yield pause::start; };
   function g() { interrupt g; };
   activity a() { task t; codel<start> h() yield ether; };
 };
@@ -196,7 +283,7 @@ component c {
         let analysis = fixture.analysis();
         let text = fixture.text("/main.gen");
         let mut out = String::new();
-        for it in analysis.code_lenses(path).unwrap() {
+        for it in analysis.code_lenses(path, &LensConfig::all(true)).unwrap() {
             let title = analysis
                 .resolve_lens(path, &it.kind)
                 .unwrap()
@@ -205,18 +292,10 @@ component c {
             out += &format!("{}: {title}\n", &text[it.range]);
         }
         expect![[r#"
-            s: 2 references
-            u: 0 references
-            c: 0 references
-            p: 1 reference
-            t: 1 reference
+            p: read by t
+            speed: written by set · read by t
             t: state machine
-            t: inline
-            t: load 10 % of 10 ms
-            g: 1 reference
-            a: 0 references
             a: state machine
-            a: inline
         "#]]
         .assert_eq(&out);
     }

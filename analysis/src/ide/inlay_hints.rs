@@ -167,7 +167,7 @@ impl Hints<'_, '_> {
                     _ => String::new(),
                 };
                 if ty != "unknown" {
-                    self.push(place.end, InlayKind::Type, format!(": {ty}"), tooltip);
+                    self.push(place.end, InlayKind::Type, format!(" ‹{ty}›"), tooltip);
                 }
             }
         }
@@ -209,14 +209,14 @@ impl Hints<'_, '_> {
         if let Some(rate) = &component.clock_rate
             && rate.src == component.src
         {
-            all.push(format!("clock-rate {}", duration(rate.value)));
+            all.push(format!("clock rate {}", duration(rate.value)));
         }
-        for (word, value, default) in [
-            ("lang", &component.lang, "c"),
-            ("version", &component.version, "0"),
+        for (word, name, value, default) in [
+            ("lang", "language", &component.lang, "c"),
+            ("version", "version", &component.version, "0"),
         ] {
             if value.as_deref() == Some(default) && !given(word) {
-                all.push(format!("{word} \"{default}\""));
+                all.push(format!("{name} {default}"));
             }
         }
         if !all.is_empty() {
@@ -224,7 +224,7 @@ impl Hints<'_, '_> {
             self.push(
                 place.end,
                 InlayKind::Default,
-                format!(" {}", all.join(", ")),
+                format!(" ‹by default {}›", all.join(", ")),
                 tooltip,
             );
         }
@@ -262,7 +262,7 @@ impl Hints<'_, '_> {
             self.push(
                 end.end,
                 InlayKind::ImplicitEther,
-                " (stop → ether)".to_owned(),
+                " ‹stop → ether›".to_owned(),
                 "When interrupted, this machine ends at once: it has no codel for `stop`."
                     .to_owned(),
             );
@@ -292,13 +292,17 @@ impl Hints<'_, '_> {
                     if incomplete {
                         tooltip += " Some codel on the way has no `wcet` and counts as zero.";
                     }
-                    (format!(" ≤ {}{more}", duration(sum)), tooltip)
+                    // Beside its own `wcet` the same number would say nothing.
+                    if chain.len() == 1 && codel.wcet.is_some() {
+                        continue;
+                    }
+                    (format!(" ‹≤ {}{more}›", duration(sum)), tooltip)
                 }
                 Some(Turn::Unbounded { cycle }) => {
                     let steps = cycle.iter().map(|&it| machine.at(it).name.to_string());
                     let steps: Vec<String> = steps.collect();
                     (
-                        " ≤ ∞".to_owned(),
+                        " ‹≤ ∞›".to_owned(),
                         format!("It can go round without pausing: {}.", steps.join(" → ")),
                     )
                 }
@@ -342,7 +346,7 @@ impl Hints<'_, '_> {
             self.push(
                 place.end,
                 InlayKind::Utilisation,
-                format!(": {}", quantity::load(share)),
+                format!(" ‹load {}›", quantity::load(share)),
                 tooltip,
             );
         }
@@ -407,7 +411,7 @@ component c {
                 ..NONE
             },
         );
-        assert!(types.contains("f(port in p[: s], ids in v.x)"), "{types}");
+        assert!(types.contains("f(port in p[ ‹s›], ids in v.x)"), "{types}");
         let types = shown(
             TEXT,
             InlayConfig {
@@ -416,12 +420,13 @@ component c {
             },
         );
         assert!(
-            types.contains("f(port in p[: s], ids in v.x[: double])"),
+            types.contains("f(port in p[ ‹s›], ids in v.x[ ‹double›])"),
             "{types}"
         );
         let wcet = shown(TEXT, InlayConfig { wcet: true, ..NONE });
-        assert!(wcet.contains("codel<start[ ≤ 1 ms]>"), "{wcet}");
-        assert!(wcet.contains("codel<go[ ≤ 4.5 ms]>"), "{wcet}");
+        // Alone it takes what its `wcet` says already.
+        assert!(wcet.contains("codel<start>"), "{wcet}");
+        assert!(wcet.contains("codel<go[ ‹≤ 4.5 ms›]>"), "{wcet}");
         let load = shown(
             TEXT,
             InlayConfig {
@@ -429,7 +434,7 @@ component c {
                 ..NONE
             },
         );
-        assert!(load.contains("task t[: 45 %] {"), "{load}");
+        assert!(load.contains("task t[ ‹load 45 %›] {"), "{load}");
         let ether = shown(
             TEXT,
             InlayConfig {
@@ -438,7 +443,7 @@ component c {
             },
         );
         assert!(
-            ether.contains("yield pause::go[ (stop → ether)];\n  };"),
+            ether.contains("yield pause::go[ ‹stop → ether›];\n  };"),
             "{ether}"
         );
         let defaults = shown(
@@ -449,7 +454,8 @@ component c {
             },
         );
         assert!(
-            defaults.contains("component c[ clock-rate 10 ms, lang \"c\", version \"0\"] {"),
+            defaults
+                .contains("component c[ ‹by default clock rate 10 ms, language c, version 0›] {"),
             "{defaults}"
         );
     }
@@ -484,6 +490,6 @@ component c {
     fn going_round_for_ever() {
         let text = "component c { task t { codel<start> f() wcet 1 ms yield start, ether; }; };\n";
         let found = shown(text, InlayConfig { wcet: true, ..NONE });
-        assert!(found.contains("<start[ ≤ ∞]>"), "{found}");
+        assert!(found.contains("<start[ ‹≤ ∞›]>"), "{found}");
     }
 }

@@ -462,8 +462,8 @@ fn respell(
     }
 }
 
-/// The path of a file as seen from a directory.
-fn relative(from: &Utf8Path, to: &Utf8Path) -> Option<Utf8PathBuf> {
+/// The path of a file as seen from a directory; `None` if they have no root in common.
+pub fn relative(from: &Utf8Path, to: &Utf8Path) -> Option<Utf8PathBuf> {
     let mut up = Utf8PathBuf::new();
     for ancestor in from.ancestors() {
         if let Ok(rest) = to.strip_prefix(ancestor) {

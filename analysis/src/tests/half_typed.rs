@@ -83,7 +83,10 @@ fn ask_file(fixture: &Fixture, path: &Utf8Path, text: &str) {
     {
         assert!(it.at <= text.len());
     }
-    for it in analysis.code_lenses(path).unwrap() {
+    for it in analysis
+        .code_lenses(path, &crate::ide::LensConfig::all(true))
+        .unwrap()
+    {
         assert!(text.get(it.range.clone()).is_some());
         analysis.resolve_lens(path, &it.kind).unwrap();
     }

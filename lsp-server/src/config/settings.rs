@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use dotgen_analysis::diagnostic::{Diagnostic, Severity};
-use dotgen_analysis::ide::{InlayConfig, InlayTypes};
 use dotgen_analysis::lint::LintConfig;
 use dotgen_analysis::release::{Release, ReleaseOrigin};
 use dotgen_codegen::codels::files::FilesConfig;
@@ -22,7 +21,8 @@ use serde::{Deserialize, Serialize};
 #[schemars(title = "dotgen settings")]
 pub struct Settings {
     /// Directories searched for `#include`, in order, after the directory of the including file
-    /// (for the quoted form). Relative paths start at the directory of this file.
+    /// (for the quoted form). Relative paths start at the directory of dotgen.toml, in the editor's settings at the
+    /// workspace folder.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub include_paths: Vec<String>,
     /// Macros defined before the first file: a string or number is the body, `true` stands for 1,
@@ -44,6 +44,7 @@ pub struct Settings {
     pub package_paths: Vec<String>,
     /// The largest file that is read, in kilobytes; 4096 by default. Of a larger one only that is said.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = 4096))]
     pub max_file_size: Option<u32>,
     /// Severity by diagnostic code, for example `pp-redefined = "off"`. What GenoM3 rejects stays an
     /// error.
@@ -73,26 +74,49 @@ pub struct Settings {
     /// Where the C and C++ sources of codels are.
     #[serde(skip_serializing_if = "Codels::is_default")]
     pub codels: Codels,
-    /// Show counts of references, links to state machines and loads of tasks above declarations.
+    /// Show anything above declarations; on by default. What is shown there is chosen one by one.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = true))]
     pub code_lens: Option<bool>,
+    /// Show above tasks and checks what verification says; on by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = true))]
+    pub code_lens_verdicts: Option<bool>,
+    /// Show the way to the state machine above tasks and activities; on by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = true))]
+    pub code_lens_state_machines: Option<bool>,
+    /// Show who reads and who writes above ports and members of the `ids`; on by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = true))]
+    pub code_lens_accesses: Option<bool>,
+    /// Show what the specification says of a codel above its C or C++ function; on by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = true))]
+    pub code_lens_codels: Option<bool>,
     /// Show the types of names that another component or interface declares.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = true))]
     pub inlay_hints_inherited_types: Option<bool>,
     /// Show the types of all parameters that name data.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = false))]
     pub inlay_hints_all_types: Option<bool>,
     /// Show where a state machine ends for lack of a codel for `stop`.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = true))]
     pub inlay_hints_implicit_ether: Option<bool>,
     /// Show the longest time from a state to the next pause.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = true))]
     pub inlay_hints_wcet: Option<bool>,
     /// Show the share of its period that a task needs.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = true))]
     pub inlay_hints_utilisation: Option<bool>,
     /// Show the values of properties that are not given.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = true))]
     pub inlay_hints_defaults: Option<bool>,
 }
 
@@ -115,23 +139,29 @@ pub struct Generate {
 pub struct Verification {
     /// Verify open scenarios, and open specifications with timing, after every edit; on by default.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = true))]
     pub enable: Option<bool>,
     /// Give a verification up after so many seconds; 10 by default.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = 10))]
     pub time_limit: Option<f64>,
     /// Give a verification up at this number of states; 2000000 by default.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = 2_000_000))]
     pub max_states: Option<u32>,
     /// Give a verification up at so many megabytes for its states; 1024 by default.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = 1024))]
     pub max_memory: Option<u32>,
     /// Who gets a core when no scenario says it: `priority` (the default), `fair`, `fifo`, `edf` or `any`. The number
     /// of cores is `timing.cores`.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = "priority"))]
     pub policy: Option<CorePolicy>,
     /// What the model follows when no scenario says it: the `servers` that run on robots (the default), or the `published`
     /// formal models.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = "servers"))]
     pub semantics: Option<VerificationSemantics>,
 }
 
@@ -234,10 +264,12 @@ pub struct Timing {
     /// Report codels without execution time even in components without any (otherwise only once
     /// a component has some).
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = false))]
     pub require_wcet: Option<bool>,
     /// Longest time, in milliseconds, that one function or attribute may keep the control task
     /// from serving other requests; 10 by default.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = 10))]
     pub control_task_budget: Option<f64>,
 }
 
@@ -281,10 +313,12 @@ pub struct Format {
     pub unit: Option<FormatUnit>,
     /// Columns that a line should not exceed; 80 by default.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = 80))]
     pub width: Option<u16>,
     /// What becomes of words that stand in a column with those of the lines around: `keep` (the
     /// default) leaves them in it, `none` leaves one blank.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = "keep"))]
     pub align: Option<FormatAlign>,
 }
 
@@ -337,16 +371,20 @@ impl Format {
 pub struct Codels {
     /// Compare specifications with the sources of their codels; on by default.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = true))]
     pub check: Option<bool>,
     /// Folder of the sources, relative to the folder of the `.gen`; `codels` by default.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = "codels"))]
     pub folder: Option<String>,
     /// Extensions of the sources, without dot; `c`, `cc`, `cpp` and `cxx` by default.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = ["c", "cc", "cpp", "cxx"]))]
     pub extensions: Option<Vec<String>>,
     /// Read only the sources that the `Makefile.am` of the folder lists, if it lists any that are
     /// there; on by default.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = true))]
     pub makefile: Option<bool>,
 }
 
@@ -444,7 +482,10 @@ impl Settings {
     /// Lists are joined since editors send an empty list for a setting nobody touched.
     pub fn over(mut self, mut weaker: Settings) -> Settings {
         self.max_file_size = self.max_file_size.or(weaker.max_file_size);
-        self.code_lens = self.code_lens.or(weaker.code_lens);
+        let lenses = weaker.code_lenses();
+        for (own, weaker) in self.code_lenses_mut().into_iter().zip(lenses) {
+            *own = own.or(weaker);
+        }
         if self.release.is_none() {
             self.release = weaker.release;
             self.release_origin = weaker.release_origin.take();
@@ -474,48 +515,6 @@ impl Settings {
         self.codels = self.codels.over(weaker.codels);
         self.format = self.format.over(weaker.format);
         self
-    }
-
-    fn inlay_hints(&self) -> [Option<bool>; 6] {
-        [
-            self.inlay_hints_inherited_types,
-            self.inlay_hints_all_types,
-            self.inlay_hints_implicit_ether,
-            self.inlay_hints_wcet,
-            self.inlay_hints_utilisation,
-            self.inlay_hints_defaults,
-        ]
-    }
-
-    fn inlay_hints_mut(&mut self) -> [&mut Option<bool>; 6] {
-        [
-            &mut self.inlay_hints_inherited_types,
-            &mut self.inlay_hints_all_types,
-            &mut self.inlay_hints_implicit_ether,
-            &mut self.inlay_hints_wcet,
-            &mut self.inlay_hints_utilisation,
-            &mut self.inlay_hints_defaults,
-        ]
-    }
-
-    /// The inlay hints to show: all, unless switched off; types only where they are inherited,
-    /// unless all are wanted.
-    pub fn inlay_config(&self) -> InlayConfig {
-        let on = |it: Option<bool>| it.unwrap_or(true);
-        InlayConfig {
-            types: match (
-                self.inlay_hints_all_types.unwrap_or(false),
-                on(self.inlay_hints_inherited_types),
-            ) {
-                (true, _) => InlayTypes::All,
-                (_, true) => InlayTypes::Inherited,
-                _ => InlayTypes::Off,
-            },
-            implicit_ether: on(self.inlay_hints_implicit_ether),
-            wcet: on(self.inlay_hints_wcet),
-            utilisation: on(self.inlay_hints_utilisation),
-            defaults: on(self.inlay_hints_defaults),
-        }
     }
 
     /// Adds a `NAME` or `NAME=VALUE` of the command line.

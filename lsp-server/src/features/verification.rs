@@ -22,7 +22,7 @@ use crate::workspace::snapshot::{Snapshot, Subject};
 
 pub(crate) use answer::{Question, VerificationParams, VerificationResult, prepare, present};
 pub(crate) use diagnostics::{in_scenario, in_specification};
-pub(crate) use lens::{lenses, scenario_lenses};
+pub(crate) use lens::{hover, lenses, scenario_lenses};
 pub(crate) use sensitivity::{SensitivityParams, SensitivityResult, ask, shown};
 
 /// Client command that shows a verification; argument `{ uri, check }`.

@@ -40,8 +40,6 @@ pub struct ClientCaps {
     pub hover_images: bool,
     /// Wants to be told where verifications stand (`initializationOptions.verificationStatus`).
     pub verification_status: bool,
-    /// Pictures between the lines of the text (`initializationOptions.inlineDiagrams`).
-    pub inline_diagrams: bool,
     /// `CodeAction` literals.
     pub code_action_literals: bool,
     /// Versioned document changes in workspace edits.
@@ -137,7 +135,6 @@ impl ClientCaps {
             document_text: flag(raw, "/initializationOptions/documentText"),
             hover_images: flag(raw, "/initializationOptions/hoverImages"),
             verification_status: flag(raw, "/initializationOptions/verificationStatus"),
-            inline_diagrams: flag(raw, "/initializationOptions/inlineDiagrams"),
             code_action_literals: text
                 .code_action
                 .is_some_and(|it| it.code_action_literal_support.is_some()),

@@ -187,7 +187,9 @@ async fn lenses_are_resolved_one_by_one() {
     }
     assert!(titles.contains(&"state machine".to_owned()), "{titles:?}");
     assert!(
-        titles.contains(&"load 20 % of 10 ms".to_owned()),
+        !titles
+            .iter()
+            .any(|it| it.contains("reference") || it.contains("load")),
         "{titles:?}"
     );
     let diagram = commands
@@ -214,7 +216,7 @@ async fn hints_signatures_implementations_and_calls() {
         .iter()
         .filter_map(|it| it["label"].as_str())
         .collect();
-    assert!(labels.contains(&": 20 %"), "{labels:?}");
+    assert!(labels.contains(&" ‹load 20 %›"), "{labels:?}");
 
     let help = client
         .ok("textDocument/signatureHelp", at(&uri, "in goal", 0))

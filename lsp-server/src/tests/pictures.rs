@@ -258,22 +258,6 @@ async fn hovers_show_the_machine_where_images_can_be_shown() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_lens_for_pictures_between_the_lines_is_for_those_that_can() {
-    for able in [true, false] {
-        let (mut client, _folder, uri) = start(json!({ "inlineDiagrams": able })).await;
-        let lenses = client.ok("textDocument/codeLens", document(&uri)).await;
-        let mut commands = Vec::new();
-        for lens in lenses.as_array().expect("lenses") {
-            let lens = client.ok("codeLens/resolve", lens.clone()).await;
-            commands.push(lens["command"]["command"].clone());
-        }
-        let toggle = json!("dotgen.toggleInlineDiagram");
-        assert_eq!(commands.contains(&toggle), able, "{commands:?}");
-        client.finish().await;
-    }
-}
-
-#[tokio::test(flavor = "multi_thread")]
 async fn a_hover_over_a_codel_tells_what_it_is_in_both_languages() {
     let (mut client, _folder, uri) = start(json!({})).await;
     let mut params = document(&uri);

@@ -25,7 +25,7 @@ const MAX_REMOTE: usize = 3;
 
 /// A line above a function, and the place of the function's name.
 pub(crate) fn handle(snapshot: &Snapshot, subject: &Subject) -> Cancellable<Option<Vec<CodeLens>>> {
-    if !snapshot.config.code_lens {
+    if !snapshot.config.code_lens.codels {
         return Ok(Some(Vec::new()));
     }
     let Some(lines) = snapshot.lines(&subject.path)? else {

@@ -12,8 +12,6 @@ use crate::workspace::snapshot::{Snapshot, Subject};
 
 /// Client command that shows a state machine; argument `{ uri, component, owner }`.
 pub(crate) const SHOW_DIAGRAM: &str = "dotgen.showDiagram";
-/// Client command that shows a state machine between the lines, or hides it; argument as above.
-pub(crate) const TOGGLE_INLINE: &str = "dotgen.toggleInlineDiagram";
 /// Client command that lists references; argument `{ uri, position, locations }`.
 pub(crate) const SHOW_REFERENCES: &str = "dotgen.showReferences";
 
@@ -37,16 +35,20 @@ pub(crate) fn handle(
     let Some(lines) = snapshot.lines(&subject.path)? else {
         return Ok(None);
     };
-    if !snapshot.config.code_lens {
-        return Ok(Some(Vec::new()));
-    }
+    let config = &snapshot.config.code_lens;
     if scenario::is(&subject.path) {
-        return verification::scenario_lenses(snapshot, subject);
+        return match config.verdicts {
+            true => verification::scenario_lenses(snapshot, subject),
+            false => Ok(Some(Vec::new())),
+        };
     }
-    let mut lenses = snapshot.analysis.code_lenses(&subject.path)?;
-    if !snapshot.client.inline_diagrams {
-        lenses.retain(|it| !matches!(it.kind, LensKind::InlineMachine { .. }));
-    }
+    let verdicts = match config.verdicts {
+        true => verification::lenses(snapshot, subject)?,
+        false => Vec::new(),
+    };
+    let mut lenses = snapshot.analysis.code_lenses(&subject.path, config)?;
+    // One lens for a task: what is known of its time, else the way to its machine.
+    lenses.retain(|it| !verdicts.iter().any(|(at, _)| *at == it.range.start));
     let convert = lenses.into_iter().map(|it| CodeLens {
         range: lines.range(&it.range),
         command: None,
@@ -56,9 +58,8 @@ pub(crate) fn handle(
             "version": subject.version,
         })),
     });
-    let mut lenses: Vec<CodeLens> = convert.collect();
-    lenses.extend(verification::lenses(snapshot, subject)?);
-    Ok(Some(lenses))
+    let verdicts = verdicts.into_iter().map(|it| it.1);
+    Ok(Some(convert.chain(verdicts).collect()))
 }
 
 /// Adds to a lens what it says and does.
@@ -85,11 +86,7 @@ pub(crate) fn resolve(snapshot: &Snapshot, lens: &CodeLens) -> Cancellable<Optio
             SHOW_DIAGRAM,
             json!({ "uri": uri, "component": component, "owner": owner }),
         ),
-        LensKind::InlineMachine { component, owner } => (
-            TOGGLE_INLINE,
-            json!({ "uri": uri, "component": component, "owner": owner }),
-        ),
-        LensKind::References { .. } if !text.references.is_empty() => {
+        LensKind::Accesses { .. } if !text.references.is_empty() => {
             let mut locations = Vec::with_capacity(text.references.len());
             for it in &text.references {
                 locations.extend(snapshot.location(&it.path, &it.range)?);

@@ -5,6 +5,7 @@ use dotgen_analysis::model::system::{System, listed, parts};
 use dotgen_analysis::model::{CodelRef, Component, ParamSource};
 use dotgen_codegen::lang::prototypes as prototypes_of;
 
+use crate::features::verification;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
@@ -36,6 +37,9 @@ pub(crate) fn handle(
         if let Some(prototypes) = prototypes(snapshot, subject, component, codel)? {
             markdown = format!("{markdown}\n\n{prototypes}");
         }
+    }
+    if let Some(verdict) = verification::hover(snapshot, subject, at.offset)? {
+        markdown = format!("{markdown}\n\n{verdict}");
     }
     if let Some(image) = crate::features::diagram::hover_image(snapshot, subject, &at)? {
         markdown = format!("{markdown}\n\n{image}");

@@ -1,14 +1,18 @@
-//! Lenses: one per task of a specification, one per check of a scenario. They say what was computed,
-//! and nothing else.
+//! Lenses: one per task of a specification, one per check of a scenario. They say what was computed, the verdict first;
+//! the rest is in their hover and in that of the task.
+
+use std::ops::Range;
 
 use dotgen_analysis::host::Cancellable;
+use dotgen_analysis::markdown;
 use dotgen_timing::property::PropertyKind;
-use dotgen_timing::report::{TaskId, Verdict};
+use dotgen_timing::report::{Awaited, Delay, TaskId, Verdict};
 use dotgen_timing::verify::settings;
+use serde_json::Value;
 
 use super::problems::about;
-use super::{SHOW, argument, tasks};
-use crate::protocol::types::{CodeLens, Command, Uri};
+use super::{SHOW, TaskAt, argument, tasks};
+use crate::protocol::types::{CodeLens, Command};
 use crate::verification::results::{Answer, Entry, Status};
 use crate::verification::summary::Scale;
 use crate::verification::view::{CheckView, Outcome};
@@ -17,29 +21,71 @@ use crate::workspace::snapshot::{Snapshot, Subject};
 /// Of what has no answer yet.
 const VERIFYING: &str = "verifying …";
 
-/// `R 7 ms of 10 ms · slack 30 % · proved, ≥ 2 cores` over every task.
-pub(crate) fn lenses(snapshot: &Snapshot, subject: &Subject) -> Cancellable<Vec<CodeLens>> {
-    let mut out = Vec::new();
+/// `✓ 8 of 10 ms` over every task that something is known of, with the place of its name. Where several scenarios speak
+/// of a task, the one that is worst for it counts.
+pub(crate) fn lenses(
+    snapshot: &Snapshot,
+    subject: &Subject,
+) -> Cancellable<Vec<(usize, CodeLens)>> {
     let Some(lines) = snapshot.lines(&subject.path)? else {
-        return Ok(out);
+        return Ok(Vec::new());
     };
     let about = about(snapshot, &subject.path);
+    let mut worst: Vec<(Range<usize>, Mark, CodeLens)> = Vec::new();
     for (path, entry) in &about {
         let Some(uri) = snapshot.uri(path) else {
             continue;
         };
         for task in tasks(&entry.problem, &subject.path) {
-            let Some(mut title) = of_task(entry, task.id) else {
+            let Some((mark, mut title)) = verdict(entry, task.id) else {
                 continue;
             };
+            let mut details = details(entry, task.id);
             if about.len() > 1 {
-                title = format!("{}: {title}", entry.problem.scenario.name);
+                let name = &entry.problem.scenario.name;
+                title += &format!(" · {name}");
+                details.insert(0, format!("scenario `{name}`"));
             }
-            let check = shown(entry, task.id);
-            out.push(lens(snapshot, lines.range(&task.range), title, &uri, check));
+            let mut argument = argument(&uri, shown(entry, task.id));
+            argument["tooltip"] = details.join("\n").into();
+            let lens = lens(snapshot, lines.range(&task.range), title, argument);
+            match worst.iter_mut().find(|it| it.0 == task.range) {
+                Some(known) if known.1 <= mark => {}
+                Some(known) => *known = (task.range, mark, lens),
+                None => worst.push((task.range, mark, lens)),
+            }
         }
     }
-    Ok(out)
+    Ok(worst.into_iter().map(|it| (it.0.start, it.2)).collect())
+}
+
+/// What is known of the task whose name is at an offset, for its hover.
+pub(crate) fn hover(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    offset: usize,
+) -> Cancellable<Option<String>> {
+    let mut out: Vec<String> = Vec::new();
+    for (_, entry) in about(snapshot, &subject.path) {
+        let mut tasks = tasks(&entry.problem, &subject.path).into_iter();
+        let here = |it: &TaskAt| it.range.start <= offset && offset <= it.range.end;
+        let Some((task, (mark, title))) = tasks
+            .find(here)
+            .and_then(|it| Some((it.id, verdict(entry, it.id)?)))
+        else {
+            continue;
+        };
+        let scenario = &entry.problem.scenario.name;
+        out.push(format!(
+            "**{title}** in scenario {}",
+            markdown::code(scenario)
+        ));
+        if mark != Mark::Open {
+            let details = details(entry, task);
+            out.extend(details.iter().map(|it| format!("* {}", markdown::text(it))));
+        }
+    }
+    Ok((!out.is_empty()).then(|| out.join("\n")))
 }
 
 /// The verdict over every check of a scenario, and where the whole stands over its name.
@@ -55,7 +101,7 @@ pub(crate) fn scenario_lenses(
     };
     let uri = &subject.uri;
     let heading = lines.range(&entry.problem.scenario.name_range);
-    let mut out = vec![lens(snapshot, heading, whole(entry), uri, None)];
+    let mut out = vec![lens(snapshot, heading, whole(entry), argument(uri, None))];
     if let Some(answer) = entry.known() {
         let mut titles: Vec<(std::ops::Range<usize>, Vec<String>, usize)> = Vec::new();
         for (i, it) in answer.view().checks.iter().enumerate() {
@@ -76,7 +122,8 @@ pub(crate) fn scenario_lenses(
         }
         for (range, words, check) in titles {
             let title = words.join(" | ");
-            out.push(lens(snapshot, lines.range(&range), title, uri, Some(check)));
+            let argument = argument(uri, Some(check));
+            out.push(lens(snapshot, lines.range(&range), title, argument));
         }
     }
     Ok(Some(out))
@@ -86,12 +133,11 @@ fn lens(
     snapshot: &Snapshot,
     range: crate::protocol::types::Range,
     title: String,
-    uri: &Uri,
-    check: Option<usize>,
+    argument: Value,
 ) -> CodeLens {
     // Text alone for clients without the panel.
     let command = match snapshot.client.verification_status {
-        true => Command::new(title, SHOW.to_owned(), Some(vec![argument(uri, check)])),
+        true => Command::new(title, SHOW.to_owned(), Some(vec![argument])),
         false => Command::new(title, String::new(), None),
     };
     CodeLens {
@@ -144,6 +190,125 @@ fn proved(entry: &Entry) -> &'static str {
         true => "answered",
         false => "proved",
     }
+}
+
+/// How a verdict begins, the worst first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Mark {
+    Fails,
+    Unsettled,
+    Open,
+    Holds,
+}
+
+impl Mark {
+    fn sign(self) -> &'static str {
+        match self {
+            Mark::Fails => "✗",
+            Mark::Unsettled => "?",
+            Mark::Open => "…",
+            Mark::Holds => "✓",
+        }
+    }
+}
+
+/// The verdict on a task in a few words; `None` if nothing was to be verified, or nothing can be before errors are mended.
+fn verdict(entry: &Entry, task: TaskId) -> Option<(Mark, String)> {
+    let say = |mark: Mark, text: &str| Some((mark, format!("{} {text}", mark.sign())));
+    if entry.status == Status::Blocked {
+        return None;
+    }
+    let Some(answer) = entry.known() else {
+        return say(Mark::Open, "verifying");
+    };
+    let view = answer.view();
+    let all: Vec<&CheckView> = view.of_task(task).map(|it| it.1).collect();
+    let first = |outcome| all.iter().copied().find(|it| it.outcome == outcome);
+    if all.is_empty() || first(Outcome::Nothing).is_some() {
+        return None;
+    }
+    let response = all
+        .iter()
+        .find(|it| it.report.kind == PropertyKind::Response);
+    let measured = response.and_then(|it| share(it));
+    let and_measured = |text: &str| match &measured {
+        Some(it) => format!("{text}: {it}"),
+        None => text.to_owned(),
+    };
+    if let Some(refuted) = first(Outcome::Refuted) {
+        let late = matches!(
+            refuted.report.kind,
+            PropertyKind::Schedulable | PropertyKind::Response | PropertyKind::NoOverdue
+        );
+        return match (late, cause(&refuted.report.reason)) {
+            (true, Some(cause)) => say(Mark::Fails, &format!("can be late: {cause}")),
+            (true, None) => say(Mark::Fails, &and_measured("can be late")),
+            (false, _) => say(Mark::Fails, &format!("{} fails", refuted.report.kind)),
+        };
+    }
+    if first(Outcome::PossiblyRefuted).is_some() {
+        return say(Mark::Unsettled, "may be late: durations are rounded");
+    }
+    if first(Outcome::Exceeds).is_some() {
+        return say(Mark::Fails, &and_measured("later than its period"));
+    }
+    if first(Outcome::GaveUp).is_some() {
+        return say(Mark::Unsettled, &and_measured("not settled"));
+    }
+    if first(Outcome::Open).is_some() {
+        return say(Mark::Open, "verifying");
+    }
+    if first(Outcome::Bounded).is_some() {
+        return say(Mark::Unsettled, &and_measured("perhaps late"));
+    }
+    say(Mark::Holds, measured.as_deref().unwrap_or("holds"))
+}
+
+/// `8 of 10 ms`: the unit once, if it is the same.
+fn share(check: &CheckView) -> Option<String> {
+    let value = check.value.as_ref()?;
+    let Some(limit) = &check.limit else {
+        return Some(value.clone());
+    };
+    Some(match (value.rsplit_once(' '), limit.rsplit_once(' ')) {
+        (Some((number, unit)), Some((_, same))) if unit == same => format!("{number} of {limit}"),
+        _ => format!("{value} of {limit}"),
+    })
+}
+
+/// What kept the job of a run waiting for longest.
+fn cause(delays: &[Delay]) -> Option<String> {
+    let length = |it: &&Delay| it.until - it.from;
+    let longest = delays
+        .iter()
+        .max_by(|a, b| length(a).total_cmp(&length(b)))?;
+    let holder = longest.held.iter().max_by(|a, b| {
+        let length = |it: &&dotgen_timing::report::Holder| it.until - it.from;
+        length(a).total_cmp(&length(b))
+    });
+    Some(match (longest.awaited, holder) {
+        (Awaited::Lock, Some(it)) => format!("waits for {}", it.codel.as_ref().unwrap_or(&it.by)),
+        (Awaited::Lock, None) => "waits for a lock".to_owned(),
+        (Awaited::Core, Some(it)) => format!("waits for a core, held by {}", it.by),
+        (Awaited::Core, None) => "waits for a core".to_owned(),
+    })
+}
+
+/// Everything that is known of a task, a line each.
+fn details(entry: &Entry, task: TaskId) -> Vec<String> {
+    let mut out: Vec<String> = of_task(entry, task).into_iter().collect();
+    if let Some(answer) = entry.known() {
+        let view = answer.view();
+        let reasons = view
+            .of_task(task)
+            .flat_map(|it| it.1.reason.iter().cloned());
+        for it in reasons {
+            if !out.contains(&it) {
+                out.push(it);
+            }
+        }
+    }
+    out
 }
 
 /// What is known of a task; `None` if the verification says nothing about it.

@@ -1,0 +1,81 @@
+//! Which lenses and hints are shown.
+
+use dotgen_analysis::ide::{InlayConfig, InlayTypes, LensConfig};
+
+use super::Settings;
+
+impl Settings {
+    pub(super) fn code_lenses(&self) -> [Option<bool>; 5] {
+        [
+            self.code_lens,
+            self.code_lens_verdicts,
+            self.code_lens_state_machines,
+            self.code_lens_accesses,
+            self.code_lens_codels,
+        ]
+    }
+
+    pub(super) fn code_lenses_mut(&mut self) -> [&mut Option<bool>; 5] {
+        [
+            &mut self.code_lens,
+            &mut self.code_lens_verdicts,
+            &mut self.code_lens_state_machines,
+            &mut self.code_lens_accesses,
+            &mut self.code_lens_codels,
+        ]
+    }
+
+    /// The lenses to show: all, unless switched off.
+    pub fn lens_config(&self) -> LensConfig {
+        let [any, verdicts, machines, accesses, codels] =
+            self.code_lenses().map(|it| it.unwrap_or(true));
+        LensConfig {
+            verdicts: any && verdicts,
+            machines: any && machines,
+            accesses: any && accesses,
+            codels: any && codels,
+        }
+    }
+
+    pub(super) fn inlay_hints(&self) -> [Option<bool>; 6] {
+        [
+            self.inlay_hints_inherited_types,
+            self.inlay_hints_all_types,
+            self.inlay_hints_implicit_ether,
+            self.inlay_hints_wcet,
+            self.inlay_hints_utilisation,
+            self.inlay_hints_defaults,
+        ]
+    }
+
+    pub(super) fn inlay_hints_mut(&mut self) -> [&mut Option<bool>; 6] {
+        [
+            &mut self.inlay_hints_inherited_types,
+            &mut self.inlay_hints_all_types,
+            &mut self.inlay_hints_implicit_ether,
+            &mut self.inlay_hints_wcet,
+            &mut self.inlay_hints_utilisation,
+            &mut self.inlay_hints_defaults,
+        ]
+    }
+
+    /// The inlay hints to show: all, unless switched off; types only where they are inherited,
+    /// unless all are wanted.
+    pub fn inlay_config(&self) -> InlayConfig {
+        let on = |it: Option<bool>| it.unwrap_or(true);
+        InlayConfig {
+            types: match (
+                self.inlay_hints_all_types.unwrap_or(false),
+                on(self.inlay_hints_inherited_types),
+            ) {
+                (true, _) => InlayTypes::All,
+                (_, true) => InlayTypes::Inherited,
+                _ => InlayTypes::Off,
+            },
+            implicit_ether: on(self.inlay_hints_implicit_ether),
+            wcet: on(self.inlay_hints_wcet),
+            utilisation: on(self.inlay_hints_utilisation),
+            defaults: on(self.inlay_hints_defaults),
+        }
+    }
+}
