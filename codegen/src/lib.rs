@@ -5,6 +5,7 @@ pub mod catalog;
 pub mod codels;
 pub mod command;
 pub mod compiler;
+pub mod component;
 pub mod disk;
 pub mod frontend;
 pub mod lang;

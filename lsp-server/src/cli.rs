@@ -11,6 +11,7 @@ mod logging;
 mod lsp;
 mod man;
 mod model;
+mod new;
 mod release;
 mod report;
 mod run;
@@ -40,6 +41,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    New(new::Arguments),
     Check(check::Arguments),
     Explain(explain::Arguments),
     Codels(codels::Arguments),
@@ -131,6 +133,7 @@ pub fn main() -> ExitCode {
         return ExitCode::from(2);
     }
     let result = match cli.command {
+        Command::New(arguments) => new::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),
         Command::Codels(arguments) => codels::run(&arguments),

@@ -2,6 +2,7 @@
 //! converts the answer; it runs on the blocking pool and may be cancelled or panic.
 
 pub(crate) mod codels;
+pub(crate) mod component;
 pub(crate) mod convert;
 pub(crate) mod diagnostics;
 pub(crate) mod diagram;

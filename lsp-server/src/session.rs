@@ -3,6 +3,7 @@
 
 pub(crate) mod backend;
 mod capabilities;
+mod component;
 mod dispatch;
 mod generation;
 mod publish;

@@ -3,6 +3,7 @@
 
 mod client;
 mod codels;
+mod component;
 mod configuration;
 mod diagnostics;
 mod editing;
@@ -10,6 +11,7 @@ mod features;
 mod generate;
 mod harmless;
 mod lifecycle;
+
 mod ordering;
 mod pictures;
 mod random;

@@ -42,6 +42,8 @@ fn custom_methods(builder: Builder) -> Builder {
         .custom_method("dotgen/verification", Backend::verification)
         .custom_method("dotgen/sensitivity", Backend::sensitivity)
         .custom_method("dotgen/codelHeaders", Backend::codel_headers)
+        .custom_method("dotgen/interfaces", Backend::interfaces)
+        .custom_method("dotgen/newComponent", Backend::new_component)
         .custom_method("dotgen/model", Backend::model)
         .custom_method("window/workDoneProgress/cancel", Backend::cancel_progress);
     #[cfg(test)]

@@ -1,0 +1,270 @@
+//! A new component from a few answers: its specification and a scenario that verifies it, as text.
+//!
+//! Both come out of one template each and go through the formatter afterwards; the sources of the codels are stubs like
+//! all others ([`crate::codels::command::stub`]). Execution times are written as `#pragma wcet`, which every release
+//! of GenoM3 accepts.
+
+use std::fmt;
+
+use minijinja::{Environment, UndefinedBehavior, context};
+use serde::Serialize;
+
+/// What a component shall have.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct NewComponent {
+    /// Its name.
+    pub name: String,
+    /// Its tasks; at least one.
+    pub tasks: Vec<NewTask>,
+    /// Interfaces whose ports it has as they are declared.
+    pub provides: Vec<NewInterface>,
+    /// Interfaces whose ports it has the other way round.
+    pub uses: Vec<NewInterface>,
+}
+
+/// A task.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NewTask {
+    /// Its name.
+    pub name: String,
+    /// Its period, as `10 ms`; without it the task is aperiodic.
+    pub period: Option<String>,
+}
+
+/// An interface, and how it comes into the component.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NewInterface {
+    /// Its name.
+    pub name: String,
+    /// What its `#include` names: a path from the folder of the component.
+    pub include: String,
+    /// The ports that it brings, as the component sees them.
+    pub ports: Vec<NewPort>,
+}
+
+/// A port of a component.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct NewPort {
+    /// Its name.
+    pub name: String,
+    /// The component writes it; otherwise it reads it.
+    pub writes: bool,
+}
+
+/// Why a component cannot be made of the answers.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum NewComponentError {
+    /// It is no name in C.
+    Name(String),
+    /// Two tasks have this name.
+    Twice(String),
+    /// It is no period: that of a task.
+    Period {
+        /// The task.
+        task: String,
+        /// What was given.
+        period: String,
+    },
+    /// There is no task, so that nothing would execute.
+    NoTask,
+    /// The text could not be made; a fault of the template.
+    Template(String),
+}
+
+impl fmt::Display for NewComponentError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        use NewComponentError::*;
+        match self {
+            Name(name) => write!(
+                f,
+                "`{name}` is no name: write a letter or `_`, then letters, digits and `_`"
+            ),
+            Twice(name) => write!(f, "two tasks are called `{name}`: give one another name"),
+            Period { task, period } => write!(
+                f,
+                "`{period}` is no period of task `{task}`: write a number above 0 and its unit, as in `10 ms`"
+            ),
+            NoTask => write!(f, "a component needs a task: give at least one"),
+            Template(why) => write!(f, "the specification cannot be written: {why}"),
+        }
+    }
+}
+
+impl std::error::Error for NewComponentError {}
+
+/// The texts of a component.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NewTexts {
+    /// The specification, not yet formatted.
+    pub specification: String,
+    /// The scenario, not yet formatted.
+    pub scenario: String,
+}
+
+/// A task as the templates see it.
+#[derive(Serialize)]
+struct TaskData<'a> {
+    name: &'a str,
+    period: Option<String>,
+    /// Execution time of each of its codels, as written.
+    wcet: String,
+    /// Ports that its main codel uses.
+    ports: Vec<&'a NewPort>,
+}
+
+const SPECIFICATION: &str = include_str!("component/component.gen.jinja");
+const SCENARIO: &str = include_str!("component/component.scn.jinja");
+
+/// Microseconds in a unit.
+fn unit(word: &str) -> Option<f64> {
+    Some(match word {
+        "s" => 1e6,
+        "ms" => 1e3,
+        "us" => 1.0,
+        _ => return None,
+    })
+}
+
+/// `10 ms`, `10ms`, `0.5 s` in microseconds and as written in a specification.
+fn period(text: &str) -> Option<(f64, String)> {
+    let text = text.trim();
+    let end = text.find(|it: char| !it.is_ascii_digit() && it != '.')?;
+    let (number, word) = (&text[..end], text[end..].trim());
+    let value: f64 = number.parse().ok()?;
+    let micros = value * unit(word)?;
+    (micros >= 1.0 && micros.is_finite()).then(|| (micros, format!("{number} {word}")))
+}
+
+/// Whether a text is an identifier of C.
+fn is_name(text: &str) -> bool {
+    let mut chars = text.chars();
+    let first = chars.next();
+    first.is_some_and(|it| it.is_ascii_alphabetic() || it == '_')
+        && chars.all(|it| it.is_ascii_alphanumeric() || it == '_')
+}
+
+impl NewComponent {
+    /// Its texts.
+    ///
+    /// # Errors
+    /// Answers of which no component can be made.
+    pub fn texts(&self) -> Result<NewTexts, NewComponentError> {
+        use NewComponentError::{Name, NoTask, Period, Template, Twice};
+        let names = std::iter::once(&self.name).chain(self.tasks.iter().map(|it| &it.name));
+        if let Some(wrong) = names.clone().find(|it| !is_name(it)) {
+            return Err(Name(wrong.clone()));
+        }
+        if self.tasks.is_empty() {
+            return Err(NoTask);
+        }
+        let mut tasks = Vec::new();
+        for (index, task) in self.tasks.iter().enumerate() {
+            if self.tasks[..index].iter().any(|it| it.name == task.name) {
+                return Err(Twice(task.name.clone()));
+            }
+            let given = task.period.as_deref().map(|text| {
+                period(text).ok_or_else(|| Period {
+                    task: task.name.clone(),
+                    period: text.to_owned(),
+                })
+            });
+            let given = given.transpose()?;
+            // A guess that leaves room for all of them on one core.
+            let share = given.as_ref().map_or(1e3, |it| it.0) / (10.0 * self.tasks.len() as f64);
+            let interfaces = self.provides.iter().chain(&self.uses);
+            tasks.push(TaskData {
+                name: &task.name,
+                period: given.map(|it| it.1),
+                wcet: format!("{} us", share.floor().max(1.0)),
+                ports: match index {
+                    0 => interfaces.flat_map(|it| &it.ports).collect(),
+                    _ => Vec::new(),
+                },
+            });
+        }
+        let includes: Vec<&str> = {
+            let all = self.provides.iter().chain(&self.uses);
+            let mut out: Vec<&str> = Vec::new();
+            for it in all {
+                if !out.contains(&it.include.as_str()) {
+                    out.push(&it.include);
+                }
+            }
+            out
+        };
+        let list = |all: &[NewInterface]| -> Vec<String> {
+            all.iter().map(|it| it.name.clone()).collect()
+        };
+        let data = context! {
+            name => self.name,
+            includes,
+            provides => list(&self.provides).join(", "),
+            uses => list(&self.uses).join(", "),
+            periodic => tasks.iter().any(|it| it.period.is_some()),
+            tasks,
+        };
+        let expand = |text: &str| {
+            let mut environment = Environment::new();
+            environment.set_undefined_behavior(UndefinedBehavior::Strict);
+            environment.set_trim_blocks(true);
+            environment.set_lstrip_blocks(true);
+            let expanded = environment.render_str(text, &data);
+            expanded.map_err(|it| Template(it.to_string()))
+        };
+        Ok(NewTexts {
+            specification: expand(SPECIFICATION)?,
+            scenario: expand(SCENARIO)?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn task(name: &str, period: Option<&str>) -> NewTask {
+        NewTask {
+            name: name.to_owned(),
+            period: period.map(str::to_owned),
+        }
+    }
+
+    #[test]
+    fn answers_of_which_nothing_can_be_made_are_refused() {
+        let with = |name: &str, tasks: Vec<NewTask>| NewComponent {
+            name: name.to_owned(),
+            tasks,
+            ..NewComponent::default()
+        };
+        let say = |it: NewComponent| it.texts().err().map(|it| it.to_string());
+        for (given, part) in [
+            (with("2d", vec![task("t", None)]), "`2d` is no name"),
+            (with("", vec![task("t", None)]), "`` is no name"),
+            (with("c", vec![task("t u", None)]), "`t u` is no name"),
+            (with("c", Vec::new()), "needs a task"),
+            (
+                with("c", vec![task("t", None), task("t", None)]),
+                "two tasks",
+            ),
+            (
+                with("c", vec![task("t", Some("soon"))]),
+                "`soon` is no period",
+            ),
+            (with("c", vec![task("t", Some("10"))]), "`10` is no period"),
+            (
+                with("c", vec![task("t", Some("0 ms"))]),
+                "`0 ms` is no period",
+            ),
+            (with("c", vec![task("t", Some("1.2.3 ms"))]), "is no period"),
+            (with("c", vec![task("t", Some("10 years"))]), "is no period"),
+        ] {
+            let said = say(given.clone());
+            assert!(
+                said.as_ref().is_some_and(|it| it.contains(part)),
+                "{given:?}: {said:?}"
+            );
+        }
+        assert_eq!(period("10ms"), Some((1e4, "10 ms".to_owned())));
+        assert_eq!(period(" 0.5  s "), Some((5e5, "0.5 s".to_owned())));
+    }
+}

@@ -1,0 +1,282 @@
+//! A new component: `dotgen/interfaces`, `dotgen/newComponent` and `dotgen new`. The files are made here; the editor, or the
+//! command line, writes them.
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::diagnostic::Severity;
+use dotgen_analysis::host::{AnalysisHost, Cancellable};
+use dotgen_analysis::ide;
+use dotgen_analysis::model::{Component, ComponentKind, PortDir};
+use dotgen_analysis::source_map::Locations;
+use dotgen_codegen::codels::command::{self, Project, StubTarget};
+use dotgen_codegen::codels::files::{Files, FilesConfig};
+use dotgen_codegen::codels::stub::StubOptions;
+use dotgen_codegen::component::{NewComponent, NewInterface, NewPort, NewTask};
+use dotgen_syntax::{format, parse_text};
+use dotgen_timing::scn;
+use serde::{Deserialize, Serialize};
+
+use crate::features::codels::Texts;
+use crate::features::codels::actions::private_host;
+use crate::features::specification::rename::Refusable;
+use crate::protocol::convert::uri;
+use crate::protocol::types::Uri;
+use crate::verification::problem::EXTENSION;
+use crate::workspace::snapshot::Snapshot;
+
+/// What a component shall have, with interfaces by name and file.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Answers {
+    pub(crate) name: String,
+    pub(crate) tasks: Vec<NewTask>,
+    pub(crate) provides: Vec<(String, Utf8PathBuf)>,
+    pub(crate) uses: Vec<(String, Utf8PathBuf)>,
+}
+
+/// The files of a component in a folder: specification, scenario, sources of the codels. `text` is all that is there.
+/// The error is a message for the user.
+pub(crate) fn files(
+    host: &mut AnalysisHost,
+    texts: &dyn Files,
+    folder: &Utf8Path,
+    answers: &Answers,
+) -> Result<Vec<(Utf8PathBuf, String)>, String> {
+    let mut wanted = NewComponent {
+        name: answers.name.clone(),
+        tasks: answers.tasks.clone(),
+        ..NewComponent::default()
+    };
+    let provides = answers.provides.iter().map(|it| (it, false));
+    let uses = answers.uses.iter().map(|it| (it, true));
+    for ((name, path), reversed) in provides.chain(uses) {
+        let interface = interface(host, folder, name, path, reversed)?;
+        let all = match reversed {
+            true => &mut wanted.uses,
+            false => &mut wanted.provides,
+        };
+        all.push(interface);
+    }
+    let made = wanted.texts().map_err(|it| it.to_string())?;
+    let specification = folder.join(format!("{}.gen", answers.name));
+    let text = formatted(&made.specification);
+    let options = StubOptions {
+        use_parameters: true,
+        ..StubOptions::default()
+    };
+    let mut project = Project::new(host, texts, FilesConfig::default(), options);
+    project.overlay(specification.clone(), text.clone());
+    let stubs = command::stub(&mut project, &specification, &StubTarget::All)?;
+    drop(project);
+    let found = host.analysis().diagnostics(&specification);
+    let found = found.map_err(|it| it.to_string())?;
+    if let Some(error) = found.iter().find(|it| it.severity == Severity::Error) {
+        return Err(format!(
+            "the component would have an error: {}",
+            error.message
+        ));
+    }
+    let scenario = specification.with_extension(EXTENSION);
+    let of_scenario = scn::format(&made.scenario).unwrap_or(made.scenario);
+    let mut out = vec![(specification, text), (scenario, of_scenario)];
+    out.extend(stubs.into_iter().map(|it| (it.path, it.after)));
+    match out.iter().find(|it| texts.read(&it.0).is_some()) {
+        Some((path, _)) => Err(format!(
+            "{path} is there already: choose another name or folder, or remove it"
+        )),
+        None => Ok(out),
+    }
+}
+
+fn formatted(text: &str) -> String {
+    let parse = parse_text(text);
+    let style = format::Options::default();
+    format::apply(
+        text,
+        &format::format(&parse.syntax(), &parse.broken(), None, &style),
+    )
+}
+
+/// An interface of a file, as a component sees it.
+fn interface(
+    host: &AnalysisHost,
+    folder: &Utf8Path,
+    name: &str,
+    path: &Utf8Path,
+    reversed: bool,
+) -> Result<NewInterface, String> {
+    let unit = host
+        .analysis()
+        .root_unit(path)
+        .map_err(|it| it.to_string())?;
+    let all = &unit.spec.components;
+    let found = all.iter().find(|it| is_interface(it) && it.name == name);
+    let Some(found) = found else {
+        return Err(format!(
+            "{path} has no interface `{name}`: name the file that declares it"
+        ));
+    };
+    let include = ide::relative_path(folder, path).ok_or_else(|| {
+        format!("there is no way from {folder} to {path} that an `#include` could name")
+    })?;
+    Ok(NewInterface {
+        name: name.to_owned(),
+        include: include.as_str().replace('\\', "/"),
+        ports: found
+            .ports
+            .iter()
+            .map(|it| NewPort {
+                name: it.name.to_string(),
+                writes: (it.dir == PortDir::Out) != reversed,
+            })
+            .collect(),
+    })
+}
+
+fn is_interface(it: &Component) -> bool {
+    it.kind == ComponentKind::Interface
+}
+
+/// Parameters of `dotgen/interfaces` and `dotgen/newComponent`.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub(crate) struct NewComponentParams {
+    /// The folder of the component, which need not be there.
+    folder: Option<Uri>,
+    name: String,
+    tasks: Vec<TaskParams>,
+    provides: Vec<InterfaceParams>,
+    uses: Vec<InterfaceParams>,
+}
+
+/// A task, and its period if it has one.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct TaskParams {
+    name: String,
+    #[serde(default)]
+    period: Option<String>,
+}
+
+/// An interface and the file that declares it.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct InterfaceParams {
+    name: String,
+    uri: Uri,
+}
+
+/// An interface that a new component can provide or use.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct InterfaceInfo {
+    name: String,
+    uri: Uri,
+    /// Its ports as declared: `out pose`.
+    ports: Vec<String>,
+    /// It has ports alone: who provides services has to have codels for them.
+    can_be_provided: bool,
+}
+
+/// A file to be written.
+#[derive(Debug, Serialize, Deserialize)]
+struct NewFile {
+    uri: Uri,
+    text: String,
+}
+
+/// Answer of `dotgen/newComponent`: the specification comes first.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct NewFiles {
+    files: Vec<NewFile>,
+}
+
+/// The interfaces of the workspace, by name.
+pub(crate) fn interfaces(
+    snapshot: &Snapshot,
+    _: &NewComponentParams,
+) -> Cancellable<Vec<InterfaceInfo>> {
+    let mut out: Vec<InterfaceInfo> = Vec::new();
+    for root in snapshot.roots.iter() {
+        let unit = snapshot.analysis.root_unit(root)?;
+        let components = &unit.spec.components;
+        // A file with a component cannot be included beside another one.
+        let file_of = |it: &Component| unit.locations.locate(it.src).map(|it| it.path);
+        let with_components: Vec<Utf8PathBuf> = components
+            .iter()
+            .filter(|it| !is_interface(it))
+            .filter_map(file_of)
+            .collect();
+        for it in components.iter().filter(|it| is_interface(it)) {
+            let Some(path) = file_of(it).filter(|it| !with_components.contains(it)) else {
+                continue;
+            };
+            let Some(uri) = snapshot.uri(&path) else {
+                continue;
+            };
+            if out
+                .iter()
+                .any(|known| known.uri == uri && known.name == it.name.as_str())
+            {
+                continue;
+            }
+            let ports = it.ports.iter().map(|port| {
+                let dir = match port.dir {
+                    PortDir::In => "in",
+                    PortDir::Out => "out",
+                };
+                format!("{dir} {}", port.name)
+            });
+            out.push(InterfaceInfo {
+                name: it.name.to_string(),
+                uri,
+                ports: ports.collect(),
+                can_be_provided: it.services.is_empty() && it.tasks.is_empty(),
+            });
+        }
+    }
+    out.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(out)
+}
+
+/// The files of a new component.
+pub(crate) fn new_component(
+    snapshot: &Snapshot,
+    params: &NewComponentParams,
+) -> Cancellable<Refusable<NewFiles>> {
+    let Some(folder) = &params.folder else {
+        return Ok(Refusable(Err(
+            "a component needs a folder: name one".to_owned()
+        )));
+    };
+    let folder = uri::to_path(folder);
+    let named = |all: &[InterfaceParams]| -> Vec<(String, Utf8PathBuf)> {
+        let all = all.iter();
+        all.map(|it| (it.name.clone(), uri::to_path(&it.uri)))
+            .collect()
+    };
+    let answers = Answers {
+        name: params.name.clone(),
+        tasks: params
+            .tasks
+            .iter()
+            .map(|it| NewTask {
+                name: it.name.clone(),
+                period: it.period.clone(),
+            })
+            .collect(),
+        provides: named(&params.provides),
+        uses: named(&params.uses),
+    };
+    let mut host = private_host(snapshot)?;
+    let texts = Texts::new(snapshot);
+    let made = files(&mut host, &texts, &folder, &answers);
+    texts.check()?;
+    Ok(Refusable(made.map(|made| {
+        let file = |(path, text): (Utf8PathBuf, String)| {
+            Some(NewFile {
+                uri: uri::from_path(&path)?,
+                text,
+            })
+        };
+        Some(NewFiles {
+            files: made.into_iter().filter_map(file).collect(),
+        })
+    })))
+}

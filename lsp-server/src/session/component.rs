@@ -1,0 +1,24 @@
+//! Requests about a component that is to be made (docs/protocol.md).
+
+use crate::features::component;
+use crate::protocol::types::*;
+use crate::session::backend::Backend;
+
+impl Backend {
+    /// `dotgen/interfaces`
+    pub(crate) async fn interfaces(
+        &self,
+        params: component::NewComponentParams,
+    ) -> Result<Vec<component::InterfaceInfo>> {
+        self.dispatch.workspace(params, component::interfaces).await
+    }
+
+    /// `dotgen/newComponent`
+    pub(crate) async fn new_component(
+        &self,
+        params: component::NewComponentParams,
+    ) -> Result<Option<component::NewFiles>> {
+        let made = self.dispatch.anywhere(params, component::new_component);
+        made.await?.into_response()
+    }
+}
