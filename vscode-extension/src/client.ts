@@ -10,10 +10,12 @@ import {
   State,
   type CloseHandlerResult,
   type LanguageClientOptions,
+  type MessageSignature,
   type ServerOptions,
 } from 'vscode-languageclient/node';
 import { SECTION, serverSettings } from './config';
 import { LANGUAGE, SCENARIO, TEMPLATE, documentText, verificationStatus, type InitializationOptions, type VerificationStatus } from './protocol';
+import { reviewed } from './review';
 import { locateServer, surroundings, type Located } from './server';
 
 /** What the server is doing. */
@@ -176,7 +178,7 @@ export class Server implements vscode.Disposable {
       // A request that fails is in the output; what the user has to know is told by the server, or below.
       revealOutputChannelOn: RevealOutputChannelOn.Never,
       stdioOptions: { stdout: forwardLog, stderr: forwardLog },
-      initializationOptions: (): InitializationOptions => ({ trusted: vscode.workspace.isTrusted, hoverImages: true, inlineDiagrams: true, verificationStatus: true, documentText: true }),
+      initializationOptions: (): InitializationOptions => ({ trusted: vscode.workspace.isTrusted, hoverImages: true, verificationStatus: true, documentText: true }),
       initializationFailedHandler: (error) => {
         this.startError = text(error);
         return false;
@@ -190,6 +192,12 @@ export class Server implements vscode.Disposable {
         closed: () => this.ended(),
       },
       middleware: {
+        sendRequest: async <P, R>(
+          type: string | MessageSignature,
+          param: P | undefined,
+          token: vscode.CancellationToken | undefined,
+          next: (type: string | MessageSignature, param?: P, token?: vscode.CancellationToken) => Promise<R>,
+        ): Promise<R> => reviewed(typeof type === 'string' ? type : type.method, await next(type, param, token)) as R,
         // Actions of the server that ask something have better questions here.
         executeCommand: (command, args, next) => {
           const ours = { 'dotgen.generate': 'dotgen.generateFiles', 'dotgen.regenerate': 'dotgen.regenerateFiles' }[command];

@@ -10,6 +10,9 @@ import { SyntaxTreeView } from './commands/syntaxTree';
 import { affectsServerProcess } from './config';
 import { GenerateCommands, type Target as GenerateTarget } from './generate/commands';
 import { IdlAssociation } from './idl';
+import { openManual } from './manual';
+import { showMenu } from './menu';
+import { createComponent } from './newComponent';
 import { InlineDiagrams } from './preview/inline';
 import { DiagramPreview, type Target } from './preview/panel';
 import { ReleaseStatus } from './commands/release';
@@ -26,7 +29,7 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
   const tree = new SyntaxTreeView(it);
   const macros = new MacroExpansion(it);
   const preview = new DiagramPreview(it, context.extensionUri);
-  const inline = new InlineDiagrams(it);
+  const inline = new InlineDiagrams(it, context.globalState);
   const verification = new VerificationPanel(it, context.extensionUri);
   const headers = new CodelHeaders(it, context.workspaceState);
   const generate = new GenerateCommands(it);
@@ -53,6 +56,10 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
     vscode.commands.registerCommand('dotgen.toggleInlineDiagram', (target?: Target) => inline.toggle(target)),
     new IncludingRoot(it, context.workspaceState),
     new IdlAssociation(log),
+    vscode.commands.registerCommand('dotgen.showMenu', () => showMenu(it)),
+    vscode.commands.registerCommand('dotgen.newComponent', () => createComponent(it)),
+    vscode.commands.registerCommand('dotgen.openManual', () => openManual(context.extensionUri)),
+    vscode.commands.registerCommand('dotgen.openWalkthrough', () => vscode.commands.executeCommand('workbench.action.openWalkthrough', 'dotgen.dotgen#start')),
     vscode.commands.registerCommand('dotgen.restartServer', () => it.restart()),
     vscode.commands.registerCommand('dotgen.showSyntaxTree', () => tree.show()),
     vscode.commands.registerCommand('dotgen.expandMacro', () => macros.expand()),
@@ -71,6 +78,8 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
     // Settings of the folder may name another server now, and programs may be run.
     vscode.workspace.onDidGrantWorkspaceTrust(() => it.restart()),
   );
+  // Commands about the workspace are shown where there is something to show.
+  await vscode.commands.executeCommand('setContext', 'dotgen.active', true);
   await it.start();
 }
 

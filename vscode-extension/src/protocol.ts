@@ -12,7 +12,6 @@ export interface InitializationOptions {
   /** Notifications about verifications are wanted, and the command that shows one exists. */
   verificationStatus: boolean;
   /** The client executes `dotgen.toggleInlineDiagram`. */
-  inlineDiagrams: boolean;
   /** The client answers `dotgen/documentText`. */
   documentText: boolean;
 }
@@ -249,3 +248,31 @@ export const verification = new RequestType<
   VerificationAnswer | null,
   void
 >('dotgen/verification');
+
+/** An interface of the workspace that a new component can provide or use. */
+export interface InterfaceInfo {
+  name: string;
+  /** The file that declares it. */
+  uri: string;
+  /** Its ports as written. */
+  ports: string[];
+}
+
+/** A task of a new component; without period it is aperiodic. */
+export interface NewTask {
+  name: string;
+  period?: string;
+}
+
+interface NewComponentParams {
+  /** The folder of the component, which need not be there. */
+  folder: string;
+  name: string;
+  tasks: NewTask[];
+  provides: { name: string; uri: string }[];
+  uses: { name: string; uri: string }[];
+}
+
+export const interfaces = new RequestType<{ folder: string }, InterfaceInfo[], void>('dotgen/interfaces');
+/** The files of a new component, the specification first. Nothing is written. */
+export const newComponent = new RequestType<NewComponentParams, { files: { uri: string; text: string }[] }, void>('dotgen/newComponent');

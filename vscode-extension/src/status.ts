@@ -6,7 +6,7 @@ import { LANGUAGE, SCENARIO } from './protocol';
 export function statusItem(server: Server): vscode.Disposable {
   const item = vscode.window.createStatusBarItem('dotgen.status', vscode.StatusBarAlignment.Left);
   item.name = 'dotgen';
-  item.command = 'dotgen.showOutput';
+  item.command = 'dotgen.showMenu';
   const update = () => {
     const state = server.current;
     item.text = { stopped: '$(circle-slash)', starting: '$(loading~spin)', ready: '$(check)', busy: '$(sync~spin)', failed: '$(error)' }[state.kind] + ' dotgen';

@@ -8,6 +8,8 @@ import type { Target } from './panel';
 
 const TYPING_PAUSE_MS = 250;
 const HIGHEST = 420;
+/** Remembers that the question about the list of comments was asked. */
+const ASKED = 'inlineDiagrams.askedAboutComments';
 
 interface Zone {
   thread: vscode.CommentThread;
@@ -24,7 +26,10 @@ export class InlineDiagrams implements vscode.Disposable {
   private readonly subscriptions: vscode.Disposable;
   private timer: NodeJS.Timeout | undefined;
 
-  constructor(private readonly server: Server) {
+  constructor(
+    private readonly server: Server,
+    private readonly memory: vscode.Memento,
+  ) {
     this.subscriptions = vscode.Disposable.from(
       vscode.workspace.onDidChangeTextDocument(({ document }) => {
         if (document.languageId === LANGUAGE) {
@@ -66,12 +71,28 @@ export class InlineDiagrams implements vscode.Disposable {
       this.remove(known);
       return;
     }
+    await this.askAboutList();
     const thread = this.controller.createCommentThread(uri, at(answer.place), []);
     thread.canReply = false;
     thread.collapsibleState = vscode.CommentThreadCollapsibleState.Expanded;
     const zone = { thread, uri, component, owner };
     this.zones.push(zone);
     fill(zone, answer);
+  }
+
+  /** VS Code lists everything between the lines in its Comments view, and opens that. Whether it may is asked once. */
+  private async askAboutList(): Promise<void> {
+    const comments = vscode.workspace.getConfiguration('comments');
+    const set = comments.inspect<string>('openView');
+    if (this.memory.get(ASKED, false) || set?.globalValue !== undefined || set?.workspaceValue !== undefined) {
+      return;
+    }
+    await this.memory.update(ASKED, true);
+    const keep = 'Keep the List Closed';
+    const question = 'VS Code would open its list of comments beside a picture between the lines. Keep that list closed (`comments.openView`)?';
+    if ((await vscode.window.showInformationMessage(question, keep, 'Let It Open')) === keep) {
+      await comments.update('openView', 'never', vscode.ConfigurationTarget.Global);
+    }
   }
 
   private remove(zones: Zone[]): void {

@@ -62,20 +62,22 @@ export function checks(wb) {
     return problems.filter({ hasText: what });
   }
 
-  /** Ticks and applies the changes that the Refactor Preview shows. */
+  /** Applies what the Refactor Preview shows, as it opens: everything ticked, the sources named. */
   async function applyPreview(shot) {
     const apply = page.locator('.panel .monaco-button', { hasText: /^Apply$/ }).first();
     await apply.waitFor();
-    const boxes = page.locator('.panel .monaco-list-row[aria-level="1"] .edit-checkbox');
-    await boxes.first().waitFor();
-    // A file's box ticks the changes below it.
-    for (let i = 0; i < (await boxes.count()); i++) {
-      if ((await boxes.nth(i).getAttribute('aria-checked')) !== 'true') await boxes.nth(i).click();
-    }
+    const rows = page.locator('.panel .monaco-list-row[aria-level="1"]');
+    await rows.filter({ hasText: SOURCE }).first().waitFor();
+    await rows.filter({ hasText: 'tank.gen' }).first().waitFor();
+    const boxes = rows.locator('.edit-checkbox');
+    for (let i = 0; i < (await boxes.count()); i++) assert.equal(await boxes.nth(i).getAttribute('aria-checked'), 'true');
     await wb.shot(shot);
     await apply.click();
     await apply.waitFor({ state: 'hidden' });
   }
+
+  /** Nothing asks before a fix is made. */
+  const preview = page.locator('.panel .monaco-button', { hasText: /^Apply$/ });
 
   const more = [
     ['drift is shown in the specification', async () => {
@@ -91,13 +93,17 @@ export function checks(wb) {
       await wb.shot('codels-02-problems.png');
       await page.keyboard.press('Control+J');
     }],
-    ['the quick fix writes the stub, after showing it', async () => {
+    ['the quick fix writes the stub, and what is typed goes into its body', async () => {
       await into('tank.gen', 'codel<wait> tank_drain_wait', 'codel<wait> ');
       await quickFix('Write a stub of', 'codels-03-quick-fix.png');
-      assert.doesNotMatch(codels(), /tank_drain_wait\(/, 'nothing is written unseen');
-      await applyPreview('codels-04-preview.png');
+      await page.locator(`.tab.active[data-resource-name="${SOURCE}"]`).first().waitFor();
+      const sample = page.locator('.monaco-editor .view-line', { hasText: 'skeleton sample: insert your code' }).first();
+      await sample.waitFor();
+      await wb.shot('codels-04-stub.png');
+      assert.equal(await preview.count(), 0);
+      await wb.type('/* drains */');
       await saveAll();
-      await until('the stub is on disk', () => /tank_drain_wait\(double until, const tank_reading \*last,/.test(codels()));
+      await until('the stub is on disk', () => /tank_drain_wait\(double until, const tank_reading \*last,[^{]*\{\n  \/\* drains \*\/\n/.test(codels()));
       assert.match(codels(), /return tank_pause_wait;/);
     }],
     ['go to implementation opens it', async () => {
@@ -132,7 +138,6 @@ export function checks(wb) {
       await wb.open(SOURCE);
       await into(`codels/${SOURCE}`, 'tank_fill_stop(double *setpoint', '');
       await quickFix('Update the signature', 'codels-09-signature.png');
-      await applyPreview('codels-10-signature-preview.png');
       await saveAll();
       await until('the parameter has its type again', () => /tank_fill_stop\(double \*setpoint/.test(codels()));
     }],
@@ -146,6 +151,16 @@ export function checks(wb) {
       await saveAll();
       await until('the function has the new name', () => /\ntank_drain_watch\(/.test(codels()));
       assert.match(text('tank.gen'), /codel<wait> tank_drain_watch\(/);
+    }],
+    ['one undo takes it back on both sides', async () => {
+      await wb.line('tank_drain_watch').click();
+      await page.keyboard.press('Control+Z');
+      await page.locator('.monaco-dialog-box .monaco-button', { hasText: /Undo in 2 Files/ }).click();
+      await saveAll();
+      await until('both have the old name', () => /\ntank_drain_wait\(/.test(codels()) && /codel<wait> tank_drain_wait\(/.test(text('tank.gen')));
+      await page.keyboard.press('Control+Shift+Z');
+      await saveAll();
+      await until('both have the new name again', () => /\ntank_drain_watch\(/.test(codels()) && /codel<wait> tank_drain_watch\(/.test(text('tank.gen')));
     }],
     ['everything that differs is mended in one go', async () => {
       await into('tank.gen', 'codel tank_mix', 'codel ');

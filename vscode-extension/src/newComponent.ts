@@ -1,0 +1,110 @@
+// New Component…: asks for name, tasks and interfaces, and writes what the server makes of the answers.
+import * as vscode from 'vscode';
+import type { Server } from './client';
+import { notRunning } from './commands/server';
+import { interfaces, newComponent, type InterfaceInfo, type NewTask } from './protocol';
+
+/** `exec 10 ms`, `plan`: names with periods, between commas. */
+export function parseTasks(text: string): NewTask[] {
+  const words = text.split(',').map((it) => it.trim()).filter((it) => it !== '');
+  return words.map((it) => {
+    const [name = '', ...period] = it.split(/\s+/);
+    return period.length === 0 ? { name } : { name, period: period.join(' ') };
+  });
+}
+
+interface InterfaceItem extends vscode.QuickPickItem {
+  it: InterfaceInfo;
+  role: 'provides' | 'uses';
+}
+
+/** Asks which interfaces it provides or uses; `undefined` when the user gives up. */
+async function askInterfaces(known: InterfaceInfo[]): Promise<readonly InterfaceItem[] | undefined> {
+  if (known.length === 0) {
+    return [];
+  }
+  const items = known.flatMap((it): InterfaceItem[] =>
+    (['provides', 'uses'] as const).map((role) => ({
+      label: `${role} ${it.name}`,
+      description: it.ports.join(', '),
+      detail: vscode.workspace.asRelativePath(vscode.Uri.parse(it.uri)),
+      it,
+      role,
+    })),
+  );
+  return vscode.window.showQuickPick(items, {
+    title: 'New Component: ports (4/4)',
+    placeHolder: 'Check the interfaces whose ports it has; none is an answer too',
+    canPickMany: true,
+    matchOnDescription: true,
+  });
+}
+
+/** The folder in which the folder of the component goes. */
+async function askFolder(): Promise<vscode.Uri | undefined> {
+  const open = (vscode.workspace.workspaceFolders ?? []).filter((it) => it.uri.scheme === 'file');
+  const items = [
+    ...open.map((it) => ({ label: it.name, description: it.uri.fsPath, uri: it.uri as vscode.Uri | undefined })),
+    { label: '$(folder-opened) Another Folder…', description: '', uri: undefined },
+  ];
+  const picked = open.length === 1 ? items[0] : await vscode.window.showQuickPick(items, { title: 'New Component: folder (1/4)', placeHolder: 'Where its folder goes' });
+  if (picked === undefined || picked.uri !== undefined) {
+    return picked?.uri;
+  }
+  return (await vscode.window.showOpenDialog({ canSelectFolders: true, canSelectFiles: false, title: 'Where the folder of the component goes' }))?.[0];
+}
+
+export async function createComponent(server: Server): Promise<void> {
+  const client = server.running;
+  if (client === undefined) {
+    await notRunning(server);
+    return;
+  }
+  const parent = await askFolder();
+  if (parent === undefined) {
+    return;
+  }
+  const name = await vscode.window.showInputBox({
+    title: 'New Component: name (2/4)',
+    prompt: 'A name in C: letters, digits and `_`',
+    validateInput: (text) => (/^[A-Za-z_]\w*$/.test(text) ? undefined : 'A letter or `_`, then letters, digits and `_`'),
+  });
+  if (name === undefined) {
+    return;
+  }
+  const tasks = await vscode.window.showInputBox({
+    title: 'New Component: tasks (3/4)',
+    prompt: 'Tasks between commas, each with its period unless it has none',
+    value: 'exec 10 ms',
+  });
+  if (tasks === undefined) {
+    return;
+  }
+  const folder = vscode.Uri.joinPath(parent, name);
+  try {
+    const known = await client.sendRequest(interfaces, { folder: folder.toString() });
+    const ports = await askInterfaces(known);
+    if (ports === undefined) {
+      return;
+    }
+    const chosen = (role: string) => ports.filter((it) => it.role === role).map(({ it }) => ({ name: it.name, uri: it.uri }));
+    const made = await client.sendRequest(newComponent, {
+      folder: folder.toString(),
+      name,
+      tasks: parseTasks(tasks),
+      provides: chosen('provides'),
+      uses: chosen('uses'),
+    });
+    const edit = new vscode.WorkspaceEdit();
+    for (const { uri, text } of made.files) {
+      edit.createFile(vscode.Uri.parse(uri), { contents: Buffer.from(text, 'utf8'), overwrite: false });
+    }
+    if (!(await vscode.workspace.applyEdit(edit))) {
+      void vscode.window.showErrorMessage(`The component was not written: a file of it is in ${folder.fsPath} already. Choose another name, or remove that folder.`);
+      return;
+    }
+    await vscode.window.showTextDocument(vscode.Uri.parse(made.files[0]?.uri ?? ''));
+  } catch (error) {
+    void vscode.window.showErrorMessage(error instanceof Error ? error.message : String(error));
+  }
+}
