@@ -4,6 +4,7 @@
 //! [`crate::finding`]; here are the edits, made from the tree around its place.
 
 mod braces;
+mod create;
 mod includes;
 mod slips;
 

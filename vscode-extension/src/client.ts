@@ -8,12 +8,14 @@ import {
   LanguageClient,
   RevealOutputChannelOn,
   State,
+  vsdiag,
   type CloseHandlerResult,
   type LanguageClientOptions,
   type MessageSignature,
   type ServerOptions,
 } from 'vscode-languageclient/node';
-import { SECTION, serverSettings } from './config';
+import { SECTION, explicitSettings, serverSettingNames, serverSettings } from './config';
+import { previewed } from './manual';
 import { LANGUAGE, SCENARIO, TEMPLATE, documentText, verificationStatus, type InitializationOptions, type VerificationStatus } from './protocol';
 import { reviewed } from './review';
 import { locateServer, surroundings, type Located } from './server';
@@ -59,12 +61,24 @@ export class Server implements vscode.Disposable {
   private disposed = false;
 
   constructor(
-    private readonly extensionPath: string,
+    private readonly extension: vscode.Extension<unknown>,
     /** What the extension does. */
     private readonly log: vscode.LogOutputChannel,
     /** What the server writes, and the messages when they are traced. */
     readonly output: vscode.LogOutputChannel,
   ) {}
+
+  private get settingNames(): string[] {
+    return serverSettingNames(this.extension.packageJSON as Parameters<typeof serverSettingNames>[0]);
+  }
+
+  /** The code of a finding leads to its page of the manual, shown as Markdown is. */
+  private linked(it: vscode.Diagnostic): vscode.Diagnostic {
+    if (typeof it.code === 'object') {
+      it.code = { ...it.code, target: previewed(it.code.target, this.extension.extensionUri) };
+    }
+    return it;
+  }
 
   get current(): ServerState {
     return this.state;
@@ -116,7 +130,7 @@ export class Server implements vscode.Disposable {
     const settings = serverSettings();
     const root = vscode.workspace.workspaceFolders?.[0]?.uri;
     this.located = locateServer(
-      surroundings(settings.path, this.extensionPath, root?.scheme === 'file' ? root.fsPath : undefined),
+      surroundings(settings.path, this.extension.extensionPath, root?.scheme === 'file' ? root.fsPath : undefined),
     );
     if (!this.located.found) {
       this.fail(this.located.message);
@@ -192,6 +206,43 @@ export class Server implements vscode.Disposable {
         closed: () => this.ended(),
       },
       middleware: {
+        workspace: {
+          // Only what is set; the server knows its defaults, and what dotgen.toml says.
+          configuration: async (params, token, next) => {
+            const whole = await next(params, token);
+            if (!Array.isArray(whole)) {
+              return whole;
+            }
+            return whole.map((value, i) => {
+              const { section, scopeUri } = params.items[i] ?? {};
+              return section === SECTION ? explicitSettings(this.settingNames, scopeUri === undefined ? undefined : vscode.Uri.parse(scopeUri)) : value;
+            });
+          },
+        },
+        // What is known of a task stands behind its verdict.
+        provideCodeLenses: async (document, token, next) => {
+          const lenses = await next(document, token);
+          for (const { command } of lenses ?? []) {
+            const { tooltip } = (command?.arguments?.[0] ?? {}) as { tooltip?: string };
+            if (command !== undefined && tooltip !== undefined) {
+              command.tooltip = tooltip;
+            }
+          }
+          return lenses;
+        },
+        handleDiagnostics: (uri, diagnostics, next) => next(uri, diagnostics.map((it) => this.linked(it))),
+        provideDiagnostics: async (document, previous, token, next) => {
+          const report = await next(document, previous, token);
+          return report?.kind === vsdiag.DocumentDiagnosticReportKind.full ? { ...report, items: report.items.map((it) => this.linked(it)) } : report;
+        },
+        provideWorkspaceDiagnostics: (previous, token, reporter, next) =>
+          next(previous, token, (chunk) =>
+            reporter(
+              chunk && {
+                items: chunk.items.map((it) => (it.kind === vsdiag.DocumentDiagnosticReportKind.full ? { ...it, items: it.items.map((one) => this.linked(one)) } : it)),
+              },
+            ),
+          ),
         sendRequest: async <P, R>(
           type: string | MessageSignature,
           param: P | undefined,

@@ -1,7 +1,7 @@
 // The manual that the extension carries, shown as Markdown is.
 import * as vscode from 'vscode';
 
-const PAGES = ['README.md', 'features.md', 'diagnostics/README.md', 'verification.md', 'drift.md', 'configuration.md', 'diagrams.md', 'templates.md', 'formatting.md', 'releases.md', 'language.md'];
+const PAGES = ['features.md', 'diagnostics/README.md', 'verification.md', 'drift.md', 'configuration.md', 'diagrams.md', 'templates.md', 'formatting.md', 'releases.md', 'language.md'];
 
 /** The folder of the pages. */
 function folder(extension: vscode.Uri): vscode.Uri {

@@ -24,7 +24,7 @@ async function askInterfaces(known: InterfaceInfo[]): Promise<readonly Interface
     return [];
   }
   const items = known.flatMap((it): InterfaceItem[] =>
-    (['provides', 'uses'] as const).map((role) => ({
+    (['provides', 'uses'] as const).filter((role) => role === 'uses' || it.canBeProvided).map((role) => ({
       label: `${role} ${it.name}`,
       description: it.ports.join(', '),
       detail: vscode.workspace.asRelativePath(vscode.Uri.parse(it.uri)),

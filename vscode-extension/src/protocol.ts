@@ -256,6 +256,8 @@ export interface InterfaceInfo {
   uri: string;
   /** Its ports as written. */
   ports: string[];
+  /** It has ports alone. */
+  canBeProvided: boolean;
 }
 
 /** A task of a new component; without period it is aperiodic. */

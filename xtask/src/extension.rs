@@ -89,6 +89,7 @@ pub(crate) fn package(server: &Path) -> Result<PathBuf> {
     for it in ["LICENSE", crate::notices::FILE] {
         std::fs::copy(crate::root().join(it), directory.join(it))?;
     }
+    manual(&crate::root().join("docs"), &directory.join("docs"))?;
     run::capture(npm(&directory, &["run", "--silent", "bundle"]))?;
     let platform = platform();
     let vsix = crate::target().join(format!("dotgen-{platform}.vsix"));
@@ -98,6 +99,31 @@ pub(crate) fn package(server: &Path) -> Result<PathBuf> {
     ];
     run::capture(npm(&directory, &arguments))?;
     Ok(vsix)
+}
+
+/// Copies the pages of the manual, and the pictures that they show, to where the program looks for them.
+fn manual(from: &Path, to: &Path) -> Result<()> {
+    if to.exists() {
+        std::fs::remove_dir_all(to)?;
+    }
+    let wanted = |path: &Path| {
+        let kind = path.extension().and_then(|it| it.to_str());
+        matches!(kind, Some("md" | "svg" | "png"))
+    };
+    let mut folders = vec![from.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder)? {
+            let path = entry?.path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if wanted(&path) {
+                let copy = to.join(path.strip_prefix(from)?);
+                std::fs::create_dir_all(copy.parent().context("it is below a folder")?)?;
+                std::fs::copy(&path, &copy)?;
+            }
+        }
+    }
+    Ok(())
 }
 
 /// VS Code's name of this system.

@@ -149,6 +149,9 @@ impl Using {
             Using::StateTwice { .. } => {
                 here.remove_part().map(TextFix::plain).into_iter().collect()
             }
+            Using::UnknownMember { name } | Using::Unknown { name, .. } => {
+                here.declare_ids_member(name).into_iter().collect()
+            }
             Using::Undefined { state, .. } => here.declare_state(state),
             Using::UndeclaredThrow { exception, .. } => here.declare_throw(exception),
             Using::Unreachable { .. } => here.connect_or_remove_codel(),

@@ -126,6 +126,10 @@ impl Naming {
             Naming::ThrownTwice { .. } => {
                 here.remove_part().map(TextFix::plain).into_iter().collect()
             }
+            Naming::Unknown {
+                noun: Noun::Exception,
+                name,
+            } => here.declare_exception(name).into_iter().collect(),
             _ => Vec::new(),
         }
     }

@@ -140,6 +140,7 @@ impl Declaring {
         let fix = match self {
             Declaring::ListedTwice { .. } => here.remove_part().map(TextFix::plain),
             Declaring::ActivityWithoutTask { task, .. } => here.add_task(task),
+            Declaring::UnknownTask { name } => here.declare_task(name),
             Declaring::CodelWithoutState | Declaring::TaskCodelWithoutState { .. } => {
                 here.add_first_state()
             }

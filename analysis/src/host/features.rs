@@ -58,6 +58,11 @@ impl Analysis {
         self.list(path, ide::document_links::document_links)
     }
 
+    /// Includes that lead nowhere.
+    pub fn missing_includes(&self, path: &Utf8Path) -> Cancellable<Vec<MissingInclude>> {
+        self.list(path, ide::document_links::missing_includes)
+    }
+
     /// Coloured tokens of a file, or of the part that touches `range`.
     pub fn semantic_tokens(
         &self,

@@ -65,28 +65,46 @@ pub struct CompletionDoc {
     pub markdown: String,
 }
 
-/// A snippet without its placeholders, for clients that have none.
+/// A snippet without its placeholders, for clients that have none. A placeholder that stands in several places has the
+/// text of the first one in all of them.
 pub fn plain_snippet(snippet: &str) -> String {
     let mut out = String::with_capacity(snippet.len());
     let mut chars = snippet.chars().peekable();
-    let mut open = 0_usize;
+    let mut known: Vec<(String, String)> = Vec::new();
+    // Placeholders that have begun: number, and where the text begins.
+    let mut open: Vec<(String, usize)> = Vec::new();
     while let Some(it) = chars.next() {
         match it {
             '\\' => out.extend(chars.next()),
             '$' => {
                 let braced = chars.next_if_eq(&'{').is_some();
-                while chars.next_if(char::is_ascii_digit).is_some() {}
+                let mut number = String::new();
+                while let Some(digit) = chars.next_if(char::is_ascii_digit) {
+                    number.push(digit);
+                }
                 if braced && chars.next_if_eq(&'|').is_some() {
                     // A choice: its first.
                     let all: String = chars.by_ref().take_while(|it| *it != '|').collect();
-                    out.push_str(all.split(',').next().unwrap_or_default());
+                    let first = all.split(',').next().unwrap_or_default();
+                    out.push_str(first);
+                    known.push((number, first.to_owned()));
                     chars.next_if_eq(&'}');
-                } else if braced {
-                    chars.next_if_eq(&':');
-                    open += 1;
+                } else if braced && chars.next_if_eq(&':').is_some() {
+                    open.push((number, out.len()));
+                } else {
+                    if let Some((_, text)) = known.iter().find(|it| it.0 == number) {
+                        out.push_str(text);
+                    }
+                    if braced {
+                        chars.next_if_eq(&'}');
+                    }
                 }
             }
-            '}' if open > 0 => open -= 1,
+            '}' if !open.is_empty() => {
+                if let Some((number, start)) = open.pop() {
+                    known.push((number, out[start..].to_owned()));
+                }
+            }
             _ => out.push(it),
         }
     }

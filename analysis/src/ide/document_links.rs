@@ -1,5 +1,7 @@
 //! Links from include directives to the files they include.
 
+use std::ops::Range;
+
 use dotgen_syntax::{TextRange, TextSize};
 
 use super::{DocumentLink, FileView};
@@ -13,6 +15,32 @@ pub(crate) fn document_links(view: &FileView<'_>) -> Vec<DocumentLink> {
             Some(DocumentLink {
                 range: bytes(path_range(view.text(), include.range)),
                 target: target.path(view.db).clone(),
+            })
+        })
+        .collect()
+}
+
+/// An `#include` that leads nowhere, or that is not read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MissingInclude {
+    /// The path between its delimiters.
+    pub range: Range<usize>,
+    /// That path as written.
+    pub path: String,
+}
+
+/// The includes of a file that lead nowhere, by place.
+pub(crate) fn missing_includes(view: &FileView<'_>) -> Vec<MissingInclude> {
+    let includes = view.pre().includes.iter().enumerate();
+    includes
+        .filter(|(ordinal, _)| include_target(view, *ordinal).is_none())
+        .filter_map(|(_, include)| {
+            let delimited = path_range(view.text(), include.range);
+            let path = view.text().get(bytes(delimited))?.to_owned();
+            // The name of a macro is no path.
+            (delimited != include.range).then(|| MissingInclude {
+                range: bytes(delimited),
+                path,
             })
         })
         .collect()

@@ -433,3 +433,32 @@ fn what_was_meant_replaces_the_very_token_that_is_misspelt() {
         assert_eq!(first_fix(&broken, code), right, "{misspelt}");
     }
 }
+
+#[test]
+fn what_is_used_and_declared_nowhere_can_be_declared() {
+    for (code, source, expected) in [
+        // Behind the others of its kind.
+        (
+            "unknown-type",
+            "component c {\n  exception e_a;\n  exception e_b;\n\n  ids { long x; };\n\n  \
+             function f() { throw e_c; codel g(in x); };\n};\n",
+            "--- Declare the exception `e_c`\ncomponent c {\n  exception e_a;\n  exception e_b;\n  exception e_c;\n\n  \
+             ids { long x; };\n\n  function f() { throw e_c; codel g(in x); };\n};\n",
+        ),
+        // The first of its kind stands before what needs it.
+        (
+            "task-unknown",
+            "component c {\n  ids { long x; };\n\n  activity a() {\n    task t;\n    codel<start> f(out x) yield ether;\n  };\n};\n",
+            "--- Declare the task `t`\ncomponent c {\n  ids { long x; };\n\n  task t { };\n\n  activity a() {\n    \
+             task t;\n    codel<start> f(out x) yield ether;\n  };\n};\n",
+        ),
+        (
+            "param-member",
+            "component c {\n  ids {\n    long x;\n  };\n  function f() { codel g(ids in y); };\n};\n",
+            "--- Add `long y` to the ids\ncomponent c {\n  ids {\n    long x;\n    long y;\n  };\n  \
+             function f() { codel g(ids in y); };\n};\n",
+        ),
+    ] {
+        assert_eq!(fixed(source, code), expected);
+    }
+}

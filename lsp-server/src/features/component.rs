@@ -21,7 +21,7 @@ use crate::features::specification::rename::Refusable;
 use crate::protocol::convert::uri;
 use crate::protocol::types::Uri;
 use crate::verification::problem::EXTENSION;
-use crate::workspace::snapshot::Snapshot;
+use crate::workspace::snapshot::{Snapshot, Subject};
 
 /// What a component shall have, with interfaces by name and file.
 #[derive(Debug, Clone, Default)]
@@ -190,6 +190,7 @@ pub(crate) struct NewFiles {
 /// The interfaces of the workspace, by name.
 pub(crate) fn interfaces(
     snapshot: &Snapshot,
+    _: Option<&Subject>,
     _: &NewComponentParams,
 ) -> Cancellable<Vec<InterfaceInfo>> {
     let mut out: Vec<InterfaceInfo> = Vec::new();

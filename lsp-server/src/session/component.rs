@@ -10,7 +10,9 @@ impl Backend {
         &self,
         params: component::NewComponentParams,
     ) -> Result<Vec<component::InterfaceInfo>> {
-        self.dispatch.workspace(params, component::interfaces).await
+        self.dispatch
+            .everywhere(None, params, component::interfaces)
+            .await
     }
 
     /// `dotgen/newComponent`

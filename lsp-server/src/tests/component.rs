@@ -52,7 +52,9 @@ async fn a_component_comes_with_scenario_and_codels() {
         .iter()
         .map(|it| {
             let uri = it["uri"].as_str().expect("a URI");
-            uri.trim_start_matches(&folder.uri("")).to_owned()
+            uri.trim_start_matches(&folder.uri(""))
+                .trim_start_matches('/')
+                .to_owned()
         })
         .collect();
     assert_eq!(
@@ -83,4 +85,36 @@ async fn a_component_comes_with_scenario_and_codels() {
     let refused: Value = refused.expect_err("it is a word of the language");
     assert_eq!(refused["code"], -32803, "{refused}");
     client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_file_that_is_not_found_is_searched_where_it_is() {
+    let folder = Folder::new(&[
+        ("share/idl/or/pose.idl", "struct pose { double x; };\n"),
+        ("dotgen.toml", "# ours\nrelease = \"2.99.41\"\n"),
+    ]);
+    let edits = json!({ "documentChanges": true, "resourceOperations": ["create"] });
+    let capable = json!({
+        "textDocument": { "codeAction": { "codeActionLiteralSupport": { "codeActionKind": { "valueSet": [] } } } },
+        "workspace": { "workspaceEdit": edits },
+    });
+    let mut client = Client::start(folder.params(capable)).await;
+    let uri = folder.uri("arm.gen");
+    client.open(&uri, "#include \"or/pose.idl\"\n").await;
+    let mut params = super::client::document(&uri);
+    let at = json!({ "line": 0, "character": 12 });
+    params["range"] = json!({ "start": at, "end": at });
+    params["context"] = json!({ "diagnostics": [] });
+    let actions = client.ok("textDocument/codeAction", params).await;
+    let title = "Search `share/idl` for included files, in dotgen.toml";
+    let mut all = actions.as_array().expect("actions").iter();
+    let action = all.find(|it| it["title"] == title);
+    let change = &action.unwrap_or_else(|| panic!("{actions:#}"))["edit"]["documentChanges"][0];
+    assert_eq!(change["textDocument"]["uri"], folder.uri("dotgen.toml"));
+    assert_eq!(
+        change["edits"][0]["newText"],
+        "include-paths = [\"share/idl\"]\n"
+    );
+    client.ignore("textDocument/publishDiagnostics");
+    drop(client);
 }

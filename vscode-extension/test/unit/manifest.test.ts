@@ -8,7 +8,7 @@ import { test } from 'node:test';
 const root = process.cwd();
 const read = (path: string) => readFileSync(join(root, path), 'utf8');
 const manifest = JSON.parse(read('package.json'));
-const settings: Record<string, { default: unknown; scope?: string }> = manifest.contributes.configuration.properties;
+const settings: Record<string, { default: unknown; scope?: string; type?: string | string[] }> = manifest.contributes.configuration.properties;
 
 // Run by the server's lenses with arguments of theirs; nothing a person could call from the palette.
 const calledByServer = ['dotgen.showReferences'];
@@ -21,8 +21,8 @@ test('every contributed command is registered, and the reverse', () => {
 });
 
 test('every contributed file exists and is packaged', () => {
-  const { languages, grammars, snippets } = manifest.contributes;
-  const contributed: string[] = [...languages.flatMap((it: { configuration?: string }) => it.configuration ?? []), ...[...grammars, ...snippets].map((it: { path: string }) => it.path)];
+  const { languages, grammars } = manifest.contributes;
+  const contributed: string[] = [...languages.flatMap((it: { configuration?: string }) => it.configuration ?? []), ...grammars.map((it: { path: string }) => it.path)];
   const files = contributed.map((path) => path.replace('./', ''));
   const packaged = read('.vscodeignore');
   for (const file of files) {
@@ -41,15 +41,32 @@ test('settings that name programs are restricted in untrusted folders', () => {
   }
 });
 
-test('snippets have distinct prefixes and whole bodies', () => {
-  const snippets: Record<string, { prefix: string; description: string; body: string[] }> = JSON.parse(read('snippets/genom3.json'));
-  const prefixes = Object.values(snippets).map((snippet) => snippet.prefix);
-  assert.equal(new Set(prefixes).size, prefixes.length);
-  for (const [name, { body }] of Object.entries(snippets)) {
-    const text = body.join('\n').replace(/\\\$/g, '');
-    const opened = (text.match(/[{(]/g) ?? []).length;
-    const closed = (text.match(/[})]/g) ?? []).length;
-    assert.equal(opened, closed, name);
+test('nothing but the own languages has other defaults', () => {
+  const scopes = Object.keys(manifest.contributes.configurationDefaults);
+  assert.deepEqual(scopes.filter((it) => !/^\[genom3(-\w+)?\]$/.test(it)), []);
+});
+
+test('settings are checkboxes, lists and fields where they can be', () => {
+  // Tables of tables, and a number or a word: VS Code has no fields for these.
+  const others = ['dotgen.connections', 'dotgen.format.unit'];
+  for (const [name, { type }] of Object.entries(settings)) {
+    const kind = [type ?? []].flat().filter((it) => it !== 'null');
+    assert.ok(others.includes(name) || kind.length === 1, `${name}: ${type}`);
+    assert.ok(type === undefined || !kind.includes('boolean') || kind.length === [type].flat().length, `${name} is no checkbox`);
+  }
+});
+
+test('the walkthrough leads to commands and pictures that are there', () => {
+  const commands = manifest.contributes.commands.map((it: { command: string }) => it.command);
+  for (const { steps } of manifest.contributes.walkthroughs) {
+    for (const { description, media } of steps) {
+      for (const [, command = ''] of description.matchAll(/\(command:([\w.]+)/g)) {
+        assert.ok(!command.startsWith('dotgen.') || commands.includes(command), command);
+      }
+      // The manual is copied into the package.
+      const path: string = media.image ?? media.markdown;
+      assert.ok(existsSync(join(root, path.startsWith('docs/') ? '..' : '.', path)), path);
+    }
   }
 });
 

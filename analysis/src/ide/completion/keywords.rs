@@ -22,7 +22,7 @@ const IDL: &[Statement] = &[
 const SPECIFICATION: &[Statement] = &[
     (
         "component",
-        "component ${1:name} {\n\tversion \"${2:1.0}\";\n\tlang    \"${3|c,c++|}\";\n\n\t$0\n};",
+        "component ${1:name} {\n\tversion \"${2:1.0}\";\n\tlang \"${3|c,c++|}\";\n\n\t$0\n};",
     ),
     ("interface", "interface ${1:name} {\n\t$0\n};"),
     ("module", "module ${1:name} {\n\t$0\n};"),
@@ -39,7 +39,13 @@ const COMPONENT: &[Statement] = &[
     ("ids", "ids {\n\t$0\n};"),
     (
         "task",
-        "task ${1:main} {\n\tperiod ${2:10} ms;\n\n\tcodel<start> ${3:init}(${4:out ::ids})\n\t\tyield ${5:ether};$0\n};",
+        // Its machine begins, goes round and can be stopped, so that nothing is to be said of it.
+        "task ${1:main} {\n\tperiod ${2:10} ms;\n\n\tcodel<start> ${1}_start(${3:out ::ids})\n\t\tyield ${4:run};\n\t\
+         codel<${4}> ${1}_${4}($5)\n\t\tyield pause::${4}, stop;\n\tcodel<stop> ${1}_stop()\n\t\tyield ether;$0\n};",
+    ),
+    (
+        "task aperiodic",
+        "task ${1:main} {\n\tcodel<start> ${1}_start(${2:out ::ids})\n\t\tyield ether;$0\n};",
     ),
     ("attribute", "attribute ${1:name}(${2:in }$3);$0"),
     (
@@ -48,7 +54,7 @@ const COMPONENT: &[Statement] = &[
     ),
     (
         "activity",
-        "activity ${1:name}($2) {\n\tdoc  \"${3}\";\n\ttask ${4:main};\n\n\tcodel<start> ${5:name}($6)\n\t\tyield ${7:ether};$0\n};",
+        "activity ${1:name}($2) {\n\tdoc \"${3}\";\n\ttask ${4:main};\n\n\tcodel<start> ${5:name}($6)\n\t\tyield ${7:ether};$0\n};",
     ),
     ("doc", "doc \"$0\";"),
     ("version", "version \"${1:1.0}\";"),

@@ -106,7 +106,8 @@ fn clauses_are_filled_in() {
     takes(
         "component c {\n  ta$0\n};",
         "task",
-        "component c {\n  task main {\n\tperiod 10 ms;\n\n\tcodel<start> init(out ::ids)\n\t\tyield ether;\n};\n};",
+        "component c {\n  task main {\n\tperiod 10 ms;\n\n\tcodel<start> main_start(out ::ids)\n\t\tyield run;\n\t\
+         codel<run> main_run()\n\t\tyield pause::run, stop;\n\tcodel<stop> main_stop()\n\t\tyield ether;\n};\n};",
     );
     takes(
         "module m { str$0 };",
@@ -379,4 +380,8 @@ fn snippets_without_placeholders() {
     assert_eq!(plain_snippet("a ${1:b} $2 {\n$0}"), "a b  {\n}");
     assert_eq!(plain_snippet("\"${1|c,c++|}\";"), "\"c\";");
     assert_eq!(plain_snippet("${1:x} \\$ }"), "x $ }");
+    assert_eq!(
+        plain_snippet("task ${1:t} { ${1}_f $1 $2 }"),
+        "task t { t_f t  }"
+    );
 }

@@ -133,12 +133,14 @@ export function checks(wb) {
     }],
     ['a snippet writes a declaration', async () => {
       await wb.open('snippet.gen');
-      await wb.command('Snippets: Insert Snippet');
-      await page.locator('.quick-input-list .monaco-list-row', { hasText: 'task aperiodic' }).first().click();
-      await wb.type('plan');
+      await page.locator('.monaco-editor .view-lines').first().click();
+      await wb.type('comp');
+      await wb.press('Control+Space', page.locator('.suggest-widget .monaco-list-row', { hasText: 'component' }).first());
+      await page.keyboard.press('Enter');
+      await wb.type('arm');
       await page.keyboard.press('Escape');
       await wb.save();
-      assert.match(readFileSync(join(wb.folder, 'snippet.gen'), 'utf8'), /^task plan \{\n  codel<start> plan_start\(out ::ids\) yield ether;/);
+      assert.match(readFileSync(join(wb.folder, 'snippet.gen'), 'utf8'), /^component arm \{\n    version "1\.0";\n    lang "c";\n\n {4}\n?\};/);
       await page.keyboard.press('Control+W');
     }],
     ['a server that dies is started again', async () => {
