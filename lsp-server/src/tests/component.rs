@@ -80,7 +80,7 @@ async fn a_component_comes_with_scenario_and_codels() {
         .expect_err("it is there");
     let message = refused["message"].as_str().unwrap_or_default();
     assert!(message.contains("arm.gen is there already"), "{message}");
-    params["name"] = json!("task");
+    params["name"] = json!("struct");
     let refused = client.request("dotgen/newComponent", params).await;
     let refused: Value = refused.expect_err("it is a word of the language");
     assert_eq!(refused["code"], -32803, "{refused}");
