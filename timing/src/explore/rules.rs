@@ -117,6 +117,11 @@ pub enum Action {
         /// Who takes it.
         by: usize,
     },
+    /// Of threads that have become ready at the same moment, one counts as the next (servers, policy `priority`).
+    Ready {
+        /// The thread.
+        executor: usize,
+    },
     /// The control task has executed its codels: it replies, and looks at all activities (servers).
     Reply {
         /// Its component.

@@ -134,12 +134,10 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
         + (0..out.system.tasks.len())
             .filter(|&it| out.system.needs_core(it))
             .count();
-    if out
-        .system
-        .platform
-        .cores
-        .is_some_and(|cores| cores as usize >= needing)
-    {
+    // Tasks that are tied to the same core wait for each other, however many others there are.
+    let tied = out.system.tasks.iter().any(|it| it.affinity.is_some());
+    let cores = out.system.platform.cores.filter(|_| !tied);
+    if cores.is_some_and(|cores| cores as usize >= needing) {
         // With as many cores as tasks all policies are the same (section 9).
         out.system.platform.cores = None;
     }

@@ -15,7 +15,7 @@ use serde_json::{Value as Json, json};
 use crate::expected::answers;
 use crate::servers::CAP;
 use crate::servers::model::read;
-use crate::servers::random::{Texts, texts};
+use crate::servers::random::{Texts, texts, varied};
 use crate::{all_agree, first, systems};
 
 struct Nothing;
@@ -66,12 +66,12 @@ fn answer(it: &CheckReport) -> Json {
     }
 }
 
-fn compare(seed: u64) -> Option<Result<(), String>> {
+fn compare(name: &str, texts: &Texts) -> Option<Result<(), String>> {
     let Texts {
         specifications,
         scenario,
-    } = texts(&mut systems::Dice::new(seed));
-    let shown = || format!("seed {seed}\n{}\n{scenario}", specifications.join("\n"));
+    } = texts;
+    let shown = || format!("{name}\n{}\n{scenario}", specifications.join("\n"));
     let host = AnalysisHost::new(Arc::new(Nothing));
     let units: Result<Vec<UnitResult>, String> =
         specifications.iter().map(|it| load(&host, it)).collect();
@@ -81,7 +81,7 @@ fn compare(seed: u64) -> Option<Result<(), String>> {
         Err(_) => return None,
     };
     let specs: Vec<_> = units.iter().map(|it| &*it.spec).collect();
-    let parsed = parse(&scenario);
+    let parsed = parse(scenario);
     if !parsed.errors.is_empty() {
         return Some(Err(format!("{:?}: {}", parsed.errors, shown())));
     }
@@ -138,5 +138,107 @@ fn cases() -> u64 {
 
 #[test]
 fn the_verifier_agrees_with_the_interpreter_of_the_servers() {
-    all_agree(first(), cases(), 2, compare);
+    all_agree(first(), cases(), 2, |seed| {
+        compare(
+            &format!("seed {seed}"),
+            &texts(&mut systems::Dice::new(seed)),
+        )
+    });
+}
+
+#[test]
+fn the_verifier_agrees_with_the_interpreter_of_the_servers_on_every_point() {
+    all_agree(first(), cases(), 3, |seed| {
+        let texts = varied(&mut systems::Dice::new(seed));
+        compare(&format!("seed {seed}"), &texts)
+    });
+}
+
+fn agree_on(specification: &str, scenario: &str) {
+    let texts = Texts {
+        specifications: vec![specification.to_owned()],
+        scenario: format!("scenario s {{ semantics servers; unit 1 ms; {scenario} }}"),
+    };
+    match compare("one system", &texts) {
+        Some(Ok(())) => {}
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Nothing is inserted into a queue when a task has nothing to execute: a request may be handled before its wake-up is
+/// consumed, and so be served in the same cycle.
+#[test]
+fn a_request_may_come_before_a_wake_up_is_consumed() {
+    agree_on(
+        "component c {
+           version \"1\"; lang \"c\";
+           task t0 { period 8 ms; codel<start> a() yield x wcet 1 ms; codel<x> b() yield pause::x wcet 1 ms; };
+           task t1 { period 3 ms; };
+           activity s() { task t1; codel<start> d() yield pause::start wcet 2 ms; };
+         };",
+        "cores 1; policy fifo; durations fixed;
+         client k { delay 5 ms; send c.s; }
+         check schedulable *; check response *;
+         check r: within c.s.waiting => c.s.run;",
+    );
+}
+
+/// The slot of a permanent activity that has ended is free when the control task has handled its end.
+#[test]
+fn a_request_may_come_before_the_end_of_the_permanent_activity_is_handled() {
+    agree_on(
+        "component c {
+           version \"1\"; lang \"c\";
+           task t { period 6 ms; };
+           activity s() { task t; codel<start> a() yield ether wcet 1 ms; };
+         };",
+        "cores free; durations fixed; slots c.t 1;
+         client k { send c.s; await ended; delay [7, 10] ms; send c.s; }
+         check schedulable *; check response *;
+         check w: within not c.s.run => c.s.run;",
+    );
+}
+
+/// Ticks that come while a task that is ready has no core are deadlines missed, although its cycle has not begun.
+#[test]
+fn a_tick_while_a_task_waits_for_its_first_core_is_a_miss() {
+    agree_on(
+        "component c {
+           version \"1\"; lang \"c\";
+           task hi { period 20 ms; priority 1; codel<start> a() yield pause::start wcet 12 ms; };
+           task lo { period 5 ms; delay 1 ms; priority 9; codel<start> b() yield pause::start wcet 1 ms; };
+         };",
+        "cores 1; policy priority; durations fixed;
+         check schedulable *; check no-overdue *; check response *;",
+    );
+}
+
+/// Tasks that are tied to one core share it, however many there are.
+#[test]
+fn tasks_tied_to_one_core_wait_for_each_other_whatever_the_number_of_cores() {
+    agree_on(
+        "component c {
+           version \"1\"; lang \"c\";
+           task hi { period 20 ms; priority 1; codel<start> a() yield pause::start wcet 12 ms; };
+           task lo { period 5 ms; priority 9; codel<start> b() yield pause::start wcet 1 ms; };
+         };",
+        "cores 4; policy priority; durations fixed; affinity c.hi 1; affinity c.lo 1;
+         check schedulable *; check no-overdue *; check response *;",
+    );
+}
+
+/// A component whose permanent activity throws in its first pass takes no requests, also not after later ticks.
+#[test]
+fn a_component_does_not_start_when_a_permanent_activity_throws_in_its_first_pass() {
+    agree_on(
+        "component c {
+           version \"1\"; lang \"c\"; exception bad;
+           task t { period 6 ms; throw bad; codel<start> a() yield ether wcet 1 ms; };
+           activity s() { task t; codel<start> d() yield ether wcet 2 ms; };
+         };",
+        "cores free; durations fixed;
+         client k { delay 9 ms; send c.s; }
+         check schedulable *; check response *;
+         check w: within c.t.start.exec => c.s.run;",
+    );
 }

@@ -4,6 +4,7 @@
 //! the verifier: it reads specifications and scenarios by itself.
 
 mod control;
+mod cores;
 pub(crate) mod model;
 mod perform;
 mod possible;
@@ -15,6 +16,8 @@ use std::collections::HashSet;
 
 pub(crate) use self::predicates::{Predicate, predicate};
 pub(crate) use self::state::CAP;
+
+use dotgen_timing::scn::semantics::TickRule;
 
 use self::model::System;
 use self::state::{Phase, State};
@@ -58,16 +61,25 @@ impl<'s> Interpreter<'s> {
         let tasks = system.components.iter().enumerate();
         let tasks = tasks.flat_map(|(c, it)| (0..it.tasks.len()).map(move |t| (c, t)));
         let needing = tasks.filter(|&(c, t)| system.needs_core(c, t)).count();
+        // Cores that are given and taken away are never "enough": with a task tied to one of them others do not help.
+        let limits = |cores: &usize| system.preempts() || *cores < needing;
         Interpreter {
             system,
             within,
             reach,
-            cores: system.cores.filter(|&cores| cores < needing),
+            cores: system.cores.filter(limits),
         }
     }
 
     fn needs_core(&self, c: usize, t: usize) -> bool {
         self.cores.is_some() && self.system.needs_core(c, t)
+    }
+
+    /// Whether a task waits for a core before its cycles. With a timer of its own it needs none for the first.
+    fn asks_for_core(&self, s: &State, c: usize, t: usize) -> bool {
+        let first = s.components[c].tasks[t].first != state::First::Over;
+        let start_up = first && self.system.semantics.ticks == TickRule::Task;
+        self.needs_core(c, t) && !self.preempts() && !start_up
     }
 
     fn blank(&self) -> Results {
@@ -90,11 +102,15 @@ impl<'s> Interpreter<'s> {
     fn inspect(&self, s: &State, out: &mut Results) {
         for (c, component) in s.components.iter().enumerate() {
             for (t, task) in component.tasks.iter().enumerate() {
-                let (Some(job), true) = (task.job, task.first.is_over()) else {
+                // An idle task with a tick has begun its job, and waits where it has no core.
+                let idle = task.phase == Phase::Idle;
+                let waiting = task.flag.filter(|_| idle);
+                let (Some(job), true) = (task.job.or(waiting), task.first.is_over()) else {
                     continue;
                 };
                 let period = self.system.components[c].tasks[t].period;
-                let waits = task.phase == Phase::WaitingForCore;
+                let no_core = idle && !self.may_get_core(s, c, state::Who::Task(t));
+                let waits = task.phase == Phase::WaitingForCore || no_core;
                 out.overdue[c][t] |= waits && period.is_some_and(|it| job.measured >= it);
                 out.took(c, t, job.measured);
             }
@@ -121,6 +137,11 @@ impl<'s> Interpreter<'s> {
     pub(crate) fn explore(&self, limit: usize) -> Option<Results> {
         let mut out = self.blank();
         let mut initial = State::initial(self.system, self.within.len());
+        for (c, it) in self.system.components.iter().enumerate() {
+            if !it.tasks.is_empty() {
+                self.start(&mut initial, c, 0);
+            }
+        }
         self.watch(None, &mut initial);
         self.reach(None, &initial, &mut out);
         let mut seen: HashSet<State> = HashSet::new();

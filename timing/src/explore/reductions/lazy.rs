@@ -261,6 +261,7 @@ impl Lazy {
                     // Steps of other rules.
                     Action::Begin { .. }
                     | Action::Preempt { .. }
+                    | Action::Ready { .. }
                     | Action::Ticket { .. }
                     | Action::Wake { .. }
                     | Action::Reply { .. } => false,

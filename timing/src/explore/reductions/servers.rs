@@ -244,6 +244,7 @@ impl Reductions<Servers<'_>> for OfServers {
                     Action::Finish { executor, .. }
                     | Action::Acquire { executor }
                     | Action::Ticket { executor }
+                    | Action::Ready { executor }
                     | Action::Preempt { executor, .. } => self.lazy[executor],
                     Action::Signal { component } | Action::Reply { component } => {
                         self.lazy[system_executor(rules, component)]

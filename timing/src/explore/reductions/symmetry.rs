@@ -412,6 +412,9 @@ impl Renaming {
                 executor: self.executor(executor),
                 by: self.executor(by),
             },
+            Action::Ready { executor } => Action::Ready {
+                executor: self.executor(executor),
+            },
             Action::Begin { task } => Action::Begin {
                 task: self.tasks[task],
             },

@@ -170,6 +170,7 @@ impl Rules for Published<'_> {
             // Steps of other rules.
             Action::Begin { .. }
             | Action::Preempt { .. }
+            | Action::Ready { .. }
             | Action::Ticket { .. }
             | Action::Wake { .. }
             | Action::Reply { .. } => None,

@@ -223,6 +223,7 @@ impl Rules for Servers<'_> {
         match l.thread_of(s, task) {
             thread::WAITING => TaskStatus::Waiting,
             thread::AGAIN..=thread::EXECUTING => TaskStatus::Running,
+            _ if self.waits_to_begin(s, task) => TaskStatus::Waiting,
             // A job begins with its tick.
             thread::IDLE if l.has(s, task, flag::TICK) => TaskStatus::Running,
             _ => TaskStatus::Idle,
@@ -231,9 +232,9 @@ impl Rules for Servers<'_> {
 
     fn missed(&self, s: &State, task: usize) -> bool {
         let l = &self.layout;
+        let in_cycle = self.in_cycle(s, task) && l.has(s, task, flag::TICK);
         self.is_periodic(task)
-            && self.in_cycle(s, task)
-            && l.has(s, task, flag::TICK)
+            && (in_cycle || l.has(s, task, flag::LATE))
             && !l.has(s, task, flag::FIRST)
     }
 
@@ -255,6 +256,7 @@ impl Rules for Servers<'_> {
             | Action::Wake { task } => Some(task),
             Action::Ticket { executor }
             | Action::Acquire { executor }
+            | Action::Ready { executor }
             | Action::Finish { executor, .. } => of_executor(executor),
             Action::Preempt { by, .. } => of_executor(by),
             Action::Signal { .. }

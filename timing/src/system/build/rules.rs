@@ -101,7 +101,17 @@ impl Builder<'_> {
     }
 
     pub(super) fn tie_to_cores(&mut self) {
+        let preempts = matches!(self.settings.policy(), Policy::Priority | Policy::Fair);
         for (path, core) in &self.settings.affinity {
+            if self.settings.cores.is_some() && !preempts {
+                let message = format!(
+                    "policy {} gives a task any core that is free; write `policy priority;` or `policy fair;` to tie `{}` to one",
+                    self.settings.policy().name(),
+                    path.text()
+                );
+                self.report(Diagnostic::error("scn-affinity", path.range(), message));
+                continue;
+            }
             let error = match self.names.resolve(path) {
                 Ok(Target::Task(c, t)) => {
                     self.affinity.insert((c, t), *core);

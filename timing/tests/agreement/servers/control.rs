@@ -114,13 +114,11 @@ impl Interpreter<'_> {
         for t in 0..s.components[c].tasks.len() {
             for slot in 0..s.components[c].tasks[t].slots.len() {
                 let place = &mut s.components[c].tasks[t].slots[slot];
-                let (Some(service), Some(Status::Ended(succeeded))) = (
-                    place.as_ref().and_then(|it| it.service),
-                    place.as_ref().map(|it| it.status),
-                ) else {
+                let Some(Status::Ended(succeeded)) = place.as_ref().map(|it| it.status) else {
                     continue;
                 };
-                *place = None;
+                let service = place.take().and_then(|it| it.service);
+                let Some(service) = service else { continue };
                 s.components[c].succeeded[service] |= succeeded;
                 for client in &mut s.clients {
                     for it in &mut client.tracked {

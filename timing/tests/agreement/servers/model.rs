@@ -5,6 +5,7 @@
 use dotgen_analysis::model::mutex::{self, Excluded};
 use dotgen_analysis::model::{self, CodelKind, CodelRef, Owner, Seconds, ServiceKind, ServiceList};
 use dotgen_timing::scn::ast::{self, Durations, Item, Policy, Scenario, StepKind, Unit};
+use dotgen_timing::scn::semantics::{Points, PortRule, Preset, Semantics};
 use num_rational::Ratio;
 
 /// Everything there is.
@@ -16,6 +17,7 @@ pub(crate) struct System {
     pub(crate) aperiodic_core: bool,
     /// `before` and `after` count.
     pub(crate) order: bool,
+    pub(crate) semantics: Semantics,
 }
 
 pub(crate) struct Component {
@@ -30,6 +32,9 @@ pub(crate) struct Task {
     pub(crate) period: Option<u32>,
     pub(crate) delay: u32,
     pub(crate) slots: usize,
+    pub(crate) priority: Option<u32>,
+    /// The core it is tied to.
+    pub(crate) affinity: Option<u32>,
     /// The permanent activity; without states, it starts and ends at once.
     pub(crate) machine: Machine,
 }
@@ -84,6 +89,8 @@ pub(crate) struct Codel {
     pub(crate) executed: Executed,
     /// What it waits for.
     pub(crate) waits_for: Vec<Executed>,
+    /// Outputs that it uses, by component and name, where they lock anything.
+    pub(crate) ports: Vec<(String, String)>,
 }
 
 pub(crate) struct Client {
@@ -128,8 +135,11 @@ fn in_millis(count: u64, unit: Unit) -> u32 {
 pub(crate) fn read(specs: &[&model::Spec], scenario: &Scenario) -> System {
     let mut reader = Reader {
         fixed: false,
-        exceptions: true,
+        exceptions: Vec::new(),
+        connect: Vec::new(),
+        all: specs,
     };
+    let mut points = Points::default();
     let mut out = System {
         components: Vec::new(),
         clients: Vec::new(),
@@ -137,6 +147,7 @@ pub(crate) fn read(specs: &[&model::Spec], scenario: &Scenario) -> System {
         policy: Policy::Fifo,
         aperiodic_core: true,
         order: true,
+        semantics: Semantics::SERVERS,
     };
     for item in &scenario.items {
         match item {
@@ -144,25 +155,32 @@ pub(crate) fn read(specs: &[&model::Spec], scenario: &Scenario) -> System {
             Item::Policy(policy) => out.policy = *policy,
             Item::Durations(it) => reader.fixed = *it == Durations::Fixed,
             Item::AperiodicCore(it) => out.aperiodic_core = *it,
+            Item::Order(it) => out.order = *it,
+            Item::Exceptions(on, path) => reader.exceptions.push((*on, path.as_ref().map(text))),
+            Item::Connect(from, to) => {
+                reader.connect.push((text(from), to.as_ref().map(text)));
+            }
+            Item::Ticks(it) => points.ticks = Some(*it),
+            Item::Turns(it) => points.turns = Some(*it),
+            Item::Locks(it) => points.locks = Some(*it),
+            Item::Ports(it) => points.ports = Some(*it),
+            Item::Pause(it) => points.pause = Some(*it),
             _ => {}
         }
     }
+    out.semantics = points.over(Preset::Servers);
     for spec in specs {
         for it in &spec.components {
             if it.kind == model::ComponentKind::Component {
-                out.components.push(reader.component(spec, it));
+                let semantics = out.semantics;
+                out.components.push(reader.component(spec, it, semantics));
             }
         }
     }
     for item in &scenario.items {
         match item {
-            Item::Slots(path, count) => {
-                let names: Vec<&str> = path.names.iter().map(|it| it.value.as_str()).collect();
-                let c = out.component(names[0]);
-                let mut tasks = out.components[c].tasks.iter_mut();
-                let task = tasks.find(|it| it.name == names[1]).expect("a task");
-                task.slots = *count as usize;
-            }
+            Item::Slots(path, count) => out.task(path).slots = *count as usize,
+            Item::Affinity(path, core) => out.task(path).affinity = Some(*core),
             Item::Client(it) => {
                 let client = client(&out, it);
                 out.clients.push(client);
@@ -179,25 +197,82 @@ impl System {
         all.position(|it| it.name == name).expect("a component")
     }
 
+    fn task(&mut self, path: &ast::Path) -> &mut Task {
+        let c = self.component(&path.names[0].value);
+        let mut tasks = self.components[c].tasks.iter_mut();
+        let task = tasks.find(|it| it.name == path.names[1].value);
+        task.expect("a task")
+    }
+
     pub(crate) fn needs_core(&self, c: usize, t: usize) -> bool {
         let periodic = self.components[c].tasks[t].period.is_some();
         self.cores.is_some() && (periodic || self.aperiodic_core)
     }
 }
 
-struct Reader {
+fn text(path: &ast::Path) -> String {
+    path.text()
+}
+
+struct Reader<'s> {
     fixed: bool,
-    exceptions: bool,
+    /// Whether exceptions count, of everything or of a component, task or service; the last word holds.
+    exceptions: Vec<(bool, Option<String>)>,
+    /// Inputs, each with an output or none.
+    connect: Vec<(String, Option<String>)>,
+    all: &'s [&'s model::Spec],
 }
 
 /// As many as PocoLibs servers have.
 const SLOTS: usize = 16;
 
-impl Reader {
-    fn component(&mut self, spec: &model::Spec, it: &model::Component) -> Component {
+impl Reader<'_> {
+    /// Whether exceptions of a task or service count.
+    fn may_throw(&self, component: &str, owner: &str) -> bool {
+        let path = format!("{component}.{owner}");
+        let about = |it: &&(bool, Option<String>)| match &it.1 {
+            None => true,
+            Some(it) => *it == path || it == component,
+        };
+        self.exceptions.iter().rfind(about).is_none_or(|it| it.0)
+    }
+
+    /// The outputs that are used with a port of a component.
+    fn outputs(&self, component: &model::Component, port: &model::Port) -> Vec<(String, String)> {
+        let name = component.name.to_string();
+        if port.dir == model::PortDir::Out {
+            return vec![(name, port.name.to_string())];
+        }
+        let input = format!("{name}.{}", port.name);
+        let mut stated = self.connect.iter().filter(|it| it.0 == input).peekable();
+        if stated.peek().is_some() {
+            let outputs = stated.filter_map(|it| it.1.as_ref()?.split_once('.'));
+            return outputs
+                .map(|it| (it.0.to_owned(), it.1.to_owned()))
+                .collect();
+        }
+        // An output of the same name.
+        let others = self.all.iter().flat_map(|it| &it.components);
+        let others = others.filter(|it| it.name != component.name);
+        let mut found = others.filter_map(|it| {
+            let mut ports = it.ports.iter();
+            ports.find(|it| it.dir == model::PortDir::Out && it.name == port.name)?;
+            Some((it.name.to_string(), port.name.to_string()))
+        });
+        found.next().into_iter().collect()
+    }
+
+    fn component(
+        &self,
+        spec: &model::Spec,
+        it: &model::Component,
+        semantics: Semantics,
+    ) -> Component {
         let mut codels = Vec::new();
-        let throws =
-            |more: &[model::TypeId]| self.exceptions && (!it.throws.is_empty() || !more.is_empty());
+        let throws = |owner: &str, more: &[&[model::TypeId]]| {
+            let declares = !it.throws.is_empty() || more.iter().any(|it| !it.is_empty());
+            declares && self.may_throw(&it.name, owner)
+        };
         let mut codel = |at: CodelRef| {
             let codel = it.codel(at);
             let upper = codel.wcet.as_ref().map_or(0, |it| millis(it.value));
@@ -215,6 +290,14 @@ impl Reader {
                         Excluded::Codel(other) => executed(other),
                         Excluded::Service(s) => (None, copy_of(it, s)),
                     })
+                    .collect(),
+                ports: (codel.params.iter())
+                    .filter_map(|param| match param.source {
+                        model::ParamSource::Port(p) => Some(&it.ports[p as usize]),
+                        _ => None,
+                    })
+                    .flat_map(|port| self.outputs(it, port))
+                    .filter(|_| semantics.ports == PortRule::Lock)
                     .collect(),
             });
             codels.len() - 1
@@ -254,7 +337,10 @@ impl Reader {
             period: task.period.as_ref().map(|it| millis(it.value)),
             delay: task.delay.as_ref().map_or(0, |it| millis(it.value)),
             slots: SLOTS,
-            machine: machine(Owner::Task(t), false),
+            priority: (task.priority.as_ref())
+                .and_then(|it| u32::try_from(it.value.to_integer()).ok()),
+            affinity: None,
+            machine: machine(Owner::Task(t), throws(&task.name, &[&task.throws])),
         });
         let tasks: Vec<Task> = tasks.collect();
         let mut machines: Vec<Option<(usize, Machine)>> = (0..)
@@ -263,7 +349,10 @@ impl Reader {
                 let task = service
                     .task
                     .filter(|_| service.kind == ServiceKind::Activity)?;
-                let throws = throws(&service.throws) || throws(&it.tasks[task as usize].throws);
+                let throws = throws(
+                    &service.name,
+                    &[&service.throws, &it.tasks[task as usize].throws],
+                );
                 Some((task as usize, machine(Owner::Service(s), throws)))
             })
             .collect();
@@ -292,7 +381,7 @@ impl Reader {
                 control.push(ControlCodel {
                     name: Some(found.name.to_string()),
                     codel: codel(CodelRef { owner, index }),
-                    can_fail: throws(&service.throws),
+                    can_fail: throws(&service.name, &[&service.throws]),
                 });
             }
             let all = it.services.len();
@@ -323,6 +412,7 @@ impl Reader {
                     upper: 0,
                     executed: (None, copy_of(it, s)),
                     waits_for: others.collect(),
+                    ports: Vec::new(),
                 });
             }
         }

@@ -1,6 +1,7 @@
 //! What steps do: clients, cores, passes, tickets, and how time passes.
 
 use dotgen_timing::scn::ast::Policy;
+use dotgen_timing::scn::semantics::{PauseRule, TickRule, TurnRule};
 
 use super::model::{Action, Outcome};
 use super::possible::Step;
@@ -17,14 +18,13 @@ impl Interpreter<'_> {
             Step::Request(k, next) => self.request(&mut s, k, next, out),
             Step::Tick(c, t) => {
                 let period = self.system.components[c].tasks[t].period;
+                let has_core = self.has_core(before, c, Who::Task(t));
                 let task = &mut s.components[c].tasks[t];
                 task.timer = period;
-                let at_work = task.phase != Phase::Idle && task.first == First::Over;
-                out.missed[c][t] |= at_work;
-                task.flag.get_or_insert(Since {
-                    tick: 0,
-                    measured: 0,
-                });
+                // Without a core an idle task cannot serve the tick that it has.
+                let at_work = task.phase != Phase::Idle || (task.flag.is_some() && !has_core);
+                out.missed[c][t] |= at_work && task.first == First::Over;
+                task.flag.get_or_insert(Since::default());
             }
             Step::Ask(c, t) => {
                 self.take_flag(&mut s, c, t);
@@ -52,12 +52,22 @@ impl Interpreter<'_> {
                 }
                 self.begin(&mut s, c, t, out);
             }
+            Step::Swap(on, off) => {
+                s.on.retain(|it| *it != off);
+                s.on.push(on);
+                s.on.sort_unstable();
+            }
+            Step::Give(who) => {
+                s.on.push(who);
+                s.on.sort_unstable();
+            }
+            Step::Queue(who) => s.ready.push(who),
             Step::Ticket(c, who) => {
                 s.components[c].tickets.push(who);
                 s.set_doing(c, who, Doing::Queued);
             }
             Step::Leave(c, who) => {
-                s.components[c].tickets.remove(0);
+                s.components[c].tickets.retain(|it| *it != who);
                 s.set_doing(c, who, Doing::Executing(0));
             }
             Step::End(c, t, outcome) => self.end(&mut s, c, t, outcome, out),
@@ -69,6 +79,7 @@ impl Interpreter<'_> {
             Step::Rest(c) => self.rest(&mut s, c),
             Step::Report(c) => self.report(&mut s, c),
         }
+        self.no_more_ready(&mut s);
         self.watch(Some(before), &mut s);
         s
     }
@@ -155,8 +166,12 @@ impl Interpreter<'_> {
                 return;
             }
             *at += 1;
-            task.event = true;
-            task.ended |= end_instance(&mut task.slots[slot], false);
+            (task.event, task.ended) = (true, true);
+            // The default `start` and `stop` of a permanent activity do nothing; an activity without `stop` is interrupted.
+            let permanent = task.slots[slot]
+                .as_ref()
+                .is_some_and(|it| it.service.is_none());
+            end_instance(&mut task.slots[slot], permanent);
         }
     }
 
@@ -171,7 +186,20 @@ impl Interpreter<'_> {
         match (outcome, &mut task.slots[slot]) {
             (Outcome::Next(to), Some(it)) => it.at = to,
             (Outcome::Pause(to), Some(it)) => (it.at, it.paused) = (to, true),
-            (outcome, it) => task.ended |= end_instance(it, outcome == Outcome::End),
+            (outcome, it) => {
+                let permanent = it.as_ref().is_some_and(|it| it.service.is_none());
+                task.failed |= permanent && outcome == Outcome::Throw;
+                task.ended = true;
+                end_instance(it, outcome == Outcome::End);
+            }
+        }
+        if self.system.semantics.turns == TurnRule::Pause && matches!(outcome, Outcome::Next(_)) {
+            // Its turn lasts until it pauses or ends.
+            if let Phase::Pass(_, at, doing) = &mut task.phase {
+                *at -= 1;
+                *doing = Doing::Nothing;
+            }
+            return;
         }
         self.turn(s, c, t, out);
     }
@@ -182,21 +210,36 @@ impl Interpreter<'_> {
         let others = (0..model.tasks.len()).any(|it| it != t && model.tasks[it].period.is_none());
         let task = &mut component.tasks[t];
         let event = std::mem::take(&mut task.event);
-        task.runnable |= event && model.tasks[t].period.is_none();
+        let paused = task.slots.iter().flatten().any(|it| it.paused);
+        let goes_on = paused && self.system.semantics.pause == PauseRule::Turns;
+        task.runnable |= (event || goes_on) && model.tasks[t].period.is_none();
+        let failed = task.failed;
         task.wake = event && others;
         component.signal |= std::mem::take(&mut task.ended);
         task.phase = Phase::Between;
         let mut running = task.slots.iter().flatten();
         let continues =
             running.any(|it| matches!(it.status, Status::Run | Status::Stop) && !it.paused);
-        // Whoever has its first pass behind it lets the next one begin.
-        match component.tasks.get_mut(t + 1) {
-            Some(next) if next.first == First::NotStarted => next.first = First::Started,
+        // Whoever has its first pass behind it lets the next one begin; not if its permanent activity has failed in it.
+        match component.tasks.get(t + 1) {
+            _ if failed => {}
+            Some(next) if next.first == First::NotStarted => self.start(s, c, t + 1),
             None if component.control == Control::Starting => component.control = Control::Ready,
             _ => {}
         }
         if !continues {
             self.end_cycle(s, c, t, out);
+        }
+    }
+
+    /// A task is started. With a timer of its own it begins at once.
+    pub(super) fn start(&self, s: &mut State, c: usize, t: usize) {
+        let model = &self.system.components[c].tasks[t];
+        let task = &mut s.components[c].tasks[t];
+        task.first = First::Started;
+        if let (TickRule::Task, Some(period)) = (self.system.semantics.ticks, model.period) {
+            task.timer = Some(period + model.delay);
+            task.flag = Some(Since::default());
         }
     }
 
@@ -223,7 +266,8 @@ impl Interpreter<'_> {
         };
         for c in 0..n.components.len() {
             for who in s.everybody(c) {
-                if let Some(Doing::Executing(elapsed)) = n.doing(c, who) {
+                let on_core = self.has_core(s, c, who);
+                if let (Some(Doing::Executing(elapsed)), true) = (n.doing(c, who), on_core) {
                     n.set_doing(c, who, Doing::Executing(elapsed + 1));
                 }
             }
@@ -269,19 +313,11 @@ impl Interpreter<'_> {
     }
 }
 
-/// An automaton ends; whether that is to be reported.
-fn end_instance(slot: &mut Option<Instance>, succeeded: bool) -> bool {
-    match slot {
-        Some(it) if it.service.is_some() => {
-            it.status = Status::Ended(succeeded);
-            (it.at, it.paused, it.mark) = (0, false, false);
-            true
-        }
-        // The place of a permanent activity is free once it has ended.
-        _ => {
-            *slot = None;
-            false
-        }
+/// An automaton ends; the control task frees its slot, also that of a permanent activity.
+fn end_instance(slot: &mut Option<Instance>, succeeded: bool) {
+    if let Some(it) = slot {
+        it.status = Status::Ended(succeeded);
+        (it.at, it.paused, it.mark) = (0, false, false);
     }
 }
 

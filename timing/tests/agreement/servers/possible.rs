@@ -1,6 +1,7 @@
 //! What may happen now.
 
 use dotgen_timing::scn::ast::Policy;
+use dotgen_timing::scn::semantics::LockRule;
 
 use super::Interpreter;
 use super::model::{Action, Outcome};
@@ -17,6 +18,11 @@ pub(super) enum Step {
     /// A task asks for a core, or finds nothing to do.
     Ask(usize, usize),
     Grant(usize, usize),
+    /// Under preemption, a thread that has become ready is listed.
+    Queue((usize, Who)),
+    /// A ready thread takes a free core, or that of another one.
+    Give((usize, Who)),
+    Swap((usize, Who), (usize, Who)),
     /// Beginning of a pass.
     Begin(usize, usize),
     Ticket(usize, Who),
@@ -48,11 +54,15 @@ impl Interpreter<'_> {
         // On cores: insertions into the queue, then decisions, then everything else.
         out.extend(
             tasks()
-                .filter(|&(c, t)| self.needs_core(c, t) && self.wants(s, c, t))
+                .filter(|&(c, t)| self.asks_for_core(s, c, t) && self.wants(s, c, t))
+                .filter(|&(c, t)| self.could_run(s, c, t))
                 .map(|(c, t)| Step::Ask(c, t)),
         );
         if out.is_empty() {
-            self.grants(s, &mut out);
+            match self.preempts() {
+                true => self.gives(s, &mut out),
+                false => self.grants(s, &mut out),
+            }
         }
         if !out.is_empty() {
             return (out, true);
@@ -65,9 +75,14 @@ impl Interpreter<'_> {
             }
             if it.wake {
                 out.push(Step::Wake(c, t));
-            } else if it.phase == Phase::Between || (!self.needs_core(c, t) && self.wants(s, c, t))
+            } else if it.phase == Phase::Between
+                || (!self.asks_for_core(s, c, t) && self.wants(s, c, t))
             {
                 out.push(Step::Begin(c, t));
+            } else if self.wants(s, c, t) && !self.could_run(s, c, t) {
+                // Consuming a wake-up inserts nothing into the queue: it is a step like any other, and a request may be
+                // handled before it.
+                out.push(Step::Ask(c, t));
             }
         }
         for (c, it) in s.components.iter().enumerate() {
@@ -81,11 +96,9 @@ impl Interpreter<'_> {
                     out.push(Step::Ticket(c, who));
                 }
             }
-            let head = it.tickets.first();
-            out.extend(
-                head.filter(|&&who| self.may_leave(s, c, who))
-                    .map(|&who| Step::Leave(c, who)),
-            );
+            let waiting = it.tickets.iter();
+            let leaving = waiting.filter(|&&who| self.may_leave(s, c, who));
+            out.extend(leaving.map(|&who| Step::Leave(c, who)));
         }
         for (k, it) in s.clients.iter().enumerate() {
             let client = &self.system.clients[k];
@@ -98,6 +111,12 @@ impl Interpreter<'_> {
                 out.extend(next.into_iter().map(|next| Step::Request(k, next)));
             }
         }
+        if self.preempts() {
+            out.retain(|&it| {
+                self.thread(s, it)
+                    .is_none_or(|(c, who)| self.has_core(s, c, who))
+            });
+        }
         urgent |= !out.is_empty();
         for (c, it) in self.system.components.iter().enumerate() {
             for who in s.everybody(c) {
@@ -107,7 +126,8 @@ impl Interpreter<'_> {
                 let codel = s.codel(self.system, c, who).expect("it executes one");
                 let codel = &it.codels[codel];
                 urgent |= elapsed == codel.upper;
-                if elapsed >= codel.lower {
+                // What has come to its end ends, whoever takes its core at that moment.
+                if elapsed >= codel.lower && (self.has_core(s, c, who) || elapsed == codel.upper) {
                     self.ends(s, c, who, &mut out);
                 }
             }
@@ -122,7 +142,16 @@ impl Interpreter<'_> {
                 }
             }
         }
+        self.swaps(s, &mut out);
         (out, urgent)
+    }
+
+    /// The component that a client asks.
+    pub(super) fn asked(&self, s: &State, k: usize) -> Option<usize> {
+        match self.system.clients[k].nodes[s.clients[k].at?].action {
+            Action::Send(c, _) => Some(c),
+            _ => None,
+        }
     }
 
     fn clients(&self, s: &State, out: &mut Vec<Step>) {
@@ -152,7 +181,7 @@ impl Interpreter<'_> {
     }
 
     /// Whether an idle task has something to begin a cycle for.
-    fn wants(&self, s: &State, c: usize, t: usize) -> bool {
+    pub(super) fn wants(&self, s: &State, c: usize, t: usize) -> bool {
         let it = &s.components[c].tasks[t];
         let woken = match self.system.components[c].tasks[t].period {
             Some(_) => it.flag.is_some(),
@@ -177,7 +206,7 @@ impl Interpreter<'_> {
         for (c, it) in s.components.iter().enumerate() {
             for (t, task) in it.tasks.iter().enumerate() {
                 let on_core = !matches!(task.phase, Phase::Idle | Phase::WaitingForCore);
-                busy += usize::from(on_core && self.needs_core(c, t));
+                busy += usize::from(on_core && self.asks_for_core(s, c, t));
             }
         }
         if busy >= cores || s.queue.is_empty() {
@@ -197,20 +226,37 @@ impl Interpreter<'_> {
             Policy::Any => out.extend(s.queue.iter().map(grant)),
             // The first of equals.
             Policy::Edf => out.extend(s.queue.iter().min_by_key(|it| deadline(it)).map(grant)),
-            // Preemption is not among what is interpreted here.
-            Policy::Priority | Policy::Fair => {}
+            Policy::Priority | Policy::Fair => unreachable!("cores are not granted for a cycle"),
         }
     }
 
-    fn may_leave(&self, s: &State, c: usize, who: Who) -> bool {
-        let codels = &self.system.components[c].codels;
-        let codel = |who: Who| s.codel(self.system, c, who).map(|it| &codels[it]);
-        let Some(own) = codel(who) else { return false };
-        let mut others = s.everybody(c).filter(|&it| it != who);
-        others.all(|other| {
-            let executing = matches!(s.doing(c, other), Some(Doing::Executing(_)));
-            let executed = codel(other).map(|it| &it.executed);
-            !executing || executed.is_none_or(|it| !own.waits_for.contains(it))
+    /// Whether somebody who has a ticket may execute its codel now.
+    pub(super) fn may_leave(&self, s: &State, c: usize, who: Who) -> bool {
+        let codel = |c: usize, who: Who| {
+            let at = s.codel(self.system, c, who);
+            at.map(|it| &self.system.components[c].codels[it])
+        };
+        let Some(own) = codel(c, who) else {
+            return false;
+        };
+        let waits_for = |d: usize, it: Who| {
+            codel(d, it).is_some_and(|it| match d == c {
+                true => own.waits_for.contains(&it.executed),
+                // Across components only ports exclude, where they do.
+                false => own.ports.iter().any(|port| it.ports.contains(port)),
+            })
+        };
+        let mut ahead = s.components[c].tickets.iter().take_while(|it| **it != who);
+        let turn = match self.system.semantics.locks {
+            LockRule::Queue => ahead.next().is_none(),
+            LockRule::Fifo => !ahead.any(|&it| waits_for(c, it)),
+            LockRule::Free => true,
+        };
+        let others = (0..s.components.len()).flat_map(|d| s.everybody(d).map(move |it| (d, it)));
+        let mut others = others.filter(|it| *it != (c, who));
+        turn && others.all(|(d, other)| {
+            let executing = matches!(s.doing(d, other), Some(Doing::Executing(_)));
+            !executing || !waits_for(d, other)
         })
     }
 

@@ -18,11 +18,27 @@ struct Known {
     activities: Vec<String>,
     tasks: Vec<String>,
     services: Vec<String>,
+    /// Everything is drawn: ports, priorities, and every point of the semantics; see [`varied`].
+    varied: bool,
+    /// Ports that codels of the present component may name.
+    ports: &'static [&'static str],
 }
 
 /// A system of one or two components with one to three tasks each and all that the semantics of the servers has rules for.
 pub(crate) fn texts(dice: &mut Dice) -> Texts {
-    let mut known = Known::default();
+    draw(dice, Known::default())
+}
+
+/// The same with single points of the semantics, cores that are taken away, ports, and permanent activities that throw.
+pub(crate) fn varied(dice: &mut Dice) -> Texts {
+    let varied = Known {
+        varied: true,
+        ..Known::default()
+    };
+    draw(dice, varied)
+}
+
+fn draw(dice: &mut Dice, mut known: Known) -> Texts {
     let count = if dice.in_ten(3) { 2 } else { 1 };
     let specifications = (0..count).map(|c| component(dice, c, count, &mut known));
     let specifications = specifications.collect();
@@ -38,6 +54,23 @@ fn component(dice: &mut Dice, c: usize, of: usize, known: &mut Known) -> String 
     let mut out = format!(
         "component {name} {{\n version \"1\"; lang \"c\";\n ids {{ long f0; long f1; }};\n exception bad;\n"
     );
+    if known.varied && dice.in_ten(5) {
+        out.insert_str(0, "struct dt { long v; };\n");
+        let (text, params): (_, &[&str]) = match c {
+            0 => (
+                " port out dt p; port in dt q;\n",
+                &["out p", "out p", "in q"],
+            ),
+            _ => (
+                " port in dt p; port out dt q;\n",
+                &["in p", "in p", "out q"],
+            ),
+        };
+        out.push_str(text);
+        known.ports = params;
+    } else {
+        known.ports = &[];
+    }
     let tasks = 1 + dice.below(if of == 1 { 3 } else { 2 });
     let mut periodic = Vec::new();
     for t in 0..tasks {
@@ -49,6 +82,12 @@ fn component(dice: &mut Dice, c: usize, of: usize, known: &mut Known) -> String 
             if dice.in_ten(3) {
                 let _ = writeln!(out, "  delay {} ms;", 1 + dice.below(3));
             }
+        }
+        if known.varied && dice.in_ten(4) {
+            let _ = writeln!(out, "  priority {};", dice.below(3));
+        }
+        if known.varied && dice.in_ten(1) {
+            out.push_str("  throw bad;\n");
         }
         known.tasks.push(format!("{name}.t{t}"));
         if dice.in_ten(6) {
@@ -70,7 +109,7 @@ fn component(dice: &mut Dice, c: usize, of: usize, known: &mut Known) -> String 
             let _ = writeln!(out, "  task t{};", dice.below(tasks));
         }
         if dice.in_ten(2) {
-            let (params, wcet) = (params_of(dice), time(dice));
+            let (params, wcet) = (params_of(dice, known), time(dice));
             let _ = writeln!(out, "  validate v{s}({params}) wcet {wcet} ms;");
         }
         if kind == "activity" {
@@ -79,7 +118,7 @@ fn component(dice: &mut Dice, c: usize, of: usize, known: &mut Known) -> String 
             known.activities.push(path.clone());
         } else if kind == "function" {
             for i in 0..dice.below(3) {
-                let (params, wcet) = (params_of(dice), time(dice));
+                let (params, wcet) = (params_of(dice, known), time(dice));
                 let _ = writeln!(out, "  codel g{s}_{i}({params}) wcet {wcet} ms;");
             }
         }
@@ -110,7 +149,10 @@ fn component(dice: &mut Dice, c: usize, of: usize, known: &mut Known) -> String 
     )
 }
 
-fn params_of(dice: &mut Dice) -> &'static str {
+fn params_of(dice: &mut Dice, known: &Known) -> &'static str {
+    if !known.ports.is_empty() && dice.in_ten(4) {
+        return dice.pick(known.ports);
+    }
     dice.pick(&["", "", "in f0", "inout f0", "inout f0", "in f1", "inout f1"])
 }
 
@@ -145,7 +187,7 @@ fn machine(
                 yields.push(to);
             }
         }
-        let (params, wcet) = (params_of(dice), time(dice));
+        let (params, wcet) = (params_of(dice, known), time(dice));
         let yields = yields.join(", ");
         let _ = writeln!(
             out,
@@ -154,7 +196,7 @@ fn machine(
         known.states.push(format!("{path}.{state}"));
     }
     if stops {
-        let (params, wcet) = (params_of(dice), time(dice));
+        let (params, wcet) = (params_of(dice, known), time(dice));
         let to = match dice.in_ten(2) {
             true => format!("pause::{}", dice.pick(states)),
             false => "ether".to_owned(),
@@ -170,7 +212,10 @@ fn machine(
 fn scenario(dice: &mut Dice, known: &Known) -> String {
     let mut out = "scenario s {\n semantics servers;\n unit 1 ms;\n".to_owned();
     let cores = dice.pick(&["free", "free", "free", "1", "1", "2"]);
-    let policy = dice.pick(&["fifo", "fifo", "edf", "any"]);
+    let policy = match known.varied {
+        false => dice.pick(&["fifo", "fifo", "edf", "any"]),
+        true => dice.pick(&["fifo", "edf", "any", "priority", "priority", "fair"]),
+    };
     let durations = dice.pick(&["fixed", "fixed", "fixed", "interval"]);
     let _ = writeln!(
         out,
@@ -178,6 +223,9 @@ fn scenario(dice: &mut Dice, known: &Known) -> String {
     );
     if dice.in_ten(2) {
         out.push_str(" aperiodic free;\n");
+    }
+    if known.varied {
+        points(dice, known, (cores, policy), &mut out);
     }
     if dice.in_ten(1) {
         let _ = writeln!(out, " slots {} {};", known.tasks[0], 1 + dice.below(3));
@@ -219,6 +267,31 @@ fn scenario(dice: &mut Dice, known: &Known) -> String {
     }
     out.push_str("}\n");
     out
+}
+
+/// Single points of the semantics.
+fn points(dice: &mut Dice, known: &Known, (cores, policy): (&str, &str), out: &mut String) {
+    let lines = [
+        ("ticks", &["component", "task"][..]),
+        ("turns", &["codel", "pause"]),
+        ("locks", &["queue", "free", "fifo"]),
+        ("ports", &["copy", "lock"]),
+        ("pause", &["events", "turns"]),
+        ("exceptions", &["on", "off"]),
+        ("order", &["on", "off"]),
+    ];
+    for (word, rules) in lines {
+        if dice.in_ten(3) {
+            let _ = writeln!(out, " {word} {};", dice.pick(rules));
+        }
+    }
+    if let (Ok(cores), "priority" | "fair") = (cores.parse::<u32>(), policy) {
+        for task in &known.tasks {
+            if dice.in_ten(3) {
+                let _ = writeln!(out, " affinity {task} {};", 1 + dice.below(cores));
+            }
+        }
+    }
 }
 
 fn predicate(dice: &mut Dice, known: &Known) -> String {

@@ -1,5 +1,7 @@
 //! A state, and how it begins.
 
+use dotgen_timing::scn::semantics::TickRule;
+
 use super::model::{Action, System};
 
 /// Ages beyond this are taken for unbounded.
@@ -59,7 +61,7 @@ pub(super) enum First {
 }
 
 /// A tick that was not served yet, or the one a job serves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub(super) struct Since {
     /// Since the tick.
     pub(super) tick: u32,
@@ -81,6 +83,8 @@ pub(super) struct Task {
     /// What happened in this pass: a transition without pause or an end; an activity that ended.
     pub(super) event: bool,
     pub(super) ended: bool,
+    /// The permanent activity has thrown an exception in its first pass.
+    pub(super) failed: bool,
     /// The other tasks have to be woken.
     pub(super) wake: bool,
 }
@@ -111,7 +115,7 @@ pub(super) enum Handled {
 }
 
 /// Who takes tickets.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum Who {
     Task(usize),
     Control,
@@ -153,6 +157,10 @@ pub(crate) struct State {
     pub(super) clients: Vec<Client>,
     /// Tasks that wait for a core, in order.
     pub(super) queue: Vec<(usize, usize)>,
+    /// Under preemption with priorities, threads in the order in which they became ready.
+    pub(super) ready: Vec<(usize, Who)>,
+    /// Under preemption without, threads that have a core.
+    pub(super) on: Vec<(usize, Who)>,
     /// Age of the open obligation of each observer.
     pub(super) obligations: Vec<Option<u32>>,
 }
@@ -161,7 +169,10 @@ impl State {
     pub(super) fn initial(system: &System, observers: usize) -> State {
         let component = |it: &super::model::Component| {
             let task = |it: &super::model::Task| Task {
-                timer: it.period.map(|period| match it.delay {
+                timer: (it
+                    .period
+                    .filter(|_| system.semantics.ticks == TickRule::Component))
+                .map(|period| match it.delay {
                     0 => period,
                     delay => delay,
                 }),
@@ -183,12 +194,10 @@ impl State {
                     .collect(),
                 event: false,
                 ended: false,
+                failed: false,
                 wake: false,
             };
-            let mut tasks: Vec<Task> = it.tasks.iter().map(task).collect();
-            if let Some(first) = tasks.first_mut() {
-                first.first = First::Started;
-            }
+            let tasks: Vec<Task> = it.tasks.iter().map(task).collect();
             Component {
                 control: match tasks.is_empty() {
                     true => Control::Ready,
@@ -211,6 +220,8 @@ impl State {
                 })
                 .collect(),
             queue: Vec::new(),
+            ready: Vec::new(),
+            on: Vec::new(),
             obligations: vec![None; observers],
         }
     }

@@ -44,6 +44,7 @@ impl Published<'_> {
             // Never enabled: steps of other rules.
             Action::Begin { .. }
             | Action::Preempt { .. }
+            | Action::Ready { .. }
             | Action::Ticket { .. }
             | Action::Wake { .. }
             | Action::Reply { .. } => {}

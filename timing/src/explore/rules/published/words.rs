@@ -147,6 +147,7 @@ impl Published<'_> {
             // Steps of other rules.
             Action::Begin { .. }
             | Action::Preempt { .. }
+            | Action::Ready { .. }
             | Action::Ticket { .. }
             | Action::Wake { .. }
             | Action::Reply { .. } => {}

@@ -105,6 +105,16 @@ impl Servers<'_> {
         out
     }
 
+    /// Whether a task has a tick to serve, but no core to begin its cycle on. (Under the other policies tasks ask for a core
+    /// as they clear their flag.)
+    pub(super) fn waits_to_begin(&self, s: &State, task: usize) -> bool {
+        let l = &self.layout;
+        self.preempts()
+            && l.thread_of(s, task) == thread::IDLE
+            && l.has(s, task, flag::TICK)
+            && self.running(s) >> task & 1 == 0
+    }
+
     /// The first of a list that fit on the cores.
     fn chosen(&self, order: &[usize]) -> Vec<usize> {
         let cores = self.system.platform.cores.unwrap_or(u32::MAX) as usize;
@@ -126,18 +136,43 @@ impl Servers<'_> {
             return;
         }
         let l = &self.layout;
+        let mut new: Vec<usize> = Vec::new();
         for executor in 0..l.tasks + l.components {
             if !self.uses_core(executor) {
                 continue;
             }
             let listed = l.core_queue(s).contains(&(executor as u16));
             match (listed, self.is_ready(s, executor)) {
-                (false, true) => l.core_queue_push(s, executor, false),
+                (false, true) => new.push(executor),
                 (true, false) => l.core_queue_remove(s, executor),
                 _ => {}
             }
         }
+        for &executor in &new {
+            if !self.has_rival(&new, executor) {
+                l.core_queue_push(s, executor, false);
+            }
+        }
         self.normalize(s);
+    }
+
+    /// Whether the order in which some threads have become ready at the same moment matters for one of them.
+    fn has_rival(&self, new: &[usize], executor: usize) -> bool {
+        let own = self.priorities[executor];
+        let mut others = new.iter().filter(|&&it| it != executor);
+        self.system.platform.policy == Policy::Priority
+            && others.any(|&it| self.priorities[it] == own)
+    }
+
+    /// Threads that have become ready at the same moment, of which any may be the next.
+    pub(super) fn becomes_ready(&self, s: &State, out: &mut Enabled) {
+        let l = &self.layout;
+        for executor in 0..l.tasks + l.components {
+            let listed = || l.core_queue(s).contains(&(executor as u16));
+            if self.uses_core(executor) && self.is_ready(s, executor) && !listed() {
+                out.actions.push(Action::Ready { executor });
+            }
+        }
     }
 
     /// Puts the list in an order that depends on nothing that does not matter.

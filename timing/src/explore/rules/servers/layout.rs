@@ -40,10 +40,10 @@ pub(super) mod flag {
     pub(in super::super) const ENDED: u16 = 32;
     /// In this pass there was an event.
     pub(in super::super) const EVENT: u16 = 64;
-    /// In this pass the permanent activity has failed.
-    pub(in super::super) const FAILED: u16 = 128;
+    /// A tick has come while another one waited for a core: its deadline is missed, although no cycle has begun.
+    pub(in super::super) const LATE: u16 = 128;
     /// What a pass leaves behind.
-    pub(in super::super) const OF_PASS: u16 = GOES_ON | ENDED | EVENT | FAILED;
+    pub(in super::super) const OF_PASS: u16 = GOES_ON | ENDED | EVENT;
 }
 
 /// Status of an activity, and its flags.

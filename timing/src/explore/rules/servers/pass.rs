@@ -90,9 +90,6 @@ impl Servers<'_> {
         let success = if success { slot::SUCCESS } else { 0 };
         l.set_mode(s, it, slot::ETHER | permanent | success);
         l.raise(s, task, flag::ENDED | flag::EVENT);
-        if permanent != 0 && success == 0 {
-            l.raise(s, task, flag::FAILED);
-        }
     }
 
     /// A codel has ended: its automaton moves on, and the pass with it.
@@ -156,7 +153,10 @@ impl Servers<'_> {
         let tasks = &self.system.components[component].tasks;
         let first = l.mode(s, l.slots(task).start);
         let begun = first & slot::STATUS != slot::INIT || first & slot::PERMANENT == 0;
-        if tasks.get(starting) == Some(&task) && begun && pass & flag::FAILED == 0 {
+        // Nobody handles the end of a permanent activity that fails in its first pass: its component never starts.
+        let ended = slot::ETHER | slot::PERMANENT;
+        let failed = first & (slot::STATUS | slot::PERMANENT | slot::SUCCESS) == ended;
+        if tasks.get(starting) == Some(&task) && begun && !failed {
             self.start_next(s, component);
         }
     }

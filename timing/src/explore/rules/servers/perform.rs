@@ -49,6 +49,7 @@ impl Servers<'_> {
                     }
                 }
             }
+            Action::Ready { executor } => l.core_queue_push(s, executor, false),
             Action::Preempt { executor, by } => self.preempt(s, executor, by),
             Action::Signal { component } => self.look_at_all(s, component),
             Action::Request { client, next } => self.request(s, client, next),
@@ -60,6 +61,9 @@ impl Servers<'_> {
     fn tick(&self, s: &mut State, task: usize) {
         let l = &self.layout;
         l.set_timer(s, task, self.system.tasks[task].period.unwrap_or(0));
+        if self.waits_to_begin(s, task) && !l.has(s, task, flag::FIRST) {
+            l.raise(s, task, flag::LATE);
+        }
         l.raise(s, task, flag::TICK);
     }
 
@@ -67,7 +71,7 @@ impl Servers<'_> {
     fn take_flag(&self, s: &mut State, task: usize) {
         let l = &self.layout;
         if self.is_periodic(task) {
-            l.lower(s, task, flag::TICK);
+            l.lower(s, task, flag::TICK | flag::LATE);
         }
         if let Some(base) = l.ages {
             // The tick that was kept is the one of this cycle.

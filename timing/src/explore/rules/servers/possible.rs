@@ -32,6 +32,12 @@ impl Servers<'_> {
                 return;
             }
         }
+        if preempts {
+            self.becomes_ready(s, out);
+            if !out.actions.is_empty() {
+                return;
+            }
+        }
         out.committed = false;
         out.urgent = false;
         self.ordinary(s, out);

@@ -22,6 +22,7 @@ impl Servers<'_> {
             }
             Action::Ticket { executor }
             | Action::Acquire { executor }
+            | Action::Ready { executor }
             | Action::Finish { executor, .. } => self.component_of(executor),
             _ => Some(self.system.tasks[self.task_of(action)?].component),
         }

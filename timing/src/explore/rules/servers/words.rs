@@ -183,6 +183,7 @@ impl Servers<'_> {
             Action::Proceed { .. }
             | Action::Acquire { .. }
             | Action::Ticket { .. }
+            | Action::Ready { .. }
             | Action::Wake { .. } => {}
         }
     }

@@ -1,0 +1,179 @@
+//! Cores that are given and taken away (section 22): who is ready, and who of them has a core.
+
+use dotgen_timing::scn::ast::Policy;
+
+use super::Interpreter;
+use super::model::System;
+use super::possible::Step;
+use super::state::{Control, Doing, Phase, State, Who};
+
+/// A task without a priority, where others have one.
+const UNSTATED: u32 = 255;
+
+impl System {
+    pub(crate) fn preempts(&self) -> bool {
+        self.cores.is_some() && matches!(self.policy, Policy::Priority | Policy::Fair)
+    }
+
+    /// The lower one goes first: `priority`, or where no task has any, the period.
+    fn priority(&self, c: usize, who: Who) -> u64 {
+        let mut all = self.components.iter().flat_map(|it| &it.tasks);
+        let stated = all.any(|it| it.priority.is_some());
+        let of = |t: usize| {
+            let it = &self.components[c].tasks[t];
+            match stated {
+                true => u64::from(it.priority.unwrap_or(UNSTATED)),
+                false => it.period.map_or(u64::MAX, u64::from),
+            }
+        };
+        match who {
+            Who::Task(t) => of(t),
+            Who::Control => (0..self.components[c].tasks.len())
+                .map(of)
+                .min()
+                .unwrap_or(0),
+        }
+    }
+}
+
+impl Interpreter<'_> {
+    pub(super) fn preempts(&self) -> bool {
+        self.cores.is_some() && self.system.preempts()
+    }
+
+    /// Threads that are ready: they can do something once they have a core.
+    fn all_ready(&self, s: &State) -> Vec<(usize, Who)> {
+        let all = (0..s.components.len()).flat_map(|c| s.everybody(c).map(move |it| (c, it)));
+        all.filter(|&(c, who)| self.is_ready(s, c, who)).collect()
+    }
+
+    fn is_ready(&self, s: &State, c: usize, who: Who) -> bool {
+        if who.task().is_some_and(|t| !self.needs_core(c, t)) {
+            return false;
+        }
+        match s.doing(c, who) {
+            Some(Doing::Queued) => return self.may_leave(s, c, who),
+            Some(_) => return true,
+            None => {}
+        }
+        match who {
+            Who::Task(t) => {
+                let it = &s.components[c].tasks[t];
+                it.wake || it.phase == Phase::Between || self.wants(s, c, t)
+            }
+            Who::Control => match s.components[c].control {
+                Control::Ready => s.components[c].signal || self.is_asked(s, c),
+                Control::Rest(..) => true,
+                _ => false,
+            },
+        }
+    }
+
+    fn is_asked(&self, s: &State, c: usize) -> bool {
+        let mut all = s.clients.iter().enumerate();
+        all.any(|(k, it)| self.asked(s, k) == Some(c) && !it.outstanding)
+    }
+
+    /// The first of some threads that fit on the cores, each tied task alone on its core.
+    fn fit(&self, order: &[(usize, Who)]) -> Vec<(usize, Who)> {
+        let tied = |&(c, who): &(usize, Who)| {
+            let t = who.task()?;
+            self.system.components[c].tasks[t].affinity
+        };
+        let mut out: Vec<(usize, Who)> = Vec::new();
+        for it in order {
+            let free = out
+                .iter()
+                .all(|other| tied(other).is_none() || tied(other) != tied(it));
+            if free && out.len() < self.cores.unwrap_or(usize::MAX) {
+                out.push(*it);
+            }
+        }
+        out
+    }
+
+    /// Whether somebody has a core, or needs none.
+    pub(super) fn has_core(&self, s: &State, c: usize, who: Who) -> bool {
+        if !self.preempts() || who.task().is_some_and(|t| !self.needs_core(c, t)) {
+            return true;
+        }
+        match self.system.policy {
+            Policy::Fair => s.on.contains(&(c, who)),
+            _ => {
+                let mut order = s.ready.clone();
+                order.sort_by_key(|&(c, who)| self.system.priority(c, who));
+                self.fit(&order).contains(&(c, who))
+            }
+        }
+    }
+
+    /// Whether somebody has a core, or it is open who gets one.
+    pub(super) fn may_get_core(&self, s: &State, c: usize, who: Who) -> bool {
+        let mut open = Vec::new();
+        if self.preempts() {
+            self.gives(s, &mut open);
+        }
+        !open.is_empty() || self.has_core(s, c, who)
+    }
+
+    /// Who can do nothing any more leaves the cores.
+    pub(super) fn no_more_ready(&self, s: &mut State) {
+        if self.preempts() {
+            let ready = self.all_ready(s);
+            s.ready.retain(|it| ready.contains(it));
+            s.on.retain(|it| ready.contains(it));
+            // In which order threads of different priorities became ready means nothing.
+            s.ready
+                .sort_by_key(|&(c, who)| self.system.priority(c, who));
+        }
+    }
+
+    /// Who has become ready is listed, in any order; or takes a free core.
+    pub(super) fn gives(&self, s: &State, out: &mut Vec<Step>) {
+        for it in self.all_ready(s) {
+            if self.system.policy == Policy::Priority {
+                if !s.ready.contains(&it) {
+                    out.push(Step::Queue(it));
+                }
+            } else if !s.on.contains(&it) {
+                let mut order = s.on.clone();
+                order.push(it);
+                if self.fit(&order).len() == order.len() {
+                    out.push(Step::Give(it));
+                }
+            }
+        }
+    }
+
+    /// Without priorities any ready thread may take the core of another at any moment.
+    pub(super) fn swaps(&self, s: &State, out: &mut Vec<Step>) {
+        if !self.preempts() || self.system.policy != Policy::Fair {
+            return;
+        }
+        for it in self
+            .all_ready(s)
+            .into_iter()
+            .filter(|it| !s.on.contains(it))
+        {
+            for &other in &s.on {
+                let mut order = s.on.clone();
+                order.retain(|it| *it != other);
+                order.push(it);
+                if self.fit(&order).len() == order.len() {
+                    out.push(Step::Swap(it, other));
+                }
+            }
+        }
+    }
+
+    /// Whose step it is; none: that of nobody who needs a core.
+    pub(super) fn thread(&self, s: &State, step: Step) -> Option<(usize, Who)> {
+        match step {
+            Step::Ask(c, t) | Step::Begin(c, t) | Step::Wake(c, t) => Some((c, Who::Task(t))),
+            Step::Ticket(c, who) | Step::Leave(c, who) => Some((c, who)),
+            Step::Rest(c) | Step::Report(c) => Some((c, Who::Control)),
+            Step::Request(k, _) => Some((self.asked(s, k)?, Who::Control)),
+            _ => None,
+        }
+    }
+}
