@@ -26,6 +26,7 @@
 mod cores;
 mod demand;
 mod instances;
+mod preempted;
 mod queue;
 mod rivals;
 mod ways;
@@ -45,6 +46,7 @@ pub fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
     if !system.platform.semantics.is_published() {
         let queued = system.platform.semantics == Semantics::SERVERS;
         return match queued {
+            true if system.preempts() => preempted::response_bounds(system),
             true => queue::response_bounds(system),
             false => vec![None; system.tasks.len()],
         };

@@ -75,6 +75,9 @@ pub enum Soundness {
     Neither,
     /// The verdict is exact, the value an upper bound of the exact one.
     UpperBound,
+    /// A failure is real. What holds was shown for codels that end at whole units of time, and a value is the greatest of these:
+    /// under preemption others may end later.
+    WholeUnits,
 }
 
 /// A task: number of its component, as in [`crate::scn::names::Names::components`], and its index there.

@@ -26,6 +26,9 @@ pub type Ticks = u32;
 /// No upper bound.
 pub const FOREVER: Ticks = u32::MAX;
 
+/// The priority of tasks that state none, where others do; that of PocoLibs servers.
+const UNSTATED: u32 = 255;
+
 /// A system of components on one platform.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TimedSystem {
@@ -378,6 +381,27 @@ impl TimedSystem {
     pub fn needs_core(&self, task: usize) -> bool {
         self.platform.cores.is_some()
             && (self.tasks[task].period.is_some() || self.platform.aperiodic_core)
+    }
+
+    /// Whether cores are given to threads and taken away again by an operating system (section 22).
+    pub(crate) fn preempts(&self) -> bool {
+        let preempts = matches!(self.platform.policy, Policy::Priority | Policy::Fair);
+        self.platform.cores.is_some() && preempts
+    }
+
+    /// The priority of every task, then of every control task; the lower number goes first. Where no task states one,
+    /// the shorter period goes first, and what has none last.
+    pub(crate) fn priorities(&self) -> Vec<u64> {
+        let stated = self.tasks.iter().any(|it| it.priority.is_some());
+        let of_task = |it: &Task| match stated {
+            true => u64::from(it.priority.unwrap_or(UNSTATED)),
+            false => it.period.map_or(u64::MAX, u64::from),
+        };
+        let controls = self.components.iter().map(|it| {
+            let own = it.tasks.iter().map(|&task| of_task(&self.tasks[task]));
+            own.min().unwrap_or(0)
+        });
+        self.tasks.iter().map(of_task).chain(controls).collect()
     }
 
     /// Whether some codel of a task is executed by a separate thread, also when its job has ended.

@@ -295,6 +295,7 @@ impl Group<'_> {
                 let mut it = self.one(&checks[i], place, &found);
                 seen.add_to(i, &mut it);
                 self.bound_unknown(&checks[i], analysed, &mut it);
+                self.bound_between_units(&checks[i], analysed, &mut it);
                 report.answer(i, it);
             }
             (self.tell)(report);

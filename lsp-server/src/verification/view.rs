@@ -165,6 +165,7 @@ impl<'r> CheckView<'r> {
                 Soundness::Exact | Soundness::UpperBound => None,
                 Soundness::Safe => Some("safe: a failure may be a false alarm"),
                 Soundness::Under => Some("for worst-case durations only"),
+                Soundness::WholeUnits => Some("shown for ends at whole units of time"),
                 Soundness::Neither => Some("for worst-case durations only, indicative"),
             },
             reason: report.reason.iter().map(|it| sentence(it, scale)).collect(),

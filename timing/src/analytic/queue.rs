@@ -33,7 +33,7 @@ pub(super) fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
 }
 
 /// Whether codels wait only for codels of their component, as they do where ports are copied.
-fn is_within_components(system: &TimedSystem) -> bool {
+pub(super) fn is_within_components(system: &TimedSystem) -> bool {
     system.codels.iter().all(|codel| {
         let mut others = codel.conflicts.iter();
         others.all(|it| system.codels[it].component == codel.component)
@@ -41,7 +41,7 @@ fn is_within_components(system: &TimedSystem) -> bool {
 }
 
 /// How often each service is requested at most; `None`: there is no limit.
-fn requests(system: &TimedSystem) -> Vec<Option<u32>> {
+pub(super) fn requests(system: &TimedSystem) -> Vec<Option<u32>> {
     let mut out = vec![Some(0u32); system.services.len()];
     for client in &system.clients {
         for (at, step) in client.steps.iter().enumerate() {
@@ -54,8 +54,8 @@ fn requests(system: &TimedSystem) -> Vec<Option<u32>> {
     out
 }
 
-/// The longest time of a cycle.
-fn cycle(system: &TimedSystem, task: usize, requests: &[Option<u32>]) -> Option<Ticks> {
+/// The longest time of a cycle, with what it waits for in the lock queue.
+pub(super) fn cycle(system: &TimedSystem, task: usize, requests: &[Option<u32>]) -> Option<Ticks> {
     let it = &system.tasks[task];
     let component = &system.components[it.component];
     let mut blocking: Ticks = 0;
@@ -70,6 +70,17 @@ fn cycle(system: &TimedSystem, task: usize, requests: &[Option<u32>]) -> Option<
         })
         .collect();
     blocking = blocking.checked_add(longest_waited_for(system, &control)?)?;
+    work(system, task, requests, blocking)
+}
+
+/// The longest time that the codels of a cycle take, with so much blocking for each.
+pub(super) fn work(
+    system: &TimedSystem,
+    task: usize,
+    requests: &[Option<u32>],
+    blocking: Ticks,
+) -> Option<Ticks> {
+    let it = &system.tasks[task];
     let mut length: Ticks = 0;
     if let Some(permanent) = it.permanent {
         length = turn(system, system.machine_of(permanent), blocking)?;

@@ -213,6 +213,11 @@ pub(crate) trait Rules: Sized {
         self.job(s, task) == TaskStatus::Waiting && s.t[clock] >= period
     }
 
+    /// Whether a task may wait for a core after an action although it did not before.
+    fn may_begin_to_wait(&self, action: Action, task: usize) -> bool {
+        action == Action::Release { task }
+    }
+
     /// The value of an atom of a predicate.
     fn atom(&self, s: &State, atom: &Atom) -> bool;
 

@@ -74,8 +74,10 @@ impl<'b> Analysed<'b> {
 
 impl Group<'_> {
     pub(super) fn meets_deadlines(&self, check: &Single, bound: Ticks) -> CheckReport {
+        let blank = self.blank(check);
         CheckReport {
             verdict: Verdict::Proved,
+            soundness: for_any_time(blank.soundness),
             note: Some(match check.what {
                 What::NoOverdue(_) if bound == 0 => "no job ever waits for a core".to_owned(),
                 _ => format!(
@@ -83,7 +85,7 @@ impl Group<'_> {
                     self.in_words(bound)
                 ),
             }),
-            ..self.blank(check)
+            ..blank
         }
     }
 
@@ -92,7 +94,47 @@ impl Group<'_> {
             verdict: Verdict::Proved,
             value: Some(self.time(0)),
             note: Some("by response-time analysis: a job takes no time".to_owned()),
+            soundness: for_any_time(self.blank(check).soundness),
             ..self.blank(check)
+        }
+    }
+
+    /// Where the exploration looked at whole units of time only, though others make a difference, analysis may know a
+    /// bound on a response time for any time.
+    pub(super) fn bound_between_units(
+        &self,
+        check: &Single,
+        analysed: &Analysed,
+        out: &mut CheckReport,
+    ) {
+        if out.soundness != Soundness::WholeUnits {
+            return;
+        }
+        let (Verdict::Proved, Some(bound)) = (out.verdict, analysed.response(check)) else {
+            return;
+        };
+        let What::Response(_, limit) = check.what else {
+            return;
+        };
+        let bound_in_words = self.in_words(bound);
+        if self.ticks(limit).is_some_and(|limit| bound > limit) {
+            out.note = Some(format!(
+                "for ends at any time analysis knows a bound of {bound_in_words}"
+            ));
+        } else if out.value == Some(self.time(bound)) {
+            out.soundness = Soundness::Exact;
+        } else {
+            let reached = match out.value {
+                Some(it @ Value::Time(_)) => format!(", and {} is reached", self.with_unit(it)),
+                _ => String::new(),
+            };
+            out.note = Some(format!(
+                "by response-time analysis: at most {bound_in_words}{reached}; ends between whole units of time were not explored"
+            ));
+            out.value = Some(self.time(bound));
+            out.soundness = Soundness::UpperBound;
+            out.witness.clear();
+            out.left_out = false;
         }
     }
 
@@ -133,5 +175,13 @@ impl Group<'_> {
         out.soundness = Soundness::UpperBound;
         out.witness.clear();
         out.left_out = false;
+    }
+}
+
+/// What an answer of analysis is worth, which does not depend on when codels end.
+fn for_any_time(it: Soundness) -> Soundness {
+    match it {
+        Soundness::WholeUnits => Soundness::Exact,
+        other => other,
     }
 }

@@ -40,6 +40,7 @@ impl Group<'_> {
             _ => None,
         };
         let rounded = !self.built.rounded.is_empty();
+        let preempts = self.built.system.preempts();
         CheckReport {
             id: CheckId {
                 written: check.written,
@@ -52,6 +53,11 @@ impl Group<'_> {
             bound: stated.map(|it| Value::Time(it.time())),
             verdict: Verdict::Unknown,
             soundness: match (self.settings.durations, live) {
+                // What is left of a codel when its core is taken away need not be a whole number of units.
+                (Durations::Interval | Durations::Open, _) if preempts && rounded => {
+                    Soundness::Neither
+                }
+                (Durations::Interval | Durations::Open, _) if preempts => Soundness::WholeUnits,
                 // Rounding up adds runs where durations are intervals, and changes those where they are fixed.
                 (Durations::Interval, _) if rounded => Soundness::Safe,
                 (Durations::Fixed, _) if rounded => Soundness::Neither,
@@ -133,6 +139,15 @@ impl Group<'_> {
                 }
             }
             What::LeadsTo(..) | What::Eventually(_) => {}
+        }
+        // A run that was found exists, whatever others there may be.
+        let has_run = match out.verdict {
+            Verdict::Refuted => !out.counterexample.is_empty(),
+            Verdict::Proved => matches!(check.what, What::Reachable(_)),
+            _ => false,
+        };
+        if has_run && out.value.is_none() && out.soundness == Soundness::WholeUnits {
+            out.soundness = Soundness::Exact;
         }
         out
     }

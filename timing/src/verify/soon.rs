@@ -132,6 +132,7 @@ impl Group<'_> {
             let mut it = self.one(&checks[i], place, &found);
             if complete {
                 self.bound_unknown(&checks[i], &analysed, &mut it);
+                self.bound_between_units(&checks[i], &analysed, &mut it);
             }
             // With more requests some other run may take longer, unless this one takes for ever.
             let final_value = matches!(it.value, None | Some(Value::Unbounded));

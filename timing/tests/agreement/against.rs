@@ -6,10 +6,14 @@ use dotgen_analysis::diagnostic::Severity;
 use dotgen_analysis::host::{
     AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags, UnitResult,
 };
+use dotgen_timing::analytic::response_bounds;
 use dotgen_timing::explore::Limits;
 use dotgen_timing::report::{CheckReport, Value, Verdict};
+use dotgen_timing::scn::names::Names;
 use dotgen_timing::scn::parse;
-use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
+use dotgen_timing::system::build::build;
+use dotgen_timing::verify::{Cancel, Options, SystemInput, settings, verify};
+use num_rational::Ratio;
 use serde_json::{Value as Json, json};
 
 use crate::expected::answers;
@@ -102,6 +106,27 @@ fn compare(name: &str, texts: &Texts) -> Option<Result<(), String>> {
         return Some(Err(format!("{:?}: {}", report.diagnostics, shown())));
     }
     let mut wrong = Vec::new();
+    let names = Names::new(&input.specs);
+    let built = build(&names, &settings(&parsed.scenario, &options), &|_| true);
+    for (task, bound) in response_bounds(&built.system).into_iter().enumerate() {
+        let of = format!("response {}", built.system.task_path(task));
+        let exact = expected
+            .iter()
+            .find(|it| it.0 == of)
+            .map(|it| &it.1["value"]);
+        let unit = built.system.unit * Ratio::from_integer(1000);
+        let in_millis = bound.map(|it| unit * Ratio::from_integer(i128::from(it)));
+        let kept = |bound: Ratio<i128>| match exact {
+            Some(Json::Number(it)) => it
+                .as_i64()
+                .is_some_and(|it| Ratio::from_integer(i128::from(it)) <= bound),
+            Some(it) => it.is_null(),
+            None => true,
+        };
+        if in_millis.is_some_and(|it| !kept(it)) {
+            wrong.push(format!("{of}: {exact:?}, beyond the quick bound {bound:?}"));
+        }
+    }
     for (check, want) in expected {
         let found = report.checks.iter().find(|it| {
             let name = format!("{} {}", it.kind, it.of);

@@ -53,7 +53,7 @@ impl<'s> Servers<'s> {
         let semantics = system.platform.semantics;
         Servers {
             layout: Layout::new(system, semantics, clocks),
-            priorities: cores::priorities(system),
+            priorities: system.priorities(),
             rejected: vec![Cell::new(false); system.services.len()],
             semantics,
             system,
@@ -236,6 +236,11 @@ impl Rules for Servers<'_> {
         self.is_periodic(task)
             && (in_cycle || l.has(s, task, flag::LATE))
             && !l.has(s, task, flag::FIRST)
+    }
+
+    fn may_begin_to_wait(&self, action: Action, task: usize) -> bool {
+        // Under preemption whatever becomes ready may take a core.
+        self.preempts() || action == Action::Release { task }
     }
 
     fn atom(&self, s: &State, atom: &Atom) -> bool {

@@ -158,9 +158,7 @@ impl<R: Rules> Search<'_, R> {
         {
             s.t[clock] = 0;
         }
-        if let Action::Release { task } = action {
-            self.overdue_at_release(s, task, at);
-        }
+        self.overdue_at_once(s, action, at);
         self.check(before.as_ref(), s, at);
     }
 

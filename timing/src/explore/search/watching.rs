@@ -6,7 +6,7 @@ use crate::explore::findings::{Bound, Findings, Found, Measured};
 use crate::explore::measure::{Diverging, Gauge, How, Timing};
 use crate::explore::observe;
 use crate::explore::reductions::Reductions;
-use crate::explore::rules::Rules;
+use crate::explore::rules::{Action, Rules};
 use crate::explore::run::Run;
 use crate::explore::state::{State, TaskStatus};
 use crate::explore::watch::Stop;
@@ -213,11 +213,12 @@ impl<R: Rules> Search<'_, R> {
         Some(self.trace(self.excess[gauge]?, &Goal::Lasts(of, limit? + 1)))
     }
 
-    /// Looks at a task that begins to wait for a core: where a job counts from a tick that was kept, it may be overdue
+    /// Looks at tasks that an action makes wait for a core: where a job counts from a tick that was kept, it may be overdue
     /// from the first moment on.
-    pub(super) fn overdue_at_release(&mut self, s: &State, released: usize, at: Sight) {
+    pub(super) fn overdue_at_once(&mut self, s: &State, action: Action, at: Sight) {
         for (i, &task) in self.watch.overdue.iter().enumerate() {
-            if task == released && self.overdue[i].is_none() && self.rules.overdue(s, task) {
+            let begins = self.rules.may_begin_to_wait(action, task);
+            if begins && self.overdue[i].is_none() && self.rules.overdue(s, task) {
                 for it in self.reductions.orbits().alike(task, &self.watch.overdue) {
                     self.overdue[it] = Some(at);
                 }

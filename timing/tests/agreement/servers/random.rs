@@ -41,8 +41,14 @@ pub(crate) fn varied(dice: &mut Dice) -> Texts {
 fn draw(dice: &mut Dice, mut known: Known) -> Texts {
     let count = if dice.in_ten(3) { 2 } else { 1 };
     let specifications = (0..count).map(|c| component(dice, c, count, &mut known));
-    let specifications = specifications.collect();
+    let mut specifications: Vec<String> = specifications.collect();
     let scenario = scenario(dice, &known);
+    if scenario.contains("pause turns") {
+        // An aperiodic task would go round in no time, and time would not pass for anybody.
+        for it in &mut specifications {
+            *it = it.replace("wcet 0 ms", "wcet 1 ms");
+        }
+    }
     Texts {
         specifications,
         scenario,

@@ -12,38 +12,15 @@
 use super::layout::{control, flag, thread};
 use super::{Action, Enabled, Servers};
 use crate::explore::state::{State, phase};
-use crate::system::{ClientAction, Policy, TimedSystem};
+use crate::system::{ClientAction, Policy};
 
 /// Executors as bits.
 pub(super) type Threads = u128;
 
-/// Tasks without a stated priority, where others have one.
-const UNSTATED: u32 = 255;
-
-/// The priority of every executor that needs a core; the lower number goes first.
-pub(super) fn priorities(system: &TimedSystem) -> Vec<u64> {
-    let stated = system.tasks.iter().any(|it| it.priority.is_some());
-    let of_task = |task: usize| {
-        let it = &system.tasks[task];
-        match stated {
-            true => u64::from(it.priority.unwrap_or(UNSTATED)),
-            // Rate-monotonic: the shorter period goes first, and what has none last.
-            false => it.period.map_or(u64::MAX, u64::from),
-        }
-    };
-    let tasks = (0..system.tasks.len()).map(of_task);
-    let controls = system.components.iter().map(|it| {
-        let own = it.tasks.iter().map(|&task| of_task(task));
-        own.min().unwrap_or(0)
-    });
-    tasks.chain(controls).collect()
-}
-
 impl Servers<'_> {
     /// Whether cores are given and taken away by an operating system.
     pub(crate) fn preempts(&self) -> bool {
-        let platform = &self.system.platform;
-        platform.cores.is_some() && matches!(platform.policy, Policy::Priority | Policy::Fair)
+        self.system.preempts()
     }
 
     fn uses_core(&self, executor: usize) -> bool {
