@@ -2,7 +2,10 @@
 
 use std::ops::Range;
 
+use dotgen_analysis::model::Seconds;
+
 use crate::scn::{Diagnostic, Place};
+use crate::system::units::in_words;
 
 /// An assumption about one thing.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -23,6 +26,62 @@ pub enum Remark {
         /// Whether a loop limit makes sense for the machine.
         can_be_limited: bool,
     },
+    /// A codel for which the head of the lock queue waits, and behind it a task that shares nothing with it.
+    LockQueue {
+        /// What executes: `component.owner.state`, and for how long at most.
+        codel: String,
+        /// Its greatest time.
+        time: Seconds,
+        /// What waits for it at the head of the queue.
+        head: String,
+        /// The task behind, and its period, which is no longer.
+        task: String,
+        /// Its period.
+        period: Seconds,
+    },
+    /// A codel that holds a port that a task of another component needs.
+    PortHold {
+        /// What holds it: `component.owner.state`.
+        codel: String,
+        /// For how long at most.
+        time: Seconds,
+        /// What waits for it.
+        other: String,
+        /// The task that executes that.
+        task: String,
+        /// Its period, which is no longer.
+        period: Seconds,
+    },
+}
+
+/// Something that an exploration has seen on its way.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Sighting {
+    /// A request of a service was refused because all its slots were in use.
+    NoSlot {
+        /// `component.service`
+        service: String,
+    },
+    /// Two waiting instances of a service that interrupts itself have interrupted each other.
+    RestartsEndBoth {
+        /// `component.service`
+        service: String,
+    },
+}
+
+impl std::fmt::Display for Sighting {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        match self {
+            Sighting::NoSlot { service } => write!(
+                f,
+                "a request of {service} can be refused because all its slots are in use"
+            ),
+            Sighting::RestartsEndBoth { service } => write!(
+                f,
+                "two requests of {service} that come while an instance of it is being stopped interrupt each other, and                  neither is executed; let clients await the end of the first one before they send the next"
+            ),
+        }
+    }
 }
 
 /// More names than this are counted only.
@@ -45,6 +104,8 @@ impl Remark {
         match self {
             Remark::NoWcet { .. } => "timing-no-wcet",
             Remark::StateCycle { .. } => "timing-state-cycle",
+            Remark::LockQueue { .. } => "timing-lock-queue",
+            Remark::PortHold { .. } => "timing-port-hold",
         }
     }
 
@@ -64,6 +125,7 @@ impl Remark {
         match self {
             Remark::NoWcet { path, .. } => path,
             Remark::StateCycle { cycle, .. } => cycle,
+            Remark::LockQueue { codel, .. } | Remark::PortHold { codel, .. } => codel,
         }
     }
 }
@@ -151,6 +213,30 @@ fn words(first: &Remark, others: &[&Remark]) -> String {
                 }
             };
             format!("{machine}: {what}: {names}; a turn may take arbitrarily long {advice}")
+        }
+        Remark::LockQueue {
+            codel,
+            time,
+            head,
+            task,
+            period,
+        } => {
+            let [time, period] = [time, period].map(|it| in_words(*it));
+            format!(
+                "while {head} waits for {codel}, which takes up to {time}, the lock queue stands still: {task}, which shares                  nothing with it, waits behind and can miss its period of {period}; shorten what {codel} does with shared                  data, for example by a `local` copy"
+            )
+        }
+        Remark::PortHold {
+            codel,
+            time,
+            other,
+            task,
+            period,
+        } => {
+            let [time, period] = [time, period].map(|it| in_words(*it));
+            format!(
+                "{codel} holds a port for up to {time}; {other} waits for it meanwhile, and {task} can miss its period of                  {period}; let {codel} work on a `local` copy, and use the port in a short codel of its own"
+            )
         }
     }
 }

@@ -26,6 +26,7 @@ use self::soon::Seen;
 pub(crate) use self::units::to_f64;
 pub use crate::cancel::{Cancel, Effort, Interrupt};
 use crate::explore::{Findings, Limits, Stop, Watch, explore, explore_telling};
+use crate::remark::Sighting;
 use crate::report::Report;
 use crate::scn::Diagnostic;
 use crate::scn::ast::{Check, Durations, Policy, Scenario, Unit};
@@ -253,12 +254,12 @@ impl Group<'_> {
     /// Notes which requests can be refused, as far as has been seen.
     fn refusals(&self, found: &Findings, report: &mut Report) {
         let system = &self.built.system;
-        for &service in &found.refused {
-            report.note(format!(
-                "a request of {} can be refused because all its slots are in use",
-                system.service_path(service)
-            ));
-        }
+        let path = |&it: &usize| system.service_path(it);
+        let refused = found.refused.iter().map(path);
+        let restarts = found.restarts.iter().map(path);
+        let seen = (refused.map(|service| Sighting::NoSlot { service }))
+            .chain(restarts.map(|service| Sighting::RestartsEndBoth { service }));
+        seen.for_each(|it| report.note(it.to_string()));
         let early = found.stopped == Some(Stop::Answered);
         if early && found.refused.is_empty() && system.may_refuse() {
             report.note(NOT_EXAMINED.to_owned());

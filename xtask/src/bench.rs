@@ -12,6 +12,7 @@ mod measure;
 mod periodic;
 mod reductions;
 mod rivals;
+mod semantics;
 mod session;
 mod size;
 
@@ -71,6 +72,8 @@ enum What {
     Endurance,
     /// Verification with and without each reduction.
     Reductions,
+    /// Answers under the semantics of the servers and under the published one, and the point that makes the difference.
+    Semantics,
 }
 
 /// The scale of times in charts.
@@ -99,6 +102,7 @@ pub(crate) fn bench(options: &Options) -> Result<bool> {
         What::Verify => growth::corpus(&dotgen, runs(5))?,
         What::Growth => growth::growth(&dotgen, runs(5))?,
         What::Reductions => reductions::reductions(&dotgen, runs(1))?,
+        What::Semantics => semantics::semantics(&dotgen)?,
         What::Size => size::size(&dotgen, &options.components, runs(3))?,
         What::Tiny => size::tiny(&dotgen, runs(3))?,
         What::Enemy => return enemy::enemy(&dotgen, options.lines),

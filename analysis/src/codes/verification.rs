@@ -80,4 +80,24 @@ pub const CODES: &[LintCode] = &[
         "component c {\n  task t { period 5 ms;\n    codel<start> f() yield main;\n    codel<main> g() yield main, ether;\n  };\n};\n",
         "Yield `pause::main` where each round may wait for the next period, or limit the rounds with `loop` in the scenario.",
     ),
+    code(
+        "timing-lock-queue",
+        "a codel that keeps a task waiting in the lock queue with which it shares nothing, for longer than its \
+         period",
+        "The servers have one queue for all codels of a component. While its head waits for a codel that \
+         executes, everybody behind it waits as well, whether or not they want the same data. It stands in the \
+         scenario, and is told by `dotgen verify`.",
+        "component c {\n  ids { long map; };\n  task slow { period 100 ms;\n    codel<start> plan(inout map) yield pause::start wcet 40 ms;\n  };\n  task look { period 100 ms;\n    codel<start> read(in map) yield pause::start wcet 1 ms;\n  };\n  task fast { period 10 ms;\n    codel<start> move() yield pause::start wcet 1 ms;\n  };\n};\n",
+        "Let the long codel work on a `local` copy, and take the data it shares in a short one before and \
+         after.",
+    ),
+    code(
+        "timing-port-hold",
+        "a codel that holds a port for longer than the period of a task of another component that uses it",
+        "Where ports are locks, as in the published models (`ports lock;`), a codel has its ports from its \
+         beginning to its end; meanwhile the task of the other component waits and misses a tick. It stands in \
+         the scenario, and is told by `dotgen verify`.",
+        "component c {\n  port out p::map map;\n  task plan { period 500 ms;\n    codel<start> plan(out map) yield pause::start wcet 180 ms;\n  };\n};\ncomponent d {\n  port in p::map map;\n  task move { period 50 ms;\n    codel<start> move(in map) yield pause::start wcet 1 ms;\n  };\n};\n",
+        "Let the long codel work on a `local` copy, and write the port in a short one.",
+    ),
 ];

@@ -54,6 +54,8 @@ pub struct Findings {
     pub no_deadlock: bool,
     /// Services of which a request was refused because no slot was free.
     pub refused: Vec<usize>,
+    /// Services that interrupt themselves, of which two waiting instances interrupted each other.
+    pub restarts: Vec<usize>,
     /// Which reductions were used, of each exploration.
     pub reductions: Vec<Vec<Activity>>,
     /// States kept.

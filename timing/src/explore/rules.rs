@@ -224,6 +224,11 @@ pub(crate) trait Rules: Sized {
     /// Whether a request for a service was ever refused by [`Rules::apply`] for want of a slot.
     fn has_refused(&self, service: usize) -> bool;
 
+    /// Whether two waiting instances of a service were ever seen to interrupt each other by [`Rules::apply`].
+    fn has_ended_restarts(&self, _service: usize) -> bool {
+        false
+    }
+
     /// The task an action is one of; `None` for those of control tasks and clients.
     fn task_of(&self, action: Action) -> Option<usize>;
 

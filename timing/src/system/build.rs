@@ -1,6 +1,7 @@
 //! From components and a scenario to a [`TimedSystem`].
 
 mod assumptions;
+mod blocking;
 mod clients;
 mod components;
 mod cycles;
@@ -142,6 +143,7 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
         out.system.platform.cores = None;
     }
     builder.loops();
+    builder.blocking();
     builder.assumptions();
     builder.out
 }

@@ -123,7 +123,7 @@ impl<'n> SharedPorts<'n> {
 
 /// Codels that can be executed at all: of machines with an automaton, and of the control task for
 /// services that are requested.
-fn live_codels(out: &Built) -> Vec<bool> {
+pub(super) fn live_codels(out: &Built) -> Vec<bool> {
     let mut live = vec![false; out.system.codels.len()];
     for automaton in &out.system.automata {
         for state in &out.system.machines[automaton.machine].states {

@@ -11,6 +11,7 @@ use crate::report::{
     CheckId, CheckReport, Event, GaveUp, Limit, Report, Soundness, Value, Verdict,
 };
 use crate::scn::ast::{Durations, Pred};
+use crate::system::loops::{can_be_limited, pauseless_cycles};
 
 impl Group<'_> {
     pub(super) fn blank(&self, check: &Single) -> CheckReport {
@@ -114,6 +115,9 @@ impl Group<'_> {
             What::Response(task, bound) => {
                 let never = "it is never released";
                 self.bounded(&found.response[place], never, found, &mut out);
+                if out.value == Some(Value::Unbounded) && out.note.is_none() {
+                    out.note = self.loop_of(task);
+                }
                 if let (Some(end), Some(it)) = (exceeded(&found.response[place]), bound) {
                     let what = format!("the job has taken more than {}", limit_text(it));
                     let (component, name) = self.task_names(task);
@@ -150,6 +154,33 @@ impl Group<'_> {
             out.soundness = Soundness::Exact;
         }
         out
+    }
+
+    /// The loop without pause because of which jobs of a task have no bound, and what to do about it.
+    fn loop_of(&self, task: (usize, u32)) -> Option<String> {
+        let system = &self.built.system;
+        let it = &system.tasks[self.built.tasks[&task]];
+        let machines = it
+            .permanent
+            .iter()
+            .chain(&it.slots)
+            .map(|&a| system.machine_of(a));
+        let mut free = machines.filter(|it| it.loop_limit.is_none());
+        let (machine, cycle) =
+            free.find_map(|it| Some((it, pauseless_cycles(it).into_iter().next()?)))?;
+        let names: Vec<&str> = cycle.iter().map(|&at| &*machine.states[at].name).collect();
+        let advice = match can_be_limited(machine) {
+            true => format!(
+                "`loop once {};` in a scenario limits its rounds",
+                machine.name
+            ),
+            false => "a `pause::` or `ether` among its yields ends it".to_owned(),
+        };
+        let loops = names.join(" → ");
+        Some(format!(
+            "{} may go round {loops} without a pause; {advice}",
+            machine.name
+        ))
     }
 
     fn bounded(&self, it: &Option<Measured>, never: &str, found: &Findings, out: &mut CheckReport) {

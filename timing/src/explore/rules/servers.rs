@@ -41,6 +41,8 @@ pub(crate) struct Servers<'s> {
     priorities: Vec<u64>,
     /// Services of which a request was rejected for want of a slot.
     rejected: Vec<Cell<bool>>,
+    /// Services of which two waiting instances have interrupted each other.
+    restarts: Vec<Cell<bool>>,
 }
 
 impl<'s> Servers<'s> {
@@ -55,6 +57,7 @@ impl<'s> Servers<'s> {
             layout: Layout::new(system, semantics, clocks),
             priorities: system.priorities(),
             rejected: vec![Cell::new(false); system.services.len()],
+            restarts: vec![Cell::new(false); system.services.len()],
             semantics,
             system,
         }
@@ -249,6 +252,10 @@ impl Rules for Servers<'_> {
 
     fn has_refused(&self, service: usize) -> bool {
         self.rejected[service].get()
+    }
+
+    fn has_ended_restarts(&self, service: usize) -> bool {
+        self.restarts[service].get()
     }
 
     fn task_of(&self, action: Action) -> Option<usize> {

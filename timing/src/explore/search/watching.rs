@@ -380,6 +380,9 @@ impl<R: Rules> Search<'_, R> {
                     run: self.trace(at, &Goal::Deadlock),
                 }),
             refused: self.refused(),
+            restarts: (0..self.rules.system().services.len())
+                .filter(|&it| self.rules.has_ended_restarts(it))
+                .collect(),
             reductions: vec![self.activities()],
             states: self.states(),
             steps: self.effort(),

@@ -185,6 +185,28 @@ impl Servers<'_> {
                     _ => {}
                 }
             }
+            self.note_restarts(s, task);
+        }
+    }
+
+    /// Notes services that interrupt themselves of which two instances wait, both interrupted: both end.
+    fn note_restarts(&self, s: &State, task: usize) {
+        let l = &self.layout;
+        let waits_marked = |it: usize| {
+            let mode = l.mode(s, it);
+            (mode & slot::STATUS == slot::INIT && mode & slot::MARK != 0)
+                .then(|| self.service(s, it))
+                .flatten()
+                .filter(|&it| self.system.services[it].interrupts.contains(&it))
+        };
+        for it in l.slots(task) {
+            let Some(service) = waits_marked(it) else {
+                continue;
+            };
+            let mut others = l.slots(task).filter(|&other| other < it);
+            if others.any(|other| waits_marked(other) == Some(service)) {
+                self.restarts[service].set(true);
+            }
         }
     }
 

@@ -1,0 +1,215 @@
+//! What is found besides the answers: codels that keep others waiting, requests that end each other, loops; and what an
+//! answer is worth under preemption.
+
+use dotgen_timing::remark::Remark;
+use dotgen_timing::report::{Report, Soundness, Value, Verdict};
+use dotgen_timing::scn::parse;
+use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
+
+use crate::load;
+
+fn report(specification: &str, items: &str) -> Report {
+    let unit = load(specification);
+    let parsed = parse(&format!("scenario s {{ unit 1 ms; {items} }}"));
+    assert_eq!(parsed.errors, []);
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let (options, cancel) = (Options::default(), Cancel::default());
+    let report = verify(&input, &parsed.scenario, &options, &cancel);
+    assert!(!report.has_errors(), "{:?}", report.diagnostics);
+    report
+}
+
+fn remarks(report: &Report) -> Vec<&Remark> {
+    let all = report.diagnostics.iter();
+    all.filter_map(|it| it.remark.as_deref()).collect()
+}
+
+/// `slow` and `look` share `map`; `fast` shares nothing with either.
+const QUEUE: &str = "component c {
+  version \"1\"; lang \"c\"; ids { long map; };
+  task slow { period 100 ms; codel<start> a(inout map) yield pause::start wcet 12 ms; };
+  task look { period 100 ms; codel<start> b(in map) yield pause::start wcet 1 ms; };
+  task fast { period 10 ms; codel<start> d() yield pause::start wcet 1 ms; };
+};";
+
+#[test]
+fn who_is_behind_the_head_of_the_lock_queue_is_told_for_how_long() {
+    let found = report(QUEUE, "check schedulable *;");
+    let [
+        Remark::LockQueue {
+            codel, head, task, ..
+        },
+    ] = remarks(&found)[..]
+    else {
+        panic!("{:?}", remarks(&found));
+    };
+    assert_eq!(
+        [codel, head, task],
+        ["c.slow.start", "c.look.start", "c.fast"]
+    );
+    let it = (found.diagnostics.iter()).find(|it| it.code == "timing-lock-queue");
+    assert_eq!(
+        it.map(|it| it.message.as_str()),
+        Some(
+            "while c.look.start waits for c.slow.start, which takes up to 12 ms, the lock queue stands still: c.fast, which \
+             shares nothing with it, waits behind and can miss its period of 10 ms; shorten what c.slow.start does with shared data, \
+             for example by a `local` copy"
+        )
+    );
+    // It does miss it.
+    let late = found.checks.iter().find(|it| it.of == "c.fast");
+    assert_eq!(late.map(|it| it.verdict), Some(Verdict::Refuted));
+    // Without a queue nobody waits for what he shares nothing with.
+    assert!(remarks(&report(QUEUE, "locks free; check schedulable *;")).is_empty());
+    // Without anybody at the head nobody is behind it.
+    let alone = QUEUE.replace("b(in map)", "b()");
+    assert!(remarks(&report(&alone, "check schedulable *;")).is_empty());
+}
+
+const PORT: &str = "struct map { long v; };
+component c {
+  version \"1\"; lang \"c\"; port out map m;
+  task plan { period 500 ms; codel<start> a(out m) yield pause::start wcet 180 ms; };
+};
+component d {
+  version \"1\"; lang \"c\"; port in map m;
+  task move { period 50 ms; codel<start> b(in m) yield pause::start wcet 1 ms; };
+};";
+
+#[test]
+fn a_port_held_longer_than_a_period_is_told_where_ports_are_locks() {
+    for items in ["semantics published;", "ports lock;"] {
+        let found = report(PORT, &format!("{items} check schedulable *;"));
+        let [
+            Remark::PortHold {
+                codel, other, task, ..
+            },
+        ] = remarks(&found)[..]
+        else {
+            panic!("{:?}", remarks(&found));
+        };
+        assert_eq!(
+            [codel, other, task],
+            ["c.plan.start", "d.move.start", "d.move"]
+        );
+    }
+    assert!(remarks(&report(PORT, "check schedulable *;")).is_empty());
+}
+
+#[test]
+fn restarts_that_end_each_other_are_told_when_they_can() {
+    let specification = "component c {
+      version \"1\"; lang \"c\";
+      task t { period 10 ms; };
+      activity s() {
+        task t;
+        codel<start> a() yield pause::start wcet 1 ms;
+        codel<stop> b() yield ether wcet 1 ms;
+        interrupts s;
+      };
+    };";
+    let told = |client: &str| {
+        let found = report(
+            specification,
+            &format!("client k {{ {client} }} check schedulable *;"),
+        );
+        found
+            .notes
+            .iter()
+            .any(|it| it.contains("interrupt each other"))
+    };
+    assert!(told("send c.s; delay 25 ms; send c.s; send c.s;"));
+    // Once the first one has ended the next may come.
+    assert!(!told(
+        "send c.s; delay 25 ms; send c.s; delay 25 ms; send c.s;"
+    ));
+}
+
+#[test]
+fn an_unbounded_response_names_the_loop_and_what_limits_it() {
+    let specification = "component c {
+      version \"1\"; lang \"c\";
+      task t {
+        period 10 ms;
+        codel<start> a() yield x wcet 1 ms;
+        codel<x> b() yield start, pause::start wcet 1 ms;
+      };
+    };";
+    let found = report(specification, "check response c.t;");
+    assert_eq!(found.checks[0].value, Some(Value::Unbounded));
+    let note = found.checks[0].note.as_deref().unwrap_or_default();
+    let loops = "c.t may go round start → x → start without a pause; `loop once c.t;` in a scenario limits its rounds";
+    assert_eq!(note, loops);
+}
+
+const PRIORITIES: &str = "component c {
+  version \"1\"; lang \"c\";
+  task hi { period 10 ms; priority 1; codel<start> a() yield pause::start wcet 2 ms; };
+};
+component d {
+  version \"1\"; lang \"c\";
+  task lo { period 40 ms; priority 2; codel<start> b() yield pause::start wcet 5 ms; };
+};";
+
+#[test]
+fn under_preemption_intervals_have_bounds_and_say_so() {
+    let found = report(
+        PRIORITIES,
+        "cores 1; policy priority; check schedulable *; check response *; check always not d.lo.start.lock;",
+    );
+    let of = |name: &'static str| found.checks.iter().filter(move |it| it.of == name);
+    for it in of("c.hi").chain(of("d.lo")) {
+        assert_eq!(it.verdict, Verdict::Proved, "{it:?}");
+        // By analysis, which holds for any time.
+        let worth = [Soundness::Exact, Soundness::UpperBound];
+        assert!(worth.contains(&it.soundness), "{it:?}");
+    }
+    // Preempted once, by 2 ms, it takes 7 ms; the bound counts what may have been carried in.
+    let response = of("d.lo").find(|it| it.value.is_some()).expect("a value");
+    assert!(matches!(response.value, Some(Value::Time(it)) if (7.0..40.0).contains(&it)));
+    assert_eq!(response.soundness, Soundness::UpperBound);
+    assert!(
+        response
+            .note
+            .as_ref()
+            .is_some_and(|it| it.contains("7 ms is reached"))
+    );
+    // What was only explored holds for whole units.
+    let explored = of("not d.lo.start.lock").next().expect("an answer");
+    assert_ne!(explored.soundness, Soundness::Exact);
+    // With fixed durations nothing of this is needed.
+    let fixed = report(
+        PRIORITIES,
+        "cores 1; policy priority; durations fixed; check response *;",
+    );
+    let exact = fixed.checks.iter().find(|it| it.of == "d.lo");
+    assert_eq!(
+        exact.map(|it| (it.value, it.soundness)),
+        Some((Some(Value::Time(7.0)), Soundness::Under))
+    );
+}
+
+#[test]
+fn only_cores_that_are_taken_away_can_be_tied_to() {
+    let unit = load(PRIORITIES);
+    let parsed =
+        parse("scenario s { cores 1; policy fifo; affinity c.hi 1; check schedulable *; }");
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let (options, cancel) = (Options::default(), Cancel::default());
+    let report = verify(&input, &parsed.scenario, &options, &cancel);
+    let messages: Vec<&str> = report
+        .diagnostics
+        .iter()
+        .map(|it| it.message.as_str())
+        .collect();
+    assert_eq!(
+        messages,
+        [
+            "policy fifo gives a task any core that is free; write `policy priority;` or `policy fair;` to tie `c.hi` to one"
+        ]
+    );
+}

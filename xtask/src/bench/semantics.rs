@@ -1,0 +1,193 @@
+//! What differs between the servers and the published models: every answer on 1 to 8 cores under both, and the point of the
+//! semantics that makes the difference.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result};
+use serde_json::Value;
+
+use crate::run::step;
+use crate::{root, target};
+
+/// States after which an answer is given up: what is shown depends on no clock.
+const MOST: &str = "400000";
+
+/// Single points of the semantics: a word, what the servers do, what the published models do.
+const POINTS: &[(&str, &str, &str)] = &[
+    ("ticks", "component", "task"),
+    ("turns", "codel", "pause"),
+    ("locks", "queue", "free"),
+    ("ports", "copy", "lock"),
+    ("pause", "events", "turns"),
+    ("exceptions", "on", "off"),
+    ("order", "on", "off"),
+];
+
+/// Answers by check and what it is about.
+type Answers = BTreeMap<String, String>;
+
+/// Prints a table for each system.
+pub(crate) fn semantics(dotgen: &Path) -> Result<()> {
+    let systems = [
+        ("RobNav, edf", "../shared/corpus/robnav/robnav.scn", "edf"),
+        (
+            "Quadcopter hovering, fifo",
+            "../shared/corpus/quadcopter/hover.scn",
+            "fifo",
+        ),
+        ("examples/pump, fifo", "examples/pump/pump.scn", "fifo"),
+        (
+            "examples/outdoor, fifo",
+            "examples/outdoor/outdoor.scn",
+            "fifo",
+        ),
+        (
+            "examples/maneuver, fifo",
+            "examples/maneuver/maneuver.scn",
+            "fifo",
+        ),
+    ];
+    for (name, path, policy) in systems {
+        let scenario = root().join(path);
+        step(name);
+        if !scenario.is_file() {
+            eprintln!("SKIPPED: {} is not there", scenario.display());
+            continue;
+        }
+        let system = System::read(dotgen, &scenario, policy)?;
+        println!("\n#### {name}\n\n| cores | answer | published | servers | point |");
+        println!("| --- | --- | --- | --- | --- |");
+        // What is the same for several numbers of cores stands in one row.
+        let mut rows: Vec<(String, Vec<u32>)> = Vec::new();
+        let mut same = 0;
+        for cores in 1..=8 {
+            let published = system.answers("published", cores, None)?;
+            let servers = system.answers("servers", cores, None)?;
+            for (check, one) in &published {
+                let Some(other) = servers.get(check) else {
+                    continue;
+                };
+                if one == other {
+                    same += 1;
+                    continue;
+                }
+                let point = system.point(check, (one, other), cores)?;
+                let row = format!("{check} | {one} | {other} | {point}");
+                match rows.iter_mut().find(|it| it.0 == row) {
+                    Some(it) => it.1.push(cores),
+                    None => rows.push((row, vec![cores])),
+                }
+            }
+        }
+        for (row, cores) in rows {
+            println!("| {} | {row} |", ranges(&cores));
+        }
+        println!("\n{same} other answers are the same under both.");
+    }
+    Ok(())
+}
+
+/// `1, 3–8`
+fn ranges(numbers: &[u32]) -> String {
+    let mut out: Vec<(u32, u32)> = Vec::new();
+    for &it in numbers {
+        match out.last_mut() {
+            Some(last) if last.1 + 1 == it => last.1 = it,
+            _ => out.push((it, it)),
+        }
+    }
+    let words = out.iter().map(|&(from, to)| match from == to {
+        true => from.to_string(),
+        false => format!("{from}–{to}"),
+    });
+    words.collect::<Vec<_>>().join(", ")
+}
+
+struct System<'a> {
+    dotgen: &'a Path,
+    policy: &'a str,
+    /// Text of the scenario without checks and semantics, up to its last brace.
+    text: String,
+    file: PathBuf,
+}
+
+impl<'a> System<'a> {
+    fn read(dotgen: &'a Path, scenario: &Path, policy: &'a str) -> Result<Self> {
+        let text = std::fs::read_to_string(scenario)?;
+        let folder = std::path::absolute(scenario.parent().context("no folder")?)?;
+        let kept = text.lines().filter(|it| {
+            let it = it.trim_start();
+            !it.starts_with("check ") && !it.starts_with("semantics ") && !it.starts_with("locks ")
+        });
+        let text = kept.collect::<Vec<_>>().join("\n");
+        let text = text.replace("use \"", &format!("use \"{}/", folder.display()));
+        let end = text.rfind('}').context("a scenario without end")?;
+        let directory = target().join("semantics");
+        std::fs::create_dir_all(&directory)?;
+        Ok(System {
+            dotgen,
+            policy,
+            text: text[..end].to_owned(),
+            file: directory.join("scenario.scn"),
+        })
+    }
+
+    /// What is answered for each task, with one point chosen apart.
+    fn answers(&self, preset: &str, cores: u32, point: Option<(&str, &str)>) -> Result<Answers> {
+        let point = point.map_or(String::new(), |(word, rule)| format!("  {word} {rule};\n"));
+        let text = format!(
+            "{}\n{point}  check schedulable *;\n  check response *;\n}}\n",
+            self.text
+        );
+        std::fs::write(&self.file, text)?;
+        let output = Command::new(self.dotgen)
+            .args(["verify", "--format", "json", "--max-states", MOST])
+            .args(["--semantics", preset, "--durations", "fixed"])
+            .args(["--cores", &cores.to_string(), "--policy", self.policy])
+            .arg(&self.file)
+            .output()?;
+        let report: Value =
+            serde_json::from_slice(&output.stdout).context("dotgen wrote no JSON")?;
+        let checks = report["checks"].as_array().context("no checks")?;
+        let answer = |it: &Value| {
+            let value = match &it["value"] {
+                Value::Null => String::new(),
+                Value::String(it) => it.clone(),
+                it => format!("{it} {}", report["unit"].as_str().unwrap_or("ms")),
+            };
+            match (it["verdict"].as_str().unwrap_or("?"), &*value) {
+                ("unknown", _) => "given up".to_owned(),
+                (verdict, "") => verdict.to_owned(),
+                (_, value) => value.to_owned(),
+            }
+        };
+        let key = |it: &Value| {
+            let word = |key: &str| it[key].as_str().unwrap_or("?").to_owned();
+            format!("{} {}", word("check"), word("of"))
+        };
+        Ok(checks.iter().map(|it| (key(it), answer(it))).collect())
+    }
+
+    /// The point by which the servers have another answer than the published models.
+    fn point(&self, check: &str, (one, other): (&str, &str), cores: u32) -> Result<String> {
+        if one == "given up" || other == "given up" {
+            return Ok("not known".to_owned());
+        }
+        let mut found = Vec::new();
+        for &(word, servers, published) in POINTS {
+            let as_published = self.answers("servers", cores, Some((word, published)))?;
+            let as_servers = self.answers("published", cores, Some((word, servers)))?;
+            if as_published.get(check).is_some_and(|it| it == one)
+                || as_servers.get(check).is_some_and(|it| it == other)
+            {
+                found.push(format!("`{word}`"));
+            }
+        }
+        Ok(match found.is_empty() {
+            true => "several together".to_owned(),
+            false => found.join(" or "),
+        })
+    }
+}
