@@ -193,6 +193,11 @@ pub(crate) trait Rules: Sized {
     /// Lets time pass, at most until the next moment.
     fn elapse(&self, s: &mut State, time: Ticks);
 
+    /// Whether time brings an executor nearer to the end of what it executes.
+    fn gets_on(&self, _s: &State, _executor: usize) -> bool {
+        true
+    }
+
     // ---- What is to be seen ----------------------------------------------------------------
 
     /// What the job of a task does.

@@ -1,4 +1,4 @@
-//! An independent interpreter of what the servers do (timed semantics, sections 8, 17, 18 and 21), written from that
+//! An independent interpreter of what the servers do (timed semantics, sections 8, 17, 18, 21 and 22), written from that
 //! description by the obvious method: states are plain structures, time passes unit by unit, every order of
 //! simultaneous atomic steps is followed, and nothing is merged. It shares neither the system tables nor the rules of
 //! the verifier: it reads specifications and scenarios by itself.

@@ -179,12 +179,13 @@ fn under_preemption_intervals_have_bounds_and_say_so() {
     // What was only explored holds for whole units.
     let explored = of("not d.lo.start.lock").next().expect("an answer");
     assert_ne!(explored.soundness, Soundness::Exact);
-    // With fixed durations nothing of this is needed.
+    // With fixed durations nothing of this is needed, and there is a run, with its preemption.
     let fixed = report(
         PRIORITIES,
         "cores 1; policy priority; durations fixed; check response *;",
     );
     let exact = fixed.checks.iter().find(|it| it.of == "d.lo");
+    assert!(exact.is_some_and(|it| !it.witness.is_empty() && !it.left_out));
     assert_eq!(
         exact.map(|it| (it.value, it.soundness)),
         Some((Some(Value::Time(7.0)), Soundness::Under))

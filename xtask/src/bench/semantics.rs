@@ -63,8 +63,9 @@ pub(crate) fn semantics(dotgen: &Path) -> Result<()> {
         let mut rows: Vec<(String, Vec<u32>)> = Vec::new();
         let mut same = 0;
         for cores in 1..=8 {
-            let published = system.answers("published", cores, None)?;
-            let servers = system.answers("servers", cores, None)?;
+            let published = system.answers("published", cores, &[])?;
+            let servers = system.answers("servers", cores, &[])?;
+            let mut variants: [Option<Vec<Variant>>; 3] = Default::default();
             for (check, one) in &published {
                 let Some(other) = servers.get(check) else {
                     continue;
@@ -73,7 +74,23 @@ pub(crate) fn semantics(dotgen: &Path) -> Result<()> {
                     same += 1;
                     continue;
                 }
-                let point = system.point(check, (one, other), cores)?;
+                // One point, or else as few together as make the difference.
+                let mut cause = None;
+                let known = ![one, other].contains(&&"given up".to_owned());
+                for (size, variants) in variants.iter_mut().enumerate().filter(|_| known) {
+                    let variants = match variants {
+                        Some(it) => it,
+                        none => none.insert(system.variants(cores, size + 1)?),
+                    };
+                    cause = cause.or_else(|| point(variants, check, (one, other)));
+                    if cause.is_some() {
+                        break;
+                    }
+                }
+                let point = cause.unwrap_or_else(|| match known {
+                    true => "more than three together".to_owned(),
+                    false => "not known".to_owned(),
+                });
                 let row = format!("{check} | {one} | {other} | {point}");
                 match rows.iter_mut().find(|it| it.0 == row) {
                     Some(it) => it.1.push(cores),
@@ -110,6 +127,8 @@ struct System<'a> {
     policy: &'a str,
     /// Text of the scenario without checks and semantics, up to its last brace.
     text: String,
+    /// Where the specifications are.
+    folder: PathBuf,
     file: PathBuf,
 }
 
@@ -130,15 +149,19 @@ impl<'a> System<'a> {
             dotgen,
             policy,
             text: text[..end].to_owned(),
+            folder,
             file: directory.join("scenario.scn"),
         })
     }
 
     /// What is answered for each task, with one point chosen apart.
-    fn answers(&self, preset: &str, cores: u32, point: Option<(&str, &str)>) -> Result<Answers> {
-        let point = point.map_or(String::new(), |(word, rule)| format!("  {word} {rule};\n"));
+    fn answers(&self, preset: &str, cores: u32, points: &[(&str, &str)]) -> Result<Answers> {
+        let points = points
+            .iter()
+            .map(|(word, rule)| format!("  {word} {rule};\n"));
+        let points: String = points.collect();
         let text = format!(
-            "{}\n{point}  check schedulable *;\n  check response *;\n}}\n",
+            "{}\n{points}  check schedulable *;\n  check response *;\n}}\n",
             self.text
         );
         std::fs::write(&self.file, text)?;
@@ -146,6 +169,8 @@ impl<'a> System<'a> {
             .args(["verify", "--format", "json", "--max-states", MOST])
             .args(["--semantics", preset, "--durations", "fixed"])
             .args(["--cores", &cores.to_string(), "--policy", self.policy])
+            .arg("-I")
+            .arg(self.folder.join("idl"))
             .arg(&self.file)
             .output()?;
         let report: Value =
@@ -170,24 +195,36 @@ impl<'a> System<'a> {
         Ok(checks.iter().map(|it| (key(it), answer(it))).collect())
     }
 
-    /// The point by which the servers have another answer than the published models.
-    fn point(&self, check: &str, (one, other): (&str, &str), cores: u32) -> Result<String> {
-        if one == "given up" || other == "given up" {
-            return Ok("not known".to_owned());
-        }
-        let mut found = Vec::new();
-        for &(word, servers, published) in POINTS {
-            let as_published = self.answers("servers", cores, Some((word, published)))?;
-            let as_servers = self.answers("published", cores, Some((word, servers)))?;
-            if as_published.get(check).is_some_and(|it| it == one)
-                || as_servers.get(check).is_some_and(|it| it == other)
-            {
-                found.push(format!("`{word}`"));
-            }
-        }
-        Ok(match found.is_empty() {
-            true => "several together".to_owned(),
-            false => found.join(" or "),
-        })
+    /// What is answered with so many points as the other semantics has them, for each choice of points.
+    fn variants(&self, cores: u32, size: usize) -> Result<Vec<Variant>> {
+        let choices = 0u32..1 << POINTS.len();
+        let choices = choices.filter(|it| it.count_ones() as usize == size);
+        let variant = |chosen: u32| {
+            let chosen = || (0..POINTS.len()).filter(move |it| chosen >> it & 1 == 1);
+            let published: Vec<_> = chosen().map(|it| (POINTS[it].0, POINTS[it].2)).collect();
+            let servers: Vec<_> = chosen().map(|it| (POINTS[it].0, POINTS[it].1)).collect();
+            let words: Vec<String> = chosen().map(|it| format!("`{}`", POINTS[it].0)).collect();
+            Ok(Variant {
+                words: words.join(" with "),
+                servers: self.answers("servers", cores, &published)?,
+                published: self.answers("published", cores, &servers)?,
+            })
+        };
+        choices.map(variant).collect()
     }
+}
+
+/// Answers with some points as the other semantics has them.
+struct Variant {
+    words: String,
+    servers: Answers,
+    published: Answers,
+}
+
+/// The points by which the servers have another answer than the published models, if some of these variants show it.
+fn point(variants: &[Variant], check: &str, (one, other): (&str, &str)) -> Option<String> {
+    let is = |answers: &Answers, wanted: &str| answers.get(check).is_some_and(|it| it == wanted);
+    let makes = |it: &&Variant| is(&it.servers, one) || is(&it.published, other);
+    let found: Vec<&str> = variants.iter().filter(makes).map(|it| &*it.words).collect();
+    (!found.is_empty()).then(|| found.join(" or "))
 }

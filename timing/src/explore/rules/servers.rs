@@ -218,6 +218,10 @@ impl Rules for Servers<'_> {
         self.let_pass(s, time);
     }
 
+    fn gets_on(&self, s: &State, executor: usize) -> bool {
+        !self.preempts() || self.executes_on(s, self.running(s), executor)
+    }
+
     fn job(&self, s: &State, task: usize) -> TaskStatus {
         let l = &self.layout;
         if l.has(s, task, flag::FIRST) {

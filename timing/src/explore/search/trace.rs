@@ -144,10 +144,12 @@ impl<R: Rules> Search<'_, R> {
                 let ended = actions
                     .iter()
                     .any(|it| matches!(it, Action::Finish { executor, .. } if *executor == e));
+                // What has no core stays as it is.
+                let progress = if self.rules.gets_on(&s, e) { jump } else { 0 };
                 Some(if ended {
-                    jump
+                    progress
                 } else {
-                    jump + after[e].unwrap_or(0)
+                    progress + after[e].unwrap_or(0)
                 })
             })
             .collect()

@@ -209,7 +209,7 @@ impl Servers<'_> {
     }
 
     /// Whether an executor gets on with its codel.
-    pub(super) fn gets_on(&self, s: &State, running: Threads, executor: usize) -> bool {
+    pub(super) fn executes_on(&self, s: &State, running: Threads, executor: usize) -> bool {
         let client = executor >= self.layout.tasks + self.layout.components;
         self.layout.phase(s, executor) == phase::EXECUTING
             && (client || running >> executor & 1 == 1)

@@ -28,7 +28,10 @@ impl Servers<'_> {
         for task in (0..l.tasks).filter(|&it| self.counts(s, it)) {
             least = least.min(l.timer(s, task));
         }
-        for executor in l.executing(s).filter(|&it| self.gets_on(s, running, it)) {
+        for executor in l
+            .executing(s)
+            .filter(|&it| self.executes_on(s, running, it))
+        {
             let (a, b) = l.window(s, executor);
             least = least.min(if can_wait(executor) { b } else { a.max(1) });
         }
@@ -67,7 +70,7 @@ impl Servers<'_> {
         }
         let running = self.running(s);
         let stays: Vec<_> = (l.executing(s))
-            .filter(|&it| !self.gets_on(s, running, it))
+            .filter(|&it| !self.executes_on(s, running, it))
             .map(|it| (it, l.window(s, it)))
             .collect();
         for &(executor, _) in &stays {
