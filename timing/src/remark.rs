@@ -78,7 +78,8 @@ impl std::fmt::Display for Sighting {
             ),
             Sighting::RestartsEndBoth { service } => write!(
                 f,
-                "two requests of {service} that come while an instance of it is being stopped interrupt each other, and                  neither is executed; let clients await the end of the first one before they send the next"
+                "two requests of {service} that come while an instance of it is being stopped interrupt each other, and \
+                 neither is executed; let clients await the end of the first one before they send the next"
             ),
         }
     }
@@ -223,7 +224,9 @@ fn words(first: &Remark, others: &[&Remark]) -> String {
         } => {
             let [time, period] = [time, period].map(|it| in_words(*it));
             format!(
-                "while {head} waits for {codel}, which takes up to {time}, the lock queue stands still: {task}, which shares                  nothing with it, waits behind and can miss its period of {period}; shorten what {codel} does with shared                  data, for example by a `local` copy"
+                "while {head} waits for {codel}, which takes up to {time}, the lock queue stands still: {task}, which shares \
+                 nothing with it, waits behind and can miss its period of {period}; shorten what {codel} does with \
+                 shared data, for example by a `local` copy"
             )
         }
         Remark::PortHold {
@@ -235,7 +238,8 @@ fn words(first: &Remark, others: &[&Remark]) -> String {
         } => {
             let [time, period] = [time, period].map(|it| in_words(*it));
             format!(
-                "{codel} holds a port for up to {time}; {other} waits for it meanwhile, and {task} can miss its period of                  {period}; let {codel} work on a `local` copy, and use the port in a short codel of its own"
+                "{codel} holds a port for up to {time}; {other} waits for it meanwhile, and {task} can miss its period of \
+                 {period}; let {codel} work on a `local` copy, and use the port in a short codel of its own"
             )
         }
     }
