@@ -3,7 +3,7 @@
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::Severity;
-use dotgen_analysis::host::{AnalysisHost, Cancellable};
+use dotgen_analysis::host::{AnalysisHost, Cancellable, Change};
 use dotgen_analysis::ide;
 use dotgen_analysis::model::{Component, ComponentKind, PortDir};
 use dotgen_analysis::source_map::Locations;
@@ -32,7 +32,7 @@ pub(crate) struct Answers {
     pub(crate) uses: Vec<(String, Utf8PathBuf)>,
 }
 
-/// The files of a component in a folder: specification, scenario, sources of the codels. `text` is all that is there.
+/// The files of a component in a folder: specification, scenario, sources of the codels. `texts` has all that is there.
 /// The error is a message for the user.
 pub(crate) fn files(
     host: &mut AnalysisHost,
@@ -58,14 +58,10 @@ pub(crate) fn files(
     let made = wanted.texts().map_err(|it| it.to_string())?;
     let specification = folder.join(format!("{}.gen", answers.name));
     let text = formatted(&made.specification);
-    let options = StubOptions {
-        use_parameters: true,
-        ..StubOptions::default()
-    };
-    let mut project = Project::new(host, texts, FilesConfig::default(), options);
-    project.overlay(specification.clone(), text.clone());
-    let stubs = command::stub(&mut project, &specification, &StubTarget::All)?;
-    drop(project);
+    host.apply(Change {
+        files: vec![(specification.clone(), Some(text.clone()))],
+        ..Change::default()
+    });
     let found = host.analysis().diagnostics(&specification);
     let found = found.map_err(|it| it.to_string())?;
     if let Some(error) = found.iter().find(|it| it.severity == Severity::Error) {
@@ -74,6 +70,14 @@ pub(crate) fn files(
             error.message
         ));
     }
+    let options = StubOptions {
+        use_parameters: true,
+        ..StubOptions::default()
+    };
+    let mut project = Project::new(host, texts, FilesConfig::default(), options);
+    project.overlay(specification.clone(), text.clone());
+    let stubs = command::stub(&mut project, &specification, &StubTarget::All)?;
+    drop(project);
     let scenario = specification.with_extension(EXTENSION);
     let of_scenario = scn::format(&made.scenario).unwrap_or(made.scenario);
     let mut out = vec![(specification, text), (scenario, of_scenario)];
