@@ -79,7 +79,7 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
     vscode.workspace.onDidGrantWorkspaceTrust(() => it.restart()),
   );
   // Commands about the workspace are shown where there is something to show.
-  await vscode.commands.executeCommand('setContext', 'dotgen.active', true);
+  void vscode.commands.executeCommand('setContext', 'dotgen.active', true);
   await it.start();
 }
 

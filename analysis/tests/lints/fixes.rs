@@ -343,6 +343,11 @@ fn fixes_remove_what_they_mend() {
           ids { long speed; };
           task t { codel<start> f(in speed) yield ether; };
         };
+        --- Add `long sped` to the ids
+        component c {
+          ids { long speed; long sped; };
+          task t { codel<start> f(in sped) yield ether; };
+        };
         --- Change to `speed_t`
         module m { typedef long speed_t; };
         component c {
@@ -441,9 +446,9 @@ fn what_is_used_and_declared_nowhere_can_be_declared() {
         (
             "unknown-type",
             "component c {\n  exception e_a;\n  exception e_b;\n\n  ids { long x; };\n\n  \
-             function f() { throw e_c; codel g(in x); };\n};\n",
-            "--- Declare the exception `e_c`\ncomponent c {\n  exception e_a;\n  exception e_b;\n  exception e_c;\n\n  \
-             ids { long x; };\n\n  function f() { throw e_c; codel g(in x); };\n};\n",
+             function f() { throw lost; codel g(in x); };\n};\n",
+            "--- Declare the exception `lost`\ncomponent c {\n  exception e_a;\n  exception e_b;\n  exception lost;\n\n  \
+             ids { long x; };\n\n  function f() { throw lost; codel g(in x); };\n};\n",
         ),
         // The first of its kind stands before what needs it.
         (
