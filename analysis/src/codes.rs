@@ -35,6 +35,12 @@ pub struct Code {
 /// What the codes begin with that come from a comparison with sources in C and C++.
 pub const CODEL: &str = "codel/";
 
+/// Whether a finding is about this machine and not about the text: a package that is not installed, a file that is
+/// not found. GenoM3 refuses such a specification; where it is installed, nothing is wrong with it.
+pub fn is_environment(code: &str) -> bool {
+    matches!(code, "pp-requires-unresolved" | "pp-include-not-found")
+}
+
 /// All codes of this layer and those below.
 pub fn all() -> impl Iterator<Item = Code> {
     let syntax = syntax::CODES.iter().map(|it| Code {

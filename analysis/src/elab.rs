@@ -18,6 +18,7 @@ mod foreign;
 mod import;
 mod initializer;
 mod newer;
+mod opaque;
 mod operator;
 mod param;
 mod pragma;

@@ -16,6 +16,8 @@ use smol_str::SmolStr;
 
 use crate::{
     base::{Db, FileStatus, RootDatabase, SourceFile, line_index, normalize},
+    codes,
+    deps::{self, Dependencies, standin::StandIn},
     diagnostic::{Diagnostic, Severity},
     ide::{self, *},
     lint::LintConfig,
@@ -193,6 +195,8 @@ pub struct UnitResult {
     pub files: Vec<Utf8PathBuf>,
     /// From ids to places.
     pub locations: Arc<UnitLocations>,
+    /// Every word of its files, if it has errors: a declaration may be lost in what was not understood.
+    pub words: Arc<FxHashSet<SmolStr>>,
 }
 
 impl UnitResult {
@@ -202,6 +206,24 @@ impl UnitResult {
             .diagnostics
             .iter()
             .any(|it| it.severity == Severity::Error)
+    }
+
+    /// Whether some text in it was not understood.
+    pub fn has_syntax_errors(&self) -> bool {
+        let mut errors = self
+            .diagnostics
+            .iter()
+            .filter(|it| it.severity == Severity::Error);
+        errors.any(|it| {
+            dotgen_syntax::codes::find(it.code).is_some() && !codes::is_environment(it.code)
+        })
+    }
+
+    /// Whether this machine lacks files or packages that it needs.
+    pub fn lacks_files(&self) -> bool {
+        self.diagnostics
+            .iter()
+            .any(|it| codes::is_environment(it.code))
     }
 }
 
@@ -498,6 +520,21 @@ impl Analysis {
         })
     }
 
+    /// What the specification of a root needs, and what of it is missing.
+    pub fn dependencies(&self, path: &Utf8Path) -> Cancellable<Dependencies> {
+        self.with(|db| deps::dependencies(db, db.file(path)))
+    }
+
+    /// Stand-ins for the included files of a root that are not found.
+    pub fn stand_ins(&self, path: &Utf8Path) -> Cancellable<Vec<StandIn>> {
+        self.with(|db| {
+            let file = db.file(path);
+            let needs = deps::dependencies(db, file);
+            let spec = &elaborated(db, unit::unit_of_root(db, file)).spec;
+            deps::standin::stand_ins(path, &needs, spec)
+        })
+    }
+
     /// The release of GenoM3 that a specification is read as.
     pub fn release(&self, path: &Utf8Path) -> Cancellable<ReleaseChoice> {
         self.with(|db| release::of_unit(db, unit::unit_of_root(db, db.file(path))))
@@ -530,9 +567,14 @@ impl Analysis {
 }
 
 fn unit_result<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> UnitResult {
+    let diagnostics = report::unit_report(db, unit).clone();
+    let rejected = diagnostics.iter().any(|it| it.severity == Severity::Error);
+    let words = unit::files(db, unit).into_iter().filter(|_| rejected);
+    let words = words.flat_map(|it| unit::mentioned(db, it).words.iter().cloned());
     UnitResult {
+        words: Arc::new(words.collect()),
         spec: elaborated(db, unit).spec.clone(),
-        diagnostics: report::unit_report(db, unit).clone(),
+        diagnostics,
         files: unit::files(db, unit)
             .iter()
             .map(|it| it.path(db).clone())

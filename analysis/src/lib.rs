@@ -3,6 +3,7 @@
 mod base;
 pub mod check;
 pub mod codes;
+pub mod deps;
 pub mod diagnostic;
 pub mod elab;
 pub mod finding;

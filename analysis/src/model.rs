@@ -9,6 +9,7 @@
 //! template language of GenoM3 exposes them (reference manual, "dotgen" objects).
 
 pub mod fsm;
+pub mod gaps;
 pub mod layout;
 pub mod mutex;
 pub mod system;
@@ -21,6 +22,7 @@ use serde::{Deserialize, Serialize};
 use smol_str::SmolStr;
 
 use crate::release::Release;
+pub use gaps::{Awaited, Gap, Missing, SourceKind};
 pub use types::{Label, Scope, ScopeKind, Type, TypeId, TypeKind, Value};
 
 /// A name as written in the specification.
@@ -58,6 +60,12 @@ pub struct Spec {
     pub pragma_requires: Vec<String>,
     /// Where the bodies of components and interfaces are, in order.
     pub bodies: Vec<Body>,
+    /// Where tasks and services are declared, in order: a reopened one has several entries.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub owner_bodies: Vec<OwnerBody>,
+    /// What components lack because a name could not be resolved; empty for what GenoM3 accepts.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gaps: Vec<Gap>,
 }
 
 /// A part of the text that stands in the body of a component or interface.
@@ -69,6 +77,17 @@ pub struct Body {
     pub item: Option<u32>,
     /// Index into [`Spec::components`].
     pub component: u32,
+}
+
+/// One declaration of a task or service.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OwnerBody {
+    /// Index into [`Spec::components`].
+    pub component: u32,
+    /// The task or service.
+    pub owner: Owner,
+    /// The whole declaration.
+    pub node: Src,
 }
 
 /// `component` or `interface`.
@@ -280,6 +299,8 @@ pub struct Codel {
     pub name: Name,
     /// The name in the declaration.
     pub src: Src,
+    /// The whole declaration.
+    pub node: Src,
     /// What it is for.
     pub kind: CodelKind,
     /// `async`
@@ -332,6 +353,9 @@ pub enum ParamSource {
     Port(u32),
     /// A remote (index into [`Component::remotes`]).
     Remote(u32),
+    /// Something that could not be resolved: it is missing, or comes from what is. Its type is
+    /// [`TypeKind::Unknown`].
+    Opaque,
 }
 
 /// One step of a path into a value.

@@ -326,6 +326,7 @@ impl Writer<'_> {
             ParamSource::Local(_) => "local",
             ParamSource::Port(_) => "port",
             ParamSource::Remote(_) => "remote",
+            ParamSource::Opaque => "unknown",
         };
         out.put("src", src);
         let is_whole_ids = matches!(param.source, ParamSource::Ids) && param.path.is_empty();

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use camino::Utf8PathBuf;
+use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_syntax::{
     TextRange, TextSize,
     line_index::{LineIndex, PositionEncoding},
@@ -57,6 +57,53 @@ struct VisitPlaces {
     ranges: Arc<PtrRanges>,
     lines: Arc<LineIndex>,
     calls: Arc<[MacroCall]>,
+    /// Its text has changed since.
+    moved: Option<Moved>,
+}
+
+/// Where what stood in a text stands after one part of it was replaced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Moved {
+    /// Where the part begins, in both texts.
+    pub start: usize,
+    /// Where it ended.
+    pub old_end: usize,
+    /// Where what took its place ends.
+    pub new_end: usize,
+}
+
+impl Moved {
+    /// The smallest part in which two texts differ; `None` if they are equal.
+    pub fn between(old: &str, new: &str) -> Option<Moved> {
+        if old == new {
+            return None;
+        }
+        let (a, b) = (old.as_bytes(), new.as_bytes());
+        let start = a.iter().zip(b).take_while(|(a, b)| a == b).count();
+        let (a, b) = (&a[start..], &b[start..]);
+        let same = a.iter().rev().zip(b.iter().rev());
+        let same = same.take_while(|(a, b)| a == b).count();
+        Some(Moved {
+            start,
+            old_end: old.len() - same,
+            new_end: new.len() - same,
+        })
+    }
+
+    /// Where a range is now; `None` if some of it was replaced.
+    pub fn range(&self, old: &std::ops::Range<usize>) -> Option<std::ops::Range<usize>> {
+        if old.end <= self.start {
+            return Some(old.clone());
+        }
+        let behind = |it: usize| it - self.old_end + self.new_end;
+        (old.start >= self.old_end).then(|| behind(old.start)..behind(old.end))
+    }
+
+    /// Whether a range was changed without being replaced as a whole.
+    pub fn is_within(&self, old: &std::ops::Range<usize>) -> bool {
+        let touched = self.start < old.end && old.start < self.old_end;
+        touched && !(self.start <= old.start && old.end <= self.old_end)
+    }
 }
 
 /// A call of a macro, and the size of what it stands for.
@@ -79,11 +126,29 @@ impl UnitLocations {
                 ranges: ranges(db, visit.key).clone(),
                 lines: line_index(db, file).clone(),
                 calls: macro_calls(db, visit.key),
+                moved: None,
             })
         });
         UnitLocations {
             visits: std::iter::once(None).chain(places).collect(),
         }
+    }
+
+    /// The same places in the present texts of the files, as far as they are still there. `text` gives the text that
+    /// a file had and the one that it has.
+    pub fn moved(&self, text: impl Fn(&Utf8Path) -> Option<(Arc<str>, Arc<str>)>) -> UnitLocations {
+        let mut out = self.clone();
+        for places in out.visits.iter_mut().flatten() {
+            let Some((old, new)) = text(&places.path) else {
+                continue;
+            };
+            places.moved = Moved::between(&old, &new);
+            if places.moved.is_some() {
+                places.lines = Arc::new(LineIndex::new(&new));
+                places.calls = Arc::default();
+            }
+        }
+        out
     }
 
     /// The macro calls in the file of an id, in text order.
@@ -125,7 +190,10 @@ fn macro_calls<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Arc<[MacroCall]> {
 impl Locations for UnitLocations {
     fn locate(&self, src: Src) -> Option<Location> {
         let visit = self.visits.get(src.visit as usize)?.as_ref()?;
-        let range = visit.ranges.get(ptr(src))?;
+        let mut range = visit.ranges.get(ptr(src))?;
+        if let Some(moved) = &visit.moved {
+            range = text_range(&moved.range(&bytes(range))?);
+        }
         let position = |offset| {
             let it = visit.lines.line_col(offset, PositionEncoding::Utf8);
             LineCol {

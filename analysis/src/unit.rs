@@ -32,7 +32,7 @@ use crate::{
         lower::{self, Lowered, PtrRanges},
     },
 };
-pub(crate) use walk::walk_unit;
+pub(crate) use walk::{STANDINS, walk_unit};
 
 /// A translation unit: the inputs in order, as one wrapper text that includes them.
 #[salsa::interned(debug)]

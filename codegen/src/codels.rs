@@ -9,6 +9,7 @@
 pub mod allow;
 pub mod codes;
 pub mod command;
+pub mod coverage;
 pub mod drift;
 pub mod edit;
 pub mod expected;
@@ -19,3 +20,4 @@ pub mod links;
 pub mod repair;
 pub mod source;
 pub mod stub;
+pub mod trust;

@@ -165,6 +165,9 @@ pub enum MapObject {
     Codel(u32, CodelRef),
 }
 
+/// Stands for a type of which not even the name is known.
+pub(crate) const OPAQUE: &str = "dotgen_opaque";
+
 /// Answers language questions about one specification.
 #[derive(Clone, Copy)]
 pub struct Mapper<'a> {
@@ -241,6 +244,14 @@ impl<'a> Mapper<'a> {
     /// [`Mapper::cname`] of the full name of a type.
     pub fn type_cname(&self, ty: TypeId) -> LangResult {
         self.cname(&self.full_name(ty)?)
+    }
+
+    /// The name of a type of which little more is known.
+    pub(crate) fn opaque_name(&self, ty: TypeId) -> LangResult {
+        match self.spec.ty(ty).name {
+            Some(_) => self.type_cname(ty),
+            None => Ok(OPAQUE.to_owned()),
+        }
     }
 
     /// A name for the type that is a valid identifier and different for different types. The same
@@ -461,7 +472,7 @@ pub fn param_types(spec: &Spec, component: u32, param: &Param) -> (TypeId, TypeI
             (ty, ty)
         }
         ParamSource::Ids => (component.ids.unwrap_or(param.base), param.ty),
-        ParamSource::Local(_) => (param.base, param.ty),
+        ParamSource::Local(_) | ParamSource::Opaque => (param.base, param.ty),
     }
 }
 

@@ -3,6 +3,7 @@
 mod check;
 mod codels;
 mod completions;
+mod deps;
 mod diagram;
 mod explain;
 mod fmt;
@@ -45,6 +46,7 @@ enum Command {
     Check(check::Arguments),
     Explain(explain::Arguments),
     Codels(codels::Arguments),
+    Deps(deps::Arguments),
     Generate(generate::Arguments),
     Diagram(diagram::Arguments),
     Fmt(fmt::Arguments),
@@ -137,6 +139,7 @@ pub fn main() -> ExitCode {
         Command::Check(arguments) => check::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),
         Command::Codels(arguments) => codels::run(&arguments),
+        Command::Deps(arguments) => deps::run(&arguments),
         Command::Generate(arguments) => return generate::run_parsed(&arguments),
         Command::Diagram(arguments) => diagram::run(&arguments),
         Command::Fmt(arguments) => fmt::run(&arguments),

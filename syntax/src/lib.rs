@@ -12,6 +12,7 @@ pub mod kind;
 pub mod lexer;
 pub mod line_index;
 pub mod near;
+pub mod packages;
 pub mod parser;
 pub mod preproc;
 pub mod release;

@@ -79,7 +79,7 @@ impl<'a> Elaborator<'a> {
     fn resolve_codel(&mut self, index: u32, owner: Owner, source: CodelSource<'a>) {
         let decl = source.decl;
         let Some(name) = &decl.name else { return };
-        let at = self.src(name.ptr);
+        let (at, node) = (self.src(name.ptr), self.src(decl.ptr));
         let known = self.spec.components[index as usize]
             .codels_of(owner)
             .iter()
@@ -132,6 +132,7 @@ impl<'a> Elaborator<'a> {
         let codel = Codel {
             name: name.text.clone(),
             src: at,
+            node,
             kind: source.kind,
             is_async: decl.is_async,
             params,
@@ -181,9 +182,11 @@ impl<'a> Elaborator<'a> {
         for decl in &decl.params {
             let Some(param) = self.codel_param(index, service, decl, kind) else {
                 complete = false;
+                params.extend(self.opaque_param(index, service, decl));
                 continue;
             };
-            if let Some(first) = params.iter().find(|it| it.name == param.name) {
+            let known = |it: &&Param| it.name == param.name && it.source != ParamSource::Opaque;
+            if let Some(first) = params.iter().find(known) {
                 let diagnostic = Finding::new(
                     Using::ParamTwice {
                         name: param.name.clone(),

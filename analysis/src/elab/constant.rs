@@ -202,6 +202,10 @@ impl<'a> Elaborator<'a> {
             ExprKind::Path(path) => {
                 let Some(ty) = self.resolve_path(path) else {
                     self.report_unresolved(path, false);
+                    self.lack(crate::model::Missing::Name {
+                        name: super::types::path_text(path).into(),
+                        constant: true,
+                    });
                     return Const::Unknown;
                 };
                 match &self.spec.ty(ty).kind {

@@ -27,7 +27,7 @@ const MAX_HINTS: u32 = 100;
 
 /// An elaboration in progress.
 pub(super) struct Elaborator<'a> {
-    visits: &'a [Visit<'a>],
+    pub(super) visits: &'a [Visit<'a>],
     /// The visit being read.
     pub(super) visit: u32,
     include_depth: usize,
@@ -58,6 +58,8 @@ pub(super) struct Elaborator<'a> {
 
     /// Interfaces of `#pragma provides` so far.
     pub(super) pragma_provides: Vec<u32>,
+    /// Interfaces of `#pragma provides` that are not known.
+    pub(super) pragma_unknown: Vec<Text>,
     pub(super) pragma_wcet: Vec<PragmaWcet>,
 
     /// What only newer releases accept, and what is required of the release.
@@ -123,6 +125,7 @@ impl<'a> Elaborator<'a> {
             component_by_name: FxHashMap::default(),
             codels: FxHashMap::default(),
             pragma_provides: Vec::new(),
+            pragma_unknown: Vec::new(),
             pragma_wcet: Vec::new(),
             newer: super::newer::Newer::default(),
             diagnostics: Vec::new(),

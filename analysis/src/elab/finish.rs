@@ -6,7 +6,9 @@ use num_rational::Ratio;
 
 use super::{Access, Elaborated, context::Elaborator, property::to_f64};
 use crate::finding::{Finding, names::Naming, values::Valuing};
-use crate::model::{ComponentKind, Quantity, Seconds, Spec, TypeId, TypeKind, visit::TypeIds};
+use crate::model::{
+    ComponentKind, Gap, Missing, Quantity, Seconds, Spec, TypeId, TypeKind, visit::TypeIds,
+};
 use crate::release::Change;
 
 impl Elaborator<'_> {
@@ -16,6 +18,14 @@ impl Elaborator<'_> {
         for index in 0..self.spec.components.len() {
             if self.spec.components[index].kind == ComponentKind::Component {
                 self.settle_clock_rate(index);
+                if self.spec.components[index].lang.is_none()
+                    && !self.spec.missing_interfaces(index as u32).is_empty()
+                {
+                    self.spec.gaps.push(Gap {
+                        component: Some(index as u32),
+                        missing: Missing::Language,
+                    });
+                }
                 let component = &mut self.spec.components[index];
                 component.lang.get_or_insert_with(|| "c".to_owned());
                 component.version.get_or_insert_with(|| "0".to_owned());

@@ -14,8 +14,8 @@ use crate::{
     finding::{Finding, names::Naming, services::Declaring},
     item_tree::Name,
     model::{
-        ComponentKind, Name as Text, Owner, Param, ParamDir, Port, PortDir, Remote, Service,
-        ServiceKind, Src, TypeId, TypeKind,
+        ComponentKind, Gap, Missing, Name as Text, Owner, Param, ParamDir, Port, PortDir, Remote,
+        Service, ServiceKind, Src, TypeId, TypeKind,
     },
     release::Change,
 };
@@ -55,6 +55,13 @@ impl<'a> Elaborator<'a> {
                 |name| Naming::NotAnInterface { name },
             ) else {
                 self.components[index as usize].incomplete = true;
+                self.spec.gaps.push(Gap {
+                    component: Some(index),
+                    missing: Missing::Interface {
+                        name: name.text.clone(),
+                        used: word == "uses",
+                    },
+                });
                 continue;
             };
             list.push((interface, at));
@@ -116,6 +123,13 @@ impl<'a> Elaborator<'a> {
     pub(super) fn import_by_pragma(&mut self, index: u32, at: Src) {
         for interface in self.pragma_provides.clone() {
             self.import(index, interface, "provides", at, true);
+        }
+        for name in self.pragma_unknown.clone() {
+            let missing = Missing::Interface { name, used: false };
+            self.spec.gaps.push(Gap {
+                component: Some(index),
+                missing,
+            });
         }
     }
 

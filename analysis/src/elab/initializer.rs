@@ -48,6 +48,10 @@ impl<'a> Elaborator<'a> {
         member: Option<PathElement>,
     ) -> Option<Initializer> {
         let at = self.src(init.ptr);
+        // The members of a stand-in are made up: no value can be wrong for them.
+        if init.value.is_some() && self.is_made_up(ty) {
+            return None;
+        }
         let value = match &init.value {
             None => InitValue::Void,
             Some(item_tree::InitValue::Scalar(expr)) => {

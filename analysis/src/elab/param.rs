@@ -173,13 +173,13 @@ impl<'a> Elaborator<'a> {
 
     // What a name means
 
-    fn ids_member(&self, index: u32, name: &str) -> Option<TypeId> {
+    pub(super) fn ids_member(&self, index: u32, name: &str) -> Option<TypeId> {
         let scope = self.components[index as usize].ids?;
         let member = *self.scopes.get(scope).names.get(name)?;
         matches!(self.spec.ty(member).kind, TypeKind::StructMember { .. }).then_some(member)
     }
 
-    fn local_named(&self, index: u32, service: Option<u32>, name: &str) -> Option<u32> {
+    pub(super) fn local_named(&self, index: u32, service: Option<u32>, name: &str) -> Option<u32> {
         let service = &self.spec.components[index as usize].services[service? as usize];
         let found = service.params.iter().position(|it| it.name == name)?;
         Some(found as u32)
@@ -533,9 +533,12 @@ impl<'a> Elaborator<'a> {
         written: &Written<'a>,
         path: &mut Vec<PathElement>,
     ) -> Option<TypeId> {
-        for step in written.rest {
+        for (number, step) in written.rest.iter().enumerate() {
             let last = types::look_through(&self.spec, ty);
             let unknown = self.spec.ty(last).kind == TypeKind::Unknown;
+            if unknown {
+                self.lack_member(last, &written.rest[number..]);
+            }
             match step {
                 PathStep::Member(name) => {
                     if unknown {

@@ -41,6 +41,9 @@ impl<'a> Elaborator<'a> {
                         |name| Naming::UnknownInPragma { name },
                         |name| Naming::ComponentInPragma { name },
                     );
+                    if found.is_none() {
+                        self.pragma_unknown.push(name.clone());
+                    }
                     union(&mut self.pragma_provides, found);
                 }
             }

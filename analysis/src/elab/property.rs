@@ -15,7 +15,7 @@ use crate::{
         values::Valuing,
     },
     item_tree::{Duration, Expr, ExprKind, Path, Property, PropertyKind, Unit},
-    model::{Quantity, Seconds, Src, TypeId, TypeKind, Value},
+    model::{Gap, Missing, Owner, Quantity, Seconds, Src, TypeId, TypeKind, Value},
     release::Change,
 };
 
@@ -155,7 +155,7 @@ impl<'a> Elaborator<'a> {
             | PropertyKind::Uses(names)
             | PropertyKind::Extends(names) => self.imports(index, names, word),
             PropertyKind::Throws(list) => {
-                let added = self.throws(list);
+                let added = self.throws(list, index, None);
                 union(&mut self.spec.components[index as usize].throws, added);
             }
             PropertyKind::Local { ty, .. } => {
@@ -261,17 +261,38 @@ impl<'a> Elaborator<'a> {
     }
 
     /// The exceptions of a `throws` list.
-    pub(super) fn throws(&mut self, list: &'a [Path]) -> Vec<TypeId> {
+    pub(super) fn throws(
+        &mut self,
+        list: &'a [Path],
+        component: u32,
+        owner: Option<Owner>,
+    ) -> Vec<TypeId> {
         let mut exceptions = Vec::with_capacity(list.len());
         for path in list {
             let at = self.src(path.ptr);
             let Some(ty) = self.resolve_path(path) else {
                 self.report_unresolved_exception(path, at);
+                self.spec.gaps.push(Gap {
+                    component: Some(component),
+                    missing: Missing::Exception {
+                        name: super::types::path_text(path).into(),
+                        owner,
+                    },
+                });
                 continue;
             };
             match &self.spec.ty(ty).kind {
                 TypeKind::Exception { .. } => {}
-                TypeKind::Unknown => continue,
+                TypeKind::Unknown => {
+                    self.spec.gaps.push(Gap {
+                        component: Some(component),
+                        missing: Missing::Exception {
+                            name: super::types::path_text(path).into(),
+                            owner,
+                        },
+                    });
+                    continue;
+                }
                 _ => {
                     let what = super::types::describe(&self.spec, ty);
                     let name = super::types::path_text(path);

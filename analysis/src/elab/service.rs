@@ -18,7 +18,8 @@ use crate::{
     },
     item_tree::{CodelDecl, Item, Name, ParamDecl, Property, PropertyKind, ServiceDecl},
     model::{
-        CodelKind, ComponentKind, Name as Text, Owner, Service, ServiceKind, ServiceList, Src,
+        CodelKind, ComponentKind, Name as Text, Owner, OwnerBody, Service, ServiceKind,
+        ServiceList, Src,
     },
     release::Change,
 };
@@ -116,6 +117,12 @@ impl<'a> Elaborator<'a> {
                 .map(|decl| PathSource { decl, visit, scope })
                 .collect();
         }
+        let node = self.src(decl.ptr);
+        self.spec.owner_bodies.push(OwnerBody {
+            component: index,
+            owner: Owner::Service(service),
+            node,
+        });
         let state = &mut self.components[index as usize].services[service as usize];
         state.locals_here.clear();
         let container = state.def;
@@ -259,7 +266,7 @@ impl<'a> Elaborator<'a> {
                 self.spec.components[c].services[s].doc = docs;
             }
             PropertyKind::Throws(list) => {
-                let added = self.throws(list);
+                let added = self.throws(list, index, Some(Owner::Service(service)));
                 union(&mut self.spec.components[c].services[s].throws, added);
             }
             PropertyKind::Interrupts(list) => {

@@ -12,7 +12,7 @@ use super::{
 use crate::{
     finding::{Finding, services::Declaring, values::Valuing},
     item_tree::{Item, Name, PropertyKind, Ptr},
-    model::{CodelKind, Name as Text, Owner, Src, Task},
+    model::{CodelKind, Name as Text, Owner, OwnerBody, Src, Task},
     release::Change,
 };
 
@@ -37,6 +37,12 @@ impl<'a> Elaborator<'a> {
                 task
             }
         };
+        let node = self.src(ptr);
+        self.spec.owner_bodies.push(OwnerBody {
+            component: index,
+            owner: Owner::Task(task),
+            node,
+        });
         let container = self.components[index as usize].tasks[task as usize].def;
         let outer = self.container.replace(container);
         self.for_each(properties, |this, item| {
@@ -96,7 +102,7 @@ impl<'a> Elaborator<'a> {
                 self.spec.components[c].tasks[t].doc = docs;
             }
             PropertyKind::Throws(list) => {
-                let added = self.throws(list);
+                let added = self.throws(list, index, Some(Owner::Task(task)));
                 union(&mut self.spec.components[c].tasks[t].throws, added);
             }
             PropertyKind::Period(duration) | PropertyKind::Delay(duration) => {

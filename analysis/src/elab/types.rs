@@ -10,7 +10,7 @@ use crate::{
         values::Valuing,
     },
     item_tree::{BaseType, Declarator, Expr, Path, TypeRef, TypeRefKind},
-    model::{Spec, Src, TypeId, TypeKind},
+    model::{Missing, Spec, Src, TypeId, TypeKind},
 };
 
 /// Where a type is used, as far as forward declarations are concerned.
@@ -34,12 +34,12 @@ impl<'a> Elaborator<'a> {
             TypeRefKind::Base(base) => self.anonymous(base_kind(*base), at),
             TypeRefKind::String { bound } => {
                 let bound = bound.as_ref().map(|it| self.size(it, "bound"));
-                self.anonymous(TypeKind::String { bound }, at)
+                self.sized(bound, at, |bound| TypeKind::String { bound })
             }
             TypeRefKind::Sequence { element, bound } => {
                 let element = self.type_ref_for(element, Use::Element);
                 let bound = bound.as_ref().map(|it| self.size(it, "bound"));
-                self.anonymous(TypeKind::Sequence { element, bound }, at)
+                self.sized(bound, at, |bound| TypeKind::Sequence { element, bound })
             }
             TypeRefKind::Optional { element } => {
                 let element = self.type_ref_for(element, Use::Element);
@@ -59,7 +59,11 @@ impl<'a> Elaborator<'a> {
         let at = self.src(path.ptr);
         let Some(ty) = self.resolve_path(path) else {
             self.report_unresolved(path, true);
-            return self.unknown(at);
+            self.lack(Missing::Name {
+                name: path_text(path).into(),
+                constant: false,
+            });
+            return self.opaque_type(path, at);
         };
         // The reference compiler takes whatever has the name.
         if matches!(
@@ -215,29 +219,43 @@ impl<'a> Elaborator<'a> {
     /// Wraps a type into the arrays of a declarator, the innermost dimension first.
     pub(super) fn declared_type(&mut self, base: TypeId, declarator: &'a Declarator) -> TypeId {
         let at = self.src(declarator.name.ptr);
-        let lengths: Vec<u64> = declarator
+        let lengths: Vec<Option<u64>> = declarator
             .dimensions
             .iter()
             .map(|it| self.size(it, "array size"))
             .collect();
         let mut element = base;
         for length in lengths.into_iter().rev() {
-            element = self.anonymous(TypeKind::Array { element, length }, at);
+            element = match length {
+                Some(length) => self.anonymous(TypeKind::Array { element, length }, at),
+                None => self.unknown(at),
+            };
         }
         element
     }
 
-    /// The size of an array or a bound, with a warning when it is zero.
-    fn size(&mut self, expr: &'a Expr, what: &'static str) -> u64 {
-        let at = self.src(expr.ptr);
-        match self.positive(expr, what) {
-            Some(0) => {
-                self.error(at, Valuing::Zero { what });
-                0
-            }
-            Some(size) => size,
-            None => 1,
+    /// A type with a bound, if it has one; unknown if the bound is.
+    fn sized(
+        &mut self,
+        bound: Option<Option<u64>>,
+        at: Src,
+        kind: impl FnOnce(Option<u64>) -> TypeKind,
+    ) -> TypeId {
+        match bound {
+            Some(None) => self.unknown(at),
+            bound => self.anonymous(kind(bound.flatten()), at),
         }
+    }
+
+    /// The size of an array or a bound, with a warning when it is zero. `None` if it is not known, which was
+    /// reported.
+    fn size(&mut self, expr: &'a Expr, what: &'static str) -> Option<u64> {
+        let at = self.src(expr.ptr);
+        let size = self.positive(expr, what)?;
+        if size == 0 {
+            self.error(at, Valuing::Zero { what });
+        }
+        Some(size)
     }
 }
 

@@ -166,6 +166,7 @@ fn parameter(spec: &Spec, it: &Param, source: bool) -> String {
         ParamSource::Local(_) => "local ",
         ParamSource::Port(_) => "port ",
         ParamSource::Remote(_) => "remote ",
+        ParamSource::Opaque => "",
     };
     let ty = match it.source {
         ParamSource::Remote(_) => String::new(),

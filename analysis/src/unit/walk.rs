@@ -22,6 +22,9 @@ const PRAGMA: &str = "_Pragma";
 /// Files that may be open at the same time (language reference, 2.3).
 const MAX_DEPTH: usize = 100;
 
+/// Where stand-ins for interfaces are, relative to the folder of the root: searched last.
+pub(crate) const STANDINS: &str = ".dotgen/standins";
+
 /// Visits after which a unit is cut off; far beyond what any real specification needs.
 const MAX_VISITS: usize = 4_000;
 
@@ -181,8 +184,12 @@ impl<'db> Walker<'db> {
                 .chain(self.search.iter().map(Utf8PathBuf::as_path))
                 .collect(),
         };
+        // What stands in for a file that is nowhere else.
+        let root = self.visits.first().map(|it| it.file.path(self.db));
+        let standins = root.and_then(|it| it.parent()).map(|it| it.join(STANDINS));
+        let last = standins.as_deref().filter(|_| !name.is_absolute());
         let mut obstacle = None;
-        for dir in &dirs {
+        for dir in dirs.iter().copied().chain(last) {
             let candidate = dir.join(name);
             let file = self.db.file(&candidate);
             match file.status(self.db) {

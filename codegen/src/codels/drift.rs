@@ -10,6 +10,7 @@ mod orphan;
 mod signature;
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use camino::Utf8PathBuf;
 pub use dotgen_analysis::diagnostic::Severity;
@@ -21,6 +22,7 @@ use super::{
     expected::{Expected, ExpectedFunction},
     files::{IndexedFile, Sources},
     source::Function,
+    trust::Trust,
 };
 
 /// Kinds of drift.
@@ -212,6 +214,8 @@ pub struct DriftOptions {
     pub also_named: FxHashSet<Name>,
     /// A parameter with another name and the right type is a mismatch.
     pub parameter_names: bool,
+    /// What of the specification can be relied on.
+    pub trust: Arc<Trust>,
 }
 
 /// Compares components with the sources they share. Findings are by component, in order of codels,
@@ -225,6 +229,9 @@ pub fn check(all: &[Expected<'_>], sources: &Sources, options: &DriftOptions) ->
     let mut renamed = FxHashSet::default();
     for expected in all.iter().filter(|it| are_here(it, sources)) {
         for function in &expected.functions {
+            if options.trust.is_faulty(expected, function) {
+                continue;
+            }
             let check = Check {
                 expected,
                 function,
@@ -250,7 +257,9 @@ pub fn check(all: &[Expected<'_>], sources: &Sources, options: &DriftOptions) ->
             comment::check(&check, &definitions, &mut out);
         }
     }
-    for orphan in orphans.iter().filter(|it| !renamed.contains(&it.place())) {
+    let alone = |it: &&Found<'_>| !renamed.contains(&it.place());
+    let certain = orphan::are_certain(all, options);
+    for orphan in orphans.iter().filter(|_| certain).filter(alone) {
         out.extend(orphan::report(orphan, all));
     }
     out

@@ -6,7 +6,7 @@
 //! comparison went through one normalization.
 
 use dotgen_analysis::model::{
-    CodelKind, CodelRef, Component, Name, Owner, Port, Service, ServiceKind, Spec, Src, State,
+    Awaited, CodelKind, CodelRef, Component, Name, Owner, Port, Service, ServiceKind, Spec, Src, State,
     TypeId, TypeKind,
 };
 use dotgen_analysis::release::Change;
@@ -32,6 +32,10 @@ pub struct Expected<'a> {
     /// Spellings of all exceptions of the specification.
     pub exceptions: FxHashMap<SmolStr, TypeId>,
     aliases: FxHashMap<SmolStr, CType>,
+    /// Spellings of types that are written as nobody can know.
+    opaque: FxHashSet<SmolStr>,
+    /// Spellings of all types of the specification.
+    named: FxHashSet<SmolStr>,
 }
 
 /// The function behind one or more codels of the same name.
@@ -50,6 +54,10 @@ pub struct ExpectedFunction {
     pub returns: FxHashSet<SmolStr>,
     /// Exceptions that it may throw in any use.
     pub throws: FxHashSet<TypeId>,
+    /// What its parameters wait for in any use: see [`Spec::awaited`].
+    pub awaits: Awaited,
+    /// In some use it may throw more than is known here.
+    pub throws_more: bool,
 }
 
 /// The file suffix and mapping that go with a language.
@@ -64,15 +72,23 @@ fn interface_language(component: &Component) -> Language {
 impl<'a> Expected<'a> {
     /// What a component wants.
     pub fn new(spec: &'a Spec, component: u32) -> Expected<'a> {
+        let language = interface_language(&spec.components[component as usize]);
+        Expected::in_language(spec, component, language)
+    }
+
+    /// What a component wants whose codels are in a language, whatever the specification says.
+    pub fn in_language(spec: &'a Spec, component: u32, language: Language) -> Expected<'a> {
         let it = &spec.components[component as usize];
         let mut out = Expected {
             spec,
             component,
-            language: interface_language(it),
+            language,
             functions: Vec::new(),
             events: FxHashMap::default(),
             exceptions: FxHashMap::default(),
             aliases: FxHashMap::default(),
+            opaque: FxHashSet::default(),
+            named: FxHashSet::default(),
         };
         let events = it
             .all_codels()
@@ -103,6 +119,7 @@ impl<'a> Expected<'a> {
         }
         out.collect_functions();
         out.collect_aliases();
+        out.collect_opaque();
         out.collect_ports();
         out
     }
@@ -195,6 +212,16 @@ impl<'a> Expected<'a> {
         ty
     }
 
+    /// Whether it cannot be known how values of a type are written: it agrees with any.
+    pub fn is_opaque(&self, ty: &CType) -> bool {
+        !self.opaque.is_empty() && self.opaque.contains(&self.canonical(ty).base)
+    }
+
+    /// Whether the specification has a type of that spelling.
+    pub fn has_type(&self, base: &str) -> bool {
+        self.knows_type(base) || self.named.contains(base)
+    }
+
     /// The base type is one that the specification, the language or genom3 defines.
     pub fn knows_type(&self, base: &str) -> bool {
         matches!(
@@ -230,6 +257,8 @@ impl<'a> Expected<'a> {
                 CodelKind::Simple | CodelKind::Validate => vec![self.ok().into()],
             };
             let throws = self.throws_of(at.owner);
+            let awaits = self.spec.awaited(self.component, codel);
+            let throws_more = self.spec.lacks_exceptions(self.component, at.owner);
             let known = self.functions.iter_mut().find(|it| it.name == codel.name);
             let function = match known {
                 Some(known) => known,
@@ -242,6 +271,8 @@ impl<'a> Expected<'a> {
                         shape: None,
                         returns: FxHashSet::default(),
                         throws: FxHashSet::default(),
+                        awaits: Awaited::default(),
+                        throws_more: false,
                     });
                     let last = self.functions.len() - 1;
                     &mut self.functions[last]
@@ -250,6 +281,17 @@ impl<'a> Expected<'a> {
             function.uses.push(at);
             function.returns.extend(returns);
             function.throws.extend(throws);
+            function.throws_more |= throws_more;
+            for (all, more) in [
+                (&mut function.awaits.interfaces, awaits.interfaces),
+                (&mut function.awaits.types, awaits.types),
+            ] {
+                for name in more {
+                    if !all.contains(&name) {
+                        all.push(name);
+                    }
+                }
+            }
         }
         let signatures = self.functions.iter().map(|it| it.signature.as_deref());
         let shapes = read_prototypes(signatures.map(Result::ok), self.language);
@@ -279,6 +321,35 @@ impl<'a> Expected<'a> {
                     self.aliases.insert(name, parameter.ty);
                 }
             }
+        }
+    }
+
+    fn collect_opaque(&mut self) {
+        let ids = (0u32..).map(TypeId).take(self.spec.types.len());
+        let (mut named, mut texts) = (Vec::new(), Vec::new());
+        for id in ids {
+            let ty = self.spec.ty(id);
+            let value = matches!(
+                ty.kind,
+                TypeKind::Const { .. }
+                    | TypeKind::StructMember { .. }
+                    | TypeKind::UnionMember { .. }
+            );
+            if value {
+                continue;
+            }
+            if self.spec.opaque(id).is_some() {
+                texts.extend(self.mapper().declarator(id, "x").ok());
+            } else if ty.name.is_some() {
+                named.push(self.spelling(id));
+            }
+        }
+        self.named.extend(named);
+        let texts: Vec<String> = texts.iter().map(|it| format!("void f({it})")).collect();
+        let shapes = read_prototypes(texts.iter().map(|it| Some(it.as_str())), self.language);
+        for shape in shapes.into_iter().flatten() {
+            self.opaque
+                .extend(shape.parameters.into_iter().map(|it| it.ty.base));
         }
     }
 

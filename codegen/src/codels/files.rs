@@ -260,6 +260,12 @@ impl Sources {
         }
     }
 
+    /// Whether some function returns an event as C++ writes it.
+    pub fn speak_cxx(&self) -> bool {
+        let mut functions = self.sources.iter().flat_map(|it| &it.index.functions);
+        functions.any(|it| it.result.base == "genom::event")
+    }
+
     /// Sources and headers.
     pub fn all(&self) -> impl Iterator<Item = &IndexedFile> {
         self.sources.iter().chain(&self.headers)

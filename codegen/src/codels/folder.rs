@@ -1,21 +1,24 @@
 //! Which components have their codels in which folder.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_analysis::diagnostic::Severity;
 use dotgen_analysis::host::{Analysis, Cancellable, UnitResult};
-use dotgen_analysis::model::{ComponentKind, Name};
+use dotgen_analysis::model::{ComponentKind, Missing, Name};
 use dotgen_analysis::source_map::Locations;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{
     allow,
     command::{Side, diagnostics},
+    coverage::Coverage,
     drift::{self, Drift, DriftOptions},
     expected::Expected,
     files::Sources,
+    trust::Trust,
 };
+use crate::lang::Language;
 
 /// A folder of codels and the components whose codels it holds.
 pub struct Folder {
@@ -29,6 +32,10 @@ pub struct Folder {
     pub sources: Sources,
     /// Names of codels of other specifications beside this one.
     pub also_named: FxHashSet<Name>,
+    /// What of the specification can be relied on.
+    pub trust: Arc<Trust>,
+    /// The unit is that of an earlier text: the present one has syntax errors.
+    pub is_earlier: bool,
 }
 
 impl Folder {
@@ -41,16 +48,32 @@ impl Folder {
 
     /// What the components want.
     pub fn expected(&self) -> Vec<Expected<'_>> {
+        let spec = &self.unit.spec;
         let components = self.components.iter();
         components
-            .map(|&it| Expected::new(&self.unit.spec, it))
+            .map(|&it| {
+                // What an interface would say that is not here, the sources tell.
+                let unsaid = spec.gaps_of(it).any(|gap| *gap == Missing::Language);
+                match unsaid && self.sources.speak_cxx() {
+                    true => Expected::in_language(spec, it, Language::Cxx),
+                    false => Expected::new(spec, it),
+                }
+            })
             .collect()
+    }
+
+    /// How much can be compared.
+    pub fn coverage(&self, all: &[Expected<'_>]) -> Coverage {
+        let mut out = Coverage::default();
+        all.iter().for_each(|it| out.add(it, &self.trust));
+        out
     }
 
     /// Compares both sides.
     pub fn check(&self, all: &[Expected<'_>]) -> Vec<Drift> {
         let options = DriftOptions {
             also_named: self.also_named.clone(),
+            trust: self.trust.clone(),
             ..DriftOptions::default()
         };
         drift::check(all, &self.sources, &options)
@@ -80,26 +103,10 @@ impl Folder {
     }
 }
 
-/// The folders of codels of all components that a unit declares. `sources` reads the folder of a
-/// `.gen`. A unit with errors has none: why.
-pub fn folders(
-    root: &Utf8Path,
-    unit: &UnitResult,
-    sources: &mut dyn FnMut(&Utf8Path) -> Sources,
-) -> Result<Vec<Folder>, String> {
-    // A model with errors has gaps that would be reported as drift.
-    if !unit.accepted() {
-        let mut errors = unit
-            .diagnostics
-            .iter()
-            .filter(|it| it.severity == Severity::Error);
-        let first = errors.next().map(|it| it.message.as_str());
-        return Err(format!(
-            "{root}: not compared with its codels: the specification has {} error(s), the first: {}",
-            errors.count() + 1,
-            first.unwrap_or_default()
-        ));
-    }
+/// The folders of codels of all components that a unit declares. `sources` reads the folder of a `.gen`. Of a unit
+/// with errors, what they leave alone is compared: see [`Trust`].
+pub fn folders(unit: &UnitResult, sources: &mut dyn FnMut(&Utf8Path) -> Sources) -> Vec<Folder> {
+    let trust = Arc::new(Trust::of(unit));
     let mut by_file: BTreeMap<Utf8PathBuf, Vec<u32>> = BTreeMap::new();
     for (index, component) in (0u32..).zip(&unit.spec.components) {
         let location = unit.locations.locate(component.src);
@@ -114,8 +121,10 @@ pub fn folders(
         unit: unit.clone(),
         components,
         also_named: FxHashSet::default(),
+        trust: trust.clone(),
+        is_earlier: false,
     };
-    Ok(by_file.into_iter().map(folder).collect())
+    by_file.into_iter().map(folder).collect()
 }
 
 /// Specifications in one folder share its codels: each learns the names that the others use.

@@ -6,12 +6,13 @@
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::model::TypeId;
+use rustc_hash::FxHashSet;
 
 use super::{
     expected::Expected,
     stub::{NewFile, types_header},
 };
-use crate::lang::{LangError, Language, MapObject};
+use crate::lang::{LangError, Language, MapObject, text};
 
 /// The `genom3` headers, by path below an include directory.
 const RUNTIME: [(&str, &str); 7] = [
@@ -91,7 +92,7 @@ pub fn headers(
 pub fn types(expected: &Expected<'_>) -> Result<String, LangError> {
     let all = (0..expected.spec.types.len() as u32).map(|it| MapObject::Type(TypeId(it)));
     let all: Vec<MapObject> = all.collect();
-    let mut out = expected.mapper().mapping(&all, false)?;
+    let mut out = opaque_types(expected) + &expected.mapper().mapping(&all, false)?;
     // The mapping includes what its own text needs; the prototypes may need more.
     let runtime: &[&str] = match expected.language {
         Language::Cxx => &[
@@ -121,6 +122,52 @@ pub fn types(expected: &Expected<'_>) -> Result<String, LangError> {
         ),
     };
     Ok(out)
+}
+
+/// Declarations of the types of which only the name is known. They have a body, since others have members of them.
+fn opaque_types(expected: &Expected<'_>) -> String {
+    let spec = expected.spec;
+    let mapper = expected.mapper();
+    let mut seen = FxHashSet::default();
+    let mut out = String::new();
+    for id in (0..spec.types.len() as u32).map(TypeId) {
+        let Some(opaque) = spec.opaque(id) else {
+            continue;
+        };
+        let ty = spec.ty(opaque);
+        let Ok(name) = mapper.opaque_name(opaque) else {
+            continue;
+        };
+        if expected.has_type(&name) || !seen.insert(name.clone()) {
+            continue;
+        }
+        let guard = text::c_name(&name);
+        let said = match (&ty.name, spec.full_name(opaque)) {
+            (Some(_), Some(full)) => full.trim_start_matches("::").to_owned(),
+            _ => "a type".to_owned(),
+        };
+        let comment = format!(
+            "/* opaque: `{said}` is not declared in any file that was found; see `dotgen deps` */"
+        );
+        let body = match expected.language {
+            Language::Cxx => {
+                let modules = ty.scope.iter().filter(|_| ty.name.is_some());
+                let modules: Vec<&str> = modules.map(|it| it.name.as_str()).collect();
+                let open: String = modules
+                    .iter()
+                    .map(|it| format!("namespace {it} {{ "))
+                    .collect();
+                let close = " }".repeat(modules.len());
+                let own = ty.name.as_deref().unwrap_or(&name);
+                format!("{open}struct {own} {{ char opaque; }};{close}")
+            }
+            _ => format!("typedef struct {name} {{ char opaque; }} {name};"),
+        };
+        out += &format!(
+            "#ifndef _{guard}_c_type\n# define _{guard}_c_type\n{comment}\n{body}\n#endif\n"
+        );
+    }
+    out
 }
 
 /// What `configure` would write: the identity of the package.

@@ -17,6 +17,8 @@ fn is_aggregate(kind: &TypeKind) -> bool {
             | TypeKind::Exception { .. }
             | TypeKind::Port { .. }
             | TypeKind::Remote { .. }
+            // Most types of other packages are structures.
+            | TypeKind::Unknown
     )
 }
 
@@ -63,7 +65,8 @@ pub(super) fn declarator(m: &Mapper<'_>, ty: TypeId, var: &str) -> LangResult {
             with_dimension(&declarator(m, *element, "")?, *length)
         }
         TypeKind::Sequence { .. } | TypeKind::Optional { .. } => structure_name(m, ty)?,
-        kind @ (TypeKind::PauseEvent | TypeKind::Unknown) => {
+        TypeKind::Unknown => m.opaque_name(ty)?,
+        kind @ TypeKind::PauseEvent => {
             return Err(LangError::fatal(format!(
                 "internal error: unhandled type '{}'",
                 kind.word()

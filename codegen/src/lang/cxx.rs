@@ -52,7 +52,8 @@ pub(super) fn declarator(m: &Mapper<'_>, ty: TypeId, var: &str) -> LangResult {
         TypeKind::Optional { element } => {
             format!("genom::optional< {} >", declarator(m, *element, "")?)
         }
-        kind @ (TypeKind::PauseEvent | TypeKind::Unknown) => {
+        TypeKind::Unknown => m.opaque_name(ty)?,
+        kind @ TypeKind::PauseEvent => {
             return Err(LangError::fatal(format!(
                 "internal error: unhandled type '{}'",
                 kind.word()
@@ -95,7 +96,8 @@ pub(super) fn argument(m: &Mapper<'_>, ty: TypeId, passing: Passing, var: &str) 
             | TypeKind::Struct { .. }
             | TypeKind::Union { .. }
             | TypeKind::Exception { .. }
-            | TypeKind::String { bound: None },
+            | TypeKind::String { bound: None }
+            | TypeKind::Unknown,
         ) => Ok(format!("const {}", by_reference()?)),
         (
             Passing::Value,

@@ -42,6 +42,7 @@ pub fn source_word(source: ParamSource) -> &'static str {
         ParamSource::Local(_) => "local",
         ParamSource::Port(_) => "port",
         ParamSource::Remote(_) => "remote",
+        ParamSource::Opaque => "unknown",
     }
 }
 

@@ -3,8 +3,11 @@
 use anyhow::{Context, bail};
 use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, Subcommand};
-use dotgen_analysis::diagnostic::Severity;
+use dotgen_analysis::codes::is_environment;
+use dotgen_analysis::diagnostic::{Diagnostic, Severity};
 use dotgen_analysis::terminal;
+use dotgen_codegen::codels::coverage::Coverage;
+use dotgen_codegen::codels::expected::Expected;
 use dotgen_codegen::codels::files::Files as _;
 use dotgen_codegen::codels::{
     command::{self, FileChange, Project, Side, StubTarget, SyncOptions},
@@ -14,7 +17,7 @@ use dotgen_codegen::codels::{
 use dotgen_syntax::encoding;
 use std::io::Write as _;
 
-use super::report::{self, Format, Report};
+use super::report::{self, Compared, Format, Report};
 use super::session::{self, Session};
 use super::{Outcome, Reading};
 use crate::features::codels::Disk;
@@ -164,11 +167,16 @@ fn check(arguments: &Check) -> anyhow::Result<Outcome> {
             (it, found)
         });
         let compared: Vec<_> = folders.collect();
+        for (folder, _) in compared.iter().filter(|it| it.0.sources.exists) {
+            report.compared.extend(compared_of(folder));
+        }
         let mut found = project.unused_allowances(&compared);
         report.checked += compared.len();
         for (folder, differs) in compared {
             if folder.sources.sources.is_empty() {
                 nothing_there(&folder);
+            } else if !folder.unit.accepted() {
+                has_errors(&folder);
             }
             let differs = project.adjusted(&folder, differs);
             let locations = &*folder.unit.locations;
@@ -200,6 +208,49 @@ fn check(arguments: &Check) -> anyhow::Result<Outcome> {
             false => Outcome::Errors,
         },
     ))
+}
+
+/// Says that a specification has errors, so that not everything could be compared.
+fn has_errors(folder: &Folder) {
+    let path = session::display(&folder.specification);
+    let errors = folder.unit.diagnostics.iter();
+    let errors = errors.filter(|it| it.severity == Severity::Error);
+    let (here, text): (Vec<_>, Vec<_>) = errors.partition(|it| is_environment(it.code));
+    let count = |all: &[&Diagnostic], one: &str| match all.len() {
+        1 => format!("1 {one}"),
+        n => format!("{n} {one}s"),
+    };
+    let what = match (here.is_empty(), text.is_empty()) {
+        (false, true) => format!(
+            "{} missing on this machine: `dotgen deps {path}` says what brings it",
+            count(&here, "thing")
+        ),
+        (true, _) => format!(
+            "{}: `dotgen check {path}` shows them",
+            count(&text, "error")
+        ),
+        (false, false) => format!(
+            "{}, and {} missing on this machine: `dotgen check {path}` and `dotgen deps {path}` say more",
+            count(&text, "error"),
+            count(&here, "thing"),
+        ),
+    };
+    report::note(&format!("`{path}` has {what}"));
+}
+
+/// How much of the codels of a folder was compared, by component.
+fn compared_of(folder: &Folder) -> Vec<Compared> {
+    let all = folder.expected();
+    let one = |it: &Expected<'_>| {
+        let mut coverage = Coverage::default();
+        coverage.add(it, &folder.trust);
+        Compared {
+            file: session::display(&folder.specification),
+            component: it.component().name.to_string(),
+            coverage,
+        }
+    };
+    all.iter().map(one).collect()
 }
 
 /// Says that a specification was compared with nothing: that is not the same as in step.

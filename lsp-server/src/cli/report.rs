@@ -10,8 +10,10 @@ use camino::Utf8Path;
 use clap::ValueEnum;
 use dotgen_analysis::diagnostic::{Diagnostic, Severity};
 use dotgen_analysis::terminal;
+use dotgen_codegen::codels::coverage::Coverage;
 use dotgen_codegen::disk::{Disk as _, NewContent};
 use dotgen_syntax::encoding;
+use serde::Serialize;
 
 use super::session::Texts;
 use crate::files::disk::SystemDisk;
@@ -24,6 +26,18 @@ pub(super) struct Report {
     pub(super) texts: Texts,
     /// Number of specifications.
     pub(super) checked: usize,
+    /// How much of the codels was compared, by component.
+    pub(super) compared: Vec<Compared>,
+}
+
+/// How much of the codels of a component was compared.
+#[derive(Debug, Serialize)]
+pub(super) struct Compared {
+    /// The specification, relative to the current directory if it is below it.
+    pub(super) file: String,
+    pub(super) component: String,
+    #[serde(flatten)]
+    pub(super) coverage: Coverage,
 }
 
 impl Report {

@@ -8,17 +8,20 @@ pub(crate) mod actions;
 pub(crate) mod headers;
 pub(crate) mod lenses;
 pub(crate) mod navigation;
+pub(crate) mod standins;
 
 use std::cell::Cell;
+use std::collections::BTreeMap;
 use std::hash::{Hash, Hasher};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::Diagnostic;
-use dotgen_analysis::host::{Cancellable, Cancelled, FileContent};
+use dotgen_analysis::host::{Cancellable, Cancelled, FileContent, UnitResult};
+use dotgen_analysis::source_map::{Location, Moved};
 use dotgen_codegen::codels::allow;
 use dotgen_codegen::codels::command::{Side, diagnostics};
-use dotgen_codegen::codels::drift::Drift;
+use dotgen_codegen::codels::drift::{Drift, Repair};
 use dotgen_codegen::codels::expected::Expected;
 use dotgen_codegen::codels::files::{Files, FilesConfig, IndexedFile, Indexes, Sources};
 use dotgen_codegen::codels::folder::{self, Folder};
@@ -36,6 +39,15 @@ pub(crate) struct Cache {
     indexes: Mutex<Indexes>,
     /// By root of the unit.
     compared: Mutex<FxHashMap<Utf8PathBuf, Arc<Compared>>>,
+    /// By root of the unit: what it was when it last had no syntax error. Serves while somebody types.
+    good: Mutex<FxHashMap<Utf8PathBuf, Good>>,
+}
+
+/// A unit without syntax errors, and the texts that it was read from.
+#[derive(Clone)]
+struct Good {
+    unit: UnitResult,
+    texts: Arc<BTreeMap<Utf8PathBuf, Arc<str>>>,
 }
 
 /// The folders of a unit, compared.
@@ -223,7 +235,7 @@ fn of_unit(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<Arc<Compared>> {
         let findings = before
             .find(|it| same(&it.0, &folder))
             .map(|it| it.1.clone())
-            .unwrap_or_else(|| folder.check(&folder.expected()));
+            .unwrap_or_else(|| differences(&folder));
         fresh.folders.push((folder, findings));
     }
     let fresh = Arc::new(fresh);
@@ -232,8 +244,85 @@ fn of_unit(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<Arc<Compared>> {
         lock(&snapshot.codels.compared).insert(root.to_owned(), fresh.clone());
     } else {
         lock(&snapshot.codels.compared).remove(root);
+        lock(&snapshot.codels.good).remove(root);
     }
     Ok(fresh)
+}
+
+/// What differs in a folder. An earlier text of the specification tells nothing about how to edit the present one.
+fn differences(folder: &Folder) -> Vec<Drift> {
+    let mut found = folder.check(&folder.expected());
+    if folder.is_earlier {
+        for drift in &mut found {
+            drift.repairs.retain(|it| {
+                matches!(
+                    it,
+                    Repair::Stub { .. }
+                        | Repair::UpdateSignature { .. }
+                        | Repair::RefreshComment { .. }
+                        | Repair::RenameFunction { .. }
+                )
+            });
+        }
+    }
+    found
+}
+
+/// The unit of a root as codels are compared with it, and the texts that it was read from if these are earlier ones.
+fn serving(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<(UnitResult, Option<Good>)> {
+    let unit = snapshot.analysis.root_unit(root)?;
+    if unit.has_syntax_errors() {
+        let good = lock(&snapshot.codels.good).get(root).cloned();
+        return Ok(match good {
+            Some(good) => (good.unit.clone(), Some(good)),
+            None => (unit, None),
+        });
+    }
+    let mut texts = BTreeMap::new();
+    for path in &unit.files {
+        if let Some(text) = snapshot.analysis.text(path)? {
+            texts.insert(path.clone(), text);
+        }
+    }
+    let good = Good {
+        unit: unit.clone(),
+        texts: Arc::new(texts),
+    };
+    lock(&snapshot.codels.good).insert(root.to_owned(), good);
+    Ok((unit, None))
+}
+
+/// Makes folders of an earlier unit speak of the present texts: places are where they are now, and codels in which
+/// something was changed are left out.
+fn bring_up(snapshot: &Snapshot, folders: &mut [Folder], earlier: &Good) -> Cancellable<()> {
+    let mut now: BTreeMap<Utf8PathBuf, Arc<str>> = BTreeMap::new();
+    for path in earlier.texts.keys() {
+        if let Some(text) = snapshot.analysis.text(path)? {
+            now.insert(path.clone(), text);
+        }
+    }
+    let both = |path: &Utf8Path| Some((earlier.texts.get(path)?.clone(), now.get(path)?.clone()));
+    let moved: BTreeMap<&Utf8Path, Moved> = earlier
+        .texts
+        .keys()
+        .filter_map(|path| {
+            let (old, new) = both(path)?;
+            Some((path.as_path(), Moved::between(&old, &new)?))
+        })
+        .collect();
+    let changed = |it: &Location| {
+        let moved = moved.get(it.path.as_path());
+        moved.is_some_and(|moved| moved.is_within(&it.range))
+    };
+    let locations = Arc::new(earlier.unit.locations.moved(both));
+    for folder in folders {
+        let mut trust = (*folder.trust).clone();
+        trust.leave_out(&earlier.unit, &changed);
+        folder.trust = Arc::new(trust);
+        folder.unit.locations = locations.clone();
+        folder.is_earlier = true;
+    }
+    Ok(())
 }
 
 /// Whether something can be said of a specification and its codels: a folder for them is there, or a comment allows
@@ -253,14 +342,17 @@ fn is_concerned(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<bool> {
 
 /// The folders of a unit, without what the units of other roots show.
 fn folders(snapshot: &Snapshot, config: &FilesConfig, root: &Utf8Path) -> Cancellable<Vec<Folder>> {
-    let unit = snapshot.analysis.root_unit(root)?;
+    let (unit, earlier) = serving(snapshot, root)?;
     let texts = Texts::new(snapshot);
     let mut index = |path: Utf8PathBuf, text: Arc<str>, cxx| -> IndexedFile {
         lock(&snapshot.codels.indexes).get(path, text, cxx)
     };
     let mut sources =
         |specification: &Utf8Path| Sources::load_with(specification, config, &texts, &mut index);
-    let found = folder::folders(root, &unit, &mut sources).unwrap_or_default();
+    let mut found = folder::folders(&unit, &mut sources);
+    if let Some(earlier) = &earlier {
+        bring_up(snapshot, &mut found, earlier)?;
+    }
     texts.check()?;
     let mut out = Vec::new();
     for mut folder in found {
@@ -294,6 +386,8 @@ fn same(a: &Folder, b: &Folder) -> bool {
     a.specification == b.specification
         && Arc::ptr_eq(&a.unit.spec, &b.unit.spec)
         && a.components == b.components
+        && a.trust == b.trust
+        && a.is_earlier == b.is_earlier
         && a.sources.exists == b.sources.exists
         && a.sources.incomplete == b.sources.incomplete
         && a.sources.folder == b.sources.folder

@@ -273,6 +273,7 @@ fn codel_details(spec: &Spec, component: Option<&str>, src: Src) -> Option<Value
                 ParamSource::Local(_) => "local",
                 ParamSource::Port(_) => "port",
                 ParamSource::Remote(_) => "remote",
+                ParamSource::Opaque => "unknown",
             };
             format!("{direction} {source} {}", it.name)
         })

@@ -4,6 +4,8 @@ use std::fmt;
 
 use smol_str::SmolStr;
 
+use crate::packages;
+
 /// The places in which an included file was looked for.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Searched(pub Vec<String>);
@@ -28,6 +30,25 @@ impl fmt::Display for Arguments {
         let at_least = if self.open { "at least " } else { "" };
         let plural = if self.count == 1 { "" } else { "s" };
         write!(f, "{at_least}{} argument{plural}", self.count)
+    }
+}
+
+/// How required packages are got.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Install(pub Vec<SmolStr>);
+
+impl fmt::Display for Install {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("install ")?;
+        let mut first = true;
+        for argument in &self.0 {
+            for name in packages::names(argument) {
+                let or = if first { "" } else { "; " };
+                write!(f, "{or}{}", packages::advice(name))?;
+                first = false;
+            }
+        }
+        f.write_str("; until then, what comes from there is unknown")
     }
 }
 
@@ -125,7 +146,7 @@ findings! {
         "pp-requires-many" ManyRequired { word: SmolStr, most: usize, given: usize }
             => "`#pragma {word}` takes at most {most} arguments, {given} given: use several pragmas, and \
                 quotes around a package with its version";
-        "pp-requires-unresolved" Unresolved { why: SmolStr } => "{why}";
+        "pp-requires-unresolved" Unresolved { why: SmolStr, install: Install } => "{why}", "{install}";
         "pp-unknown-directive" UnknownDirective { word: SmolStr }
             => "unknown directive `#{word}`: the line is ignored";
 
@@ -150,6 +171,7 @@ impl Preprocessing {
                     "cannot find '{path}'\n  searched in {searched}; add its directory to the include path"
                 )
             }
+            Self::Unresolved { why, .. } => why.replace('`', ""),
             _ => self.wording().to_string().replace('`', ""),
         }
     }

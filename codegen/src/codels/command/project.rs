@@ -87,19 +87,12 @@ impl<'a> Project<'a> {
                 errors.push(format!("{root}: cannot read the file"));
                 continue;
             }
-            match folder::folders(root, &unit, &mut |specification| {
-                self.sources(specification)
-            }) {
-                Ok(folders) => {
-                    for mut folder in folders {
-                        let specification = folder.specification.clone();
-                        folder.retain(|name| seen.insert((specification.clone(), name.clone())));
-                        if !folder.components.is_empty() {
-                            out.push(folder);
-                        }
-                    }
+            for mut folder in folder::folders(&unit, &mut |it| self.sources(it)) {
+                let specification = folder.specification.clone();
+                folder.retain(|name| seen.insert((specification.clone(), name.clone())));
+                if !folder.components.is_empty() {
+                    out.push(folder);
                 }
-                Err(error) => errors.push(error),
             }
         }
         folder::share_names(&mut out);

@@ -9,7 +9,7 @@ use dotgen_analysis::source_map::Locations;
 use serde::Serialize;
 
 use super::{Folder, project::Project};
-use crate::codels::drift::Drift;
+use crate::codels::{coverage::Coverage, drift::Drift};
 
 /// Result of `check`.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -39,6 +39,8 @@ pub struct FolderSummary {
     pub codels: usize,
     /// How many of them have a definition.
     pub defined: usize,
+    /// How much of them was compared.
+    pub coverage: Coverage,
 }
 
 /// One finding with its places.
@@ -147,6 +149,10 @@ impl CheckReport {
                     short(&it.folder),
                     it.sources
                 )
+                .and_then(|()| match it.coverage.is_complete() {
+                    true => Ok(()),
+                    false => writeln!(out, "{spec}: {components}: {}", it.coverage),
+                })
             } else {
                 writeln!(
                     out,
@@ -176,6 +182,7 @@ impl CheckReport {
             sources: folder.sources.sources.len(),
             codels: functions.clone().count(),
             defined: defined.count(),
+            coverage: folder.coverage(&all),
         });
         let place = |path: &Utf8Path, range: std::ops::Range<usize>| {
             let text = project.text(path).unwrap_or_default();

@@ -5,7 +5,7 @@ use dotgen_analysis::model::{CodelKind, CodelRef};
 use super::finding::{Clauses, Differing};
 use super::{Check, Drift, Found, Repair};
 use crate::codels::{
-    expected::{Expected, cut_tag, owner_words, state_text},
+    expected::{cut_tag, owner_words, state_text},
     source::Generated,
 };
 use crate::lang::text;
@@ -19,7 +19,7 @@ pub(super) fn check(check: &Check<'_>, definitions: &[Found<'_>], out: &mut Vec<
             let Some(at) = use_of(check, generated, distance == 0) else {
                 continue;
             };
-            let wrong = untrue(check.expected, at, generated);
+            let wrong = untrue(check, at, generated);
             if wrong.is_empty() {
                 continue;
             }
@@ -30,11 +30,13 @@ pub(super) fn check(check: &Check<'_>, definitions: &[Found<'_>], out: &mut Vec<
             });
             drift.spec = vec![codel.src];
             drift.source = Some(found.at(comment.span.clone()));
-            drift.repairs.push(Repair::RefreshComment {
-                at,
-                path: found.file.path.clone(),
-                start: comment.span.start,
-            });
+            if !throws_more(check) {
+                drift.repairs.push(Repair::RefreshComment {
+                    at,
+                    path: found.file.path.clone(),
+                    start: comment.span.start,
+                });
+            }
             out.push(drift);
         }
     }
@@ -56,8 +58,15 @@ fn use_of(check: &Check<'_>, comment: &Generated, nearest: bool) -> Option<Codel
     found.copied().filter(|_| about_this)
 }
 
+/// Whether exceptions may be missing in what the specification is known to say.
+fn throws_more(check: &Check<'_>) -> bool {
+    let trust = &check.options.trust;
+    check.function.throws_more || trust.is_broken(check.expected, check.function)
+}
+
 /// What a comment says that is not so.
-fn untrue(expected: &Expected<'_>, at: CodelRef, comment: &Generated) -> Vec<String> {
+fn untrue(check: &Check<'_>, at: CodelRef, comment: &Generated) -> Vec<String> {
+    let expected = check.expected;
     let component = expected.component();
     let codel = component.codel(at);
     let mut out = Vec::new();
@@ -125,6 +134,8 @@ fn untrue(expected: &Expected<'_>, at: CodelRef, comment: &Generated) -> Vec<Str
         );
         sentence(&states(&codel.yields), &comment.yields, "yields to");
     }
-    sentence(&throws, &comment.throws, "throws");
+    if !throws_more(check) {
+        sentence(&throws, &comment.throws, "throws");
+    }
     out
 }

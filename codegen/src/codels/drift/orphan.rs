@@ -21,6 +21,7 @@ pub(super) fn find<'a>(
 ) -> Vec<Found<'a>> {
     let named = |name: &str| {
         options.also_named.contains(name)
+            || options.trust.may_declare(name)
             || all.iter().any(|it| {
                 let mut components = it.spec.components.iter();
                 components.any(|it| it.all_codels().any(|at| it.codel(at).name == name))
@@ -42,6 +43,13 @@ pub(super) fn find<'a>(
         }
     }
     out
+}
+
+/// Whether it can be said that no specification names a function. Codels that are declared in what is not here would
+/// all be orphans.
+pub(super) fn are_certain(all: &[Expected<'_>], options: &DriftOptions) -> bool {
+    let elsewhere = |it: &Expected<'_>| it.spec.lacks_declarations(it.component);
+    !options.trust.is_cut && !all.iter().any(elsewhere)
 }
 
 /// Takes the context and returns an event.

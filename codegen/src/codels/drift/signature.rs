@@ -1,5 +1,7 @@
 //! Prototypes, compared after normalization.
 
+use dotgen_analysis::model::Awaited;
+
 use super::finding::{Clauses, Differing};
 use super::{Check, Drift, Found, Repair};
 use crate::codels::{
@@ -59,11 +61,14 @@ fn report(check: &Check<'_>, found: Found<'_>, differences: &[String]) -> Drift 
     drift.expected = check.function.signature.clone().ok();
     let text = found.file.text.get(found.function.signature_span.clone());
     drift.found = text.map(str::to_owned);
-    drift.repairs.push(Repair::UpdateSignature {
-        name: name.clone(),
-        path: found.file.path.clone(),
-        start: found.function.span.start,
-    });
+    // How the others are written is a guess, which must not replace what somebody knew.
+    if check.function.awaits == Awaited::default() {
+        drift.repairs.push(Repair::UpdateSignature {
+            name: name.clone(),
+            path: found.file.path.clone(),
+            start: found.function.span.start,
+        });
+    }
     drift
 }
 
@@ -208,6 +213,9 @@ fn permuted(check: &Check<'_>, wanted: &[Parameter], found: &[Parameter]) -> Opt
 
 fn compare(check: &Check<'_>, wanted: &CType, found: &CType) -> Verdict {
     let expected = check.expected;
+    if expected.is_opaque(wanted) {
+        return Verdict::Unknown;
+    }
     let (a, length_a) = expected.canonical(wanted).as_parameter();
     let (b, length_b) = expected.canonical(found).as_parameter();
     if same(&a, &b) {
@@ -220,6 +228,10 @@ fn compare(check: &Check<'_>, wanted: &CType, found: &CType) -> Verdict {
         };
     }
     if is_declared_in(check.sources, &found.base) && !expected.knows_type(&found.base) {
+        return Verdict::Unknown;
+    }
+    // A file that is not here may declare it.
+    if check.options.trust.lacks_files && !expected.has_type(&b.base) {
         return Verdict::Unknown;
     }
     // A length that is a name is a constant we do not look up.

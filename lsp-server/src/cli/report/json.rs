@@ -22,6 +22,10 @@ struct Document<E> {
     version: u32,
     /// Everything that was found.
     diagnostics: Vec<E>,
+    /// Of `dotgen codels check`: how much of the codels of each component was compared, and what the others wait for.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    #[schemars(skip)]
+    codels: Vec<serde_json::Value>,
 }
 
 /// One finding.
@@ -162,6 +166,7 @@ pub(in crate::cli) fn print(report: &Report) -> anyhow::Result<()> {
     let document = Document {
         version: VERSION,
         diagnostics: entries(&report.diagnostics, &report.texts),
+        codels: (report.compared.iter().map(serde_json::to_value)).collect::<Result<_, _>>()?,
     };
     let mut json = serde_json::to_string_pretty(&document)?;
     json.push('\n');

@@ -12,7 +12,7 @@ use dotgen_analysis::parallel;
 use dotgen_analysis::terminal;
 use dotgen_syntax::encoding;
 
-use super::Report;
+use super::{Compared, Report};
 use crate::cli::session::{self, Texts};
 use crate::panic;
 use crate::protocol::convert::Lines;
@@ -36,6 +36,11 @@ pub(in crate::cli) fn print(report: &Report) -> anyhow::Result<()> {
         for text in parallel::map(&parts, || (), one, |(), part| one(part)) {
             out.write_all(encoding::shown(&text).as_bytes())?;
         }
+    }
+    let in_part = |it: &&Compared| !it.coverage.is_complete();
+    for it in report.compared.iter().filter(in_part) {
+        let (file, component) = (terminal::name(&it.file), terminal::text(&it.component));
+        writeln!(out, "{file}: {component}: {}", it.coverage)?;
     }
     writeln!(out, "{}", summary(report))?;
     Ok(out.flush()?)

@@ -20,6 +20,9 @@ pub(crate) const SHOW_CODEL: &str = "dotgen.showCodel";
 /// More uses of one function than have a lens each.
 const MAX_USES: usize = 3;
 
+/// Follows what a lens says while the specification has syntax errors.
+const EARLIER: &str = " · as of the last text without syntax errors";
+
 /// More codels of other components than a lens names.
 const MAX_REMOTE: usize = 3;
 
@@ -93,7 +96,10 @@ pub(crate) fn lenses(
                     let place = expected.component().codel(*at).src;
                     let place = folder.unit.locations.locate(place);
                     let places = place.into_iter().map(|it| (it.path, it.range)).collect();
-                    let title = title(expected, *at, &system);
+                    let mut title = title(expected, *at, &system);
+                    if folder.is_earlier {
+                        title += EARLIER;
+                    }
                     found.push(Lens { title, places });
                 }
                 if found.len() > MAX_USES {

@@ -1,5 +1,6 @@
 //! Diagnostics.
 
+use dotgen_analysis::codes::is_environment;
 use dotgen_analysis::diagnostic::{Diagnostic, Severity, Tag};
 use dotgen_analysis::host::Cancellable;
 
@@ -13,6 +14,14 @@ pub(crate) fn severity(severity: Severity) -> types::DiagnosticSeverity {
         Severity::Warning => types::DiagnosticSeverity::WARNING,
         Severity::Information => types::DiagnosticSeverity::INFORMATION,
         Severity::Hint => types::DiagnosticSeverity::HINT,
+    }
+}
+
+/// How bad a finding is for somebody who edits the text: what only this machine lacks is no error of it.
+fn shown_severity(it: &Diagnostic) -> Severity {
+    match it.severity {
+        Severity::Error if is_environment(it.code) => Severity::Warning,
+        severity => severity,
     }
 }
 
@@ -43,7 +52,7 @@ pub(crate) fn to_proto(
         crate::views::manual::page(diagnostic.code).filter(|_| snapshot.client.code_description);
     Ok(Some(types::Diagnostic {
         range: lines.range(&diagnostic.range),
-        severity: Some(severity(diagnostic.severity)),
+        severity: Some(severity(shown_severity(diagnostic))),
         code: Some(types::NumberOrString::String(diagnostic.code.to_owned())),
         code_description: page.map(|href| types::CodeDescription { href }),
         source: Some(types::SOURCE.to_owned()),

@@ -4,7 +4,7 @@ use dotgen_analysis::diagnostic::{Diagnostic, Fix};
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::ide::AssistKind;
 
-use crate::features::codels::actions;
+use crate::features::codels::{actions, standins};
 use crate::features::convert::diagnostic;
 use crate::features::convert::edit::{Review, edit_of, gathered, with_edit, workspace_edit};
 use crate::features::specification::include_paths;
@@ -94,6 +94,7 @@ pub(crate) fn handle(
             }
         }
     }
+    actions.extend(standins::actions(snapshot, subject, &all, &range)?);
     for code in codes {
         let alike = all
             .iter()

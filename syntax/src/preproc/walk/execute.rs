@@ -11,7 +11,7 @@ use crate::{
         Define, Directive, DirectiveKind, IncludeForm, IncludeOperand, Name, Operand, Pragma,
         unquote,
     },
-    finding::preprocessing::{Preprocessing, Searched},
+    finding::preprocessing::{Install, Preprocessing, Searched},
     kind::SyntaxKind::*,
     lexer::{is_trivia, is_word},
     preproc::{
@@ -373,7 +373,11 @@ impl Walker<'_> {
                     pragma.args.iter().map(|it| it.text.clone()).collect();
                 match self.host.requires(&arguments, &self.env) {
                     Ok(env) => self.env = env,
-                    Err(why) => self.error(range, Preprocessing::Unresolved { why: why.into() }),
+                    Err(why) => {
+                        let why = why.trim_end_matches('.').into();
+                        let install = Install(arguments);
+                        self.error(range, Preprocessing::Unresolved { why, install });
+                    }
                 }
             }
             count => {

@@ -396,7 +396,7 @@ HAVE_a HAVE_b
             #pragma[]
             #pragma[provides|i|j]
             #pragma[masquerade|tmpl|a::b|x y]
-            main.gen:3: error pp-requires-unresolved: unknown package `none`
+            main.gen:3: error pp-requires-unresolved: unknown package `none`; install `none` (on Debian most likely package `libnone-dev`); until then, what comes from there is unknown
             main.gen:4: error pp-requires-empty: `#pragma require` must be followed by a package
             main.gen:5: error pp-requires-many: `#pragma requires` takes at most 8 arguments, 9 given: use several pragmas, and quotes around a package with its version
             main.gen:6: error pp-pragma-bad: `#pragma` must be followed by a word

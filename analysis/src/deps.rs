@@ -1,0 +1,256 @@
+//! What a specification needs: packages, files and names, from where they come, and what is missing.
+
+use std::ops::Range;
+
+use camino::Utf8PathBuf;
+use dotgen_syntax::packages;
+use serde::Serialize;
+
+use crate::base::{Db, SourceFile};
+use crate::model::{ComponentKind, Missing, Name, Spec};
+use crate::queries::elaborated;
+use crate::source_map::{Locations, UnitLocations, bytes};
+use crate::unit::{UnitKey, preprocessed, unit_of_root, visits};
+
+pub mod standin;
+
+/// Everything that a specification needs.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Dependencies {
+    /// Required packages, in order.
+    pub packages: Vec<Package>,
+    /// Included files, in order of first inclusion.
+    pub includes: Vec<Include>,
+    /// Interfaces that components import, in order.
+    pub interfaces: Vec<Interface>,
+    /// Other names that are not declared, in order.
+    pub unknown: Vec<UnknownName>,
+}
+
+/// A required package.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Package {
+    /// As the specification says it: with its version.
+    pub requirement: String,
+    /// What requires it.
+    pub required_by: RequiredBy,
+    /// Why it is not usable; `None` if it is.
+    pub missing: Option<String>,
+    /// What brings it.
+    pub brought_by: Vec<Provider>,
+}
+
+/// What requires a package.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RequiredBy {
+    /// `#pragma require`: the specification cannot be read without it.
+    Specification,
+    /// `require` of a component.
+    Component(Name),
+    /// `codels-require` of a component.
+    Codels(Name),
+}
+
+/// What brings a package.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Provider {
+    /// The package, by the name that pkg-config knows.
+    pub package: String,
+    /// The package of robotpkg.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub robotpkg: Option<String>,
+    /// The Debian package.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub debian: Option<String>,
+}
+
+/// An included file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Include {
+    /// As written.
+    pub path: String,
+    /// The file that includes it.
+    pub by: Utf8PathBuf,
+    /// Where it was found.
+    pub found: Option<Utf8PathBuf>,
+    /// It is a stand-in that dotgen wrote.
+    pub stand_in: bool,
+    /// Byte offsets of what is written, in the file that includes it.
+    #[serde(skip)]
+    pub at: Range<usize>,
+}
+
+/// An interface that a component imports.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Interface {
+    /// Its name.
+    pub name: Name,
+    /// The component.
+    pub component: Name,
+    /// The file that declares it.
+    pub found: Option<Utf8PathBuf>,
+}
+
+/// A name that no file declares.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct UnknownName {
+    /// The name, with its scopes as written.
+    pub name: Name,
+    /// What it is used as.
+    pub used_as: &'static str,
+}
+
+impl Dependencies {
+    /// Nothing is missing.
+    pub fn is_complete(&self) -> bool {
+        self.packages.iter().all(|it| it.missing.is_none())
+            && self.includes.iter().all(|it| it.found.is_some())
+            && self.interfaces.iter().all(|it| it.found.is_some())
+            && self.unknown.is_empty()
+    }
+
+    /// Packages that are missing and that the specification itself requires: what is not found may be in them.
+    pub fn missing_packages(&self) -> impl Iterator<Item = &Package> {
+        let wanted = |it: &&Package| it.required_by == RequiredBy::Specification;
+        self.packages
+            .iter()
+            .filter(wanted)
+            .filter(|it| it.missing.is_some())
+    }
+}
+
+/// What the specification of a root needs.
+pub(crate) fn dependencies(db: &dyn Db, root: SourceFile) -> Dependencies {
+    let unit = unit_of_root(db, root);
+    let spec = &elaborated(db, unit).spec;
+    let locations = UnitLocations::new(db, unit);
+    Dependencies {
+        packages: packages(db, spec),
+        includes: includes(db, unit),
+        interfaces: interfaces(spec, &locations),
+        unknown: unknown(spec),
+    }
+}
+
+fn packages(db: &dyn Db, spec: &Spec) -> Vec<Package> {
+    let mut wanted: Vec<(String, RequiredBy)> = Vec::new();
+    for it in &spec.pragma_requires {
+        wanted.push((it.clone(), RequiredBy::Specification));
+    }
+    let components = spec.components.iter();
+    for it in components.filter(|it| it.kind == ComponentKind::Component) {
+        let own = it.requires.iter();
+        let own = own.filter(|it| !spec.pragma_requires.contains(it));
+        wanted.extend(own.map(|text| (text.clone(), RequiredBy::Component(it.name.clone()))));
+        let codels = it.codels_requires.iter();
+        wanted.extend(codels.map(|text| (text.clone(), RequiredBy::Codels(it.name.clone()))));
+    }
+    wanted.dedup();
+    let one = |(requirement, required_by): (String, RequiredBy)| {
+        let asked = db.packages(std::slice::from_ref(&requirement));
+        let names = packages::names(&requirement).into_iter();
+        Package {
+            missing: asked.flags(db).as_ref().err().cloned(),
+            brought_by: names.map(provider).collect(),
+            requirement,
+            required_by,
+        }
+    };
+    wanted.into_iter().map(one).collect()
+}
+
+fn provider(name: &str) -> Provider {
+    let it = packages::providers(name);
+    Provider {
+        package: name.to_owned(),
+        robotpkg: it.robotpkg,
+        debian: it.debian,
+    }
+}
+
+fn includes(db: &dyn Db, unit: UnitKey<'_>) -> Vec<Include> {
+    let mut out: Vec<Include> = Vec::new();
+    let all = &visits(db, unit).visits;
+    for visit in all {
+        let by = visit.key.file(db).path(db);
+        for (ordinal, include) in preprocessed(db, visit.key).includes.iter().enumerate() {
+            let Some(request) = &include.request else {
+                continue;
+            };
+            let target = visit.includes.get(ordinal).copied().flatten();
+            let found = target.and_then(|it| all.get(it as usize));
+            let found = found.map(|it| it.key.file(db).path(db).clone());
+            if out
+                .iter()
+                .any(|it| it.path == request.path.as_str() && it.found == found)
+            {
+                continue;
+            }
+            out.push(Include {
+                path: request.path.to_string(),
+                by: by.clone(),
+                at: bytes(include.range),
+                stand_in: found.as_ref().is_some_and(|it| standin::is_standin(it)),
+                found,
+            });
+        }
+    }
+    out
+}
+
+fn interfaces(spec: &Spec, locations: &UnitLocations) -> Vec<Interface> {
+    let mut out: Vec<Interface> = Vec::new();
+    for (index, component) in (0u32..).zip(&spec.components) {
+        if component.kind != ComponentKind::Component {
+            continue;
+        }
+        let lists = [&component.provides, &component.uses, &component.extends];
+        for &interface in lists.into_iter().flatten() {
+            let interface = &spec.components[interface as usize];
+            out.push(Interface {
+                name: interface.name.clone(),
+                component: component.name.clone(),
+                found: locations.locate(interface.src).map(|it| it.path),
+            });
+        }
+        for name in spec.missing_interfaces(index) {
+            out.push(Interface {
+                name: name.clone(),
+                component: component.name.clone(),
+                found: None,
+            });
+        }
+    }
+    let mut seen: Vec<(Name, Name)> = Vec::new();
+    out.retain(|it| {
+        let key = (it.name.clone(), it.component.clone());
+        let fresh = !seen.contains(&key);
+        seen.push(key);
+        fresh
+    });
+    out
+}
+
+fn unknown(spec: &Spec) -> Vec<UnknownName> {
+    let mut out: Vec<UnknownName> = Vec::new();
+    for gap in &spec.gaps {
+        let (name, used_as) = match &gap.missing {
+            Missing::Name {
+                name,
+                constant: true,
+            } => (name, "constant"),
+            Missing::Name { name, .. } => (name, "type"),
+            Missing::Exception { name, .. } => (name, "exception"),
+            _ => continue,
+        };
+        let it = UnknownName {
+            name: name.clone(),
+            used_as,
+        };
+        if !out.contains(&it) {
+            out.push(it);
+        }
+    }
+    out
+}

@@ -1,0 +1,329 @@
+//! Stand-ins for files that are not found: the least that makes the names resolve that a specification uses, as it
+//! uses them.
+//!
+//! A stand-in says of itself that it is none of the real files. It lies outside of the sources, where every unit of
+//! the folder looks last (`.dotgen/standins`); the real file comes first as soon as it is installed.
+
+use std::fmt::Write as _;
+use std::ops::Range;
+
+use camino::{Utf8Path, Utf8PathBuf};
+
+use super::{Dependencies, Include};
+use crate::model::{Missing, Name, ParamDir, PathElement, SourceKind, Spec};
+use crate::unit::STANDINS;
+
+/// The first words of every stand-in.
+const MARK: &str = "/* Stand-in written by dotgen";
+
+/// A file to be written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StandIn {
+    /// The include that it is for, as written.
+    pub include: String,
+    /// The file that includes it.
+    pub by: Utf8PathBuf,
+    /// Byte offsets of the include there.
+    pub at: Range<usize>,
+    /// Where it goes.
+    pub path: Utf8PathBuf,
+    /// Its text.
+    pub text: String,
+}
+
+/// The folder of the stand-ins of a specification.
+pub fn folder(specification: &Utf8Path) -> Utf8PathBuf {
+    let beside = specification.parent().unwrap_or(Utf8Path::new(""));
+    beside.join(STANDINS)
+}
+
+/// Whether a file is where stand-ins are.
+pub fn is_standin(path: &Utf8Path) -> bool {
+    path.ancestors().any(|it| it.ends_with(STANDINS))
+}
+
+/// Stand-ins for all included files that are not found. Each name goes to the file that it seems to be of, the others
+/// to the first one.
+pub fn stand_ins(root: &Utf8Path, needs: &Dependencies, spec: &Spec) -> Vec<StandIn> {
+    let missing: Vec<&Include> = needs
+        .includes
+        .iter()
+        .filter(|it| it.found.is_none())
+        .collect();
+    let mut trees: Vec<Module> = missing.iter().map(|_| Module::default()).collect();
+    if trees.is_empty() {
+        return Vec::new();
+    }
+    let home = |name: &str| {
+        let best =
+            (0..missing.len()).filter_map(|it| Some((likeness(name, &missing[it].path)?, it)));
+        best.max_by_key(|(likeness, it)| (*likeness, usize::MAX - it))
+            .map_or(0, |(_, it)| it)
+    };
+    for interface in needs.interfaces.iter().filter(|it| it.found.is_none()) {
+        trees[home(&interface.name)].interface(&interface.name);
+    }
+    for name in &needs.unknown {
+        let path: Vec<&str> = name.name.split("::").filter(|it| !it.is_empty()).collect();
+        let Some((last, scopes)) = path.split_last() else {
+            continue;
+        };
+        let declared = match name.used_as {
+            "constant" => Declared::Constant,
+            "exception" => Declared::Exception,
+            _ => Declared::Type(Vec::new()),
+        };
+        trees[home(&name.name)]
+            .within(scopes)
+            .declare(last, declared);
+    }
+    for gap in &spec.gaps {
+        match &gap.missing {
+            Missing::Member { of, path } => {
+                let names: Vec<&str> = of.split("::").filter(|it| !it.is_empty()).collect();
+                if let Some((last, scopes)) = names.split_last() {
+                    trees[home(of)].within(scopes).member(last, path);
+                }
+            }
+            Missing::Source { name, kind, dir } => {
+                let Some(component) = gap.component else {
+                    continue;
+                };
+                let from = spec.gaps.iter().find_map(|it| match &it.missing {
+                    Missing::Interface { name, used } if it.component == Some(component) => {
+                        Some((name, *used))
+                    }
+                    _ => None,
+                });
+                if let Some((interface, used)) = from {
+                    let module = trees[home(interface)].interface(interface);
+                    module.source(name, *kind, *dir, used);
+                }
+            }
+            _ => {}
+        }
+    }
+    let folder = folder(root);
+    let files = missing.iter().zip(&trees).filter_map(|(include, tree)| {
+        let below = Utf8Path::new(&include.path);
+        let climbs = below.components().any(|it| {
+            !matches!(
+                it,
+                camino::Utf8Component::Normal(_) | camino::Utf8Component::CurDir
+            )
+        });
+        (!climbs).then(|| StandIn {
+            include: include.path.clone(),
+            by: include.by.clone(),
+            at: include.at.clone(),
+            path: folder.join(below),
+            text: file(&include.path, tree),
+        })
+    });
+    files.collect()
+}
+
+/// How much a name looks like one of a file: the number of words of the path in it; `None` unless it has the last one.
+fn likeness(name: &str, path: &str) -> Option<usize> {
+    let path = Utf8Path::new(path);
+    let stem = path.file_stem()?;
+    let flat = name.replace("::", "_");
+    let flat = format!("_{flat}_");
+    if !flat.contains(&format!("_{stem}_")) {
+        return None;
+    }
+    let words = path.with_extension("");
+    let words = words
+        .components()
+        .filter(|it| flat.contains(&format!("_{it}_")));
+    Some(words.count() + stem.len())
+}
+
+fn file(include: &str, tree: &Module) -> String {
+    let guard: String = include
+        .chars()
+        .map(|it| {
+            if it.is_ascii_alphanumeric() {
+                it.to_ascii_uppercase()
+            } else {
+                '_'
+            }
+        })
+        .collect();
+    let mut out = format!(
+        "{MARK} for `{include}`, which was not found.\n \
+         * It has what the specification uses of it, with types that are made up. Nothing that is generated from it fits\n \
+         * the real one. Install the package that has the real file; `dotgen deps` says which. */\n\
+         #ifndef STANDIN_{guard}\n#define STANDIN_{guard}\n\n"
+    );
+    tree.write(&mut out, 0);
+    out += "\n#endif\n";
+    out
+}
+
+/// What is declared under a name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Declared {
+    /// A struct with these members.
+    Type(Vec<(Name, Vec<Vec<PathElement>>)>),
+    Constant,
+    Exception,
+}
+
+/// What a module, an interface or a file declares.
+#[derive(Debug, Default)]
+struct Module {
+    modules: Vec<(String, Module)>,
+    declared: Vec<(String, Declared)>,
+    /// It is an interface, with these sources of data.
+    interface: Option<Vec<(Name, SourceKind, bool)>>,
+}
+
+impl Module {
+    fn module(&mut self, name: &str) -> &mut Module {
+        let at = match self.modules.iter().position(|it| it.0 == name) {
+            Some(at) => at,
+            None => {
+                self.modules.push((name.to_owned(), Module::default()));
+                self.modules.len() - 1
+            }
+        };
+        &mut self.modules[at].1
+    }
+
+    fn within(&mut self, scopes: &[&str]) -> &mut Module {
+        scopes
+            .iter()
+            .fold(self, |module, scope| module.module(scope))
+    }
+
+    fn interface(&mut self, name: &str) -> &mut Module {
+        let module = self.module(name);
+        module.interface.get_or_insert_with(Vec::new);
+        module
+    }
+
+    fn declare(&mut self, name: &str, declared: Declared) {
+        if !self.declared.iter().any(|it| it.0 == name) {
+            self.declared.push((name.to_owned(), declared));
+        }
+    }
+
+    /// A member of a type, and what is below it.
+    fn member(&mut self, ty: &str, path: &[PathElement]) {
+        self.declare(ty, Declared::Type(Vec::new()));
+        let found = self.declared.iter_mut().find(|it| it.0 == ty);
+        let (Some((_, Declared::Type(members))), Some((PathElement::Member(name), rest))) =
+            (found, path.split_first())
+        else {
+            return;
+        };
+        match members.iter_mut().find(|it| it.0 == *name) {
+            Some((_, known)) => known.push(rest.to_vec()),
+            None => members.push((name.clone(), vec![rest.to_vec()])),
+        }
+    }
+
+    /// A port, service or member of the ids of an interface. `used`: ports have the other direction there.
+    fn source(&mut self, name: &Name, kind: Option<SourceKind>, dir: ParamDir, used: bool) {
+        let Some(sources) = &mut self.interface else {
+            return;
+        };
+        let kind = kind.unwrap_or(SourceKind::Port);
+        let out = (dir != ParamDir::In) != used;
+        if kind != SourceKind::Local && !sources.iter().any(|it| it.0 == *name) {
+            sources.push((name.clone(), kind, out));
+        }
+    }
+
+    fn write(&self, out: &mut String, depth: usize) {
+        let indent = "  ".repeat(depth);
+        // Exceptions and types first: interfaces of the same file may use them.
+        for (name, declared) in &self.declared {
+            match declared {
+                Declared::Constant => {
+                    let _ = writeln!(out, "{indent}const unsigned long {name} = 1;");
+                }
+                Declared::Exception => {
+                    let _ = writeln!(out, "{indent}exception {name} {{}};");
+                }
+                Declared::Type(members) => write_struct(out, name, members, depth),
+            }
+        }
+        for (name, module) in &self.modules {
+            let word = match module.interface {
+                Some(_) => "interface",
+                None => "module",
+            };
+            let _ = writeln!(out, "{indent}{word} {name} {{");
+            module.write_sources(out, depth + 1);
+            module.write(out, depth + 1);
+            let _ = writeln!(out, "{indent}}};");
+        }
+    }
+
+    fn write_sources(&self, out: &mut String, depth: usize) {
+        let indent = "  ".repeat(depth);
+        for (name, kind, is_out) in self.interface.iter().flatten() {
+            let _ = match kind {
+                SourceKind::Remote => writeln!(out, "{indent}function {name}() {{}};"),
+                SourceKind::Ids => writeln!(out, "{indent}ids {{ octet {name}; }};"),
+                SourceKind::Port | SourceKind::Local => {
+                    let dir = if *is_out { "out" } else { "in" };
+                    writeln!(
+                        out,
+                        "{indent}struct {name}_data {{ octet opaque; }};\n\
+                         {indent}port {dir} {name}_data {name};"
+                    )
+                }
+            };
+        }
+    }
+}
+
+fn write_struct(
+    out: &mut String,
+    name: &str,
+    members: &[(Name, Vec<Vec<PathElement>>)],
+    depth: usize,
+) {
+    let indent = "  ".repeat(depth);
+    let _ = writeln!(out, "{indent}struct {name} {{");
+    if members.is_empty() {
+        let _ = writeln!(out, "{indent}  octet opaque;");
+    }
+    for (member, paths) in members {
+        write_member(out, member, paths, depth + 1);
+    }
+    let _ = writeln!(out, "{indent}}};");
+}
+
+/// A member, with the type that the paths below it need.
+fn write_member(out: &mut String, name: &str, paths: &[Vec<PathElement>], depth: usize) {
+    let indent = "  ".repeat(depth);
+    let mut inner: Vec<(Name, Vec<Vec<PathElement>>)> = Vec::new();
+    let mut dimensions = 0;
+    for path in paths {
+        let indexes = path
+            .iter()
+            .take_while(|it| matches!(it, PathElement::Index(_)));
+        let indexes = indexes.count();
+        dimensions = dimensions.max(indexes);
+        if let Some((PathElement::Member(member), rest)) = path[indexes..].split_first() {
+            match inner.iter_mut().find(|it| it.0 == *member) {
+                Some((_, known)) => known.push(rest.to_vec()),
+                None => inner.push((member.clone(), vec![rest.to_vec()])),
+            }
+        }
+    }
+    let suffix = "[64]".repeat(dimensions);
+    if inner.is_empty() {
+        let _ = writeln!(out, "{indent}double {name}{suffix};");
+        return;
+    }
+    let _ = writeln!(out, "{indent}struct {name}_t {{");
+    for (member, paths) in &inner {
+        write_member(out, member, paths, depth + 1);
+    }
+    let _ = writeln!(out, "{indent}}} {name}{suffix};");
+}

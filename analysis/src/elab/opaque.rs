@@ -1,0 +1,139 @@
+//! What stands for something that could not be resolved, so that what does not depend on it goes on.
+
+use super::{context::Elaborator, param::direction, types::look_through};
+use crate::{
+    deps::standin::is_standin,
+    item_tree::{Name, ParamDecl, ParamSpec, Path, PathStep, Source},
+    model::{
+        Gap, Missing, Name as Text, Param, ParamSource, PathElement, Scope, ScopeKind, SourceKind,
+        Src, TypeId, TypeKind,
+    },
+};
+
+impl<'a> Elaborator<'a> {
+    /// Notes what could not be resolved.
+    pub(super) fn lack(&mut self, missing: Missing) {
+        let component = self.component;
+        self.spec.gaps.push(Gap { component, missing });
+    }
+
+    /// A type of which only the name is known: that of a file that was not read, most likely.
+    pub(super) fn opaque_type(&mut self, path: &Path, at: Src) -> TypeId {
+        let id = self.unknown(at);
+        if let Some((last, scopes)) = path.segments.split_last() {
+            let module = |it: &Name| Scope {
+                kind: ScopeKind::Module,
+                name: it.text.clone(),
+            };
+            let ty = &mut self.spec.types[id.0 as usize];
+            ty.name = Some(last.text.clone());
+            ty.scope = scopes.iter().map(module).collect();
+        }
+        id
+    }
+
+    /// What stands for a parameter of a codel that does not resolve: the function has one there all the same. Its
+    /// type is named as those of ports and remote services are, which it may be.
+    pub(super) fn opaque_param(
+        &mut self,
+        index: u32,
+        service: Option<u32>,
+        decl: &ParamDecl,
+    ) -> Option<Param> {
+        let ParamSpec::Path { path, rename, .. } = &decl.spec else {
+            return None;
+        };
+        let first = path.iter().find_map(|it| match it {
+            PathStep::Member(name) => Some(name),
+            PathStep::Index(_) => None,
+        });
+        let name = rename.as_deref().or(first)?.text.clone();
+        let src = self.src(decl.ptr);
+        if let ParamSpec::Path { source, .. } = &decl.spec
+            && let Some(first) = first
+            && !self.is_source(index, service, &first.text)
+        {
+            let kind = source.as_ref().map(|it| match it.0 {
+                Source::Ids => SourceKind::Ids,
+                Source::Local => SourceKind::Local,
+                Source::Port => SourceKind::Port,
+                Source::Remote => SourceKind::Remote,
+            });
+            self.lack(Missing::Source {
+                name: first.text.clone(),
+                kind,
+                dir: direction(decl.dir),
+            });
+        }
+        let scope = self.components[index as usize].scope;
+        let named = first.map_or_else(|| name.clone(), |it| it.text.clone());
+        let ty = self.named(TypeKind::Unknown, scope, named, src);
+        if let Some((name, scope)) = self.inside_unknown() {
+            let ty = &mut self.spec.types[ty.0 as usize];
+            (ty.name, ty.scope) = (Some(name), scope);
+        }
+        Some(Param {
+            name,
+            src,
+            dir: direction(decl.dir),
+            source: ParamSource::Opaque,
+            base: ty,
+            ty,
+            path: Vec::new(),
+            init: None,
+        })
+    }
+
+    /// Whether a component or service has a member of the ids, parameter, port or remote service of that name.
+    fn is_source(&self, index: u32, service: Option<u32>, name: &Text) -> bool {
+        let state = &self.components[index as usize];
+        self.ids_member(index, name).is_some()
+            || self.local_named(index, service, name).is_some()
+            || state.port_by_name.contains_key(name)
+            || state.remote_by_name.contains_key(name)
+    }
+
+    /// Whether a type is declared by a stand-in, with members that nobody knows.
+    pub(super) fn is_made_up(&self, ty: TypeId) -> bool {
+        let last = look_through(&self.spec, ty);
+        let visit = self.visits.get(self.spec.ty(last).src.visit as usize);
+        visit.is_some_and(|it| is_standin(it.path.as_ref()))
+    }
+
+    /// Notes what is used of a type that is not known.
+    pub(super) fn lack_member(&mut self, ty: TypeId, rest: &'a [PathStep]) {
+        let Some(of) = self.spec.full_name(ty) else {
+            return;
+        };
+        let path = rest.iter().map(|it| match it {
+            PathStep::Member(name) => PathElement::Member(name.text.clone()),
+            PathStep::Index(_) => PathElement::Index(0),
+        });
+        let path = path.collect();
+        self.lack(Missing::Member {
+            of: of.into(),
+            path,
+        });
+    }
+
+    /// Name and scope for a type inside of an unknown one, if that is what was found to be lacking last.
+    fn inside_unknown(&self) -> Option<(Text, Vec<Scope>)> {
+        let Some(Missing::Member { of, path }) = self.spec.gaps.last().map(|it| &it.missing) else {
+            return None;
+        };
+        let (outer, own) = of.rsplit_once("::").unwrap_or(("", of));
+        let mut name = own.to_owned();
+        for element in path {
+            match element {
+                PathElement::Member(member) => name = format!("{name}_{member}"),
+                PathElement::Index(_) => name.push_str("_element"),
+            }
+        }
+        let scopes = outer.split("::").filter(|it| !it.is_empty());
+        let scopes = scopes.map(|it| Scope {
+            kind: ScopeKind::Module,
+            name: it.into(),
+        });
+        Some((name.into(), scopes.collect()))
+    }
+}

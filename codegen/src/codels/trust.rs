@@ -1,0 +1,150 @@
+//! What of a specification with errors can be relied on when it is compared with its codels.
+//!
+//! An error leaves out what it is about: the codel in whose declaration it stands, or the exceptions of the task or
+//! service in which text was lost. What this machine lacks (packages, files) is no error of the text: see
+//! [`dotgen_analysis::model::gaps`].
+
+use camino::Utf8PathBuf;
+use dotgen_analysis::codes::is_environment;
+use dotgen_analysis::diagnostic::Severity;
+use dotgen_analysis::host::UnitResult;
+use dotgen_analysis::model::{CodelRef, Name, Owner};
+use dotgen_analysis::source_map::{Location, Locations};
+use dotgen_syntax::codes as syntax;
+use rustc_hash::FxHashSet;
+use std::sync::Arc;
+
+use super::expected::{Expected, ExpectedFunction};
+
+/// What can be relied on. The default is everything.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Trust {
+    /// Files or packages are missing on this machine.
+    pub lacks_files: bool,
+    /// A file ends in the middle of a declaration: more may follow.
+    pub is_cut: bool,
+    /// Codels with errors of their own, by component.
+    faulty: FxHashSet<(u32, CodelRef)>,
+    /// Tasks and services of which text was not understood, by component.
+    broken: FxHashSet<(u32, Owner)>,
+    /// Text was not understood that may belong to components as a whole.
+    all_broken: bool,
+    /// Words that may name what was not understood.
+    words: Arc<FxHashSet<Name>>,
+}
+
+/// What is reported of a text that ends too early.
+const BREAKS_OFF: [&str; 4] = [
+    "syntax-eof",
+    "lex-comment-open",
+    "pp-cond-unterminated",
+    "pp-macro-eof",
+];
+
+/// An error and its place.
+struct Fault<'a> {
+    path: &'a Utf8PathBuf,
+    start: usize,
+    end: usize,
+    /// Text around it may be lost.
+    loses_text: bool,
+}
+
+impl Fault<'_> {
+    fn touches(&self, place: &Location) -> bool {
+        place.path == *self.path && self.start <= place.range.end && place.range.start <= self.end
+    }
+}
+
+impl Trust {
+    /// What the errors of a unit leave.
+    pub fn of(unit: &UnitResult) -> Trust {
+        let mut trust = Trust {
+            lacks_files: unit.lacks_files(),
+            ..Trust::default()
+        };
+        let errors = unit.diagnostics.iter();
+        let errors = errors.filter(|it| it.severity == Severity::Error && !is_environment(it.code));
+        let faults: Vec<Fault<'_>> = errors
+            .map(|it| Fault {
+                path: &it.path,
+                start: it.range.start,
+                end: it.range.end,
+                loses_text: syntax::find(it.code).is_some() && it.code != "missing-semicolon",
+            })
+            .collect();
+        if faults.is_empty() {
+            return trust;
+        }
+        trust.words = unit.words.clone();
+        trust.is_cut = unit
+            .diagnostics
+            .iter()
+            .any(|it| BREAKS_OFF.contains(&it.code));
+        trust.all_broken = trust.is_cut;
+        let codels: Vec<(u32, CodelRef, Location)> = (0u32..)
+            .zip(&unit.spec.components)
+            .flat_map(|(index, it)| {
+                it.all_codels()
+                    .map(move |at| (index, at, it.codel(at).node))
+            })
+            .filter_map(|(index, at, node)| Some((index, at, unit.locations.locate(node)?)))
+            .collect();
+        let bodies = unit.spec.owner_bodies.iter();
+        let bodies: Vec<(u32, Owner, Location)> = bodies
+            .filter_map(|it| Some((it.component, it.owner, unit.locations.locate(it.node)?)))
+            .collect();
+        for fault in &faults {
+            let hit = codels.iter().filter(|it| fault.touches(&it.2));
+            let hit: Vec<_> = hit.map(|it| (it.0, it.1)).collect();
+            let inside_codel = !hit.is_empty();
+            trust.faulty.extend(hit);
+            if !fault.loses_text {
+                continue;
+            }
+            let around = bodies.iter().filter(|it| fault.touches(&it.2));
+            let around: Vec<_> = around.map(|it| (it.0, it.1)).collect();
+            trust.all_broken |= around.is_empty() && !inside_codel;
+            trust.broken.extend(around);
+            if !inside_codel {
+                // What stands right before may break off here.
+                let before = codels.iter().filter(|it| it.2.path == *fault.path);
+                let before = before.filter(|it| it.2.range.end <= fault.start);
+                let last = before.clone().map(|it| it.2.range.end).max();
+                let last = before.filter(|it| Some(it.2.range.end) == last);
+                trust.faulty.extend(last.map(|it| (it.0, it.1)));
+            }
+        }
+        trust
+    }
+
+    /// Leaves out the codels in whose declaration something was changed since: what they are to be is not known yet.
+    /// `changed` tells it of a place as of the unit.
+    pub fn leave_out(&mut self, unit: &UnitResult, changed: &dyn Fn(&Location) -> bool) {
+        for (index, component) in (0u32..).zip(&unit.spec.components) {
+            for at in component.all_codels() {
+                let place = unit.locations.locate(component.codel(at).node);
+                if place.is_some_and(|it| changed(&it)) {
+                    self.faulty.insert((index, at));
+                }
+            }
+        }
+    }
+
+    /// Whether the declaration of a codel has errors, in any of its uses.
+    pub fn is_faulty(&self, expected: &Expected<'_>, function: &ExpectedFunction) -> bool {
+        let mut uses = function.uses.iter();
+        uses.any(|&at| self.faulty.contains(&(expected.component, at)))
+    }
+
+    /// Whether a task or service of a codel, or its component, may say more than was understood.
+    pub fn is_broken(&self, expected: &Expected<'_>, function: &ExpectedFunction) -> bool {
+        let mut uses = function.uses.iter();
+        self.all_broken || uses.any(|it| self.broken.contains(&(expected.component, it.owner)))
+    }
+
+    /// Whether a name may be declared in what was not understood.
+    pub fn may_declare(&self, name: &str) -> bool {
+        self.words.contains(name)
+    }
+}

@@ -1,0 +1,110 @@
+//! Packages that specifications require: their names, and what brings them.
+//!
+//! Components, interfaces and GenoM3 itself come from [robotpkg](http://robotpkg.openrobots.org), whose binary packages
+//! for Debian and Ubuntu have its names behind `robotpkg-`. Other packages come from the system.
+
+/// Debian's names where they do not follow from those of pkg-config.
+const DEBIAN: [(&str, &str); 4] = [
+    ("opencv", "libopencv-dev"),
+    ("opencv4", "libopencv-dev"),
+    ("tcl", "tcl-dev"),
+    ("tk", "tk-dev"),
+];
+
+/// What brings a package.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Providers {
+    /// The package of robotpkg, with its category where that follows from the name.
+    pub robotpkg: Option<String>,
+    /// The Debian package; if [`Providers::robotpkg`] is given, one of the repository of robotpkg.
+    pub debian: Option<String>,
+}
+
+/// Names of the packages in a requirement as pkg-config reads it: `a >= 1.0, b c`.
+pub fn names(requirement: &str) -> Vec<&str> {
+    let separator = |it: char| it.is_whitespace() || it == ',';
+    let mut out = Vec::new();
+    let mut version = false;
+    for word in requirement.split(separator).filter(|it| !it.is_empty()) {
+        let is_operator = |it: char| matches!(it, '<' | '>' | '=' | '!');
+        let name = word.split(is_operator).next().unwrap_or_default();
+        let operator = &word[name.len()..];
+        if name.is_empty() {
+            // The version stands in this word, or in the next one.
+            version = word.ends_with(is_operator);
+        } else if !std::mem::take(&mut version) {
+            out.push(name);
+            version = !operator.is_empty() && operator.ends_with(is_operator);
+        }
+    }
+    out
+}
+
+/// What brings a package, as its name tells.
+pub fn providers(name: &str) -> Providers {
+    let robotpkg = match name {
+        "genom3" => Some("architecture/genom3".to_owned()),
+        name if name.starts_with("genom3-") => Some(format!("architecture/{name}")),
+        name if name.ends_with("-idl") => Some(format!("interfaces/{name}")),
+        name if name.ends_with("-genom3") => Some(name.to_owned()),
+        _ => None,
+    };
+    let debian = match &robotpkg {
+        Some(_) => format!("robotpkg-{name}"),
+        None => match DEBIAN.iter().find(|it| it.0 == name) {
+            Some((_, package)) => (*package).to_owned(),
+            None => format!("lib{}-dev", name.strip_prefix("lib").unwrap_or(name)),
+        },
+    };
+    Providers {
+        robotpkg,
+        debian: Some(debian),
+    }
+}
+
+/// What to install for a package, in words: `` `interfaces/a-idl` of robotpkg (Debian: `robotpkg-a-idl`) ``.
+pub fn advice(name: &str) -> String {
+    let providers = providers(name);
+    match (providers.robotpkg, providers.debian) {
+        (Some(robotpkg), Some(debian)) => {
+            format!("`{robotpkg}` of robotpkg (Debian package `{debian}` of its repository)")
+        }
+        (Some(robotpkg), None) => format!("`{robotpkg}` of robotpkg"),
+        (None, Some(debian)) => format!("`{name}` (on Debian most likely package `{debian}`)"),
+        (None, None) => format!("`{name}`"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_requirements() {
+        assert_eq!(names("openrobots2-idl >= 2.0"), ["openrobots2-idl"]);
+        assert_eq!(names("a>=1 b, c >=2.0 d = 1"), ["a", "b", "c", "d"]);
+        assert_eq!(names("realsense2, opencv"), ["realsense2", "opencv"]);
+        assert_eq!(names("a>= 1.0 b"), ["a", "b"]);
+        assert!(names(" , ").is_empty());
+    }
+
+    #[test]
+    fn what_brings_a_package_follows_from_its_name() {
+        let of = |name| {
+            let it = providers(name);
+            (
+                it.robotpkg.unwrap_or_default(),
+                it.debian.unwrap_or_default(),
+            )
+        };
+        let pair = |a: &str, b: &str| (a.to_owned(), b.to_owned());
+        assert_eq!(
+            of("vision-idl"),
+            pair("interfaces/vision-idl", "robotpkg-vision-idl")
+        );
+        assert_eq!(of("pom-genom3"), pair("pom-genom3", "robotpkg-pom-genom3"));
+        assert_eq!(of("eigen3"), pair("", "libeigen3-dev"));
+        assert_eq!(of("libkdtp"), pair("", "libkdtp-dev"));
+        assert_eq!(of("opencv4"), pair("", "libopencv-dev"));
+    }
+}
