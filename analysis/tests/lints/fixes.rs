@@ -459,9 +459,9 @@ fn what_is_used_and_declared_nowhere_can_be_declared() {
         ),
         (
             "param-member",
-            "component c {\n  ids {\n    long x;\n  };\n  function f() { codel g(ids in y); };\n};\n",
-            "--- Add `long y` to the ids\ncomponent c {\n  ids {\n    long x;\n    long y;\n  };\n  \
-             function f() { codel g(ids in y); };\n};\n",
+            "component c {\n  ids {\n    long x;\n  };\n  function f() { codel g(ids in total); };\n};\n",
+            "--- Add `long total` to the ids\ncomponent c {\n  ids {\n    long x;\n    long total;\n  };\n  \
+             function f() { codel g(ids in total); };\n};\n",
         ),
     ] {
         assert_eq!(fixed(source, code), expected);
