@@ -16,7 +16,7 @@ use serde_json::Value;
 
 use crate::support::{compile, compiler, host, host_of, shared, temporary, workspace, write};
 
-fn components(spec: &Spec) -> Vec<u32> {
+pub(crate) fn components(spec: &Spec) -> Vec<u32> {
     let all = (0u32..).zip(&spec.components);
     all.filter(|(_, it)| it.kind == ComponentKind::Component)
         .map(|(index, _)| index)
@@ -170,7 +170,7 @@ fn stubs_are_those_of_the_skeleton(release: Release, manifest: &str) {
 }
 
 /// Generates headers and stubs of every component and compiles them.
-fn compiles(name: &str, spec: &Spec, failures: &mut Vec<String>) -> usize {
+pub(crate) fn compiles(name: &str, spec: &Spec, failures: &mut Vec<String>) -> usize {
     let mut count = 0;
     for component in components(spec) {
         let mut cxx = spec.clone();

@@ -1,6 +1,7 @@
 //! Codels and specifications in step: against the reference outputs, the system's compilers, and
 //! the example with seeded drift.
 
+mod clone;
 mod detect;
 mod example;
 mod golden;

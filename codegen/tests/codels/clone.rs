@@ -1,0 +1,279 @@
+//! A fresh clone: nothing that a component requires is there.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::diagnostic::Severity;
+use dotgen_analysis::host::{
+    Analysis, AnalysisHost, Change, Config, FileContent, Loader, PackageFlags, UnitResult,
+};
+use dotgen_analysis::model::Name;
+use dotgen_analysis::release::Release;
+use dotgen_codegen::codels::drift::{Drift, DriftCode};
+use dotgen_codegen::codels::expected::Expected;
+use dotgen_codegen::codels::files::{FilesConfig, Sources};
+use dotgen_codegen::codels::folder::{Folder, folders};
+use dotgen_codegen::codels::stub::{StubOptions, Stubs};
+
+use crate::golden::{compiles, components};
+use crate::support::{Disk, Memory, host_of, shared};
+
+/// The files of one folder, with stand-ins that were written; packages are not installed.
+struct Clone {
+    folder: Utf8PathBuf,
+    written: BTreeMap<Utf8PathBuf, String>,
+}
+
+impl Loader for Clone {
+    fn read(&self, path: &Utf8Path) -> FileContent {
+        match self.written.get(path) {
+            Some(text) => FileContent::Text(text.clone()),
+            None if path.parent() == Some(&self.folder) => Loader::read(&Disk, path),
+            None => FileContent::Missing,
+        }
+    }
+
+    fn packages(&self, arguments: &[String]) -> Result<PackageFlags, String> {
+        Err(format!("no package {}", arguments.join(" ")))
+    }
+}
+
+/// The specifications of the corpus, each with a component.
+fn corpus(shared: &Utf8Path) -> Vec<Utf8PathBuf> {
+    let root = shared.join("corpus/components");
+    let all = walkdir::WalkDir::new(&root).sort_by_file_name();
+    let all = all
+        .into_iter()
+        .flatten()
+        .filter_map(|it| Utf8PathBuf::from_path_buf(it.into_path()).ok());
+    all.filter(|it| it.extension() == Some("gen") && !it.starts_with(root.join("standins")))
+        .filter(|it| it.file_name() != Some("Apriltag.gen"))
+        .collect()
+}
+
+fn complete(shared: &Utf8Path, path: &Utf8Path) -> UnitResult {
+    let host = host_of(None, vec![shared.join("corpus/components/standins")]);
+    let unit = unit(&host.analysis(), path);
+    assert!(unit.accepted(), "{path}: {:?}", unit.diagnostics);
+    unit
+}
+
+fn unit(analysis: &Analysis, path: &Utf8Path) -> UnitResult {
+    analysis.root_unit(path).expect("nothing is cancelled")
+}
+
+fn clone_of(path: &Utf8Path, written: BTreeMap<Utf8PathBuf, String>) -> AnalysisHost {
+    let folder = path.parent().expect("a file is in a folder").to_owned();
+    let mut host = AnalysisHost::new(Arc::new(Clone { folder, written }));
+    host.apply(Change {
+        config: Some(Config::default()),
+        ..Change::default()
+    });
+    host
+}
+
+/// The skeleton of all components of a unit, below the folder of a specification.
+fn skeleton(unit: &UnitResult, path: &Utf8Path) -> BTreeMap<Utf8PathBuf, String> {
+    let beside = path.parent().expect("a file is in a folder");
+    let mut out = BTreeMap::new();
+    for component in components(&unit.spec) {
+        let expected = Expected::new(&unit.spec, component);
+        let stubs = StubOptions::default();
+        for file in Stubs::new(&expected, &stubs)
+            .all_files()
+            .expect("types have a mapping")
+        {
+            out.insert(beside.join(file.path), file.text);
+        }
+    }
+    out
+}
+
+fn folder_of(unit: &UnitResult, files: &Memory) -> Vec<Folder> {
+    let config = FilesConfig::default();
+    folders(unit, &mut |it| Sources::load(it, &config, files))
+}
+
+/// A finding, without the words for what is wrong: these may say less when less is known.
+type Key = (&'static str, Option<(Utf8PathBuf, usize)>, Name);
+
+fn findings(unit: &UnitResult, files: &Memory) -> Vec<(Key, Drift)> {
+    let mut out = Vec::new();
+    for folder in folder_of(unit, files) {
+        for it in folder.check(&folder.expected()) {
+            let place = it
+                .source
+                .as_ref()
+                .map(|it| (it.path.clone(), it.range.start));
+            let component = &unit.spec.components[it.component as usize];
+            out.push(((it.code.as_str(), place, component.name.clone()), it));
+        }
+    }
+    out
+}
+
+/// Sources with faults of every kind, spread over the functions.
+fn with_faults(clean: &BTreeMap<Utf8PathBuf, String>) -> Memory {
+    let mut number = 0;
+    let mut out = BTreeMap::new();
+    for (path, text) in clean {
+        let mut faulty = String::new();
+        for part in text.split_inclusive("\ngenom_event\n") {
+            number += 1;
+            let part = match number % 6 {
+                // The name of the function, a parameter more, an event, an exception, a type.
+                0 => part.replacen('(', "_renamed(", 1),
+                1 => part.replacen(
+                    "const genom_context self)",
+                    "int more, const genom_context self)",
+                    1,
+                ),
+                2 => part.replacen("return ", "return maneuver_nowhere; return ", 1),
+                3 => part
+                    .replacen("double ", "float ", 1)
+                    .replacen("int32_t ", "int64_t ", 1),
+                4 => part.replacen("/* skeleton", "if (self) return 0; /* skeleton", 1),
+                _ => part.to_owned(),
+            };
+            faulty += &part;
+        }
+        out.insert(path.clone(), faulty);
+    }
+    Memory(out)
+}
+
+#[test]
+fn a_fresh_clone_is_compared_and_told_nothing_that_is_not_so() {
+    let Some(shared) = shared() else { return };
+    let (mut codels, mut judged, mut told) = (0, 0, 0);
+    for path in corpus(&shared) {
+        let all = complete(&shared, &path);
+        let clone = clone_of(&path, BTreeMap::new());
+        let alone = unit(&clone.analysis(), &path);
+        let clean = skeleton(&all, &path);
+        for files in [Memory(clean.clone()), with_faults(&clean)] {
+            let expected = findings(&all, &files);
+            let found = findings(&alone, &files);
+            for (key, drift) in &found {
+                let known = expected.iter().any(|it| it.0 == *key);
+                assert!(known, "{path}: not so: {} {key:?}", drift.message());
+            }
+            // What the specification alone tells is found: what is missing, renamed, or has a parameter more.
+            for (key, drift) in &expected {
+                let plain = drift.code == DriftCode::MissingDefinition
+                    || drift.code == DriftCode::UndeclaredYield;
+                let known = found.iter().any(|it| it.0 == *key);
+                assert!(known || !plain, "{path}: not found: {}", drift.message());
+            }
+            told += found.len();
+            for folder in folder_of(&alone, &files) {
+                let coverage = folder.coverage(&folder.expected());
+                codels += coverage.codels;
+                judged += coverage.judged;
+            }
+        }
+    }
+    assert!(
+        codels > 100 && told > 50,
+        "{codels} codels, {told} findings"
+    );
+    assert!(
+        judged * 100 >= codels * 95,
+        "{judged} of {codels} codels judged"
+    );
+}
+
+#[test]
+fn a_fresh_clone_has_one_diagnostic_for_each_package() {
+    let Some(shared) = shared() else { return };
+    for path in corpus(&shared) {
+        let clone = clone_of(&path, BTreeMap::new());
+        let alone = unit(&clone.analysis(), &path);
+        let errors = alone.diagnostics.iter();
+        let errors = errors.filter(|it| it.severity == Severity::Error);
+        let codes: Vec<_> = errors.map(|it| it.code).collect();
+        let packages = alone.spec.pragma_requires.len();
+        assert_eq!(codes, vec!["pp-requires-unresolved"; packages], "{path}");
+    }
+}
+
+#[test]
+fn headers_and_stubs_of_a_fresh_clone_compile() {
+    let Some(shared) = shared() else { return };
+    let mut failures = Vec::new();
+    for path in corpus(&shared) {
+        let clone = clone_of(&path, BTreeMap::new());
+        let alone = unit(&clone.analysis(), &path);
+        compiles(path.as_str(), &alone.spec, &mut failures);
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+#[test]
+fn stand_ins_declare_what_a_specification_uses() {
+    let Some(shared) = shared() else { return };
+    for path in corpus(&shared) {
+        let clone = clone_of(&path, BTreeMap::new());
+        let stand_ins = clone
+            .analysis()
+            .stand_ins(&path)
+            .expect("nothing is cancelled");
+        assert!(!stand_ins.is_empty(), "{path}");
+        let written = stand_ins.into_iter().map(|it| (it.path, it.text)).collect();
+        let clone = clone_of(&path, written);
+        let needs = clone
+            .analysis()
+            .dependencies(&path)
+            .expect("nothing is cancelled");
+        assert!(
+            needs.includes.iter().all(|it| it.found.is_some()),
+            "{path}: {:?}",
+            needs.includes
+        );
+        assert!(
+            needs.interfaces.iter().all(|it| it.found.is_some()),
+            "{path}: {:?}",
+            needs.interfaces
+        );
+        assert!(needs.unknown.is_empty(), "{path}: {:?}", needs.unknown);
+        let unit = unit(&clone.analysis(), &path);
+        let gaps = &unit.spec.gaps;
+        assert!(gaps.is_empty(), "{path}: {gaps:?}");
+        let errors = unit
+            .diagnostics
+            .iter()
+            .filter(|it| it.severity == Severity::Error);
+        let codes: Vec<_> = errors.map(|it| it.code).collect();
+        assert!(
+            codes.iter().all(|it| *it == "pp-requires-unresolved"),
+            "{path}: {codes:?}"
+        );
+    }
+}
+
+#[test]
+fn skeletons_of_every_release_have_no_finding() {
+    let Some(shared) = shared() else { return };
+    let releases = [
+        Release::V2_99_39,
+        Release::V2_99_40,
+        Release::V2_99_41,
+        Release::V2_99_42,
+        Release::V2_99_43,
+        Release::V3,
+    ];
+    for path in corpus(&shared) {
+        for release in releases {
+            let host = host_of(
+                Some(release),
+                vec![shared.join("corpus/components/standins")],
+            );
+            let unit = unit(&host.analysis(), &path);
+            let files = Memory(skeleton(&unit, &path));
+            let found = findings(&unit, &files);
+            let found: Vec<_> = found.iter().map(|it| it.1.message()).collect();
+            assert!(found.is_empty(), "{path} {release}: {found:?}");
+        }
+    }
+}
