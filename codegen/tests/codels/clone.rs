@@ -16,7 +16,7 @@ use dotgen_codegen::codels::files::{FilesConfig, Sources};
 use dotgen_codegen::codels::folder::{Folder, folders};
 use dotgen_codegen::codels::stub::{StubOptions, Stubs};
 
-use crate::golden::{compiles, components};
+use crate::golden::components;
 use crate::support::{Disk, Memory, host_of, shared};
 
 /// The files of one folder, with stand-ins that were written; packages are not installed.
@@ -196,18 +196,6 @@ fn a_fresh_clone_has_one_diagnostic_for_each_package() {
         let packages = alone.spec.pragma_requires.len();
         assert_eq!(codes, vec!["pp-requires-unresolved"; packages], "{path}");
     }
-}
-
-#[test]
-fn headers_and_stubs_of_a_fresh_clone_compile() {
-    let Some(shared) = shared() else { return };
-    let mut failures = Vec::new();
-    for path in corpus(&shared) {
-        let clone = clone_of(&path, BTreeMap::new());
-        let alone = unit(&clone.analysis(), &path);
-        compiles(path.as_str(), &alone.spec, &mut failures);
-    }
-    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
 #[test]

@@ -170,7 +170,7 @@ fn stubs_are_those_of_the_skeleton(release: Release, manifest: &str) {
 }
 
 /// Generates headers and stubs of every component and compiles them.
-pub(crate) fn compiles(name: &str, spec: &Spec, failures: &mut Vec<String>) -> usize {
+fn compiles(name: &str, spec: &Spec, failures: &mut Vec<String>) -> usize {
     let mut count = 0;
     for component in components(spec) {
         let mut cxx = spec.clone();
