@@ -36,6 +36,9 @@ fn a_terminal_gets_no_control_characters() {
         &["generate", "-t", "templates", "quits", NAME],
         &["generate", "no\u{1b}[31mne", NAME],
         &["codels", "check", NAME],
+        &["codels", "build", NAME],
+        &["run", NAME],
+        &["run", "missing\u{1b}[31m.gen"],
     ] {
         let output = directory.run(arguments);
         assert_ne!(status(&output), 0, "{arguments:?}");

@@ -71,20 +71,24 @@ pub fn headers(
         path: format!("ac{}.h", component.name).into(),
         text: configuration(expected),
     });
-    let mut lines = vec![
-        format!("-I{}", folder.join(INCLUDE)),
-        format!("-I{folder}"),
-        format!("-I{codels}"),
-    ];
-    if let Some(root) = codels.parent() {
-        lines.push(format!("-I{root}"));
-    }
+    let mut lines = include_flags(folder, codels);
     lines.extend(flags.iter().cloned());
     out.push(NewFile {
         path: "compile_flags.txt".into(),
         text: lines.join("\n") + "\n",
     });
     Ok(out)
+}
+
+/// The flags by which compilers find the headers of a folder, and those beside the codels.
+pub(super) fn include_flags(folder: &Utf8Path, codels: &Utf8Path) -> Vec<String> {
+    let mut out = vec![
+        format!("-I{}", folder.join(INCLUDE)),
+        format!("-I{folder}"),
+        format!("-I{codels}"),
+    ];
+    out.extend(codels.parent().map(|root| format!("-I{root}")));
+    out
 }
 
 /// The mapped types and the prototypes of the codels, as `genom3 mappings --signature` gives them

@@ -1,5 +1,7 @@
 //! `dotgen codels`: specifications and their C/C++ codels, compared and kept in step.
 
+mod build;
+
 use anyhow::{Context, bail};
 use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, Subcommand};
@@ -38,6 +40,7 @@ enum Command {
     Stub(Stub),
     Sync(Sync),
     Headers(Headers),
+    Build(build::Build),
 }
 
 /// Report codels that do not fit their specification
@@ -123,6 +126,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         Command::Stub(it) => stub(it),
         Command::Sync(it) => sync(it),
         Command::Headers(it) => headers(it),
+        Command::Build(it) => build::run(it),
     }
 }
 

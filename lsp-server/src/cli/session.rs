@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::{Outcome, Reading};
-use crate::config::{self, Config, Level, Problem, Settings};
+use crate::config::{self, Config, Level, PackageConfig, Problem, Settings};
 use crate::files::vfs::{self, Vfs};
 use crate::panic;
 use crate::protocol::convert::{Encoding, Lines};
@@ -28,6 +28,7 @@ pub(super) struct Session {
     /// What is wrong with the configuration file.
     pub(super) config: Option<ConfigProblems>,
     host: AnalysisHost,
+    packages: PackageConfig,
     connections: Vec<dotgen_diagram::system::Connection>,
     codels: FilesConfig,
     /// The style of the formatter.
@@ -333,6 +334,7 @@ impl Session {
             files,
             config,
             host,
+            packages: configuration.packages.clone(),
             connections: configuration.connections,
             codels: settings.codels.files(),
             format: settings.format,
@@ -348,6 +350,11 @@ impl Session {
     /// Connections between components that the configuration gives.
     pub(super) fn connections(&self) -> &[dotgen_diagram::system::Connection] {
         &self.connections
+    }
+
+    /// How packages are looked up.
+    pub(super) fn packages(&self) -> &PackageConfig {
+        &self.packages
     }
 
     /// Which files hold codels.

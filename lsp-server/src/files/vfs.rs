@@ -18,6 +18,7 @@ use dotgen_syntax::encoding;
 use crate::config::PackageConfig;
 
 pub use pkg_config::query;
+pub(crate) use pkg_config::words;
 
 /// Makes a path comparable: no `.`, no `..` that can be taken away by looking at the text alone.
 pub fn normalize(path: &Utf8Path) -> Utf8PathBuf {

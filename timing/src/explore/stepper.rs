@@ -333,6 +333,14 @@ impl<R: Rules> Walk for Walker<R> {
                 seen.push(Seen::Reached { predicate });
             }
         }
+        for (within, it) in self.observers.iter().enumerate() {
+            // What is awaited from the start may hold already.
+            if !self.rules.frame().is_open(&self.s, within)
+                && observe::predicate(&self.rules, None, &self.s, &it.trigger)
+            {
+                seen.push(Seen::Answered { within, after: 0 });
+            }
+        }
     }
 
     fn now(&self) -> u64 {

@@ -142,10 +142,10 @@ impl Prepared {
         to_f64(self.built.system.unit * Ratio::from_integer(i128::from(ticks)))
     }
 
-    /// Seconds as a time of the system, rounded down.
+    /// Seconds, which are not negative, as a time of the system, rounded down.
     pub fn ticks(&self, seconds: Seconds) -> u64 {
         let ticks = (seconds / self.built.system.unit).to_integer();
-        u64::try_from(ticks).unwrap_or(0)
+        u64::try_from(ticks).unwrap_or(u64::MAX)
     }
 
     /// What has to be looked at along a run for the checks, and for each check its place there, if it has one: in

@@ -138,32 +138,65 @@ impl Brute<'_> {
     /// Plays a run; fails at an action that is not possible. Returns what was seen in its last state.
     pub(crate) fn replay(&self, steps: &[(u64, Action)], end: u64) -> Result<Results, String> {
         let mut out = self.blank();
+        let mut last = (None, self.initial());
+        self.play(steps, end, &mut out, &mut |before, now, _| {
+            // Time that passes enters no state.
+            let before = before.cloned().or(last.0.take());
+            last = (before, now.clone());
+        })?;
+        let (before, s) = last;
+        let mut out = self.blank();
+        self.inspect(&s, end, &mut out);
+        self.reach(before.as_ref(), &s, end, &mut out);
+        out.deadlock = self.dead(&s);
+        Ok(out)
+    }
+
+    /// Plays a run likewise. Returns what was seen in any of its states.
+    pub(crate) fn along(&self, steps: &[(u64, Action)], end: u64) -> Result<Results, String> {
+        let mut out = self.blank();
+        let mut refused = self.blank();
+        let initial = self.initial();
+        self.reach(None, &initial, 0, &mut out);
+        self.inspect(&initial, 0, &mut out);
+        self.play(steps, end, &mut refused, &mut |before, now, at| {
+            if before.is_some() {
+                self.reach(before, now, at, &mut out);
+            }
+            self.inspect(now, at, &mut out);
+        })?;
+        out.refused = refused.refused;
+        Ok(out)
+    }
+
+    /// Shows every state of a run but the first: the one before if an action led to it, itself, and when.
+    fn play(
+        &self,
+        steps: &[(u64, Action)],
+        end: u64,
+        out: &mut Results,
+        look: &mut dyn FnMut(Option<&State>, &State, u64),
+    ) -> Result<(), String> {
         let mut s = self.initial();
         let mut now = 0;
-        let mut before = None;
-        let advance = |s: &mut State, now: &mut u64, to: u64| {
-            while *now < to {
-                if self.actions(s).1 {
+        let steps = steps.iter().map(|&(time, action)| (time, Some(action)));
+        for (time, action) in steps.chain([(end, None)]) {
+            while now < time {
+                if self.actions(&s).1 {
                     return Err(format!("time may not pass at {now}"));
                 }
-                *s = self.pass(s);
-                *now += 1;
+                s = self.pass(&s);
+                now += 1;
+                look(None, &s, now);
             }
-            Ok(())
-        };
-        for &(time, action) in steps {
-            advance(&mut s, &mut now, time)?;
+            let Some(action) = action else { break };
             if !self.actions(&s).0.contains(&action) {
                 return Err(format!("{action:?} is not possible at {now}"));
             }
-            let next = self.perform(&s, action, &mut out);
-            before = Some(std::mem::replace(&mut s, next));
+            let next = self.perform(&s, action, out);
+            look(Some(&s), &next, now);
+            s = next;
         }
-        advance(&mut s, &mut now, end)?;
-        let mut last = self.blank();
-        self.inspect(&s, end, &mut last);
-        self.reach(before.as_ref(), &s, end, &mut last);
-        last.deadlock = self.dead(&s);
-        Ok(last)
+        Ok(())
     }
 }

@@ -5,6 +5,7 @@ mod brute;
 mod expected;
 mod servers;
 mod systems;
+mod walks;
 
 use brute::{Brute, CAP, Results};
 use dotgen_timing::analytic::{meets_deadlines, response_bounds};

@@ -3,6 +3,7 @@
 use std::io::Write;
 
 use clap::builder::styling::{AnsiColor, Style};
+use dotgen_analysis::terminal;
 use dotgen_runtime::engine::End;
 use dotgen_runtime::judge::Verdict;
 use dotgen_runtime::report::{At, OfCheck, Report, Violated};
@@ -70,6 +71,7 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
         writeln!(out, "{TITLE}note{TITLE:#}: {it}")?;
     }
     if let Some((path, lines)) = &answer.profile {
+        let path = terminal::name(path.as_str());
         writeln!(out, "{TITLE}note{TITLE:#}: wrote {lines} lines to {path}")?;
     }
     let (style, what) = match report.violation_count {

@@ -33,6 +33,31 @@ pub fn query(config: &PackageConfig, arguments: &[String]) -> Result<PackageFlag
     pkg_file::cflags(&directories, arguments).map(|words| flags_of(&words))
 }
 
+/// All that pkg-config answers to a question (`--cflags`, `--libs`) about packages.
+///
+/// # Errors
+/// A message for the user: which package is missing, or that nobody can be asked.
+pub(crate) fn words(
+    config: &PackageConfig,
+    question: &str,
+    arguments: &[String],
+) -> Result<Vec<String>, String> {
+    if arguments.is_empty() {
+        return Ok(Vec::new());
+    }
+    let program = program();
+    match run(&program, &config.paths, question, arguments) {
+        Ok(output) => shlex::split(&output).ok_or_else(|| {
+            format!("`{program} {question}` answers with a quote that is not closed")
+        }),
+        Err(Failure::Said(message)) => Err(message),
+        Err(Failure::NotInstalled) => Err(format!(
+            "`{program}` is not installed; without it nobody knows the flags of {}",
+            arguments.join(", ")
+        )),
+    }
+}
+
 /// The version of a package, if pkg-config may be run and knows it.
 pub(super) fn version(config: &PackageConfig, name: &str) -> Option<String> {
     if !config.may_run {

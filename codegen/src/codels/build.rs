@@ -1,0 +1,363 @@
+//! Codels compiled by the system's compilers, without an installation of GenoM3: what is to be run for a folder of codels, what
+//! need not be run again, and what compilers print. Nothing here runs anything.
+
+use std::path::PathBuf;
+use std::time::SystemTime;
+
+use camino::{Utf8Path, Utf8PathBuf};
+
+use super::files::IndexedFile;
+use super::folder::Folder;
+use super::headers;
+use super::links::implementations;
+use super::stub::NewFile;
+use crate::disk::Disk;
+
+/// The compilers.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Tools {
+    /// Of C sources: a program, and arguments that always come first.
+    pub c: Vec<String>,
+    /// Of C++ sources. It also links, where there are any.
+    pub cxx: Vec<String>,
+}
+
+/// What packages want of compilers.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Packages {
+    /// When sources are compiled.
+    pub compile: Vec<String>,
+    /// When objects are linked.
+    pub link: Vec<String>,
+}
+
+/// A program to be run, whose output is one file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Step {
+    /// The source; `None` for the library.
+    pub source: Option<Utf8PathBuf>,
+    /// What it makes.
+    pub output: Utf8PathBuf,
+    /// The program and its arguments.
+    pub command: Vec<String>,
+    /// What the output is made of, as far as that is known before.
+    pub inputs: Vec<Utf8PathBuf>,
+}
+
+/// All that makes a shared object of a folder of codels.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Plan {
+    /// Headers to be written first, by absolute path.
+    pub headers: Vec<NewFile>,
+    /// One for each source, in any order.
+    pub compile: Vec<Step>,
+    /// After these.
+    pub link: Step,
+    /// Codels without a function.
+    pub missing: Vec<String>,
+}
+
+/// Packages that the codels of a folder require, as `pkg-config` takes them, without repetition.
+pub fn packages(folder: &Folder) -> Vec<String> {
+    let spec = &folder.unit.spec;
+    let mut out = spec.pragma_requires.clone();
+    for &component in &folder.components {
+        let it = &spec.components[component as usize];
+        out.extend(it.requires.iter().chain(&it.codels_requires).cloned());
+    }
+    let mut seen = rustc_hash::FxHashSet::default();
+    out.retain(|it| seen.insert(it.clone()));
+    out
+}
+
+/// Plans the build of a folder in a directory of its own.
+///
+/// # Errors
+/// A type of the specification has no mapping.
+pub fn plan(
+    folder: &Folder,
+    place: &Utf8Path,
+    tools: &Tools,
+    packages: &Packages,
+) -> Result<Plan, String> {
+    let codels = &folder.sources.folder;
+    let mut headers: Vec<NewFile> = Vec::new();
+    let mut missing = Vec::new();
+    let mut name = String::new();
+    for expected in folder.expected() {
+        let files = headers::headers(&expected, place, codels, &[]).map_err(|it| it.message)?;
+        headers.extend(files.into_iter().map(|it| NewFile {
+            path: place.join(it.path),
+            ..it
+        }));
+        let functions = expected.functions.iter();
+        let absent = functions.filter(|it| implementations(&folder.sources, &it.name).is_empty());
+        missing.extend(absent.map(|it| it.name.to_string()));
+        name.push_str(&expected.component().name);
+    }
+    let mut seen = rustc_hash::FxHashSet::default();
+    headers.retain(|it| seen.insert(it.path.clone()));
+    let compile: Vec<Step> = (folder.sources.sources.iter())
+        .map(|source| compile_step(source, place, codels, tools, packages))
+        .collect();
+    let is_cxx = |it: &IndexedFile| it.path.extension() != Some("c");
+    let linker = match folder.sources.sources.iter().any(is_cxx) {
+        true => &tools.cxx,
+        false => &tools.c,
+    };
+    let output = place.join(format!("{name}.so"));
+    let inputs: Vec<Utf8PathBuf> = compile.iter().map(|it| it.output.clone()).collect();
+    let mut command = linker.clone();
+    command.extend(["-shared", "-o", output.as_str()].map(str::to_owned));
+    command.extend(inputs.iter().map(|it| it.to_string()));
+    command.extend(packages.link.iter().cloned());
+    command.push("-lm".to_owned());
+    Ok(Plan {
+        link: Step {
+            source: None,
+            output,
+            command,
+            inputs,
+        },
+        headers,
+        compile,
+        missing,
+    })
+}
+
+fn compile_step(
+    source: &IndexedFile,
+    place: &Utf8Path,
+    codels: &Utf8Path,
+    tools: &Tools,
+    packages: &Packages,
+) -> Step {
+    let compiler = match source.path.extension() {
+        Some("c") => &tools.c,
+        _ => &tools.cxx,
+    };
+    let name = source.path.strip_prefix(codels).unwrap_or(&source.path);
+    // Sources of subfolders may have equal names.
+    let name = name.as_str().replace('_', "__").replace(['/', '\\'], "_-");
+    let output = place.join("objects").join(format!("{name}.o"));
+    let mut command = compiler.clone();
+    // Columns are counted in characters.
+    command.extend(
+        [
+            "-c",
+            "-fPIC",
+            "-g",
+            "-O1",
+            "-Wall",
+            "-ftabstop=1",
+            "-MMD",
+            "-MF",
+        ]
+        .map(str::to_owned),
+    );
+    command.push(dependencies_of(&output).to_string());
+    command.extend(headers::include_flags(place, codels));
+    command.extend(packages.compile.iter().cloned());
+    command.extend(["-o".to_owned(), output.to_string(), source.path.to_string()]);
+    Step {
+        inputs: vec![source.path.clone()],
+        source: Some(source.path.clone()),
+        output,
+        command,
+    }
+}
+
+fn dependencies_of(output: &Utf8Path) -> Utf8PathBuf {
+    format!("{output}.d").into()
+}
+
+impl Step {
+    /// The file that holds the command by which the output was made. It is written when the output is whole.
+    pub fn record(&self) -> Utf8PathBuf {
+        format!("{}.command", self.output).into()
+    }
+
+    /// What is written there.
+    pub fn recorded(&self) -> String {
+        self.command.join("\n") + "\n"
+    }
+
+    /// Whether the output is what would come out again: it was made by the same command, and nothing that it was made of is
+    /// newer, or gone.
+    pub fn is_fresh(&self, disk: &dyn Disk) -> bool {
+        let made = modified(disk, &self.output);
+        let record = disk.read(self.record().as_std_path());
+        let same = record.is_ok_and(|it| it == self.recorded().as_bytes());
+        let (Some(made), true) = (made, same) else {
+            return false;
+        };
+        let mut inputs: Vec<PathBuf> = self.inputs.iter().map(|it| it.into()).collect();
+        if self.source.is_some() {
+            let listed = disk.read(dependencies_of(&self.output).as_std_path());
+            let Ok(listed) = listed else { return false };
+            inputs.extend(dependencies(&String::from_utf8_lossy(&listed)));
+        }
+        let older = |it: &PathBuf| {
+            let time = disk.status(it).and_then(|it| it.modified);
+            time.is_some_and(|it| it <= made)
+        };
+        inputs.iter().all(older)
+    }
+}
+
+fn modified(disk: &dyn Disk, path: &Utf8Path) -> Option<SystemTime> {
+    disk.status(path.as_std_path())?.modified
+}
+
+/// The files that a rule of a makefile depends on, as compilers write it (`-MMD`).
+fn dependencies(rule: &str) -> Vec<PathBuf> {
+    let Some((_, list)) = rule.split_once(": ") else {
+        return Vec::new();
+    };
+    let mut out = Vec::new();
+    let mut name = String::new();
+    let mut chars = list.chars().peekable();
+    while let Some(c) = chars.next() {
+        match (c, chars.peek()) {
+            ('\\', Some(' ' | '#' | '\\')) => name.extend(chars.next()),
+            // A line that goes on.
+            ('\\', Some('\n' | '\r')) => {}
+            ('$', Some('$')) => name.extend(chars.next()),
+            (c, _) if c.is_whitespace() => {
+                if !name.is_empty() {
+                    out.push(std::mem::take(&mut name).into());
+                }
+            }
+            (c, _) => name.push(c),
+        }
+    }
+    if !name.is_empty() {
+        out.push(name.into());
+    }
+    out
+}
+
+/// How bad it is, in the words of compilers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Weight {
+    /// Nothing is made.
+    Error,
+    /// Something is made.
+    Warning,
+    /// Belongs to the one before.
+    Note,
+}
+
+/// What a compiler says about a place.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Said {
+    /// The file, as the compiler names it.
+    pub path: Utf8PathBuf,
+    /// Line, from 1.
+    pub line: usize,
+    /// Column in characters, from 1; 1 where none is told.
+    pub column: usize,
+    /// How bad it is.
+    pub weight: Weight,
+    /// In the compiler's words.
+    pub what: String,
+}
+
+/// Reads what a compiler or linker has printed (`FILE:LINE:COLUMN: error: …`, as GCC and Clang do): what it says about places,
+/// and all other lines in which something is wrong.
+pub fn said(printed: &str) -> (Vec<Said>, Vec<String>) {
+    let (mut about, mut other) = (Vec::new(), Vec::new());
+    for line in printed.lines() {
+        match one(line) {
+            Some(it) => about.push(it),
+            None if line.contains("error: ") || line.contains("undefined reference") => {
+                other.push(line.to_owned());
+            }
+            None => {}
+        }
+    }
+    (about, other)
+}
+
+fn one(line: &str) -> Option<Said> {
+    let kinds = [
+        (": fatal error: ", Weight::Error),
+        (": error: ", Weight::Error),
+        (": warning: ", Weight::Warning),
+        (": note: ", Weight::Note),
+    ];
+    let found = kinds
+        .into_iter()
+        .filter_map(|(word, weight)| Some((line.find(word)?, word, weight)));
+    // The first counts: what is said may have such words in it.
+    let (at, word, weight) = found.min_by_key(|it| it.0)?;
+    let (place, what) = (&line[..at], &line[at + word.len()..]);
+    let (before, last) = place.rsplit_once(':')?;
+    let last: usize = last.parse().ok()?;
+    let with_column = || {
+        let (path, line) = before.rsplit_once(':')?;
+        Some((path, line.parse::<usize>().ok()?))
+    };
+    let (path, line, column) = match with_column() {
+        Some((path, line)) => (path, line, last),
+        None => (before, last, 1),
+    };
+    Some(Said {
+        path: path.into(),
+        what: what.to_owned(),
+        weight,
+        line,
+        column,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rule_has_its_files() {
+        let rule = "a\\ b.o: /x/a\\ b.c \\\n /y/c$$.h \\\n  /z/d.h\n";
+        let expected = ["/x/a b.c", "/y/c$.h", "/z/d.h"].map(PathBuf::from);
+        assert_eq!(dependencies(rule), expected);
+        assert_eq!(dependencies("nothing"), Vec::<PathBuf>::new());
+    }
+
+    #[test]
+    fn what_compilers_say_has_places() {
+        let printed = "\
+/x/a.c: In function 'f':
+/x/a.c:12:3: error: 'x' undeclared: note: no
+   12 |   x;
+C:\\b.c:7: warning: odd
+/x/a.c:13:1: fatal error: no.h: No such file or directory
+cc1: fatal error: cannot go on
+ld: a.o: undefined reference to `f'
+";
+        let (about, other) = said(printed);
+        let short = about
+            .iter()
+            .map(|it| (it.path.as_str(), it.line, it.column, it.weight, &*it.what));
+        assert_eq!(
+            short.collect::<Vec<_>>(),
+            [
+                ("/x/a.c", 12, 3, Weight::Error, "'x' undeclared: note: no"),
+                ("C:\\b.c", 7, 1, Weight::Warning, "odd"),
+                (
+                    "/x/a.c",
+                    13,
+                    1,
+                    Weight::Error,
+                    "no.h: No such file or directory"
+                ),
+            ]
+        );
+        assert_eq!(
+            other,
+            [
+                "cc1: fatal error: cannot go on",
+                "ld: a.o: undefined reference to `f'"
+            ]
+        );
+    }
+}
