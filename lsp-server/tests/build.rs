@@ -21,7 +21,7 @@ component valve {
   native handle;
   ids { double angle; lines log; handle device; };
   exception e_stuck { short code; };
-  port out double position;
+  port out pose position;
   task turn {
     period 10 ms;
     throw e_stuck;
