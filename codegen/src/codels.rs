@@ -1,10 +1,10 @@
 //! Codels: keeps a specification and the C or C++ functions it names in step.
 //!
-//! Data flows one way: `source` reads one C or C++ text, `files` says which texts belong to a
-//! component, `folder` which components share them, `expected` says what the specification wants, `drift` compares the two, `repair` turns
-//! a finding into text edits, `stub` writes missing functions, `headers` writes what a C compiler
-//! needs beside them, `build` plans how they are compiled. `command` holds what the command line does. Everything but `command` is a pure
-//! function of texts and models.
+//! Data flows one way: `source` reads one C or C++ text, `files` says which texts belong to a component,
+//! `folder` which components share them, `expected` says what the specification wants, `drift` compares the
+//! two, `repair` turns a finding into text edits, `stub` writes missing functions, `headers` writes what a
+//! C compiler needs beside them, `build` plans how they are compiled. `command` holds what the command line
+//! does. Everything but `command` is a pure function of texts and models.
 
 pub mod allow;
 pub mod build;

@@ -8,8 +8,8 @@ pub trait Decide {
     /// Which of so many simultaneous steps comes first.
     fn order(&mut self, steps: usize) -> usize;
 
-    /// How long something takes that begins now: from the least to the greatest time, both included; the greatest may be
-    /// [`FOREVER`].
+    /// How long something takes that begins now: from the least to the greatest time, both included; the
+    /// greatest may be [`FOREVER`].
     fn time(&mut self, work: &Work, least: Ticks, greatest: Ticks) -> Ticks;
 
     /// How something ends: the place in a list of possible outcomes (see
@@ -33,7 +33,8 @@ pub enum Durations {
     Best,
 }
 
-/// One of so many codels throws an exception, and one of so many requests is refused by a codel, where either is possible.
+/// One of so many codels throws an exception, and one of so many requests is refused by a codel, where
+/// either is possible.
 const UNUSUAL: usize = 16;
 
 /// Under the policy `fair`, one of so many moments at which a thread could lose its core is used for that.

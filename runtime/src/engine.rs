@@ -4,7 +4,8 @@ use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Work};
 
 use crate::decide::Decide;
 
-/// Actions at one moment after which time is taken to stand still. A system has some for each task, codel and client.
+/// Actions at one moment after which time is taken to stand still. A system has some for each task, codel
+/// and client.
 const CROWDED: u64 = 1_000_000;
 
 /// Steps between two looks at what may end a run.

@@ -48,7 +48,8 @@ pub struct Answer {
 pub enum Violation {
     /// A check is violated.
     Check(usize),
-    /// A response time exceeds its proved bound: something that was assumed does not hold, or dotgen is wrong.
+    /// A response time exceeds its proved bound: something that was assumed does not hold, or dotgen is
+    /// wrong.
     BeyondBound {
         /// The task.
         task: usize,

@@ -1,10 +1,11 @@
 //! The format of GenoM3's profiler.
 //!
-//! One line for each run of a codel, with nine columns: when it asked for its locks, got them and released them (seconds,
-//! with nine digits after the point), instance, task, service, function, and the events that it came from and led to. The
-//! facts are from the recorder of GenoM3 (`templates/common/prof.c`) and from a server that has it: what the control task
-//! executes is of the task `<control>`, and comes from `validate` or `codel`; states are `::COMPONENT::STATE`, with `pause::`
-//! before the state where the codel paused; no event is `::genom::ok`.
+//! One line for each run of a codel, with nine columns: when it asked for its locks, got them and released
+//! them (seconds, with nine digits after the point), instance, task, service, function, and the events that
+//! it came from and led to. The facts are from the recorder of GenoM3 (`templates/common/prof.c`) and from
+//! a server that has it: what the control task executes is of the task `<control>`, and comes from
+//! `validate` or `codel`; states are `::COMPONENT::STATE`, with `pause::` before the state where the codel
+//! paused; no event is `::genom::ok`.
 
 use std::io::{self, Write};
 
@@ -54,7 +55,8 @@ impl<'s, W: Write> Profile<'s, W> {
         }
     }
 
-    /// Writes the end of a codel. `offset` is added to all times, in base units: runs stand one after the other.
+    /// Writes the end of a codel. `offset` is added to all times, in base units: runs stand one after the
+    /// other.
     pub fn see(&mut self, tally: &mut Tally, stepper: &Stepper, seen: &Seen, offset: u64) {
         let Seen::Ended {
             executor,

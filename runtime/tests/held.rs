@@ -1,4 +1,5 @@
-//! What is seen along runs is what verification says can be seen, on random systems of all that the servers do.
+//! What is seen along runs is what verification says can be seen, on random systems of all that the servers
+//! do.
 
 use std::sync::Arc;
 

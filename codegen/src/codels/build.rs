@@ -1,5 +1,5 @@
-//! Codels compiled by the system's compilers, without an installation of GenoM3: what is to be run for a folder of codels, what
-//! need not be run again, and what compilers print. Nothing here runs anything.
+//! Codels compiled by the system's compilers, without an installation of GenoM3: what is to be run for a
+//! folder of codels, what need not be run again, and what compilers print. Nothing here runs anything.
 
 use std::path::PathBuf;
 use std::time::SystemTime;
@@ -182,8 +182,8 @@ impl Step {
         self.command.join("\n") + "\n"
     }
 
-    /// Whether the output is what would come out again: it was made by the same command, and nothing that it was made of is
-    /// newer, or gone.
+    /// Whether the output is what would come out again: it was made by the same command, and nothing that
+    /// it was made of is newer, or gone.
     pub fn is_fresh(&self, disk: &dyn Disk) -> bool {
         let made = modified(disk, &self.output);
         let record = disk.read(self.record().as_std_path());
@@ -263,8 +263,8 @@ pub struct Said {
     pub what: String,
 }
 
-/// Reads what a compiler or linker has printed (`FILE:LINE:COLUMN: error: …`, as GCC and Clang do): what it says about places,
-/// and all other lines in which something is wrong.
+/// Reads what a compiler or linker has printed (`FILE:LINE:COLUMN: error: …`, as GCC and Clang do): what it
+/// says about places, and all other lines in which something is wrong.
 pub fn said(printed: &str) -> (Vec<Said>, Vec<String>) {
     let (mut about, mut other) = (Vec::new(), Vec::new());
     for line in printed.lines() {

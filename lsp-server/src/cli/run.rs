@@ -29,12 +29,13 @@ use crate::verification::Problem;
 
 /// Run components on a virtual clock, with the checks of a scenario watched
 ///
-/// A FILE.scn is a scenario: it names its specifications, platform, clients and checks. FILE.gen files are run together as
-/// one system, with a client that may send any request at any time. Whatever happens is a run of the model that `dotgen
-/// verify` verifies; no codel is executed: how long each takes and what it yields is drawn, always alike for the same seed.
+/// A FILE.scn is a scenario: it names its specifications, platform, clients and checks. FILE.gen files are
+/// run together as one system, with a client that may send any request at any time. Whatever happens is a
+/// run of the model that `dotgen verify` verifies; no codel is executed: how long each takes and what it
+/// yields is drawn, always alike for the same seed.
 ///
-/// Exit status: 0 if nothing was violated, 1 if a check or a proved bound was, 3 if the run ended before its time, 2 if
-/// nothing could be run (wrong usage, a file that cannot be read or has errors).
+/// Exit status: 0 if nothing was violated, 1 if a check or a proved bound was, 3 if the run ended before
+/// its time, 2 if nothing could be run (wrong usage, a file that cannot be read or has errors).
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// Scenarios (.scn) and specifications (.gen)

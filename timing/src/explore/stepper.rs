@@ -1,8 +1,9 @@
 //! One run, step by step, for whoever chooses what happens.
 //!
-//! A [`Stepper`] holds one state and does what the explorer does with each of its states: it asks the same rules what is
-//! possible, performs what it is told, and lets time pass. So whatever is done with it is a run of the verified system. What
-//! it sees on the way (jobs that end, ticks that come too early, predicates that are reached) it tells as [`Seen`].
+//! A [`Stepper`] holds one state and does what the explorer does with each of its states: it asks the same
+//! rules what is possible, performs what it is told, and lets time pass. So whatever is done with it is a
+//! run of the verified system. What it sees on the way (jobs that end, ticks that come too early,
+//! predicates that are reached) it tells as [`Seen`].
 
 use super::observe::{self, Observer};
 use super::rules::{Action, Enabled, Rules, with_rules};

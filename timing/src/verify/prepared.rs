@@ -24,8 +24,8 @@ pub struct Prepared {
     pub checks: Vec<Asked>,
     /// Unit of the report, in seconds.
     pub unit: Seconds,
-    /// The report of a verification that has answered nothing yet: names, assumptions, diagnostics. With an error among
-    /// those the system is not to be run.
+    /// The report of a verification that has answered nothing yet: names, assumptions, diagnostics. With an
+    /// error among those the system is not to be run.
     pub report: Report,
 }
 
@@ -148,8 +148,8 @@ impl Prepared {
         u64::try_from(ticks).unwrap_or(u64::MAX)
     }
 
-    /// What has to be looked at along a run for the checks, and for each check its place there, if it has one: in
-    /// [`Watched::reach`] or in [`Watched::within`].
+    /// What has to be looked at along a run for the checks, and for each check its place there, if it has
+    /// one: in [`Watched::reach`] or in [`Watched::within`].
     pub fn watched(&self) -> (Watched, Vec<Option<usize>>) {
         let mut out = Watched::default();
         let mut places = Vec::new();

@@ -20,7 +20,8 @@ struct Walk {
     refused: Vec<bool>,
 }
 
-/// A walk by chance: any possible action, durations within their intervals. At one moment at most a thousand actions.
+/// A walk by chance: any possible action, durations within their intervals. At one moment at most a
+/// thousand actions.
 fn walk(system: &TimedSystem, watched: &Watched, dice: &mut Dice) -> Walk {
     let mut stepper = Stepper::new(system, watched);
     let (mut all, mut fresh) = (Vec::new(), Vec::new());

@@ -35,11 +35,12 @@ const CODE: &str = "codel/compiler";
 
 /// Compile codels with the compilers of the system; GenoM3 need not be installed
 ///
-/// The sources of codels are compiled against the mapped types of their specification and linked into a shared object below
-/// `.dotgen/run`; only what has changed, on all cores. Packages of `requires` and `codels-requires` are looked up with
-/// pkg-config. $CC and $CXX name other compilers.
+/// The sources of codels are compiled against the mapped types of their specification and linked into a
+/// shared object below `.dotgen/run`; only what has changed, on all cores. Packages of `requires` and
+/// `codels-requires` are looked up with pkg-config. $CC and $CXX name other compilers.
 ///
-/// Exit status: 0 when all codels are there and compile (warnings do not count), 1 when not, 2 if nothing could be compiled.
+/// Exit status: 0 when all codels are there and compile (warnings do not count), 1 when not, 2 if nothing
+/// could be compiled.
 #[derive(Debug, Args)]
 pub(super) struct Build {
     /// Specifications, and directories to search for .gen files

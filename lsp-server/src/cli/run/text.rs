@@ -102,7 +102,8 @@ fn ended(end: End) -> Option<&'static str> {
         End::Done => None,
         End::NothingLeft => Some("the last run ended when nothing was left to happen"),
         End::Standstill => Some(
-            "ended where time stands still: codels that take no time follow each other without a pause; state their `wcet`",
+            "ended where time stands still: codels that take no time follow each other without a pause; \
+             state their `wcet`",
         ),
         End::Stopped => Some("stopped at the first one, as was asked for"),
         End::Interrupted => Some("interrupted"),
