@@ -6,8 +6,8 @@
 //! comparison went through one normalization.
 
 use dotgen_analysis::model::{
-    Awaited, CodelKind, CodelRef, Component, Name, Owner, Port, Service, ServiceKind, Spec, Src, State,
-    TypeId, TypeKind,
+    Awaited, CodelKind, CodelRef, Component, Name, Owner, Port, Service, ServiceKind, Spec, Src,
+    State, TypeId, TypeKind,
 };
 use dotgen_analysis::release::Change;
 use rustc_hash::{FxHashMap, FxHashSet};

@@ -142,6 +142,10 @@ impl Builder<'_> {
         let specification = &self.folder.specification;
         let shown = session::display(specification);
         let codels = &self.folder.sources.folder;
+        if !self.folder.unit.accepted() {
+            // A model with errors has gaps that a compiler would report as something else.
+            bail!("`{shown}` is not compiled: it has errors; `dotgen check {shown}` shows them");
+        }
         if self.folder.sources.sources.is_empty() {
             report::note(&format!(
                 "`{shown}` has no sources in `{}`; `dotgen codels stub {shown}` writes them",
