@@ -24,6 +24,8 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 use dotgen_analysis::release::Release;
+use dotgen_analysis::terminal;
+use dotgen_syntax::encoding;
 use dotgen_syntax::preproc::MacroEnv;
 
 use crate::process;
@@ -131,7 +133,7 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     cli.color.set();
     if let Err(message) = crate::config::release_of_environment() {
-        report::failure(&anyhow::Error::msg(message));
+        failure(&anyhow::Error::msg(message));
         return ExitCode::from(2);
     }
     let result = match cli.command {
@@ -160,7 +162,7 @@ pub fn main() -> ExitCode {
         // Whoever reads our output has seen enough.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            report::failure(&error);
+            failure(&error);
             ExitCode::from(2)
         }
     }
@@ -170,4 +172,18 @@ fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error
         .downcast_ref::<std::io::Error>()
         .is_some_and(|it| it.kind() == std::io::ErrorKind::BrokenPipe)
+}
+
+/// Says on standard error why a command could not do its work.
+fn failure(error: &anyhow::Error) {
+    use std::io::Write;
+    let style = clap::builder::styling::AnsiColor::Red.on_default().bold();
+    let error = format!("{error:#}");
+    let error = terminal::text(&error);
+    // There is nowhere left to complain if this fails.
+    let _ = writeln!(
+        anstream::stderr(),
+        "{style}error{style:#}: {}",
+        encoding::shown(&error)
+    );
 }

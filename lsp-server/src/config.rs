@@ -18,6 +18,7 @@ use dotgen_analysis::release::{ReleaseChoice, ReleaseOrigin};
 use dotgen_codegen::codels::files::FilesConfig;
 use dotgen_diagram::system::Connection;
 
+use crate::files::vfs::PackageConfig;
 use dotgen_analysis::ide::{InlayConfig, LensConfig};
 pub use read::{Problem, ProblemKind, Read, from_editor, from_toml};
 pub use settings::{
@@ -75,17 +76,6 @@ pub struct Project {
     pub defines: Vec<(String, String)>,
     /// The release of GenoM3, if the user says it.
     pub release: Option<ReleaseChoice>,
-}
-
-/// How packages of `#pragma requires`, and GenoM3 itself, are found.
-#[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
-pub struct PackageConfig {
-    /// Directories with `.pc` files, searched before the system's.
-    pub paths: Vec<Utf8PathBuf>,
-    /// Directories of templates: the GenoM3 that one of them belongs to is the installed one.
-    pub templates: Vec<Utf8PathBuf>,
-    /// Whether the package tool may be run. Otherwise dotgen reads `.pc` files itself.
-    pub may_run: bool,
 }
 
 impl Config {

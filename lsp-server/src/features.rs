@@ -2,6 +2,7 @@
 //! converts the answer; it runs on the blocking pool and may be cancelled or panic.
 
 pub(crate) mod codels;
+pub(crate) mod commands;
 pub(crate) mod component;
 pub(crate) mod convert;
 pub(crate) mod diagnostics;
@@ -10,5 +11,6 @@ pub(crate) mod generation;
 pub(crate) mod inspect;
 pub(crate) mod scenario;
 pub(crate) mod specification;
+pub(crate) mod template;
 pub(crate) mod verification;
 pub(crate) mod workspace_symbol;

@@ -27,6 +27,9 @@ use dotgen_codegen::process::{
 
 use watcher::Watcher;
 
+/// The subcommand.
+const COMMAND: &str = "confined";
+
 /// This program, where it can be started again.
 static OWN: OnceLock<PathBuf> = OnceLock::new();
 

@@ -5,7 +5,7 @@ pub(crate) mod backend;
 mod capabilities;
 mod component;
 mod dispatch;
-mod generation;
+mod post;
 mod publish;
 pub(crate) mod server;
 mod transport;

@@ -1,6 +1,7 @@
 //! The state that requests are answered from: open documents, folders with their configuration, templates,
 //! and the [`snapshot`] of all of it.
 
+pub(crate) mod codels;
 pub(crate) mod documents;
 pub(crate) mod folders;
 pub mod snapshot;

@@ -1,8 +1,13 @@
 //! The arrows between crates go one way; a new one is a decision, not an accident.
 
-use std::collections::BTreeSet;
+#[path = "architecture/imports.rs"]
+mod imports;
+
+use std::collections::{BTreeMap, BTreeSet};
 
 use dotgen_tests::workspace_root;
+
+use imports::Imports;
 
 /// For each crate of the product, the crates of the workspace it may depend on.
 const ALLOWED: &[(&str, &[&str])] = &[
@@ -111,6 +116,156 @@ fn libraries_stay_in_their_layer() {
             }
         }
     }
+}
+
+/// Circles that are still there, by crate and folder: to be mended, and none to be added.
+const CIRCLES: &[(&str, &str, &[&str])] = &[
+    ("syntax", "", &["ast", "parser", "sink"]),
+    ("syntax", "format", &["chunks", "rules"]),
+    ("syntax", "format", &["columns", "print"]),
+    ("syntax", "preproc", &["body", "env"]),
+    (
+        "analysis",
+        "",
+        &[
+            "base",
+            "check",
+            "codes",
+            "elab",
+            "finding",
+            "fixes",
+            "host",
+            "ide",
+            "item_tree",
+            "lint",
+            "model",
+            "parallel",
+            "quantity",
+            "queries",
+            "release",
+            "report",
+            "source_map",
+            "suppress",
+            "unit",
+            "view",
+        ],
+    ),
+    (
+        "analysis",
+        "elab",
+        &[
+            "codel",
+            "component",
+            "constant",
+            "context",
+            "finish",
+            "newer",
+            "operator",
+            "param",
+            "pragma",
+            "property",
+            "service",
+            "signature",
+            "types",
+        ],
+    ),
+    (
+        "analysis",
+        "ide::completion",
+        &["codel", "initializer", "statement"],
+    ),
+    ("codegen", "", &["builtin", "command"]),
+    ("codegen", "codels", &["allow", "command", "folder"]),
+    ("codegen", "template", &["api", "closure"]),
+    ("timing", "", &["remark", "scn"]),
+    (
+        "timing",
+        "explore",
+        &["observe", "reductions", "rules", "run"],
+    ),
+    ("timing", "system", &["build", "locks"]),
+    ("xtask", "", &["extension", "notices"]),
+];
+
+/// Modules of one folder do not import each other in a circle, they or what is below them.
+#[test]
+fn modules_import_in_one_direction_only() {
+    let circle = |(krate, folder, modules): &(&str, &str, &[&str])| {
+        let modules: BTreeSet<String> = modules.iter().map(|it| (*it).to_owned()).collect();
+        ((*krate).to_owned(), (*folder).to_owned(), modules)
+    };
+    let known: BTreeSet<_> = CIRCLES.iter().map(circle).collect();
+    let mut found = BTreeSet::new();
+    for (krate, _) in ALLOWED {
+        let imports = Imports::of(&workspace_root().join(krate));
+        let circles = imports.circles().into_iter();
+        found.extend(circles.map(|(folder, modules)| ((*krate).to_owned(), folder, modules)));
+    }
+    let new: Vec<_> = found.difference(&known).collect();
+    let mended: Vec<_> = known.difference(&found).collect();
+    assert!(
+        new.is_empty(),
+        "a circle of imports: move what both sides need below them: {new:#?}"
+    );
+    assert!(
+        mended.is_empty(),
+        "this circle has gone: take it out of CIRCLES: {mended:#?}"
+    );
+}
+
+#[test]
+fn a_circle_of_imports_is_seen() {
+    let circles = |texts: &[(&str, &str)]| {
+        let module = |it: &str| {
+            it.split("::")
+                .filter(|it| !it.is_empty())
+                .map(str::to_owned)
+        };
+        let texts: BTreeMap<Vec<String>, String> = texts
+            .iter()
+            .map(|(path, text)| (module(path).collect(), (*text).to_owned()))
+            .collect();
+        let all = Imports::read(&texts).circles();
+        let all = all
+            .into_iter()
+            .map(|it| it.1.into_iter().collect::<Vec<_>>());
+        all.collect::<Vec<_>>()
+    };
+    let ab = vec![vec!["a".to_owned(), "b".to_owned()]];
+    let two = [("", ""), ("a", "use crate::b::{self, X};"), ("b", "")];
+    assert!(circles(&two).is_empty());
+    // By paths in the code; by what is below; by a name that the parent passes on.
+    let paths = [
+        ("", ""),
+        ("a", "use crate::b::X;"),
+        ("b", "fn f() -> crate::a::Y {}"),
+    ];
+    assert_eq!(circles(&paths), ab);
+    let below = [
+        ("", ""),
+        ("a", ""),
+        ("a::c", "use crate::{b::{X, Z}, other};"),
+        ("b", ""),
+        ("b::d", "use crate::a::Y;"),
+    ];
+    assert_eq!(circles(&below), ab);
+    let passed = [
+        ("", "mod a;\nmod b;\npub use a::Y;"),
+        ("a", "use super::b::X;"),
+        ("b", "use super::Y;"),
+    ];
+    assert_eq!(circles(&passed), ab);
+    // Parent and child; comments, texts and tests.
+    let none = [
+        ("", ""),
+        ("a", "mod c;\nuse c::X;"),
+        ("a::c", "use super::Y;\nuse crate::b::X;"),
+        (
+            "b",
+            "// use crate::a::X;\nconst X: &str = \"crate::a::X\";\n#[cfg(test)]\nmod tests {\n use crate::a::X;\n}",
+        ),
+    ];
+    assert!(circles(&none).is_empty());
 }
 
 /// The Rust files below a folder, without those of tests.

@@ -14,8 +14,9 @@ use dotgen_codegen::command::{Environment, Project, generate};
 use dotgen_codegen::template::console::StdConsole;
 use dotgen_codegen::template::{Limits, OutputSink};
 
-use crate::config::{self, Config, PackageConfig};
+use crate::config::{self, Config};
 use crate::files::disk::SystemDisk;
+use crate::files::vfs::PackageConfig;
 use crate::files::vfs::Vfs;
 
 /// Run a template over specifications; takes the arguments of `genom3`

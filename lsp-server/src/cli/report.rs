@@ -99,17 +99,3 @@ pub(super) fn new_content(path: &Utf8Path, text: &str) -> NewContent {
         mode: None,
     }
 }
-
-/// Says on standard error why a command could not do its work.
-pub(super) fn failure(error: &anyhow::Error) {
-    use std::io::Write;
-    let style = clap::builder::styling::AnsiColor::Red.on_default().bold();
-    let error = format!("{error:#}");
-    let error = terminal::text(&error);
-    // There is nowhere left to complain if this fails.
-    let _ = writeln!(
-        anstream::stderr(),
-        "{style}error{style:#}: {}",
-        encoding::shown(&error)
-    );
-}

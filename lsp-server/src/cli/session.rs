@@ -216,7 +216,7 @@ impl Trouble {
     /// Says on standard error what is wrong.
     pub(super) fn tell(&mut self, error: &anyhow::Error) {
         if !self.silent {
-            super::report::failure(error);
+            super::failure(error);
         }
         self.any = true;
     }

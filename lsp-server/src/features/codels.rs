@@ -13,7 +13,7 @@ pub(crate) mod standins;
 use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::hash::{Hash, Hasher};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::Diagnostic;
@@ -23,79 +23,16 @@ use dotgen_codegen::codels::allow;
 use dotgen_codegen::codels::command::{Side, diagnostics};
 use dotgen_codegen::codels::drift::{Drift, Repair};
 use dotgen_codegen::codels::expected::Expected;
-use dotgen_codegen::codels::files::{Files, FilesConfig, IndexedFile, Indexes, Sources};
+use dotgen_codegen::codels::files::{Files, FilesConfig, IndexedFile, Sources};
 use dotgen_codegen::codels::folder::{self, Folder};
 use dotgen_codegen::codels::repair::Repairs;
 use dotgen_codegen::codels::stub::StubOptions;
 use dotgen_codegen::template::notice;
-use rustc_hash::{FxHashMap, FxHasher};
+use rustc_hash::FxHasher;
 
 use crate::files::vfs;
+use crate::workspace::codels::{Compared, Good, lock};
 use crate::workspace::snapshot::{DocumentKind, Snapshot};
-
-/// What is known of sources, shared by all snapshots.
-#[derive(Default)]
-pub(crate) struct Cache {
-    indexes: Mutex<Indexes>,
-    /// By root of the unit.
-    compared: Mutex<FxHashMap<Utf8PathBuf, Arc<Compared>>>,
-    /// By root of the unit: what it was when it last had no syntax error. Serves while somebody types.
-    good: Mutex<FxHashMap<Utf8PathBuf, Good>>,
-}
-
-/// A unit without syntax errors, and the texts that it was read from.
-#[derive(Clone)]
-struct Good {
-    unit: UnitResult,
-    texts: Arc<BTreeMap<Utf8PathBuf, Arc<str>>>,
-}
-
-/// The folders of a unit, compared.
-pub(crate) struct Compared {
-    /// Revision of the snapshot that looked last.
-    revision: u64,
-    /// Folders with what differs there, before configuration and comments are looked at.
-    folders: Vec<(Folder, Vec<Drift>)>,
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Whether a document holds C or C++, by what its client calls it and by its name. A header belongs
-/// to a specification unless its client says otherwise.
-pub(crate) fn is_code(path: &Utf8Path, language: Option<&str>) -> bool {
-    let languages = [
-        "c",
-        "cpp",
-        "c++",
-        "cuda-cpp",
-        "objective-c",
-        "objective-cpp",
-    ];
-    matches!(path.extension(), Some("c" | "cc" | "cpp" | "cxx"))
-        || language.is_some_and(|it| languages.contains(&it))
-}
-
-/// Whether a file is a header by its name.
-pub(crate) fn is_header(path: &Utf8Path) -> bool {
-    matches!(path.extension(), Some("h" | "hh" | "hpp" | "hxx"))
-}
-
-/// The folder whose specifications have the codels of a source, if the source is in a folder of
-/// codels.
-pub(crate) fn home(config: &FilesConfig, source: &Utf8Path) -> Option<Utf8PathBuf> {
-    let mut folders = source.ancestors().skip(1);
-    folders.find_map(|inner| {
-        let mut outers = inner.ancestors();
-        // A specification is never below its codels, nor far above them.
-        outers
-            .by_ref()
-            .take(config.folder.components().count() + 1)
-            .find(|outer| config.folder_of(&outer.join("_.gen")) == inner)
-            .map(Utf8Path::to_owned)
-    })
-}
 
 /// The files of the disk.
 pub(crate) struct Disk;
@@ -165,24 +102,6 @@ impl Files for Texts<'_> {
             }
             None => (!open.is_empty()).then_some(open),
         }
-    }
-}
-
-impl Compared {
-    /// The folders.
-    pub(crate) fn folders(&self) -> impl Iterator<Item = &Folder> {
-        self.folders.iter().map(|it| &it.0)
-    }
-
-    /// Folders with their findings as configuration and comments want them.
-    pub(crate) fn findings<'a>(
-        &'a self,
-        snapshot: &'a Snapshot,
-    ) -> impl Iterator<Item = Cancellable<(&'a Folder, Vec<Drift>)>> {
-        self.folders.iter().map(|(folder, findings)| {
-            let findings = folder.adjust(findings.clone(), &snapshot.analysis)?;
-            Ok((folder, findings))
-        })
     }
 }
 
@@ -405,7 +324,7 @@ pub(crate) fn file_diagnostics(
         return Ok(out);
     }
     for compared in around(snapshot, path)? {
-        for found in compared.findings(snapshot) {
+        for found in compared.findings(&snapshot.analysis) {
             let (folder, findings) = found?;
             let all = diagnostics(&findings, &*folder.unit.locations, Side::Both);
             for it in all.into_iter().filter(|it| it.path == *path) {
@@ -451,7 +370,9 @@ pub(crate) fn sources_with_findings(snapshot: &Snapshot) -> Cancellable<Vec<Utf8
         if !is_concerned(snapshot, root)? {
             continue;
         }
-        for found in of_unit(snapshot, &snapshot.analysis.root_of(root)?)?.findings(snapshot) {
+        for found in
+            of_unit(snapshot, &snapshot.analysis.root_of(root)?)?.findings(&snapshot.analysis)
+        {
             for source in found?.1.into_iter().filter_map(|it| it.source) {
                 if !out.contains(&source.path) {
                     out.push(source.path);
@@ -479,7 +400,10 @@ pub(crate) fn fingerprint(snapshot: &Snapshot) -> Cancellable<u64> {
     }
     let compared: Vec<_> = lock(&snapshot.codels.compared).values().cloned().collect();
     let (mut seen, mut seen_unused) = (Vec::new(), Vec::new());
-    for found in compared.iter().flat_map(|it| it.findings(snapshot)) {
+    for found in compared
+        .iter()
+        .flat_map(|it| it.findings(&snapshot.analysis))
+    {
         seen.extend(
             found?
                 .1
@@ -522,29 +446,5 @@ pub(crate) fn repairs<'a>(
         locations: &*folder.unit.locations,
         text: texts,
         stubs,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_home_of_a_source_is_where_its_specification_is() {
-        let home = |folder: &str, source: &str| {
-            let config = FilesConfig {
-                folder: folder.into(),
-                ..FilesConfig::default()
-            };
-            super::home(&config, source.into()).map(Utf8PathBuf::into_string)
-        };
-        assert_eq!(home("codels", "/a/codels/x.c").as_deref(), Some("/a"));
-        assert_eq!(home("codels", "/a/codels/sub/x.c").as_deref(), Some("/a"));
-        assert_eq!(
-            home("src/codels", "/a/src/codels/x.c").as_deref(),
-            Some("/a")
-        );
-        assert_eq!(home("codels", "/a/other/x.c"), None);
-        assert_eq!(home(".", "/a/x.c").as_deref(), Some("/a"));
     }
 }

@@ -17,8 +17,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::features::codels::Texts;
 use crate::features::codels::actions::private_host;
-use crate::features::specification::rename::Refusable;
 use crate::protocol::convert::uri;
+use crate::protocol::refusable::Refusable;
 use crate::protocol::types::Uri;
 use crate::verification::problem::EXTENSION;
 use crate::workspace::snapshot::{Snapshot, Subject};

@@ -9,13 +9,12 @@ use dotgen_analysis::diagnostic::Severity;
 use dotgen_analysis::host::Cancellable;
 use rustc_hash::{FxHashMap, FxHasher};
 
-use super::{scenario, verification};
+use super::{scenario, template, verification};
 use crate::features::codels;
 use crate::features::convert::diagnostic;
 use crate::panic;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
-use crate::workspace::templates;
 
 /// Marks text that a conditional leaves out.
 const INACTIVE_CODE: &str = "inactive-code";
@@ -193,7 +192,7 @@ pub(crate) fn file_diagnostics(
     let is_template = snapshot.is_template(path);
     let mut all = match snapshot.is_code(path) {
         true => Vec::new(),
-        false if is_template => templates::diagnostics(snapshot, path)?,
+        false if is_template => template::diagnostics(snapshot, path)?,
         false if scenario::is(path) => scenario::diagnostics(snapshot, path)?,
         false => snapshot.analysis.diagnostics(path)?,
     };

@@ -15,11 +15,6 @@ use crate::protocol::types::*;
 use crate::views::pictures::{self, Form, Kind, Wish};
 use crate::workspace::snapshot::{Snapshot, Subject};
 
-/// Server command: a picture as Mermaid. Argument: as for `dotgen/diagram`.
-pub(crate) const MERMAID: &str = "dotgen.diagram.mermaid";
-/// Server command: a picture as Graphviz DOT.
-pub(crate) const DOT: &str = "dotgen.diagram.dot";
-
 /// Parameters of `dotgen/diagram`.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]

@@ -16,6 +16,7 @@ use dotgen_timing::report::TaskId;
 use dotgen_timing::scn::names::Names;
 use serde_json::{Value, json};
 
+use crate::features::commands::SHOW_VERIFICATION;
 use crate::protocol::types::*;
 use crate::verification::{Problem, problem};
 use crate::workspace::snapshot::{Snapshot, Subject};
@@ -24,9 +25,6 @@ pub(crate) use answer::{Question, VerificationParams, VerificationResult, prepar
 pub(crate) use diagnostics::{in_scenario, in_specification};
 pub(crate) use lens::{hover, lenses, scenario_lenses};
 pub(crate) use sensitivity::{SensitivityParams, SensitivityResult, ask, shown};
-
-/// Client command that shows a verification; argument `{ uri, check }`.
-const SHOW: &str = "dotgen.showVerification";
 
 /// A task of a document: its name and the place of it.
 struct TaskAt {
@@ -62,7 +60,7 @@ fn place(
     problem.place(spec, src)
 }
 
-/// The argument of [`SHOW`].
+/// The argument of [`SHOW_VERIFICATION`].
 fn argument(uri: &Uri, check: Option<usize>) -> Value {
     json!({ "uri": uri, "check": check })
 }
@@ -85,7 +83,7 @@ pub(crate) fn actions(
                 diagnostics: diagnostic.map(|it| vec![it]),
                 command: Some(Command::new(
                     "Show the timeline of the run".to_owned(),
-                    SHOW.to_owned(),
+                    SHOW_VERIFICATION.to_owned(),
                     arguments,
                 )),
                 ..CodeAction::default()

@@ -15,8 +15,6 @@ use dotgen_analysis::release::ReleaseChoice;
 
 use dotgen_syntax::encoding;
 
-use crate::config::PackageConfig;
-
 pub use pkg_config::query;
 pub(crate) use pkg_config::words;
 
@@ -37,6 +35,17 @@ pub fn normalize(path: &Utf8Path) -> Utf8PathBuf {
         }
     }
     out
+}
+
+/// How packages of `#pragma requires`, and GenoM3 itself, are found.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
+pub struct PackageConfig {
+    /// Directories with `.pc` files, searched before the system's.
+    pub paths: Vec<Utf8PathBuf>,
+    /// Directories of templates: the GenoM3 that one of them belongs to is the installed one.
+    pub templates: Vec<Utf8PathBuf>,
+    /// Whether the package tool may be run. Otherwise dotgen reads `.pc` files itself.
+    pub may_run: bool,
 }
 
 /// The disk and the package tool, as analysis asks for them.

@@ -10,10 +10,7 @@ use std::time::Duration;
 
 use dotgen_codegen::process::{Access, Program, Resources};
 
-use super::{confine, watcher};
-
-/// The subcommand.
-pub(super) const COMMAND: &str = "confined";
+use super::{COMMAND, confine, watcher};
 
 const RENDER: &str = "render";
 

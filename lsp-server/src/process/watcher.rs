@@ -9,10 +9,10 @@ use std::path::{Path, PathBuf};
 use std::process::{ChildStdin, Stdio};
 use std::sync::{LazyLock, Mutex, PoisonError};
 
-use super::OWN;
+use super::{COMMAND, OWN};
 
 /// The words that start it.
-pub(super) const WORDS: [&str; 2] = [super::launch::COMMAND, "watch"];
+pub(super) const WORDS: [&str; 2] = [COMMAND, "watch"];
 
 /// The helper of this process.
 pub(super) struct Watcher {

@@ -1,6 +1,7 @@
 //! The protocol's methods. Each hands its message to the writer or to the dispatcher before it
 //! first waits: that is what keeps messages in order.
 
+mod generation;
 mod pull;
 mod tokens;
 
@@ -8,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use serde_json::Value;
-use tokio::sync::mpsc::unbounded_channel;
+use tokio::sync::mpsc::{UnboundedSender, unbounded_channel};
 use tokio::sync::{oneshot, watch};
 
 use crate::features::specification::{
@@ -16,13 +17,16 @@ use crate::features::specification::{
     document_symbol, folding_range, formatting, goto, hover, inlay_hint, references, rename,
     semantic_tokens, signature_help,
 };
-use crate::features::{codels, diagnostics, diagram, inspect, verification, workspace_symbol};
+use crate::features::{
+    codels, commands, diagnostics, diagram, inspect, verification, workspace_symbol,
+};
 use crate::protocol::messages::{
     ChooseRoot, DocumentParams, IncludingRoots, MacroExpansion, PositionParams, ReleaseInfo,
 };
 use crate::protocol::outbox::Outbox;
 use crate::protocol::types::*;
 use crate::session::dispatch::Dispatcher;
+use crate::session::post::Post;
 use crate::session::writer::{Event, Mutation, State};
 
 use tokens::TokenResults;
@@ -30,6 +34,8 @@ use tokens::TokenResults;
 /// See the module.
 pub(crate) struct Backend {
     pub(crate) dispatch: Dispatcher,
+    /// Keeps the writer alive.
+    events: UnboundedSender<Event>,
     revisions: watch::Receiver<u64>,
     /// Becomes true when the client has closed its end.
     closed: watch::Receiver<bool>,
@@ -39,7 +45,7 @@ pub(crate) struct Backend {
     tokens: TokenResults,
     /// Pictures to show while a text cannot be read.
     last_pictures: Arc<diagram::LastGood>,
-    pub(crate) generation: crate::session::generation::Generation,
+    pub(crate) generation: generation::Generation,
 }
 
 impl Backend {
@@ -64,19 +70,26 @@ impl Backend {
             .spawn(move || state().run(queue))
             .expect("the operating system starts one more thread");
         Backend {
-            dispatch: Dispatcher::new(events, outbox),
+            dispatch: Dispatcher::new(Post::new(&events.downgrade()), outbox),
+            events,
             revisions,
             closed,
             raw_initialize,
             shut_down,
             tokens: TokenResults::default(),
             last_pictures: Arc::default(),
-            generation: crate::session::generation::Generation::default(),
+            generation: generation::Generation::default(),
         }
     }
 
+    /// Tells the writer something.
+    fn send(&self, event: Event) {
+        // Fails only after `exit`.
+        let _ = self.events.send(event);
+    }
+
     fn mutate(&self, mutation: Mutation) {
-        self.dispatch.send(Event::Mutation(mutation));
+        self.send(Event::Mutation(mutation));
     }
 
     /// The text of a document came with something that is no text; see `transport`.
@@ -221,13 +234,12 @@ impl LanguageServer for Backend {
     async fn initialize(&self, params: InitializeParams) -> Result<InitializeResult> {
         let (reply, answer) = oneshot::channel();
         let raw = self.raw_initialize.get().cloned().unwrap_or_default();
-        self.dispatch
-            .send(Event::Initialize(Box::new(params), raw, reply));
+        self.send(Event::Initialize(Box::new(params), raw, reply));
         answer.await.map_err(|_| Error::internal_error())
     }
 
     async fn initialized(&self, _: InitializedParams) {
-        self.dispatch.send(Event::Initialized);
+        self.send(Event::Initialized);
     }
 
     async fn shutdown(&self) -> Result<()> {
@@ -266,15 +278,15 @@ impl LanguageServer for Backend {
 
     async fn execute_command(&self, params: ExecuteCommandParams) -> Result<Option<LSPAny>> {
         let form = match params.command.as_str() {
-            diagram::MERMAID => Some(crate::views::pictures::Form::Mermaid),
-            diagram::DOT => Some(crate::views::pictures::Form::Dot),
+            commands::MERMAID => Some(crate::views::pictures::Form::Mermaid),
+            commands::DOT => Some(crate::views::pictures::Form::Dot),
             _ => None,
         };
         if let Some(form) = form {
             let argument = params.arguments.into_iter().next().unwrap_or_default();
             return self.diagram_text(form, argument).await;
         }
-        if params.command == codels::lenses::SHOW_CODEL {
+        if params.command == commands::SHOW_CODEL {
             let argument = params.arguments.into_iter().next().unwrap_or_default();
             let place: Location = serde_json::from_value(argument)
                 .map_err(|error| Error::invalid_params(error.to_string()))?;
@@ -285,7 +297,7 @@ impl LanguageServer for Backend {
             let argument = params.arguments.into_iter().next().unwrap_or_default();
             return self.generation_command(&params.command, argument).await;
         }
-        if params.command != crate::session::capabilities::CHOOSE_ROOT {
+        if params.command != commands::CHOOSE_ROOT {
             let message = format!("there is no command `{}`", params.command);
             return Err(Error::invalid_params(message));
         }

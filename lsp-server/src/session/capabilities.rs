@@ -6,12 +6,10 @@ use camino::{Utf8Path, Utf8PathBuf};
 use serde_json::{Value, json};
 
 use crate::features::codels::actions;
+use crate::features::commands;
 use crate::protocol::client::ClientCaps;
 use crate::protocol::convert::semantic_tokens::legend;
 use crate::protocol::types::*;
-
-/// Command of the server: shows an included file in the unit of another root.
-pub(crate) const CHOOSE_ROOT: &str = "dotgen.chooseRoot";
 
 fn strings(all: &[&str]) -> Vec<String> {
     all.iter().map(|it| (*it).to_owned()).collect()
@@ -76,10 +74,10 @@ pub(crate) fn server_capabilities(client: &ClientCaps) -> ServerCapabilities {
         execute_command_provider: Some(ExecuteCommandOptions {
             commands: [
                 strings(&[
-                    CHOOSE_ROOT,
-                    crate::features::diagram::MERMAID,
-                    crate::features::diagram::DOT,
-                    crate::features::codels::lenses::SHOW_CODEL,
+                    commands::CHOOSE_ROOT,
+                    commands::MERMAID,
+                    commands::DOT,
+                    commands::SHOW_CODEL,
                 ]),
                 strings(&crate::features::generation::COMMANDS),
             ]

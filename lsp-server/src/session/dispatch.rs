@@ -11,13 +11,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use dotgen_analysis::host::{Cancellable, CancellationToken, Cancelled};
-use tokio::sync::mpsc::UnboundedSender;
 use tokio::sync::{Semaphore, oneshot};
 
 use crate::panic;
 use crate::protocol::outbox::Outbox;
 use crate::protocol::types::{self, MessageType, Uri};
-use crate::session::writer::Event;
+use crate::session::post::Post;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
 /// How often a request is tried. At the start the list of files and the settings arrive in a row;
@@ -112,16 +111,16 @@ struct About {
 /// Hands requests to the writer and waits for what comes of them.
 #[derive(Clone)]
 pub(crate) struct Dispatcher {
-    events: UnboundedSender<Event>,
+    reads: Post<Read>,
     background: Arc<Semaphore>,
     panic_shown: Arc<AtomicBool>,
     outbox: Outbox,
 }
 
 impl Dispatcher {
-    pub(crate) fn new(events: UnboundedSender<Event>, outbox: Outbox) -> Dispatcher {
+    pub(crate) fn new(reads: Post<Read>, outbox: Outbox) -> Dispatcher {
         Dispatcher {
-            events,
+            reads,
             background: Arc::new(Semaphore::new(2)),
             panic_shown: Arc::default(),
             outbox,
@@ -136,12 +135,6 @@ impl Dispatcher {
     /// Messages in order.
     pub(crate) fn outbox(&self) -> &Outbox {
         &self.outbox
-    }
-
-    /// Tells the writer something.
-    pub(crate) fn send(&self, event: Event) {
-        // Fails only after `exit`.
-        let _ = self.events.send(event);
     }
 
     /// Asks the client to show a place.
@@ -288,7 +281,7 @@ impl Dispatcher {
         for _attempt in 0..ATTEMPTS {
             let (reply, answer) = oneshot::channel();
             let params = params.clone();
-            self.send(Event::Read(Read {
+            self.reads.send(Read {
                 subject: uri.clone(),
                 code: about.code,
                 bulk: about.bulk,
@@ -299,7 +292,7 @@ impl Dispatcher {
                     // The client may have gone meanwhile.
                     let _ = reply.send(attempt(admission, &*params, work));
                 }),
-            }));
+            });
             match answer.await {
                 Ok(Outcome::Done(value)) => return Ok(value),
                 Ok(Outcome::Unknown) => return Ok(R::default()),

@@ -12,7 +12,6 @@ use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::{Cancellable, Cancelled};
 use rustc_hash::{FxHashMap, FxHashSet};
 use tokio::runtime::Handle;
-use tokio::sync::mpsc::{UnboundedSender, WeakUnboundedSender};
 
 use crate::features::codels::{around, fingerprint, sources_with_findings};
 use crate::features::diagnostics::{self, file_diagnostics, inactive_ranges, least, survived};
@@ -23,13 +22,23 @@ use crate::protocol::outbox::Outbox;
 use crate::protocol::types::{
     Diagnostic, PublishDiagnosticsParams, Range, Uri, VersionedTextDocumentIdentifier, notification,
 };
-use crate::session::writer::Event;
+use crate::session::post::Post;
 use crate::workspace::snapshot::{OpenFile, Snapshot};
 
 /// The pause in typing that is waited for.
 const DEBOUNCE: Duration = Duration::from_millis(60);
 /// Whoever types without a pause sees diagnostics at least this often.
 const PATIENCE: Duration = Duration::from_millis(1000);
+
+/// What is told to the writer.
+pub(crate) enum News {
+    /// It is time to compute diagnostics for this revision.
+    Due(u64),
+    /// Diagnostics and regions of a file were computed.
+    Computed(Computed),
+    /// A part of a computation of diagnostics is done.
+    Step(Box<Run>),
+}
 
 /// What a run of the computation found.
 pub(crate) enum Computed {
@@ -81,19 +90,12 @@ impl Publisher {
     }
 
     /// The database has a new revision: computes after a pause.
-    pub(crate) fn changed(
-        &mut self,
-        revision: u64,
-        outbox: &Outbox,
-        events: &WeakUnboundedSender<Event>,
-    ) {
+    pub(crate) fn changed(&mut self, revision: u64, outbox: &Outbox, events: &Post<News>) {
         self.dirty_since.get_or_insert_with(Instant::now);
         let events = events.clone();
         outbox.runtime().spawn(async move {
             tokio::time::sleep(DEBOUNCE).await;
-            if let Some(events) = events.upgrade() {
-                let _ = events.send(Event::PublishDue(revision));
-            }
+            events.send(News::Due(revision));
         });
     }
 
@@ -233,18 +235,13 @@ impl Run {
     }
 
     /// Computes the next part on the blocking pool and comes back to the writer.
-    pub(crate) fn step(
-        mut self,
-        snapshot: Snapshot,
-        events: UnboundedSender<Event>,
-        runtime: &Handle,
-    ) {
+    pub(crate) fn step(mut self, snapshot: Snapshot, events: Post<News>, runtime: &Handle) {
         runtime.spawn_blocking(move || {
             let step = panic::isolate(|| self.compute(&snapshot, &events));
             drop(snapshot);
             match step {
                 Ok(Ok(())) => {
-                    let _ = events.send(Event::Step(Box::new(self)));
+                    events.send(News::Step(Box::new(self)));
                 }
                 // A change came in between: it has scheduled the next run.
                 // `PropagatedPanic` too: see `dispatch`.
@@ -256,7 +253,7 @@ impl Run {
         });
     }
 
-    fn compute(&mut self, snapshot: &Snapshot, events: &UnboundedSender<Event>) -> Cancellable<()> {
+    fn compute(&mut self, snapshot: &Snapshot, events: &Post<News>) -> Cancellable<()> {
         let Some(left) = &mut self.left else {
             let open = snapshot.open.keys().cloned().collect();
             self.look_at(open, snapshot, events)?;
@@ -278,7 +275,7 @@ impl Run {
         )?;
         self.look_at(sources.unwrap_or_default(), snapshot, events)?;
         let codels = survived("codels".into(), panic::isolate(|| fingerprint(snapshot)))?;
-        let _ = events.send(Event::Computed(Computed::Finished {
+        events.send(News::Computed(Computed::Finished {
             files: std::mem::take(&mut self.files),
             codels: codels.unwrap_or_default(),
         }));
@@ -291,7 +288,7 @@ impl Run {
         &mut self,
         mut paths: Vec<Utf8PathBuf>,
         snapshot: &Snapshot,
-        events: &UnboundedSender<Event>,
+        events: &Post<News>,
     ) -> Cancellable<()> {
         paths.retain(|it| self.seen.insert(it.clone()));
         let (push, regions) = (self.push, self.regions);
@@ -300,7 +297,7 @@ impl Run {
             let result = survived(path, result)?.flatten();
             let is_some = result.is_some();
             if let Some(result) = result {
-                let _ = events.send(Event::Computed(Computed::File(Box::new(result))));
+                events.send(News::Computed(Computed::File(Box::new(result))));
             }
             Ok::<_, Cancelled>(is_some)
         });

@@ -12,13 +12,12 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use camino::{Utf8Path, Utf8PathBuf};
-use tokio::sync::mpsc::UnboundedSender;
 
 use crate::config::Verification as Settings;
 use crate::features::verification::problems::Wanted;
 use crate::protocol::messages::{VerificationStatus, VerificationStatusParams};
 use crate::protocol::outbox::Outbox;
-use crate::session::writer::Event;
+use crate::session::post::Post;
 use crate::verification::results::{Answer, Entry, Results, Status};
 use crate::verification::run::Found;
 
@@ -37,6 +36,16 @@ pub(crate) struct Verifier {
     remembered: VecDeque<Arc<Answer>>,
     jobs: u64,
     told: Told,
+}
+
+/// What is told to the writer.
+pub(crate) enum News {
+    /// It is time to verify this revision.
+    Due(u64),
+    /// What is to be verified was worked out.
+    Wanted(Vec<Wanted>),
+    /// A verification has found something.
+    Verified(Box<Verified>),
 }
 
 /// What the client was told last, by document; `None` if it does not want to be told.
@@ -79,7 +88,7 @@ impl Verifier {
         wanted: Vec<Wanted>,
         settings: &Settings,
         outbox: &Outbox,
-        events: &UnboundedSender<Event>,
+        events: &Post<News>,
     ) {
         let options = settings.options();
         let results = Arc::make_mut(&mut self.results);

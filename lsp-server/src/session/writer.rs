@@ -23,7 +23,6 @@ use tokio::sync::mpsc::{UnboundedReceiver, WeakUnboundedSender};
 use tokio::sync::{oneshot, watch};
 
 use crate::config::Config;
-use crate::features::codels;
 use crate::files::vfs::Vfs;
 use crate::panic;
 use crate::protocol::client::ClientCaps;
@@ -31,8 +30,10 @@ use crate::protocol::outbox::Outbox;
 use crate::protocol::types::*;
 use crate::session::capabilities::ForeignDocuments;
 use crate::session::dispatch::Read;
-use crate::session::publish::Publisher;
-use crate::session::verifier::Verifier;
+use crate::session::post::Post;
+use crate::session::publish::{self, Publisher};
+use crate::session::verifier::{self, Verifier};
+use crate::workspace::codels;
 
 use crate::workspace::documents::Documents;
 use crate::workspace::folders::Workspace;
@@ -55,18 +56,28 @@ pub(crate) enum Event {
     Mutation(Mutation),
     /// Something is asked.
     Read(Read),
-    /// It is time to compute diagnostics for this revision.
-    PublishDue(u64),
-    /// Diagnostics and regions of a file were computed.
-    Computed(crate::session::publish::Computed),
-    /// A part of a computation of diagnostics is done.
-    Step(Box<crate::session::publish::Run>),
-    /// It is time to verify this revision.
-    VerifyDue(u64),
-    /// What is to be verified was worked out.
-    Verify(Vec<crate::features::verification::problems::Wanted>),
-    /// A verification has ended.
-    Verified(Box<crate::session::verifier::Verified>),
+    /// Of the computation of diagnostics.
+    Diagnostics(publish::News),
+    /// Of the verification of open documents.
+    Verification(verifier::News),
+}
+
+impl From<Read> for Event {
+    fn from(it: Read) -> Event {
+        Event::Read(it)
+    }
+}
+
+impl From<publish::News> for Event {
+    fn from(it: publish::News) -> Event {
+        Event::Diagnostics(it)
+    }
+}
+
+impl From<verifier::News> for Event {
+    fn from(it: verifier::News) -> Event {
+        Event::Verification(it)
+    }
 }
 
 /// See the module.
@@ -168,29 +179,29 @@ impl State {
             Event::Initialized => state.initialized(),
             Event::Mutation(mutation) => state.mutate(mutation),
             Event::Read(read) => state.admit(read),
-            Event::PublishDue(revision) => state.publish(revision),
-            Event::VerifyDue(revision) => state.verify(revision),
-            Event::Verify(wanted) => {
-                if let Some(events) = state.events.upgrade() {
-                    let settings = &state.config.verification;
-                    state
-                        .verifier
-                        .start(wanted, settings, &state.outbox, &events);
+            Event::Diagnostics(news) => match news {
+                publish::News::Due(revision) => state.publish(revision),
+                publish::News::Step(run) => state.go_on(*run),
+                publish::News::Computed(computed) => {
+                    let open = state.documents.open_files();
+                    if state.publisher.publish(computed, open, &state.outbox) {
+                        state.refresh(Stale::Meaning);
+                    }
+                }
+            },
+            Event::Verification(news) => match news {
+                verifier::News::Due(revision) => state.verify(revision),
+                verifier::News::Wanted(wanted) => {
+                    let (settings, post) = (&state.config.verification, Post::new(&state.events));
+                    state.verifier.start(wanted, settings, &state.outbox, &post);
                     state.show_verification();
                 }
-            }
-            Event::Verified(it) => {
-                if state.verifier.finish(*it, &state.outbox) {
-                    state.show_verification();
+                verifier::News::Verified(it) => {
+                    if state.verifier.finish(*it, &state.outbox) {
+                        state.show_verification();
+                    }
                 }
-            }
-            Event::Step(run) => state.go_on(*run),
-            Event::Computed(computed) => {
-                let open = state.documents.open_files();
-                if state.publisher.publish(computed, open, &state.outbox) {
-                    state.refresh(Stale::Meaning);
-                }
-            }
+            },
         });
     }
 

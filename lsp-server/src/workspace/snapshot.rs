@@ -16,11 +16,11 @@ use dotgen_analysis::parallel;
 use rustc_hash::FxHashMap;
 
 use crate::config::Config;
-use crate::features::codels;
 use crate::files::vfs::Vfs;
 use crate::protocol::client::ClientCaps;
 use crate::protocol::convert::{Lines, uri};
 use crate::protocol::types::{Location, Position, Uri};
+use crate::workspace::codels;
 use crate::workspace::templates::Templates;
 
 /// A document the client has open.

@@ -1,22 +1,15 @@
-//! Files of templates that are open: where templates are, which documents belong to one, and what is
-//! wrong with these. Nothing of a template is run for this.
+//! Where templates are, and which documents belong to one.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_analysis::diagnostic::Diagnostic;
-use dotgen_analysis::host::{Cancellable, FileContent};
-use dotgen_codegen::template::check;
-use dotgen_codegen::template::files::{self, Role, SCRIPT};
+use dotgen_analysis::host::FileContent;
+use dotgen_codegen::template::files::{self, SCRIPT};
 
 use crate::files::vfs;
-use crate::workspace::snapshot::{DocumentKind, Snapshot};
 
 /// What clients call a document that is a source of a template wherever it is.
 pub(crate) const LANGUAGE: &str = "genom3-template";
-
-/// More scripts than a template requires.
-const MAX_REQUIRED: usize = 32;
 
 /// The templates of the workspace: the directory of each, with the files elsewhere that it names.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -81,32 +74,4 @@ impl Templates {
 /// Whether a document belongs to a template by its place. Specifications and scenarios do not.
 pub(crate) fn is_template(templates: &Templates, file: &Utf8Path) -> bool {
     !matches!(file.extension(), Some("gen" | "scn")) && templates.home(file).is_some()
-}
-
-/// What is wrong with an open file of a template.
-pub(crate) fn diagnostics(snapshot: &Snapshot, file: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
-    let Some(text) = snapshot.analysis.text(file)? else {
-        return Ok(Vec::new());
-    };
-    let mut scripts = Vec::new();
-    if let Some(home) = snapshot.templates.home(file)
-        && let Some(main) = snapshot.analysis.text(&home.join(SCRIPT))?
-    {
-        for script in files::required(&home, &main).iter().take(MAX_REQUIRED) {
-            scripts.extend(snapshot.analysis.text(script)?);
-        }
-        scripts.push(main);
-    }
-    // What the user says is true.
-    let said = snapshot
-        .open
-        .get(file)
-        .is_some_and(|it| it.kind == DocumentKind::Source);
-    let role = files::role(file, &text, scripts.iter().map(|it| &**it));
-    Ok(match role {
-        Some(Role::Script) if !said => check::script(file, &text),
-        Some(_) => check::source(file, &text),
-        None if said => check::source(file, &text),
-        None => Vec::new(),
-    })
 }

@@ -16,12 +16,12 @@ use dotgen_codegen::codels::stub::StubOptions;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use crate::features::codels::lenses::SHOW_CODEL;
 use crate::features::codels::{self, Texts};
+use crate::features::commands::SHOW_CODEL;
 use crate::features::convert::diagnostic;
 use crate::features::convert::edit::{Edited, Review, edit_of, with_edit};
-use crate::features::specification::rename::Refusable;
 use crate::protocol::convert::Lines;
+use crate::protocol::refusable::Refusable;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
@@ -57,7 +57,7 @@ pub(crate) fn actions(
     for compared in codels::around(snapshot, &subject.path)? {
         let mut here = false;
         let mut mendable = 0;
-        for found in compared.findings(snapshot) {
+        for found in compared.findings(&snapshot.analysis) {
             let (folder, findings) = found?;
             let work = Work {
                 snapshot,

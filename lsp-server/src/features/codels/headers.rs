@@ -40,8 +40,8 @@ pub(crate) fn handle(
     snapshot: &Snapshot,
     subject: &Subject,
     _: &DocumentParams,
-) -> Cancellable<crate::features::specification::rename::Refusable<CodelHeaders>> {
-    use crate::features::specification::rename::Refusable;
+) -> Cancellable<crate::protocol::refusable::Refusable<CodelHeaders>> {
+    use crate::protocol::refusable::Refusable;
     let mut specification = None;
     for compared in codels::around(snapshot, &subject.path)? {
         specification = compared.folders().next().map(|it| it.specification.clone());

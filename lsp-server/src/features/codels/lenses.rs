@@ -11,11 +11,9 @@ use dotgen_codegen::codels::links;
 use serde_json::json;
 
 use crate::features::codels;
+use crate::features::commands::{SHOW_CODEL, SHOW_REFERENCES};
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
-
-/// Command of the server: shows where a codel is declared, or its function. Argument: a location.
-pub(crate) const SHOW_CODEL: &str = "dotgen.showCodel";
 
 /// More uses of one function than have a lens each.
 const MAX_USES: usize = 3;
@@ -45,7 +43,7 @@ pub(crate) fn handle(snapshot: &Snapshot, subject: &Subject) -> Cancellable<Opti
             [] => ("", json!(null)),
             [one] if snapshot.client.show_document => (SHOW_CODEL, json!(one)),
             several => (
-                crate::features::specification::code_lens::SHOW_REFERENCES,
+                SHOW_REFERENCES,
                 json!({ "uri": subject.uri, "position": range.start, "locations": several }),
             ),
         };

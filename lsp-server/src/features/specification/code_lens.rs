@@ -6,14 +6,10 @@ use dotgen_analysis::ide::LensKind;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
+use crate::features::commands::{SHOW_DIAGRAM, SHOW_REFERENCES};
 use crate::features::{scenario, verification};
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
-
-/// Client command that shows a state machine; argument `{ uri, component, owner }`.
-pub(crate) const SHOW_DIAGRAM: &str = "dotgen.showDiagram";
-/// Client command that lists references; argument `{ uri, position, locations }`.
-pub(crate) const SHOW_REFERENCES: &str = "dotgen.showReferences";
 
 /// What comes back with a lens to be resolved.
 #[derive(Debug, Serialize, Deserialize)]

@@ -7,29 +7,9 @@ use crate::features::codels::navigation;
 use crate::features::convert::edit::{Review, edit_of, gathered, workspace_edit};
 use crate::features::scenario;
 use crate::protocol::convert::uri;
+use crate::protocol::refusable::Refusable;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
-
-/// An answer, or why there is none: a message for the user.
-#[derive(Debug)]
-pub(crate) struct Refusable<T>(pub(crate) std::result::Result<Option<T>, String>);
-
-impl<T> Default for Refusable<T> {
-    fn default() -> Refusable<T> {
-        Refusable(Ok(None))
-    }
-}
-
-impl<T> Refusable<T> {
-    /// As the protocol says it: `RequestFailed`.
-    pub(crate) fn into_response(self) -> Result<Option<T>> {
-        self.0.map_err(|message| Error {
-            code: ErrorCode::ServerError(-32803),
-            message: message.into(),
-            data: None,
-        })
-    }
-}
 
 pub(crate) fn prepare(
     snapshot: &Snapshot,

@@ -11,7 +11,8 @@ use dotgen_timing::verify::settings;
 use serde_json::Value;
 
 use super::problems::about;
-use super::{SHOW, TaskAt, argument, tasks};
+use super::{TaskAt, argument, tasks};
+use crate::features::commands::SHOW_VERIFICATION;
 use crate::protocol::types::{CodeLens, Command};
 use crate::verification::results::{Answer, Entry, Status};
 use crate::verification::summary::Scale;
@@ -137,7 +138,7 @@ fn lens(
 ) -> CodeLens {
     // Text alone for clients without the panel.
     let command = match snapshot.client.verification_status {
-        true => Command::new(title, SHOW.to_owned(), Some(vec![argument])),
+        true => Command::new(title, SHOW_VERIFICATION.to_owned(), Some(vec![argument])),
         false => Command::new(title, String::new(), None),
     };
     CodeLens {

@@ -5,8 +5,8 @@ use dotgen_analysis::release::{ReleaseChoice, ReleaseOrigin};
 use dotgen_codegen::command::search_path;
 use dotgen_codegen::template::discover;
 
+use super::PackageConfig;
 use super::{pkg_config, pkg_file};
-use crate::config::PackageConfig;
 
 /// Its package.
 const PACKAGE: &str = "genom3";

@@ -10,8 +10,8 @@ use camino::{Utf8Path, Utf8PathBuf};
 
 use dotgen_analysis::host::PackageFlags;
 
+use super::PackageConfig;
 use super::pkg_file;
-use crate::config::PackageConfig;
 use crate::process;
 
 /// How long pkg-config may take before it is given up.

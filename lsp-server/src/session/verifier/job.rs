@@ -6,10 +6,10 @@ use std::time::Duration;
 use camino::Utf8PathBuf;
 use dotgen_timing::verify::{Cancel, Options};
 use tokio::runtime::Handle;
-use tokio::sync::mpsc::{UnboundedSender, WeakUnboundedSender};
 
+use super::News;
 use crate::panic;
-use crate::session::writer::Event;
+use crate::session::post::Post;
 use crate::verification::Problem;
 use crate::verification::run::{Found, run};
 
@@ -32,14 +32,7 @@ pub(super) struct Job {
 }
 
 impl Job {
-    pub(super) fn spawn(
-        self,
-        cancel: Arc<Cancel>,
-        events: UnboundedSender<Event>,
-        runtime: &Handle,
-    ) {
-        // The writer goes when its queue is dropped: a job must not keep it.
-        let events = events.downgrade();
+    pub(super) fn spawn(self, cancel: Arc<Cancel>, events: Post<News>, runtime: &Handle) {
         let pace = runtime.clone();
         runtime.spawn_blocking(move || {
             let Job {
@@ -51,10 +44,8 @@ impl Job {
             } = self;
             // The last part of an answer that was not told yet.
             let held: Arc<Mutex<Option<Verified>>> = Arc::default();
-            let send = |events: &WeakUnboundedSender<Event>, it: Verified| {
-                if let Some(events) = events.upgrade() {
-                    let _ = events.send(Event::Verified(Box::new(it)));
-                }
+            let send = |events: &Post<News>, it: Verified| {
+                events.send(News::Verified(Box::new(it)));
             };
             let tell = |found: Found| {
                 let part = matches!(found, Found::SoFar(_));

@@ -7,12 +7,12 @@ use dotgen_codegen::template::files::SCRIPT;
 use serde_json::Value;
 
 use super::{Event, State};
-use crate::features::codels;
 use crate::files::vfs;
 use crate::protocol::convert::uri;
 use crate::protocol::messages::DocumentText;
 use crate::protocol::types::*;
 use crate::session::capabilities::is_watched;
+use crate::workspace::codels;
 use crate::workspace::documents::Edited;
 use crate::workspace::snapshot::{DocumentKind, OpenFile};
 use crate::workspace::templates;

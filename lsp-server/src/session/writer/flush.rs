@@ -8,8 +8,9 @@ use rustc_hash::FxHashSet;
 
 use super::State;
 use super::session::Stale;
-use crate::features::codels;
 use crate::files::vfs;
+use crate::session::post::Post;
+use crate::workspace::codels;
 use crate::workspace::snapshot::DocumentKind;
 
 /// What the database does not know yet.
@@ -81,7 +82,7 @@ impl State {
         self.revision += 1;
         self.revisions.send_replace(self.revision);
         self.publisher
-            .changed(self.revision, &self.outbox, &self.events);
+            .changed(self.revision, &self.outbox, &Post::new(&self.events));
         self.schedule_verification();
         if std::mem::take(&mut self.publisher.refresh_wanted) {
             self.refresh(Stale::Meaning);

@@ -6,6 +6,7 @@ use super::State;
 use crate::process::memory;
 use crate::protocol::convert::uri;
 use crate::session::dispatch::{Admission, Read};
+use crate::session::post::Post;
 use crate::session::publish::Run;
 use crate::workspace::snapshot::{DocumentKind, Snapshot, Subject};
 
@@ -94,10 +95,8 @@ impl State {
         if run.revision() != self.revision || run.is_done() {
             return;
         }
-        if let Some(events) = self.events.upgrade() {
-            let snapshot = self.snapshot();
-            run.step(snapshot, events, self.outbox.runtime());
-        }
+        let snapshot = self.snapshot();
+        run.step(snapshot, Post::new(&self.events), self.outbox.runtime());
     }
 
     /// Forgets what can be computed again after much was asked, when nobody asks: it would cancel them.

@@ -1,9 +1,11 @@
 //! When verification runs, and how its results reach the client.
 
+use super::State;
 use super::session::Stale;
-use super::{Event, State};
 use crate::features::verification::problems;
 use crate::panic;
+use crate::session::post::Post;
+use crate::session::verifier::News;
 
 impl State {
     /// Verifies after a pause.
@@ -14,28 +16,27 @@ impl State {
             }
             return;
         }
-        let (events, revision) = (self.events.clone(), self.revision);
+        let (events, revision) = (Post::new(&self.events), self.revision);
         self.outbox.runtime().spawn(async move {
             tokio::time::sleep(crate::session::verifier::DEBOUNCE).await;
-            if let Some(events) = events.upgrade() {
-                let _ = events.send(Event::VerifyDue(revision));
-            }
+            events.send(News::Due(revision));
         });
     }
 
     /// Works out on the blocking pool what is to be verified.
     pub(super) fn verify(&mut self, revision: u64) {
         self.flush();
-        let Some(events) = self.events.upgrade().filter(|_| revision == self.revision) else {
+        if revision != self.revision {
             return;
-        };
+        }
+        let events = Post::new(&self.events);
         let snapshot = self.snapshot();
         self.outbox.runtime().spawn_blocking(move || {
             let wanted = panic::isolate(|| problems::wanted(&snapshot));
             drop(snapshot);
             match wanted {
                 Ok(Ok(wanted)) => {
-                    let _ = events.send(Event::Verify(wanted));
+                    events.send(News::Wanted(wanted));
                 }
                 // A change came in between: it has scheduled the next run.
                 Ok(Err(_)) => {}
@@ -47,7 +48,7 @@ impl State {
     /// What verification has to say has changed: diagnostics, lenses.
     pub(super) fn show_verification(&mut self) {
         self.publisher
-            .changed(self.revision, &self.outbox, &self.events);
+            .changed(self.revision, &self.outbox, &Post::new(&self.events));
         self.refresh(Stale::Findings);
     }
 }

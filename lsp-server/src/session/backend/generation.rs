@@ -12,6 +12,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use super::Backend;
 use crate::config::Generate;
 use crate::features::generation::edit::{self, Able, FileChange};
 use crate::features::generation::plan::{Plan, plan, remember, set_mode, write};
@@ -20,7 +21,6 @@ use crate::features::generation::{GENERATE, OPTIONS, REMEMBER, TEMPLATES};
 use crate::protocol::convert::uri;
 use crate::protocol::outbox::Outbox;
 use crate::protocol::types::*;
-use crate::session::backend::Backend;
 
 /// Argument of the commands.
 #[derive(Debug, Clone, Serialize, Deserialize)]

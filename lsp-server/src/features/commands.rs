@@ -1,0 +1,16 @@
+//! Names of commands: of clients, which lenses and actions ask for, and of the server.
+
+/// Client command that shows a state machine; argument `{ uri, component, owner }`.
+pub(crate) const SHOW_DIAGRAM: &str = "dotgen.showDiagram";
+/// Client command that lists references; argument `{ uri, position, locations }`.
+pub(crate) const SHOW_REFERENCES: &str = "dotgen.showReferences";
+/// Client command that shows a verification; argument `{ uri, check }`.
+pub(crate) const SHOW_VERIFICATION: &str = "dotgen.showVerification";
+/// Command of the server: shows where a codel is declared, or its function. Argument: a location.
+pub(crate) const SHOW_CODEL: &str = "dotgen.showCodel";
+/// Server command: a picture as Mermaid. Argument: as for `dotgen/diagram`.
+pub(crate) const MERMAID: &str = "dotgen.diagram.mermaid";
+/// Server command: a picture as Graphviz DOT.
+pub(crate) const DOT: &str = "dotgen.diagram.dot";
+/// Command of the server: shows an included file in the unit of another root.
+pub(crate) const CHOOSE_ROOT: &str = "dotgen.chooseRoot";

@@ -1,0 +1,40 @@
+//! Files of templates: what is wrong with those that are open. Nothing of a template is run for this.
+
+use camino::Utf8Path;
+use dotgen_analysis::diagnostic::Diagnostic;
+use dotgen_analysis::host::Cancellable;
+use dotgen_codegen::template::check;
+use dotgen_codegen::template::files::{self, Role, SCRIPT};
+
+use crate::workspace::snapshot::{DocumentKind, Snapshot};
+
+/// More scripts than a template requires.
+const MAX_REQUIRED: usize = 32;
+
+/// What is wrong with an open file of a template.
+pub(crate) fn diagnostics(snapshot: &Snapshot, file: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
+    let Some(text) = snapshot.analysis.text(file)? else {
+        return Ok(Vec::new());
+    };
+    let mut scripts = Vec::new();
+    if let Some(home) = snapshot.templates.home(file)
+        && let Some(main) = snapshot.analysis.text(&home.join(SCRIPT))?
+    {
+        for script in files::required(&home, &main).iter().take(MAX_REQUIRED) {
+            scripts.extend(snapshot.analysis.text(script)?);
+        }
+        scripts.push(main);
+    }
+    // What the user says is true.
+    let said = snapshot
+        .open
+        .get(file)
+        .is_some_and(|it| it.kind == DocumentKind::Source);
+    let role = files::role(file, &text, scripts.iter().map(|it| &**it));
+    Ok(match role {
+        Some(Role::Script) if !said => check::script(file, &text),
+        Some(_) => check::source(file, &text),
+        None if said => check::source(file, &text),
+        None => Vec::new(),
+    })
+}

@@ -1,0 +1,24 @@
+//! Answers that a request may be refused.
+
+use super::types::{Error, ErrorCode, Result};
+
+/// An answer, or why there is none: a message for the user.
+#[derive(Debug)]
+pub(crate) struct Refusable<T>(pub(crate) std::result::Result<Option<T>, String>);
+
+impl<T> Default for Refusable<T> {
+    fn default() -> Refusable<T> {
+        Refusable(Ok(None))
+    }
+}
+
+impl<T> Refusable<T> {
+    /// As the protocol says it: `RequestFailed`.
+    pub(crate) fn into_response(self) -> Result<Option<T>> {
+        self.0.map_err(|message| Error {
+            code: ErrorCode::ServerError(-32803),
+            message: message.into(),
+            data: None,
+        })
+    }
+}

@@ -1,0 +1,33 @@
+//! Messages to the writer from what it has started.
+
+use std::sync::Arc;
+
+use tokio::sync::mpsc::WeakUnboundedSender;
+
+/// A way to send messages of one kind to a queue of many. It does not keep the queue alive: what is sent after
+/// its end is lost.
+pub(crate) struct Post<T>(Arc<dyn Fn(T) + Send + Sync>);
+
+impl<T> Clone for Post<T> {
+    fn clone(&self) -> Post<T> {
+        Post(self.0.clone())
+    }
+}
+
+impl<T> Post<T> {
+    /// For messages that are one kind of those of `queue`.
+    pub(crate) fn new<E: From<T> + Send + 'static>(queue: &WeakUnboundedSender<E>) -> Post<T> {
+        let queue = queue.clone();
+        Post(Arc::new(move |it| {
+            if let Some(queue) = queue.upgrade() {
+                // Fails only after the end of the receiver.
+                let _ = queue.send(E::from(it));
+            }
+        }))
+    }
+
+    /// Sends a message.
+    pub(crate) fn send(&self, it: T) {
+        (self.0)(it);
+    }
+}
