@@ -9,8 +9,25 @@ pub(crate) mod diagnostics;
 pub(crate) mod diagram;
 pub(crate) mod generation;
 pub(crate) mod inspect;
+pub(crate) mod language;
+pub(crate) mod mentions;
 pub(crate) mod scenario;
 pub(crate) mod specification;
 pub(crate) mod template;
 pub(crate) mod verification;
 pub(crate) mod workspace_symbol;
+
+use camino::Utf8Path;
+
+use crate::workspace::snapshot::{DocumentKind, Snapshot};
+use language::Language;
+
+/// The language of a document.
+pub(crate) fn language_of(snapshot: &Snapshot, path: &Utf8Path) -> &'static dyn Language {
+    match snapshot.kind_of(path) {
+        DocumentKind::Template | DocumentKind::Source => &template::Template,
+        DocumentKind::Code => &codels::Sources,
+        DocumentKind::Specification if mentions::is_scenario(path) => &scenario::Scenario,
+        DocumentKind::Specification => &specification::Specification,
+    }
+}

@@ -1,16 +1,16 @@
 //! The `dotgen` program: language server and command line over one analysis.
 //!
 //! Only this crate touches the file system, starts processes, and knows protocol types. It is built in
-//! storeys: each folder uses those above it in this list, and none below.
+//! storeys: each folder uses those before it in this list, and none after.
 //!
 //! | storey | what it has |
 //! | --- | --- |
 //! | `process` | programs that are started, how they end and what confines them |
 //! | `files` | files: read for analysis, written for users, packages |
-//! | `config` | settings and what they amount to |
 //! | `verification` | real-time verification: problems, answers, and how they are shown |
-//! | `views` | what the command line and the editor both show: pictures, the model, the manual |
 //! | `protocol` | the types of LSP, messages beyond it, the client, conversions |
+//! | `config` | settings and what they amount to |
+//! | `views` | what the command line and the editor both show: pictures, the model, the manual |
 //! | `workspace` | open documents, folders, templates, and the snapshot that requests read |
 //! | `features` | answers to requests, by language of the document |
 //! | `session` | one client: transport, dispatch, the writer, what is told unasked |

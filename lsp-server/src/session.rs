@@ -7,6 +7,7 @@ mod component;
 mod dispatch;
 mod post;
 mod publish;
+mod requests;
 pub(crate) mod server;
 mod transport;
 mod verifier;

@@ -181,7 +181,7 @@ const CIRCLES: &[(&str, &str, &[&str])] = &[
     (
         "timing",
         "explore",
-        &["observe", "reductions", "rules", "run"],
+        &["observe", "reductions", "rules", "run", "stepper"],
     ),
     ("timing", "system", &["build", "locks"]),
     ("xtask", "", &["extension", "notices"]),

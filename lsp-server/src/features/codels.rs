@@ -23,16 +23,39 @@ use dotgen_codegen::codels::allow;
 use dotgen_codegen::codels::command::{Side, diagnostics};
 use dotgen_codegen::codels::drift::{Drift, Repair};
 use dotgen_codegen::codels::expected::Expected;
-use dotgen_codegen::codels::files::{Files, FilesConfig, IndexedFile, Sources};
+use dotgen_codegen::codels::files::{Files, FilesConfig, IndexedFile, Sources as SourceFiles};
 use dotgen_codegen::codels::folder::{self, Folder};
 use dotgen_codegen::codels::repair::Repairs;
 use dotgen_codegen::codels::stub::StubOptions;
 use dotgen_codegen::template::notice;
 use rustc_hash::FxHasher;
 
+use super::language::{Language, answered_by};
 use crate::files::vfs;
+use crate::protocol::types::{
+    self, CodeActionParams, CodeActionResponse, CodeLens, CodeLensParams, ReferenceParams,
+};
 use crate::workspace::codels::{Compared, Good, lock};
 use crate::workspace::snapshot::{DocumentKind, Snapshot};
+
+/// C and C++ sources of codels.
+pub(crate) struct Sources;
+
+impl Language for Sources {
+    fn diagnostics(&self, snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
+        file_diagnostics(snapshot, path)
+    }
+
+    fn is_served(&self, snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<bool> {
+        Ok(!around(snapshot, path)?.is_empty())
+    }
+
+    answered_by! {
+        references: ReferenceParams => Option<Vec<types::Location>> = navigation::mentions;
+        lenses: CodeLensParams => Option<Vec<CodeLens>> = lenses::handle;
+        actions: CodeActionParams => Option<CodeActionResponse> = actions::handle;
+    }
+}
 
 /// The files of the disk.
 pub(crate) struct Disk;
@@ -266,8 +289,9 @@ fn folders(snapshot: &Snapshot, config: &FilesConfig, root: &Utf8Path) -> Cancel
     let mut index = |path: Utf8PathBuf, text: Arc<str>, cxx| -> IndexedFile {
         lock(&snapshot.codels.indexes).get(path, text, cxx)
     };
-    let mut sources =
-        |specification: &Utf8Path| Sources::load_with(specification, config, &texts, &mut index);
+    let mut sources = |specification: &Utf8Path| {
+        SourceFiles::load_with(specification, config, &texts, &mut index)
+    };
     let mut found = folder::folders(&unit, &mut sources);
     if let Some(earlier) = &earlier {
         bring_up(snapshot, &mut found, earlier)?;

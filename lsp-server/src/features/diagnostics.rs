@@ -9,8 +9,6 @@ use dotgen_analysis::diagnostic::Severity;
 use dotgen_analysis::host::Cancellable;
 use rustc_hash::{FxHashMap, FxHasher};
 
-use super::{scenario, template, verification};
-use crate::features::codels;
 use crate::features::convert::diagnostic;
 use crate::panic;
 use crate::protocol::types::*;
@@ -189,17 +187,7 @@ pub(crate) fn file_diagnostics(
     least: Severity,
 ) -> Cancellable<Vec<Diagnostic>> {
     let mut items = Vec::new();
-    let is_template = snapshot.is_template(path);
-    let mut all = match snapshot.is_code(path) {
-        true => Vec::new(),
-        false if is_template => template::diagnostics(snapshot, path)?,
-        false if scenario::is(path) => scenario::diagnostics(snapshot, path)?,
-        false => snapshot.analysis.diagnostics(path)?,
-    };
-    if !scenario::is(path) && !is_template {
-        all.extend(verification::in_specification(snapshot, path)?);
-        all.extend(codels::file_diagnostics(snapshot, path)?);
-    }
+    let all = super::language_of(snapshot, path).diagnostics(snapshot, path)?;
     for it in all {
         // Clients that know clangd's notification grey the regions themselves.
         let greyed = it.code == INACTIVE_CODE && snapshot.client.inactive_regions;

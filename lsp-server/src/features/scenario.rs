@@ -1,32 +1,66 @@
-//! Editor features of scenarios (`.scn`): what the handlers of specifications leave to it. The language
-//! itself is in `dotgen_timing::scn`; here it meets documents and positions.
+//! Scenarios (`.scn`). The language itself is in `dotgen_timing::scn`; here it meets documents and positions.
 
 use std::ops::Range;
 
-use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_analysis::diagnostic::{Diagnostic, FileEdit};
-use dotgen_analysis::host::{Cancellable, FileContent};
+use camino::Utf8Path;
+use dotgen_analysis::diagnostic::Diagnostic;
+use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::ide::FilePosition;
 use dotgen_analysis::markdown;
-use dotgen_analysis::source_map::Locations;
 use dotgen_timing::scn::complete::{self, CompletionKind as Kind, Completions};
 use dotgen_timing::scn::lexer::{self, lex};
-use dotgen_timing::scn::names::{Names, Reference, Target};
+use dotgen_timing::scn::names::{Names, Reference};
 use dotgen_timing::scn::outline::{self, EntryKind};
 use dotgen_timing::scn::{self, describe};
 
-use crate::features::verification::problems;
-use crate::files::vfs;
+use super::language::{Language, answered_by};
+use super::mentions::{declaration, is_scenario};
+use super::specification::{
+    code_action, completion, document_link, formatting, references, rename, selection_range,
+    semantic_tokens,
+};
+use super::verification::problems;
 use crate::protocol::convert::Lines;
 use crate::protocol::convert::symbol::{Symbol, response};
+use crate::protocol::refusable::Refusable;
 use crate::protocol::types::{self, *};
 use crate::verification::Problem;
-use crate::verification::problem::{self, EXTENSION};
+use crate::verification::problem;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
-/// Whether a document is a scenario.
-pub(crate) fn is(path: &Utf8Path) -> bool {
-    path.extension() == Some(EXTENSION)
+/// Scenarios.
+pub(crate) struct Scenario;
+
+impl Language for Scenario {
+    fn diagnostics(&self, snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
+        diagnostics(snapshot, path)
+    }
+
+    fn is_own(&self) -> bool {
+        true
+    }
+
+    answered_by! {
+        symbols: DocumentSymbolParams => Option<DocumentSymbolResponse> = symbols;
+        folds: FoldingRangeParams => Option<Vec<FoldingRange>> = folds;
+        definition: GotoDefinitionParams => Option<GotoDefinitionResponse> = definition;
+        references: ReferenceParams => Option<Vec<Location>> = references;
+        highlights: DocumentHighlightParams => Option<Vec<DocumentHighlight>> = highlights;
+        hover: HoverParams => Option<Hover> = hover;
+        completion: CompletionParams => Option<CompletionResponse> = completion;
+        prepare_rename: TextDocumentPositionParams => Refusable<PrepareRenameResponse> = prepare_rename;
+        rename: RenameParams => Refusable<WorkspaceEdit> = rename;
+        format: DocumentFormattingParams => Option<Vec<TextEdit>> = format;
+        lenses: CodeLensParams => Option<Vec<CodeLens>> = super::verification::scenario_lenses;
+        // What the text alone tells.
+        selections: SelectionRangeParams => Option<Vec<SelectionRange>> = selection_range::handle;
+        links: DocumentLinkParams => Option<Vec<DocumentLink>> = document_link::handle;
+        tokens: SemanticTokensParams => Option<Vec<SemanticToken>> = semantic_tokens::full;
+        tokens_in: SemanticTokensRangeParams => Option<SemanticTokensRangeResult> = semantic_tokens::range;
+        format_range: DocumentRangeFormattingParams => Option<Vec<TextEdit>> = formatting::range;
+        format_typed: DocumentOnTypeFormattingParams => Option<Vec<TextEdit>> = formatting::on_type;
+        actions: CodeActionParams => Option<CodeActionResponse> = code_action::handle;
+    }
 }
 
 /// A scenario as it stands, with the cursor in it.
@@ -77,7 +111,7 @@ fn read(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Problem> {
 }
 
 /// Syntax, files, names; and what the verifier said, if that was about this text.
-pub(crate) fn diagnostics(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
+fn diagnostics(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
     let problem = read(snapshot, path)?;
     let (mut out, mut elsewhere): (Vec<Diagnostic>, Vec<Diagnostic>) =
         (problem.errors.iter().cloned()).partition(|it| it.path == path);
@@ -110,7 +144,11 @@ pub(crate) fn diagnostics(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<V
 }
 
 /// The formatted text, as one edit.
-pub(crate) fn format(snapshot: &Snapshot, subject: &Subject) -> Cancellable<Option<Vec<TextEdit>>> {
+fn format(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    _: &DocumentFormattingParams,
+) -> Cancellable<Option<Vec<TextEdit>>> {
     let (Some(text), Some(lines)) = (
         snapshot.analysis.text(&subject.path)?,
         snapshot.lines(&subject.path)?,
@@ -121,100 +159,39 @@ pub(crate) fn format(snapshot: &Snapshot, subject: &Subject) -> Cancellable<Opti
     Ok(formatted.map(|it| vec![TextEdit::new(lines.range(&(0..text.len())), it)]))
 }
 
-/// Where a target is declared.
-fn declaration(
-    snapshot: &Snapshot,
-    problem: &Problem,
-    target: &Target,
-) -> Cancellable<Option<FilePlace>> {
-    let specs = problem.specs();
-    let names = Names::new(&specs);
-    let own = |range: Range<usize>| {
-        Some(FilePlace {
-            path: problem.path.clone(),
-            range,
-        })
-    };
-    let declared = match target {
-        Target::Client(name) => {
-            let entries = outline::outline(&problem.text, &problem.scenario);
-            let mut children = entries.into_iter().flat_map(|it| it.children);
-            return Ok(children
-                .find(|it| it.kind == EntryKind::Client && it.name == *name)
-                .and_then(|it| own(it.selection)));
-        }
-        Target::Step(client, label) => {
-            let entries = outline::outline(&problem.text, &problem.scenario);
-            let children = entries.into_iter().flat_map(|it| it.children);
-            let mut steps = children
-                .filter(|it| it.kind == EntryKind::Client && it.name == *client)
-                .flat_map(|it| it.children);
-            return Ok(steps
-                .find(|it| it.name == *label)
-                .and_then(|it| own(it.selection)));
-        }
-        _ => names.declaration(target),
-    };
-    let Some((spec, src)) = declared else {
-        return Ok(None);
-    };
-    let place = problem.units[spec].locations.locate(src);
-    let Some(place) = place else {
-        return Ok(None);
-    };
-    // Analysis says where the name stands.
-    let at = FilePosition {
-        path: place.path.clone(),
-        offset: place.range.start,
-    };
-    let found = snapshot.analysis.goto_definition(&at)?;
-    let name = found.and_then(|it| it.info.into_iter().next());
-    Ok(Some(match name {
-        Some(it) if !matches!(target, Target::State(..) | Target::Codel(..)) => FilePlace {
-            path: it.path,
-            range: it.focus_range,
-        },
-        _ => FilePlace {
-            path: place.path,
-            range: place.range,
-        },
-    }))
-}
-
-/// A range of a file.
-#[derive(Debug, Clone, PartialEq, Eq)]
-struct FilePlace {
-    path: Utf8PathBuf,
-    range: Range<usize>,
-}
-
 /// From a name of a path to its declaration, and from a `use` to its file.
-pub(crate) fn definition(
+fn definition(
     snapshot: &Snapshot,
     subject: &Subject,
-    position: Position,
-) -> Cancellable<Option<Vec<Location>>> {
+    params: &GotoDefinitionParams,
+) -> Cancellable<Option<GotoDefinitionResponse>> {
+    let position = params.text_document_position_params.position;
     let Some(cursor) = Cursor::new(snapshot, subject, position)? else {
         return Ok(None);
     };
     let files = problem::used(&cursor.problem.scenario, &subject.path);
     if let Some(file) = files.into_iter().find(|it| cursor.touches(&it.range)) {
-        return Ok(snapshot.location(&file.path, &(0..0))?.map(|it| vec![it]));
+        return Ok(snapshot
+            .location(&file.path, &(0..0))?
+            .map(|it| vec![it].into()));
     }
     let Some(reference) = cursor.reference() else {
         return Ok(None);
     };
     match declaration(snapshot, &cursor.problem, &reference.target)? {
-        Some(it) => Ok(snapshot.location(&it.path, &it.range)?.map(|it| vec![it])),
+        Some(it) => Ok(snapshot
+            .location(&it.path, &it.range)?
+            .map(|it| vec![it].into())),
         None => Ok(None),
     }
 }
 
-pub(crate) fn hover(
+fn hover(
     snapshot: &Snapshot,
     subject: &Subject,
-    position: Position,
+    params: &HoverParams,
 ) -> Cancellable<Option<Hover>> {
+    let position = params.text_document_position_params.position;
     let Some(cursor) = Cursor::new(snapshot, subject, position)? else {
         return Ok(None);
     };
@@ -237,11 +214,15 @@ pub(crate) fn hover(
     }))
 }
 
-pub(crate) fn completion(
+fn completion(
     snapshot: &Snapshot,
     subject: &Subject,
-    position: Position,
+    params: &CompletionParams,
 ) -> Cancellable<Option<CompletionResponse>> {
+    if !completion::is_wanted(snapshot, subject, params)? {
+        return Ok(None);
+    }
+    let position = params.text_document_position.position;
     let Some(cursor) = Cursor::new(snapshot, subject, position)? else {
         return Ok(None);
     };
@@ -323,9 +304,10 @@ fn item_kind(kind: Kind) -> CompletionItemKind {
     }
 }
 
-pub(crate) fn symbols(
+fn symbols(
     snapshot: &Snapshot,
     subject: &Subject,
+    _: &DocumentSymbolParams,
 ) -> Cancellable<Option<DocumentSymbolResponse>> {
     let (Some(text), Some(lines)) = (
         snapshot.analysis.text(&subject.path)?,
@@ -361,9 +343,10 @@ fn symbol(it: outline::Entry) -> Symbol {
 }
 
 /// Braces that hold more than a line, and comments.
-pub(crate) fn folds(
+fn folds(
     snapshot: &Snapshot,
     subject: &Subject,
+    _: &FoldingRangeParams,
 ) -> Cancellable<Option<Vec<FoldingRange>>> {
     let (Some(text), Some(lines)) = (
         snapshot.analysis.text(&subject.path)?,
@@ -410,11 +393,12 @@ pub(crate) fn folds(
 }
 
 /// The other mentions in this scenario of the name under the cursor.
-pub(crate) fn highlights(
+fn highlights(
     snapshot: &Snapshot,
     subject: &Subject,
-    position: Position,
+    params: &DocumentHighlightParams,
 ) -> Cancellable<Option<Vec<DocumentHighlight>>> {
+    let position = params.text_document_position_params.position;
     let Some(cursor) = Cursor::new(snapshot, subject, position)? else {
         return Ok(None);
     };
@@ -433,7 +417,7 @@ pub(crate) fn highlights(
 
 /// The declaration in a specification of the name under the cursor of a scenario: where the handlers of
 /// specifications can go on.
-pub(crate) fn declared_at(
+fn declared_at(
     snapshot: &Snapshot,
     subject: &Subject,
     position: Position,
@@ -456,74 +440,47 @@ pub(crate) fn declared_at(
     Ok(Some((at, range, text.unwrap_or_default().to_owned())))
 }
 
-/// The scenarios of the workspace and open documents that use a file, as they stand.
-fn scenarios_using(snapshot: &Snapshot, file: &Utf8Path) -> Cancellable<Vec<Problem>> {
-    let open = snapshot.open.keys().filter(|it| is(it));
-    let mut paths: Vec<&Utf8PathBuf> = snapshot.scenarios.iter().chain(open).collect();
-    paths.sort();
-    paths.dedup();
-    let mut out = Vec::new();
-    for path in paths {
-        let text = match snapshot.analysis.text(path)? {
-            Some(text) => text.to_string(),
-            None => match vfs::read(path) {
-                FileContent::Text(text) => text,
-                _ => continue,
-            },
-        };
-        let problem = problems::scenario(snapshot, path, text)?;
-        if problem.reads(file) {
-            out.push(problem);
-        }
+/// The mentions of what a name of a scenario means.
+fn references(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &ReferenceParams,
+) -> Cancellable<Option<Vec<Location>>> {
+    let position = params.text_document_position.position;
+    match declared_at(snapshot, subject, position)? {
+        Some((at, ..)) => references::of(snapshot, &at, params.context.include_declaration),
+        None => Ok(None),
     }
-    Ok(out)
 }
 
-/// Where scenarios mention what is declared at a place of a specification.
-pub(crate) fn mentions(
+/// What a scenario declares itself has no other name: specifications know nothing of it.
+fn prepare_rename(
     snapshot: &Snapshot,
-    at: &FilePosition,
-) -> Cancellable<Vec<(Utf8PathBuf, Range<usize>)>> {
-    let mut out = Vec::new();
-    if is(&at.path) {
-        return Ok(out);
-    }
-    let scenarios = scenarios_using(snapshot, &at.path)?;
-    if scenarios.is_empty() {
-        return Ok(out);
-    }
-    let Some(found) = snapshot.analysis.goto_definition(at)? else {
-        return Ok(out);
+    subject: &Subject,
+    params: &TextDocumentPositionParams,
+) -> Cancellable<Refusable<PrepareRenameResponse>> {
+    let found = declared_at(snapshot, subject, params.position)?;
+    let Some((at, range, placeholder)) = found.filter(|it| !is_scenario(&it.0.path)) else {
+        return Ok(Refusable::default());
     };
-    for problem in scenarios {
-        let specs = problem.specs();
-        let references = Names::new(&specs).references(&problem.scenario);
-        for reference in references {
-            let Some(place) = declaration(snapshot, &problem, &reference.target)? else {
-                continue;
-            };
-            let same = |it: &dotgen_analysis::ide::NavTarget| {
-                it.path == place.path && it.focus_range == place.range
-            };
-            if found.info.iter().any(same) {
-                out.push((problem.path.clone(), reference.range));
-            }
-        }
-    }
-    Ok(out)
+    Ok(Refusable(match snapshot.analysis.prepare_rename(&at)? {
+        Ok(_) => Ok(Some(PrepareRenameResponse::RangeWithPlaceholder {
+            range,
+            placeholder,
+        })),
+        Err(error) => Err(error.0),
+    }))
 }
 
-/// Edits that let scenarios follow a rename.
-pub(crate) fn renames(
+/// Another name for what a name of a scenario means.
+fn rename(
     snapshot: &Snapshot,
-    at: &FilePosition,
-    new_name: &str,
-) -> Cancellable<Vec<FileEdit>> {
-    let mentions = mentions(snapshot, at)?.into_iter();
-    let edits = mentions.map(|(path, range)| FileEdit {
-        path,
-        range,
-        new_text: new_name.to_owned(),
-    });
-    Ok(edits.collect())
+    subject: &Subject,
+    params: &RenameParams,
+) -> Cancellable<Refusable<WorkspaceEdit>> {
+    let found = declared_at(snapshot, subject, params.text_document_position.position)?;
+    match found.filter(|it| !is_scenario(&it.0.path)) {
+        Some((at, ..)) => rename::rename_at(snapshot, &at, &params.new_name),
+        None => Ok(Refusable::default()),
+    }
 }

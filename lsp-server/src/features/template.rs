@@ -6,13 +6,23 @@ use dotgen_analysis::host::Cancellable;
 use dotgen_codegen::template::check;
 use dotgen_codegen::template::files::{self, Role, SCRIPT};
 
+use super::language::Language;
 use crate::workspace::snapshot::{DocumentKind, Snapshot};
+
+/// Files of templates.
+pub(crate) struct Template;
+
+impl Language for Template {
+    fn diagnostics(&self, snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
+        diagnostics(snapshot, path)
+    }
+}
 
 /// More scripts than a template requires.
 const MAX_REQUIRED: usize = 32;
 
 /// What is wrong with an open file of a template.
-pub(crate) fn diagnostics(snapshot: &Snapshot, file: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
+fn diagnostics(snapshot: &Snapshot, file: &Utf8Path) -> Cancellable<Vec<Diagnostic>> {
     let Some(text) = snapshot.analysis.text(file)? else {
         return Ok(Vec::new());
     };

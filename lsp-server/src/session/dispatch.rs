@@ -13,6 +13,8 @@ use std::time::Instant;
 use dotgen_analysis::host::{Cancellable, CancellationToken, Cancelled};
 use tokio::sync::{Semaphore, oneshot};
 
+use crate::features::language::Language;
+use crate::features::language_of;
 use crate::panic;
 use crate::protocol::outbox::Outbox;
 use crate::protocol::types::{self, MessageType, Uri};
@@ -27,8 +29,6 @@ const ATTEMPTS: u32 = 4;
 pub(crate) struct Read {
     /// The document it is about; `None` for the workspace.
     pub(crate) subject: Option<Uri>,
-    /// It may be C or C++.
-    pub(crate) code: bool,
     /// It is about many files.
     pub(crate) bulk: bool,
     /// It is about all of the workspace: it waits until all files of that are known.
@@ -100,8 +100,6 @@ enum Outcome<R> {
 /// What a request is about, besides its document.
 #[derive(Debug, Clone, Copy, Default)]
 struct About {
-    /// The document may be C or C++.
-    code: bool,
     /// Many files.
     bulk: bool,
     /// All of the workspace.
@@ -152,7 +150,8 @@ impl Dispatcher {
         });
     }
 
-    /// A request about a specification. An unknown document has nothing to show.
+    /// A request beyond the protocol, or for diagnostics: about a document of our own languages. Any other has
+    /// nothing to show, nor has one that is unknown.
     pub(crate) async fn document<P, R>(
         &self,
         uri: Uri,
@@ -163,43 +162,34 @@ impl Dispatcher {
         P: Send + Sync + 'static,
         R: Default + Send + 'static,
     {
-        self.about(uri, false, params, handler).await
+        let work = move |snapshot: &Snapshot, subject: Option<&Subject>, params: &P| match subject {
+            Some(subject) if language_of(snapshot, &subject.path).is_own() => {
+                handler(snapshot, subject, params)
+            }
+            _ => Ok(R::default()),
+        };
+        self.run(Some(uri), About::default(), params, work).await
     }
 
-    /// A request about a specification or a source of codels.
-    pub(crate) async fn any_document<P, R>(
+    /// A request that the language of the document answers.
+    pub(crate) async fn language<P, R>(
         &self,
         uri: Uri,
         params: P,
-        handler: fn(&Snapshot, &Subject, &P) -> Cancellable<R>,
-    ) -> types::Result<R>
-    where
-        P: Send + Sync + 'static,
-        R: Default + Send + 'static,
-    {
-        self.about(uri, true, params, handler).await
-    }
-
-    async fn about<P, R>(
-        &self,
-        uri: Uri,
-        code: bool,
-        params: P,
-        handler: fn(&Snapshot, &Subject, &P) -> Cancellable<R>,
+        feature: fn(&dyn Language, &Snapshot, &Subject, &P) -> Cancellable<R>,
     ) -> types::Result<R>
     where
         P: Send + Sync + 'static,
         R: Default + Send + 'static,
     {
         let work = move |snapshot: &Snapshot, subject: Option<&Subject>, params: &P| match subject {
-            Some(subject) => handler(snapshot, subject, params),
+            Some(subject) => {
+                let language = language_of(snapshot, &subject.path);
+                feature(language, snapshot, subject, params)
+            }
             None => Ok(R::default()),
         };
-        let about = About {
-            code,
-            ..About::default()
-        };
-        self.run(Some(uri), about, params, work).await
+        self.run(Some(uri), About::default(), params, work).await
     }
 
     /// A request whose answer is wrong when a part of the workspace is not known yet: an edit of every place. It waits
@@ -283,7 +273,6 @@ impl Dispatcher {
             let params = params.clone();
             self.reads.send(Read {
                 subject: uri.clone(),
-                code: about.code,
                 bulk: about.bulk,
                 whole: about.whole,
                 expected,

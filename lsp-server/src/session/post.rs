@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use tokio::sync::mpsc::WeakUnboundedSender;
 
-/// A way to send messages of one kind to a queue of many. It does not keep the queue alive: what is sent after
-/// its end is lost.
+/// A way to send messages of one kind to a queue of many. It does not keep the queue alive: what is sent
+/// after its end is lost.
 pub(crate) struct Post<T>(Arc<dyn Fn(T) + Send + Sync>);
 
 impl<T> Clone for Post<T> {

@@ -13,8 +13,9 @@ use dotgen_analysis::host::{Cancellable, Cancelled};
 use rustc_hash::{FxHashMap, FxHashSet};
 use tokio::runtime::Handle;
 
-use crate::features::codels::{around, fingerprint, sources_with_findings};
+use crate::features::codels::{fingerprint, sources_with_findings};
 use crate::features::diagnostics::{self, file_diagnostics, inactive_ranges, least, survived};
+use crate::features::language_of;
 use crate::panic;
 use crate::protocol::client::ClientCaps;
 use crate::protocol::messages::{InactiveRegions, InactiveRegionsParams};
@@ -321,16 +322,16 @@ fn file(
     let Some(uri) = snapshot.uri(path) else {
         return Ok(None);
     };
-    let is_code = snapshot.is_code(path);
-    if is_code && around(snapshot, path)?.is_empty() {
+    let language = language_of(snapshot, path);
+    if !language.is_served(snapshot, path)? {
         return Ok(None);
     }
-    let is_template = snapshot.is_template(path);
-    let diagnostics = match push || is_code || is_template {
+    let own = language.is_own();
+    let diagnostics = match push || !own {
         true => Some(file_diagnostics(snapshot, path, least(snapshot, path))?),
         false => None,
     };
-    let regions = match regions && open.is_some() && !is_code && !is_template {
+    let regions = match regions && open.is_some() && own {
         true => Some(inactive_ranges(snapshot, path)?),
         false => None,
     };

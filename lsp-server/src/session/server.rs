@@ -10,7 +10,7 @@ use tokio::sync::watch;
 
 use crate::protocol::types::LspService;
 use crate::session::backend::Backend;
-use crate::session::transport;
+use crate::session::{requests, transport};
 
 /// Serves one client until it sends `exit` or closes its end. Whether it said `shutdown` before.
 pub(crate) async fn serve(input: impl AsyncRead + Unpin, output: impl AsyncWrite) -> bool {
@@ -22,33 +22,13 @@ pub(crate) async fn serve(input: impl AsyncRead + Unpin, output: impl AsyncWrite
         let (initialize, shut_down) = (initialize.clone(), shut_down.clone());
         let backend = |client| Backend::new(client, initialize, shut_down, closed);
         let builder = LspService::build(backend);
-        custom_methods(builder).finish()
+        let builder = requests::custom_methods(builder);
+        #[cfg(test)]
+        let builder = crate::tests::custom_methods(builder);
+        builder.finish()
     };
     transport::serve(input, output, service, socket, initialize).await;
     shut_down.load(Ordering::Acquire)
-}
-
-type Builder = tower_lsp::LspServiceBuilder<Backend>;
-
-/// Methods beyond the protocol; see `docs/protocol.md`.
-fn custom_methods(builder: Builder) -> Builder {
-    let builder = builder
-        .custom_method("dotgen/syntaxTree", Backend::syntax_tree)
-        .custom_method("dotgen/itemTree", Backend::item_tree)
-        .custom_method("dotgen/expandMacro", Backend::expand_macro)
-        .custom_method("dotgen/includingRoots", Backend::including_roots)
-        .custom_method("dotgen/release", Backend::release)
-        .custom_method("dotgen/diagram", Backend::diagram)
-        .custom_method("dotgen/verification", Backend::verification)
-        .custom_method("dotgen/sensitivity", Backend::sensitivity)
-        .custom_method("dotgen/codelHeaders", Backend::codel_headers)
-        .custom_method("dotgen/interfaces", Backend::interfaces)
-        .custom_method("dotgen/newComponent", Backend::new_component)
-        .custom_method("dotgen/model", Backend::model)
-        .custom_method("window/workDoneProgress/cancel", Backend::cancel_progress);
-    #[cfg(test)]
-    let builder = crate::tests::custom_methods(builder);
-    builder
 }
 
 /// Tells when the client has closed its end: nobody waits for news then.

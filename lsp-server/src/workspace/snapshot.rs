@@ -213,22 +213,25 @@ impl Snapshot {
         }))
     }
 
-    /// Whether a file is C or C++, not part of a specification.
-    pub fn is_code(&self, path: &Utf8Path) -> bool {
-        match self.open.get(path) {
-            Some(open) => open.kind == DocumentKind::Code,
+    /// What a document is.
+    pub fn kind_of(&self, path: &Utf8Path) -> DocumentKind {
+        let is_code = match self.open.get(path) {
+            Some(open) => return open.kind,
             None if codels::is_header(path) => {
                 let config = self.config.codels.as_ref();
                 config.is_some_and(|it| codels::home(it, path).is_some())
             }
             None => codels::is_code(path, None),
+        };
+        match is_code {
+            true => DocumentKind::Code,
+            false => DocumentKind::Specification,
         }
     }
 
-    /// Whether a file is an open document of a template.
-    pub fn is_template(&self, path: &Utf8Path) -> bool {
-        let open = self.open.get(path);
-        open.is_some_and(|it| it.kind.is_template())
+    /// Whether a file is C or C++, not part of a specification.
+    pub fn is_code(&self, path: &Utf8Path) -> bool {
+        self.kind_of(path) == DocumentKind::Code
     }
 
     /// The units of the system that a file belongs to: what lies in the same workspace folder and, in there, below the

@@ -298,6 +298,33 @@ pub enum CheckKind {
     Deadlock,
 }
 
+impl CheckKind {
+    /// The task that it is about, if it names one.
+    pub fn task(&self) -> Option<&Path> {
+        match self {
+            CheckKind::Schedulable(path)
+            | CheckKind::NoOverdue(path)
+            | CheckKind::Response(path, _) => path.as_ref(),
+            _ => None,
+        }
+    }
+
+    /// The predicates that it is about, as they are written.
+    pub fn predicates(&self) -> impl Iterator<Item = &Pred> {
+        let (one, other) = match self {
+            CheckKind::Within(p, q, _) | CheckKind::LeadsTo(p, q) => (Some(p), Some(q)),
+            CheckKind::Eventually(p) | CheckKind::Always(p) | CheckKind::Reachable(p) => {
+                (Some(p), None)
+            }
+            CheckKind::Schedulable(_)
+            | CheckKind::NoOverdue(_)
+            | CheckKind::Response(..)
+            | CheckKind::Deadlock => (None, None),
+        };
+        one.into_iter().chain(other)
+    }
+}
+
 /// A predicate.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Pred {

@@ -286,7 +286,9 @@ impl<'f> Finder<'f> {
                     self.unit(rest);
                 }
             }
-            "within" | "leadsto" | "eventually" | "always" | "reachable" => {
+            "deadlock" => {}
+            // All others are about predicates.
+            check if CHECKS.contains(&check) => {
                 let _ = self.unit(rest) || self.predicate(rest);
             }
             _ => {}

@@ -5,7 +5,7 @@ use std::ops::Range;
 use dotgen_analysis::model::{CodelKind, Component, ComponentKind, Owner, ServiceKind, Spec};
 
 use super::Diagnostic;
-use super::ast::{CheckKind, Item, Path, Pred, Scenario, Spanned, Step, StepKind};
+use super::ast::{Item, Path, Pred, Scenario, Spanned, Step, StepKind};
 
 /// The components that a scenario is about.
 #[derive(Debug, Clone)]
@@ -323,19 +323,12 @@ pub fn for_each_path<'s>(scenario: &'s Scenario, each: &mut impl FnMut(&'s Path)
                 to.iter().for_each(&mut *each);
             }
             Item::Client(client) => steps(&client.steps, each),
-            Item::Check(check) => match &check.kind {
-                CheckKind::Schedulable(path)
-                | CheckKind::NoOverdue(path)
-                | CheckKind::Response(path, _) => path.iter().for_each(&mut *each),
-                CheckKind::Within(p, q, _) | CheckKind::LeadsTo(p, q) => {
-                    pred(p, each);
-                    pred(q, each);
+            Item::Check(check) => {
+                check.kind.task().into_iter().for_each(&mut *each);
+                for it in check.kind.predicates() {
+                    pred(it, each);
                 }
-                CheckKind::Eventually(p) | CheckKind::Always(p) | CheckKind::Reachable(p) => {
-                    pred(p, each);
-                }
-                CheckKind::Deadlock => {}
-            },
+            }
             _ => {}
         }
     }

@@ -79,7 +79,8 @@ impl Group<'_> {
                     watch.deadlock = true;
                     0
                 }
-                What::LeadsTo(..) | What::Eventually(_) => 0,
+                // What must follow on every run is looked for after the search, not on its way.
+                _ => 0,
             };
             places.push((i, place));
         }

@@ -19,7 +19,7 @@ use serde_json::json;
 use crate::features::codels::{self, Texts};
 use crate::features::commands::SHOW_CODEL;
 use crate::features::convert::diagnostic;
-use crate::features::convert::edit::{Edited, Review, edit_of, with_edit};
+use crate::features::convert::edit::{Edited, Review, edit_of, is_wanted, with_edit};
 use crate::protocol::convert::Lines;
 use crate::protocol::refusable::Refusable;
 use crate::protocol::types::*;
@@ -37,6 +37,32 @@ const FIX_ALL: &str = "Fix all differences between specification and codels";
 struct Data {
     /// The document in which everything was to be mended.
     sync: Utf8PathBuf,
+}
+
+/// `textDocument/codeAction` in a source.
+pub(crate) fn handle(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &CodeActionParams,
+) -> Cancellable<Option<CodeActionResponse>> {
+    let lines = snapshot.lines(&subject.path)?;
+    let Some(range) = lines.and_then(|it| it.clamped(params.range)) else {
+        return Ok(None);
+    };
+    let mut out = Vec::new();
+    actions(
+        snapshot,
+        subject,
+        &range,
+        &|it| offered(params, it),
+        &mut out,
+    )?;
+    Ok(Some(out))
+}
+
+/// Whether actions of a kind are offered. What changes every file is not offered in passing.
+pub(crate) fn offered(params: &CodeActionParams, kind: &CodeActionKind) -> bool {
+    is_wanted(params, kind) && (*kind != SYNC || params.context.only.is_some())
 }
 
 /// The actions for a range of a specification or a source.

@@ -25,7 +25,11 @@ const EARLIER: &str = " · as of the last text without syntax errors";
 const MAX_REMOTE: usize = 3;
 
 /// A line above a function, and the place of the function's name.
-pub(crate) fn handle(snapshot: &Snapshot, subject: &Subject) -> Cancellable<Option<Vec<CodeLens>>> {
+pub(crate) fn handle(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    _: &CodeLensParams,
+) -> Cancellable<Option<Vec<CodeLens>>> {
     if !snapshot.config.code_lens.codels {
         return Ok(Some(Vec::new()));
     }

@@ -11,7 +11,8 @@ use dotgen_codegen::codels::folder::Folder;
 use dotgen_codegen::codels::links;
 
 use crate::features::codels::{self, Texts};
-use crate::workspace::snapshot::Snapshot;
+use crate::protocol::types::{Location, ReferenceParams};
+use crate::workspace::snapshot::{Snapshot, Subject};
 
 /// Calls `visit` with the folder, the component (index into what the folder expects) and the name of
 /// each codel that is written at an offset of a specification.
@@ -82,6 +83,23 @@ pub(crate) fn references(
         }
     }
     Ok(out)
+}
+
+/// `textDocument/references` in a source: where specifications name a function.
+pub(crate) fn mentions(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &ReferenceParams,
+) -> Cancellable<Option<Vec<Location>>> {
+    let position = params.text_document_position.position;
+    let Some(at) = snapshot.cursor(subject, position)? else {
+        return Ok(None);
+    };
+    let mut locations = Vec::new();
+    for it in references(snapshot, &at.path, at.offset)? {
+        locations.extend(snapshot.location(&it.path, &it.range)?);
+    }
+    Ok(Some(locations).filter(|it| !it.is_empty()))
 }
 
 /// Where the specification names the identifier at an offset of a source.

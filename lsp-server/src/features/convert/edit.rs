@@ -206,3 +206,9 @@ pub(crate) fn with_edit(
         }),
     }
 }
+
+/// Whether a client wants actions of a kind.
+pub(crate) fn is_wanted(params: &CodeActionParams, kind: &CodeActionKind) -> bool {
+    let only = params.context.only.as_deref();
+    only.is_none_or(|only| only.iter().any(|it| kind.as_str().starts_with(it.as_str())))
+}

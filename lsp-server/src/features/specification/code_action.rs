@@ -6,7 +6,9 @@ use dotgen_analysis::ide::AssistKind;
 
 use crate::features::codels::{actions, standins};
 use crate::features::convert::diagnostic;
-use crate::features::convert::edit::{Review, edit_of, gathered, with_edit, workspace_edit};
+use crate::features::convert::edit::{
+    Review, edit_of, gathered, is_wanted, with_edit, workspace_edit,
+};
 use crate::features::specification::include_paths;
 use crate::protocol::types::*;
 use crate::views::fixes::together;
@@ -32,14 +34,7 @@ pub(crate) fn handle(
         return Ok(None);
     };
     let mut actions = Vec::new();
-    // What changes every file is not offered in passing.
-    let codels = |kind: &CodeActionKind| {
-        wanted(kind) && (*kind != actions::SYNC || params.context.only.is_some())
-    };
-    if snapshot.is_code(&subject.path) {
-        actions::actions(snapshot, subject, &range, &codels, &mut actions)?;
-        return Ok(Some(actions));
-    }
+    let codels = |kind: &CodeActionKind| actions::offered(params, kind);
     let mut all = snapshot.analysis.diagnostics(&subject.path)?;
     all.extend(crate::features::codels::unused_in(snapshot, &subject.path)?);
     // Only on request: it changes the whole file.
@@ -108,12 +103,6 @@ pub(crate) fn handle(
     refactorings(snapshot, subject, &range, params, &mut actions)?;
     generate(snapshot, subject, &range, params, &mut actions)?;
     Ok(Some(actions))
-}
-
-/// Whether a client wants actions of a kind.
-fn is_wanted(params: &CodeActionParams, kind: &CodeActionKind) -> bool {
-    let only = params.context.only.as_deref();
-    only.is_none_or(|only| only.iter().any(|it| kind.as_str().starts_with(it.as_str())))
 }
 
 /// Whether two ranges have a place in common; the ends count.

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use crate::features::commands::{SHOW_DIAGRAM, SHOW_REFERENCES};
-use crate::features::{scenario, verification};
+use crate::features::verification;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
@@ -25,19 +25,10 @@ pub(crate) fn handle(
     subject: &Subject,
     _: &CodeLensParams,
 ) -> Cancellable<Option<Vec<CodeLens>>> {
-    if snapshot.is_code(&subject.path) {
-        return crate::features::codels::lenses::handle(snapshot, subject);
-    }
     let Some(lines) = snapshot.lines(&subject.path)? else {
         return Ok(None);
     };
     let config = &snapshot.config.code_lens;
-    if scenario::is(&subject.path) {
-        return match config.verdicts {
-            true => verification::scenario_lenses(snapshot, subject),
-            false => Ok(Some(Vec::new())),
-        };
-    }
     let verdicts = match config.verdicts {
         true => verification::lenses(snapshot, subject)?,
         false => Vec::new(),

@@ -19,18 +19,25 @@ struct Data {
     name: String,
 }
 
+/// Whether proposals are wanted where a character was typed.
+pub(crate) fn is_wanted(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &CompletionParams,
+) -> Cancellable<bool> {
+    let position = params.text_document_position.position;
+    let lines = snapshot.lines(&subject.path)?;
+    Ok(lines.is_none_or(|it| typed::wanted(params.context.as_ref(), &it, position)))
+}
+
 pub(crate) fn handle(
     snapshot: &Snapshot,
     subject: &Subject,
     params: &CompletionParams,
 ) -> Cancellable<Option<CompletionResponse>> {
     let position = params.text_document_position.position;
-    let lines = snapshot.lines(&subject.path)?;
-    if lines.is_some_and(|it| !typed::wanted(params.context.as_ref(), &it, position)) {
+    if !is_wanted(snapshot, subject, params)? {
         return Ok(None);
-    }
-    if crate::features::scenario::is(&subject.path) {
-        return crate::features::scenario::completion(snapshot, subject, position);
     }
     let (Some(at), Some(lines)) = (
         snapshot.cursor(subject, position)?,

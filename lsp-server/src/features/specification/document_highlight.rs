@@ -12,9 +12,6 @@ pub(crate) fn handle(
     params: &DocumentHighlightParams,
 ) -> Cancellable<Option<Vec<DocumentHighlight>>> {
     let position = params.text_document_position_params.position;
-    if crate::features::scenario::is(&subject.path) {
-        return crate::features::scenario::highlights(snapshot, subject, position);
-    }
     let (Some(at), Some(lines)) = (
         snapshot.cursor(subject, position)?,
         snapshot.lines(&subject.path)?,

@@ -11,9 +11,6 @@ pub(crate) fn handle(
     subject: &Subject,
     _: &DocumentSymbolParams,
 ) -> Cancellable<Option<DocumentSymbolResponse>> {
-    if crate::features::scenario::is(&subject.path) {
-        return crate::features::scenario::symbols(snapshot, subject);
-    }
     let Some(lines) = snapshot.lines(&subject.path)? else {
         return Ok(None);
     };

@@ -11,9 +11,6 @@ pub(crate) fn handle(
     subject: &Subject,
     _: &FoldingRangeParams,
 ) -> Cancellable<Option<Vec<FoldingRange>>> {
-    if crate::features::scenario::is(&subject.path) {
-        return crate::features::scenario::folds(snapshot, subject);
-    }
     let Some(lines) = snapshot.lines(&subject.path)? else {
         return Ok(None);
     };

@@ -4,7 +4,6 @@ use dotgen_analysis::host::Cancellable;
 
 use crate::config::style;
 use crate::features::convert::edit::text_edits;
-use crate::features::scenario;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
@@ -13,9 +12,6 @@ pub(crate) fn document(
     subject: &Subject,
     params: &DocumentFormattingParams,
 ) -> Cancellable<Option<Vec<TextEdit>>> {
-    if scenario::is(&subject.path) {
-        return scenario::format(snapshot, subject);
-    }
     let style = style::options(
         &snapshot.config.format,
         &subject.path,

@@ -4,7 +4,6 @@ use dotgen_analysis::host::{Analysis, Cancellable};
 use dotgen_analysis::ide::{FilePosition, NavTarget, RangeInfo};
 
 use crate::features::codels::navigation;
-use crate::features::scenario;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
@@ -15,11 +14,6 @@ pub(crate) fn definition(
     subject: &Subject,
     params: &GotoDefinitionParams,
 ) -> Cancellable<Option<GotoDefinitionResponse>> {
-    if scenario::is(&subject.path) {
-        let position = params.text_document_position_params.position;
-        let found = scenario::definition(snapshot, subject, position)?;
-        return Ok(found.map(GotoDefinitionResponse::Array));
-    }
     goto(snapshot, subject, params, Analysis::goto_definition)
 }
 

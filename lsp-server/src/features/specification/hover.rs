@@ -15,9 +15,6 @@ pub(crate) fn handle(
     params: &HoverParams,
 ) -> Cancellable<Option<Hover>> {
     let position = params.text_document_position_params.position;
-    if crate::features::scenario::is(&subject.path) {
-        return crate::features::scenario::hover(snapshot, subject, position);
-    }
     let Some(at) = snapshot.cursor(subject, position)? else {
         return Ok(None);
     };

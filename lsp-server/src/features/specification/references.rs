@@ -1,9 +1,10 @@
 //! `textDocument/references`
 
 use dotgen_analysis::host::Cancellable;
+use dotgen_analysis::ide::FilePosition;
 
 use crate::features::codels::navigation;
-use crate::features::scenario;
+use crate::features::mentions;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
@@ -13,18 +14,20 @@ pub(crate) fn handle(
     params: &ReferenceParams,
 ) -> Cancellable<Option<Vec<Location>>> {
     let position = params.text_document_position.position;
-    let at = match scenario::is(&subject.path) {
-        true => scenario::declared_at(snapshot, subject, position)?.map(|it| it.0),
-        false => snapshot.cursor(subject, position)?,
-    };
-    let Some(at) = at else {
-        return Ok(None);
-    };
-    let declaration = params.context.include_declaration;
-    let references = match snapshot.is_code(&at.path) {
-        true => None,
-        false => snapshot.analysis.references(&at, declaration)?,
-    };
+    match snapshot.cursor(subject, position)? {
+        Some(at) => of(snapshot, &at, params.context.include_declaration),
+        None => Ok(None),
+    }
+}
+
+/// The mentions of what is declared or mentioned at a place of a specification: in specifications, scenarios
+/// and sources.
+pub(crate) fn of(
+    snapshot: &Snapshot,
+    at: &FilePosition,
+    declaration: bool,
+) -> Cancellable<Option<Vec<Location>>> {
+    let references = snapshot.analysis.references(at, declaration)?;
     let elsewhere = navigation::references(snapshot, &at.path, at.offset)?;
     if references.is_none() && elsewhere.is_empty() {
         return Ok(None);
@@ -33,7 +36,7 @@ pub(crate) fn handle(
     for it in references.unwrap_or_default() {
         locations.extend(snapshot.location(&it.place.path, &it.place.range)?);
     }
-    for (path, range) in scenario::mentions(snapshot, &at)? {
+    for (path, range) in mentions::mentions(snapshot, at)? {
         locations.extend(snapshot.location(&path, &range)?);
     }
     for it in elsewhere {

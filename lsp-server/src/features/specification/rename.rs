@@ -2,10 +2,11 @@
 
 use camino::Utf8PathBuf;
 use dotgen_analysis::host::Cancellable;
+use dotgen_analysis::ide::FilePosition;
 
 use crate::features::codels::navigation;
 use crate::features::convert::edit::{Review, edit_of, gathered, workspace_edit};
-use crate::features::scenario;
+use crate::features::mentions;
 use crate::protocol::convert::uri;
 use crate::protocol::refusable::Refusable;
 use crate::protocol::types::*;
@@ -16,19 +17,6 @@ pub(crate) fn prepare(
     subject: &Subject,
     params: &TextDocumentPositionParams,
 ) -> Cancellable<Refusable<PrepareRenameResponse>> {
-    if scenario::is(&subject.path) {
-        let found = scenario::declared_at(snapshot, subject, params.position)?;
-        let Some((at, range, placeholder)) = found.filter(|it| !scenario::is(&it.0.path)) else {
-            return Ok(Refusable::default());
-        };
-        return Ok(Refusable(match snapshot.analysis.prepare_rename(&at)? {
-            Ok(_) => Ok(Some(PrepareRenameResponse::RangeWithPlaceholder {
-                range,
-                placeholder,
-            })),
-            Err(error) => Err(error.0),
-        }));
-    }
     let Some(at) = snapshot.cursor(subject, params.position)? else {
         return Ok(Refusable::default());
     };
@@ -51,18 +39,23 @@ pub(crate) fn rename(
     params: &RenameParams,
 ) -> Cancellable<Refusable<WorkspaceEdit>> {
     let position = params.text_document_position.position;
-    let at = match scenario::is(&subject.path) {
-        true => scenario::declared_at(snapshot, subject, position)?.map(|it| it.0),
-        false => snapshot.cursor(subject, position)?,
-    };
-    let Some(at) = at.filter(|it| !scenario::is(&it.path)) else {
-        return Ok(Refusable::default());
-    };
-    let mut edits = match snapshot.analysis.rename(&at, &params.new_name)? {
+    match snapshot.cursor(subject, position)? {
+        Some(at) => rename_at(snapshot, &at, &params.new_name),
+        None => Ok(Refusable::default()),
+    }
+}
+
+/// Another name for what is declared or mentioned at a place of a specification.
+pub(crate) fn rename_at(
+    snapshot: &Snapshot,
+    at: &FilePosition,
+    new_name: &str,
+) -> Cancellable<Refusable<WorkspaceEdit>> {
+    let mut edits = match snapshot.analysis.rename(at, new_name)? {
         Ok(edits) => edits,
         Err(error) => return Ok(Refusable(Err(error.0))),
     };
-    edits.extend(scenario::renames(snapshot, &at, &params.new_name)?);
+    edits.extend(mentions::renames(snapshot, at, new_name)?);
     // Headers of installed packages belong to others.
     let foreign = edits.iter().find(|it| {
         !snapshot.folders.is_empty()
@@ -75,7 +68,7 @@ pub(crate) fn rename(
             foreign.path
         ))));
     }
-    let sources = match navigation::rename(snapshot, &at.path, at.offset, &params.new_name)? {
+    let sources = match navigation::rename(snapshot, &at.path, at.offset, new_name)? {
         Ok(sources) => sources,
         Err(why) => return Ok(Refusable(Err(why))),
     };
@@ -85,7 +78,7 @@ pub(crate) fn rename(
             all.replace(&path, it.range, it.text);
         }
     }
-    let label = format!("Rename to {}", params.new_name);
+    let label = format!("Rename to {new_name}");
     let edit = edit_of(snapshot, Review::SeveralFiles(&label), &all)?;
     Ok(Refusable(edit.map(Some)))
 }

@@ -13,7 +13,7 @@ use serde_json::Value;
 use super::problems::about;
 use super::{TaskAt, argument, tasks};
 use crate::features::commands::SHOW_VERIFICATION;
-use crate::protocol::types::{CodeLens, Command};
+use crate::protocol::types::{CodeLens, CodeLensParams, Command};
 use crate::verification::results::{Answer, Entry, Status};
 use crate::verification::summary::Scale;
 use crate::verification::view::{CheckView, Outcome};
@@ -93,7 +93,11 @@ pub(crate) fn hover(
 pub(crate) fn scenario_lenses(
     snapshot: &Snapshot,
     subject: &Subject,
+    _: &CodeLensParams,
 ) -> Cancellable<Option<Vec<CodeLens>>> {
+    if !snapshot.config.code_lens.verdicts {
+        return Ok(Some(Vec::new()));
+    }
     let (Some(lines), Some(entry)) = (
         snapshot.lines(&subject.path)?,
         snapshot.verification.get(&subject.path),

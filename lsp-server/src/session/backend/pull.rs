@@ -19,7 +19,7 @@ const BATCH: usize = 32;
 impl Backend {
     /// Answers `workspace/diagnostic`. A client that wants parts gets them as they come, and once more what a change
     /// has overtaken; any other gets everything in the end.
-    pub(super) async fn diagnose(
+    pub(in crate::session) async fn diagnose(
         &self,
         params: WorkspaceDiagnosticParams,
     ) -> Result<WorkspaceDiagnosticReport> {

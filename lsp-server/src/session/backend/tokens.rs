@@ -9,7 +9,7 @@ use crate::protocol::types::*;
 
 /// The last tokens sent for each document, for deltas.
 #[derive(Default)]
-pub(super) struct TokenResults {
+pub(in crate::session) struct TokenResults {
     next: AtomicU64,
     last: Mutex<VecDeque<(Uri, SemanticTokens)>>,
 }
@@ -18,7 +18,11 @@ impl TokenResults {
     /// Documents remembered; the others are sent whole.
     const CAPACITY: usize = 64;
 
-    pub(super) fn remember(&self, uri: Uri, data: Vec<SemanticToken>) -> SemanticTokens {
+    pub(in crate::session) fn remember(
+        &self,
+        uri: Uri,
+        data: Vec<SemanticToken>,
+    ) -> SemanticTokens {
         let id = self.next.fetch_add(1, Ordering::Relaxed);
         let tokens = SemanticTokens {
             result_id: Some(id.to_string()),
@@ -34,7 +38,7 @@ impl TokenResults {
     }
 
     /// What has changed since `known`; all of it if nothing is known.
-    pub(super) fn remember_changes(
+    pub(in crate::session) fn remember_changes(
         &self,
         uri: Uri,
         known: Option<Vec<SemanticToken>>,
@@ -52,13 +56,17 @@ impl TokenResults {
         }
     }
 
-    pub(super) fn recall(&self, uri: &Uri, result_id: &str) -> Option<Vec<SemanticToken>> {
+    pub(in crate::session) fn recall(
+        &self,
+        uri: &Uri,
+        result_id: &str,
+    ) -> Option<Vec<SemanticToken>> {
         let last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         let (_, tokens) = last.iter().find(|it| it.0 == *uri)?;
         (tokens.result_id.as_deref() == Some(result_id)).then(|| tokens.data.clone())
     }
 
-    pub(super) fn forget(&self, uri: &Uri) {
+    pub(in crate::session) fn forget(&self, uri: &Uri) {
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         last.retain(|it| it.0 != *uri);
     }

@@ -8,7 +8,7 @@ use crate::protocol::convert::uri;
 use crate::session::dispatch::{Admission, Read};
 use crate::session::post::Post;
 use crate::session::publish::Run;
-use crate::workspace::snapshot::{DocumentKind, Snapshot, Subject};
+use crate::workspace::snapshot::{Snapshot, Subject};
 
 impl State {
     pub(super) fn snapshot(&self) -> Snapshot {
@@ -54,10 +54,7 @@ impl State {
                 Some(_) => self.documents.is_lost(&subject.path),
                 None => !subject.path.is_file(),
             };
-            // What is said of C and C++ is said by few; of templates, by none.
-            let kind = self.kind_of(&subject.path);
-            let unserved = kind.is_template() || !read.code && kind == DocumentKind::Code;
-            if unknown || unserved {
+            if unknown {
                 return (read.work)(Admission::UnknownDocument);
             }
             if read.expected.is_some_and(|it| it != subject.version) {

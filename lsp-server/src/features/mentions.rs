@@ -1,0 +1,161 @@
+//! Names of specifications in scenarios: where they are declared, and where scenarios mention them.
+
+use std::ops::Range;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::diagnostic::FileEdit;
+use dotgen_analysis::host::{Cancellable, FileContent};
+use dotgen_analysis::ide::FilePosition;
+use dotgen_analysis::source_map::Locations;
+use dotgen_timing::scn::names::{Names, Target};
+use dotgen_timing::scn::outline::{self, EntryKind};
+
+use crate::features::verification::problems;
+use crate::files::vfs;
+use crate::verification::Problem;
+use crate::verification::problem::EXTENSION;
+use crate::workspace::snapshot::Snapshot;
+
+/// Whether a document is a scenario.
+pub(crate) fn is_scenario(path: &Utf8Path) -> bool {
+    path.extension() == Some(EXTENSION)
+}
+
+/// Where a target is declared.
+pub(crate) fn declaration(
+    snapshot: &Snapshot,
+    problem: &Problem,
+    target: &Target,
+) -> Cancellable<Option<FilePlace>> {
+    let specs = problem.specs();
+    let names = Names::new(&specs);
+    let own = |range: Range<usize>| {
+        Some(FilePlace {
+            path: problem.path.clone(),
+            range,
+        })
+    };
+    let declared = match target {
+        Target::Client(name) => {
+            let entries = outline::outline(&problem.text, &problem.scenario);
+            let mut children = entries.into_iter().flat_map(|it| it.children);
+            return Ok(children
+                .find(|it| it.kind == EntryKind::Client && it.name == *name)
+                .and_then(|it| own(it.selection)));
+        }
+        Target::Step(client, label) => {
+            let entries = outline::outline(&problem.text, &problem.scenario);
+            let children = entries.into_iter().flat_map(|it| it.children);
+            let mut steps = children
+                .filter(|it| it.kind == EntryKind::Client && it.name == *client)
+                .flat_map(|it| it.children);
+            return Ok(steps
+                .find(|it| it.name == *label)
+                .and_then(|it| own(it.selection)));
+        }
+        _ => names.declaration(target),
+    };
+    let Some((spec, src)) = declared else {
+        return Ok(None);
+    };
+    let place = problem.units[spec].locations.locate(src);
+    let Some(place) = place else {
+        return Ok(None);
+    };
+    // Analysis says where the name stands.
+    let at = FilePosition {
+        path: place.path.clone(),
+        offset: place.range.start,
+    };
+    let found = snapshot.analysis.goto_definition(&at)?;
+    let name = found.and_then(|it| it.info.into_iter().next());
+    Ok(Some(match name {
+        Some(it) if !matches!(target, Target::State(..) | Target::Codel(..)) => FilePlace {
+            path: it.path,
+            range: it.focus_range,
+        },
+        _ => FilePlace {
+            path: place.path,
+            range: place.range,
+        },
+    }))
+}
+
+/// A range of a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct FilePlace {
+    pub(crate) path: Utf8PathBuf,
+    pub(crate) range: Range<usize>,
+}
+
+/// The scenarios of the workspace and open documents that use a file, as they stand.
+fn scenarios_using(snapshot: &Snapshot, file: &Utf8Path) -> Cancellable<Vec<Problem>> {
+    let open = snapshot.open.keys().filter(|it| is_scenario(it));
+    let mut paths: Vec<&Utf8PathBuf> = snapshot.scenarios.iter().chain(open).collect();
+    paths.sort();
+    paths.dedup();
+    let mut out = Vec::new();
+    for path in paths {
+        let text = match snapshot.analysis.text(path)? {
+            Some(text) => text.to_string(),
+            None => match vfs::read(path) {
+                FileContent::Text(text) => text,
+                _ => continue,
+            },
+        };
+        let problem = problems::scenario(snapshot, path, text)?;
+        if problem.reads(file) {
+            out.push(problem);
+        }
+    }
+    Ok(out)
+}
+
+/// Where scenarios mention what is declared at a place of a specification.
+pub(crate) fn mentions(
+    snapshot: &Snapshot,
+    at: &FilePosition,
+) -> Cancellable<Vec<(Utf8PathBuf, Range<usize>)>> {
+    let mut out = Vec::new();
+    if is_scenario(&at.path) {
+        return Ok(out);
+    }
+    let scenarios = scenarios_using(snapshot, &at.path)?;
+    if scenarios.is_empty() {
+        return Ok(out);
+    }
+    let Some(found) = snapshot.analysis.goto_definition(at)? else {
+        return Ok(out);
+    };
+    for problem in scenarios {
+        let specs = problem.specs();
+        let references = Names::new(&specs).references(&problem.scenario);
+        for reference in references {
+            let Some(place) = declaration(snapshot, &problem, &reference.target)? else {
+                continue;
+            };
+            let same = |it: &dotgen_analysis::ide::NavTarget| {
+                it.path == place.path && it.focus_range == place.range
+            };
+            if found.info.iter().any(same) {
+                out.push((problem.path.clone(), reference.range));
+            }
+        }
+    }
+    Ok(out)
+}
+
+/// Edits that let scenarios follow a rename.
+pub(crate) fn renames(
+    snapshot: &Snapshot,
+    at: &FilePosition,
+    new_name: &str,
+) -> Cancellable<Vec<FileEdit>> {
+    let mentions = mentions(snapshot, at)?.into_iter();
+    let edits = mentions.map(|(path, range)| FileEdit {
+        path,
+        range,
+        new_text: new_name.to_owned(),
+    });
+    Ok(edits.collect())
+}
