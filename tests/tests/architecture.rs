@@ -177,6 +177,7 @@ const CIRCLES: &[(&str, &str, &[&str])] = &[
     ("codegen", "", &["builtin", "command"]),
     ("codegen", "codels", &["allow", "command", "folder"]),
     ("codegen", "template", &["api", "closure"]),
+    ("codegen", "template", &["output", "reach"]),
     ("timing", "", &["remark", "scn"]),
     (
         "timing",
@@ -216,14 +217,13 @@ fn modules_import_in_one_direction_only() {
 #[test]
 fn a_circle_of_imports_is_seen() {
     let circles = |texts: &[(&str, &str)]| {
-        let module = |it: &str| {
-            it.split("::")
-                .filter(|it| !it.is_empty())
-                .map(str::to_owned)
+        let module = |it: &str| -> Vec<String> {
+            let names = it.split("::").filter(|it| !it.is_empty());
+            names.map(str::to_owned).collect()
         };
         let texts: BTreeMap<Vec<String>, String> = texts
             .iter()
-            .map(|(path, text)| (module(path).collect(), (*text).to_owned()))
+            .map(|(path, text)| (module(path), (*text).to_owned()))
             .collect();
         let all = Imports::read(&texts).circles();
         let all = all
@@ -262,7 +262,8 @@ fn a_circle_of_imports_is_seen() {
         ("a::c", "use super::Y;\nuse crate::b::X;"),
         (
             "b",
-            "// use crate::a::X;\nconst X: &str = \"crate::a::X\";\n#[cfg(test)]\nmod tests {\n use crate::a::X;\n}",
+            "// use crate::a::X;\nconst X: &str = \"crate::a::X\";\n\
+             #[cfg(test)]\nmod tests {\n use crate::a::X;\n}",
         ),
     ];
     assert!(circles(&none).is_empty());

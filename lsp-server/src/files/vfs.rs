@@ -164,7 +164,7 @@ pub fn read(path: &Utf8Path) -> FileContent {
         }
         Ok(_) => {}
         Err(error) if missing(&error) => return FileContent::Missing,
-        Err(error) => return FileContent::Unreadable(reason(&error)),
+        Err(error) => return FileContent::Unreadable(super::reason(&error)),
     }
     match std::fs::read(path) {
         Ok(bytes) => {
@@ -176,7 +176,7 @@ pub fn read(path: &Utf8Path) -> FileContent {
             }
         }
         Err(error) if missing(&error) => FileContent::Missing,
-        Err(error) => FileContent::Unreadable(reason(&error)),
+        Err(error) => FileContent::Unreadable(super::reason(&error)),
     }
 }
 
@@ -185,15 +185,6 @@ fn missing(error: &std::io::Error) -> bool {
         error.kind(),
         ErrorKind::NotFound | ErrorKind::NotADirectory | ErrorKind::InvalidFilename
     )
-}
-
-/// "permission denied", without the number of the operating system.
-pub fn reason(error: &std::io::Error) -> String {
-    let text = error.to_string();
-    match text.split_once(" (os error") {
-        Some((text, _)) => text.to_lowercase(),
-        None => text,
-    }
 }
 
 /// The `.gen` files of a directory, not of those below it, sorted.

@@ -95,7 +95,8 @@ impl Imports {
         Some(at)
     }
 
-    /// The module in which something is declared: what a module only passes on is looked for where it comes from.
+    /// The module in which something is declared: what a module only passes on is looked for where it comes
+    /// from.
     fn home(&self, path: &[String]) -> Module {
         let mut path = path.to_vec();
         // A name that is passed on in a circle has no home.
@@ -116,8 +117,8 @@ impl Imports {
         Module::new()
     }
 
-    /// The circles: modules of one folder that import each other, they or what is below them. An import between a module
-    /// and what is below it is none.
+    /// The circles: modules of one folder that import each other, they or what is below them. An import
+    /// between a module and what is below it is none.
     pub(crate) fn circles(&self) -> Vec<(String, BTreeSet<String>)> {
         type Graph = BTreeMap<String, BTreeSet<String>>;
         let mut folders: BTreeMap<Module, Graph> = BTreeMap::new();

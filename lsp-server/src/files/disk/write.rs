@@ -426,7 +426,7 @@ fn clean(directory: &Path) {
 
 /// An error with what it means here.
 fn explained(error: &io::Error, what: &str, path: &Path) -> io::Error {
-    let reason = crate::files::vfs::reason(error);
+    let reason = crate::files::reason(error);
     io::Error::new(
         error.kind(),
         format!("{what} `{}`: {reason}", path.display()),
