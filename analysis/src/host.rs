@@ -18,7 +18,7 @@ use crate::{
     base::{Db, FileStatus, RootDatabase, SourceFile, line_index, normalize},
     codes,
     deps::{self, Dependencies, standin::StandIn},
-    diagnostic::{Diagnostic, Severity},
+    diagnostic::{Diagnostic, FileEdit, Severity},
     ide::{self, *},
     lint::LintConfig,
     model::Spec,
@@ -507,6 +507,11 @@ impl Analysis {
         self.with(|db| unit_result(db, unit::unit_of_root(db, db.file(path))))
     }
 
+    /// [`Analysis::root_unit`] as it would be with some edits, which do not overlap.
+    pub fn edited_root_unit(&self, path: &Utf8Path, edits: &[FileEdit]) -> Cancellable<UnitResult> {
+        self.with(|db| ide::speculate::edited_unit(db, db.file(path), edits))
+    }
+
     /// The diagnostics of [`Analysis::root_unit`] alone.
     pub fn root_diagnostics(&self, path: &Utf8Path) -> Cancellable<Arc<Vec<Diagnostic>>> {
         self.with(|db| report::unit_report(db, unit::unit_of_root(db, db.file(path))).clone())
@@ -566,7 +571,7 @@ impl Analysis {
     }
 }
 
-fn unit_result<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> UnitResult {
+pub(crate) fn unit_result<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> UnitResult {
     let diagnostics = report::unit_report(db, unit).clone();
     let rejected = diagnostics.iter().any(|it| it.severity == Severity::Error);
     let words = unit::files(db, unit).into_iter().filter(|_| rejected);

@@ -18,6 +18,7 @@ pub mod files;
 pub mod folder;
 pub mod headers;
 pub mod links;
+pub mod rename;
 pub mod repair;
 pub mod source;
 pub mod stub;

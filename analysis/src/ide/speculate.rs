@@ -16,7 +16,7 @@ use crate::{
     base::{Db, RootDatabase, SourceFile},
     diagnostic::{Diagnostic, FileEdit, Severity},
     elab::Elaborated,
-    host::{FileContent, Loader, PackageFlags},
+    host::{FileContent, Loader, PackageFlags, UnitResult, unit_result},
     parallel,
     queries::elaborated,
     report::unit_report,
@@ -101,6 +101,23 @@ pub(crate) fn compare<R: Send>(
         found
     });
     found.into_iter().flatten().collect()
+}
+
+/// The unit of a root as it would be with some edits.
+pub(crate) fn edited_unit(db: &dyn Db, root: SourceFile, edits: &[FileEdit]) -> UnitResult {
+    let mut texts: FxHashMap<Utf8PathBuf, String> = FxHashMap::default();
+    for file in files(db, unit_of_root(db, root)) {
+        let path = file.path(db);
+        let here = edits.iter().filter(|it| it.path == *path);
+        texts.insert(path.clone(), apply(file.text(db), here));
+    }
+    let overlay = Overlay {
+        texts,
+        below: db.loader().clone(),
+    };
+    let other = RootDatabase::like(db, Arc::new(overlay));
+    let there = unit_of_root(&other, other.file(root.path(db)));
+    unit_result(&other, there)
 }
 
 /// Errors of which there are more afterwards.

@@ -6,9 +6,10 @@
 //! [`Function::known`], [`Value::Unknown`], [`SourceIndex::loose`]).
 
 mod body;
-mod comment;
+pub(crate) mod comment;
 mod ctype;
 mod declare;
+pub(crate) mod types;
 
 use std::ops::Range;
 
@@ -265,7 +266,7 @@ pub fn mentions(text: &str, grammar: Grammar, name: &str) -> Vec<Span> {
     out
 }
 
-fn parse(text: &str, grammar: Grammar) -> Option<tree_sitter::Tree> {
+pub(crate) fn parse(text: &str, grammar: Grammar) -> Option<tree_sitter::Tree> {
     if text.len() > MAX_LEN {
         return None;
     }
@@ -279,7 +280,10 @@ fn parse(text: &str, grammar: Grammar) -> Option<tree_sitter::Tree> {
 }
 
 /// Visits a tree in text order without recursion; `enter` says whether to go inside.
-fn preorder<'t>(root: tree_sitter::Node<'t>, mut enter: impl FnMut(tree_sitter::Node<'t>) -> bool) {
+pub(crate) fn preorder<'t>(
+    root: tree_sitter::Node<'t>,
+    mut enter: impl FnMut(tree_sitter::Node<'t>) -> bool,
+) {
     let mut cursor = root.walk();
     loop {
         if enter(cursor.node()) && cursor.goto_first_child() {

@@ -5,4 +5,6 @@ mod clone;
 mod detect;
 mod example;
 mod golden;
+mod project;
+mod rename;
 mod support;

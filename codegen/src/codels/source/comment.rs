@@ -67,13 +67,13 @@ pub(super) fn comments_above(function: Node<'_>, text: &str) -> Vec<Comment> {
         node = above;
     }
     for comment in &mut out {
-        comment.generated = read(text, &comment.span);
+        comment.generated = generated(text, &comment.span);
     }
     out
 }
 
-/// Reads the sentences of a comment.
-fn read(text: &str, span: &Span) -> Option<Generated> {
+/// Reads the sentences of a comment of the skeleton; `None` for any other comment.
+pub(crate) fn generated(text: &str, span: &Span) -> Option<Generated> {
     let mut words = words(text, span).into_iter().peekable();
     let mut out = Generated::default();
     // `Codel NAME of KIND NAME.`, the first words of the comment.

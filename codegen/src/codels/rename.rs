@@ -1,0 +1,678 @@
+//! A new name in the specification, carried into the C and C++ sources and the files of the build.
+//!
+//! What gets another name there is read from the whole mapping before and after (`names`), so that whatever the
+//! mapping makes of a name is followed: events, exceptions with their details, types, enumerators, prototypes,
+//! ports. Names of the mapping are renamed token by token in the parsed sources, members only where the type of
+//! what they are reached from is known ([`super::source::types`]). What cannot be told apart stays, and is listed.
+
+mod names;
+
+use std::fmt;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::host::UnitResult;
+use smol_str::SmolStr;
+use tree_sitter::Node;
+
+use self::names::{Names, words};
+use super::{
+    edit::Edit,
+    expected::Expected,
+    files::{Files, IndexedFile},
+    folder::Folder,
+    source::{
+        Generated, Span, comment, parse, preorder,
+        types::{Scope, Types, scopes},
+    },
+};
+
+pub use names::NoNames;
+
+/// Edits of sources and build files that go with a new name.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Renaming {
+    /// What is certain.
+    pub edit: Edit,
+    /// What may be meant and stays, by file and line.
+    pub left: Vec<Left>,
+}
+
+/// A place that may have to be changed by hand.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Left {
+    /// The file.
+    pub path: Utf8PathBuf,
+    /// Line, from 1.
+    pub line: usize,
+    /// The old name that stands there.
+    pub name: SmolStr,
+    /// Why it stays.
+    pub why: Why,
+}
+
+/// Why a mention stays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Why {
+    /// A member of something whose type is not known.
+    Receiver,
+    /// Another thing of that name is declared in the sources.
+    Homonym,
+    /// In the text of a macro, where it has no type or is built of parts.
+    Macro,
+    /// In a string or character.
+    String,
+    /// In a comment that is not the one of the skeleton.
+    Comment,
+    /// In a file of the build, as a part of another name.
+    Build,
+}
+
+impl fmt::Display for Left {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let why = match self.why {
+            Why::Receiver => "a member of something whose type is not known",
+            Why::Homonym => "may be the one that the sources declare",
+            Why::Macro => "in a macro",
+            Why::String => "in a string",
+            Why::Comment => "in a comment",
+            Why::Build => "in a file of the build",
+        };
+        write!(f, "{}:{}: `{}` {why}", self.path, self.line, self.name)
+    }
+}
+
+/// Why sources cannot follow.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Refused {
+    /// The new names cannot be made out.
+    Names(NoNames),
+    /// The sources declare something of a new name.
+    Taken {
+        /// The name.
+        name: SmolStr,
+        /// The file that declares it.
+        path: Utf8PathBuf,
+    },
+}
+
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Refused::Names(why) => write!(f, "The codels cannot follow: {why}"),
+            Refused::Taken { name, path } => write!(
+                f,
+                "`{name}` exists already, in {path}; choose another name, or rename that one first"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for Refused {}
+
+/// Files of a build that may name headers and components, from the folder of the specification.
+const BUILD_FILES: [&str; 5] = [
+    "Makefile.am",
+    "configure.ac",
+    "CMakeLists.txt",
+    "codels/Makefile.am",
+    "codels/CMakeLists.txt",
+];
+
+/// The edits of the sources of a folder, whose unit is going to be `after`. Nothing when no name of the sources
+/// changes.
+///
+/// # Errors
+/// When the sources cannot follow; then nothing of the rename should be done.
+pub fn rename(folder: &Folder, after: &UnitResult, texts: &dyn Files) -> Result<Renaming, Refused> {
+    let mut out = Renaming::default();
+    if !folder.sources.exists {
+        return Ok(out);
+    }
+    for before in folder.expected() {
+        if after.spec.components.len() != folder.unit.spec.components.len() {
+            return Err(Refused::Names(NoNames::Structure));
+        }
+        let new = Expected::new(&after.spec, before.component);
+        let names = Names::new(&before, &new).map_err(Refused::Names)?;
+        if names.is_empty() {
+            continue;
+        }
+        check_free(folder, &names)?;
+        let mut types = Types::default();
+        if let Some(grammar) = names.grammar {
+            types.read(&names.before, grammar);
+        }
+        for file in folder.sources.all() {
+            types.read(&file.text, file.index.grammar);
+        }
+        for file in folder.sources.all() {
+            File {
+                file,
+                names: &names,
+                types: &types,
+                out: &mut out,
+            }
+            .rename();
+        }
+        build_files(folder, &before, &names, texts, &mut out);
+    }
+    out.left.sort();
+    out.left.dedup();
+    Ok(out)
+}
+
+/// No source declares something that something else is going to be called.
+fn check_free(folder: &Folder, names: &Names) -> Result<(), Refused> {
+    for ((scopes, _), to) in &names.globals {
+        let free = |file: &&IndexedFile| {
+            !file.index.names.contains(to) && !file.index.macros.iter().any(|it| it.name == *to)
+        };
+        let given_up = names.globals.contains_key(&(Vec::new(), to.clone()));
+        if scopes.is_empty()
+            && !given_up
+            && let Some(file) = folder.sources.all().find(|it| !free(it))
+        {
+            return Err(Refused::Taken {
+                name: to.clone(),
+                path: file.path.clone(),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// One source.
+struct File<'a> {
+    file: &'a IndexedFile,
+    names: &'a Names,
+    types: &'a Types,
+    out: &'a mut Renaming,
+}
+
+impl<'a> File<'a> {
+    fn rename(mut self) {
+        let text: &'a str = &self.file.text;
+        let Some(tree) = parse(text, self.file.index.grammar) else {
+            return;
+        };
+        let open = opened(tree.root_node(), text);
+        let outside = Scope::new(None, text, self.types);
+        let mut functions = Vec::new();
+        preorder(tree.root_node(), |node| {
+            if node.kind() == "function_definition" {
+                functions.push(node);
+                return false;
+            }
+            self.node(node, &outside, &open)
+        });
+        for function in functions {
+            let scope = Scope::new(Some(function), text, self.types);
+            preorder(function, |node| self.node(node, &scope, &open));
+            self.parameters(function);
+        }
+        let functions = self.file.index.functions.iter();
+        for comment in functions.flat_map(|it| &it.comments) {
+            if let Some(generated) = &comment.generated {
+                self.generated(generated);
+            }
+        }
+    }
+
+    fn text(&self, span: &Span) -> &'a str {
+        self.file.text.get(span.clone()).unwrap_or_default()
+    }
+
+    fn edit(&mut self, span: Span, to: &str) {
+        self.out.edit.replace(&self.file.path, span, to);
+    }
+
+    fn leave(&mut self, at: usize, name: &str, why: Why) {
+        let before = self.file.text.get(..at).unwrap_or_default();
+        self.out.left.push(Left {
+            path: self.file.path.clone(),
+            line: 1 + before.matches('\n').count(),
+            name: name.into(),
+            why,
+        });
+    }
+
+    /// One node; says whether to go inside.
+    fn node(&mut self, node: Node<'_>, scope: &Scope<'_>, open: &[Vec<SmolStr>]) -> bool {
+        let span = node.byte_range();
+        match node.kind() {
+            "preproc_include" => {
+                self.include(node);
+                return false;
+            }
+            "preproc_arg" => self.macro_text(&span),
+            "string_literal" | "raw_string_literal" | "char_literal" => {
+                self.prose(&span, Why::String);
+                return false;
+            }
+            "comment" => {
+                let mut all = self.file.index.functions.iter().flat_map(|it| &it.comments);
+                let generated = |it: &&super::source::Comment| it.generated.is_some();
+                let inside = |it: &super::source::Comment| it.span.contains(&span.start);
+                if !all.by_ref().filter(generated).any(inside) {
+                    // That of a codel whose function is written elsewhere stands alone.
+                    match comment::generated(&self.file.text, &span) {
+                        Some(generated) => self.generated(&generated),
+                        None => self.prose(&span, Why::Comment),
+                    }
+                }
+            }
+            "identifier" | "type_identifier" | "namespace_identifier" => {
+                if let Some(to) = self.global(node, scope) {
+                    self.edit(span, &to);
+                } else if let Some(to) = self.opened(node, scope, open) {
+                    let name = self.text(&span);
+                    let bare = qualifiers(node, &self.file.text).is_empty();
+                    let homonym = bare && self.declares(name);
+                    match homonym {
+                        true => self.leave(span.start, name, Why::Homonym),
+                        false => self.edit(span, &to),
+                    }
+                }
+            }
+            "field_identifier" => self.member(node, scope),
+            _ => {}
+        }
+        true
+    }
+
+    /// Whether any source declares a name outside functions.
+    fn declares(&self, name: &str) -> bool {
+        self.file.index.names.contains(name)
+    }
+
+    /// Whether an identifier may be a name of the mapping: not a variable, and not the name that is declared.
+    fn may_be_mapped(&self, node: Node<'_>, scope: &Scope<'_>, path: &[SmolStr]) -> bool {
+        let name = self.text(&node.byte_range());
+        let variable = node.kind() == "identifier" && scope.has(name);
+        !path.is_empty() || !variable && !names_parameter(node)
+    }
+
+    /// The new name of an identifier that is no member, by the scopes that are written or stand around it.
+    fn global(&self, node: Node<'_>, scope: &Scope<'_>) -> Option<SmolStr> {
+        let name: SmolStr = self.text(&node.byte_range()).into();
+        if !self.names.globals.keys().any(|it| it.1 == name) {
+            return None;
+        }
+        let path = qualifiers(node, &self.file.text);
+        if !self.may_be_mapped(node, scope, &path) {
+            return None;
+        }
+        let get = |scopes: Vec<SmolStr>| self.names.globals.get(&(scopes, name.clone())).cloned();
+        if let Some(to) = get(path.clone()) {
+            return Some(to);
+        }
+        let mut around = scopes(node, &self.file.text);
+        while !around.is_empty() {
+            let full: Vec<SmolStr> = around.iter().chain(&path).cloned().collect();
+            if let Some(to) = get(full) {
+                return Some(to);
+            }
+            around.pop();
+        }
+        None
+    }
+
+    /// The new name of an identifier in a scope that the file opens by `using namespace`.
+    fn opened(&self, node: Node<'_>, scope: &Scope<'_>, open: &[Vec<SmolStr>]) -> Option<SmolStr> {
+        let path = qualifiers(node, &self.file.text);
+        if open.is_empty() || !self.may_be_mapped(node, scope, &path) || names_structure(node) {
+            return None;
+        }
+        let name: SmolStr = self.text(&node.byte_range()).into();
+        open.iter().find_map(|it| {
+            let full: Vec<SmolStr> = it.iter().chain(&path).cloned().collect();
+            self.names.globals.get(&(full, name.clone())).cloned()
+        })
+    }
+
+    fn member(&mut self, node: Node<'_>, scope: &Scope<'_>) {
+        let span = node.byte_range();
+        let name: SmolStr = self.text(&span).into();
+        if !self.names.members.keys().any(|it| it.1 == name) {
+            return;
+        }
+        let Some(parent) = node.parent() else { return };
+        let structure = match parent.kind() {
+            "field_expression" => {
+                let of = parent.child_by_field_name("argument");
+                let ty = of.and_then(|it| scope.type_of(it));
+                ty.and_then(|it| self.types.structure_of(&it))
+            }
+            "field_designator" => scope.designated(parent),
+            // The member of a structure of the sources themselves.
+            "field_declaration" => return,
+            kind if kind.ends_with("declarator") => return,
+            _ => None,
+        };
+        match structure {
+            Some(structure) => {
+                if let Some(to) = self.names.members.get(&(structure, name)).cloned() {
+                    self.edit(span, &to);
+                }
+            }
+            None => self.leave(span.start, &name, Why::Receiver),
+        }
+    }
+
+    /// A parameter that is named as the specification names it follows, unless the new name is in use.
+    fn parameters(&mut self, function: Node<'_>) {
+        let start = function.start_byte();
+        let mut all = self.file.index.functions.iter();
+        let Some(found) = all.find(|it| it.span.start == start && it.is_global()) else {
+            return;
+        };
+        let wanted = self.names.parameters.iter();
+        let wanted: Vec<_> = wanted.filter(|it| it.0 == found.name).cloned().collect();
+        for (_, position, from, to) in wanted {
+            let named = found.parameters.get(position);
+            if named.is_none_or(|it| it.name.as_ref() != Some(&from)) {
+                continue;
+            }
+            let mut places = Vec::new();
+            let (mut taken, mut declared) = (false, 0);
+            preorder(function, |node| {
+                if matches!(node.kind(), "identifier" | "preproc_arg") {
+                    let span = node.byte_range();
+                    let name = self.file.text.get(span.clone()).unwrap_or_default();
+                    taken |= name == to.as_str();
+                    if name == from.as_str() && qualifiers(node, &self.file.text).is_empty() {
+                        declared += usize::from(is_declared(node));
+                        places.push(span);
+                    }
+                }
+                true
+            });
+            if !taken && declared == 1 {
+                for span in places {
+                    self.edit(span, &to);
+                }
+            }
+        }
+    }
+
+    fn include(&mut self, node: Node<'_>) {
+        let Some(path) = node.child_by_field_name("path") else {
+            return;
+        };
+        let span = path.byte_range();
+        let written = self.text(&span);
+        let name = written.trim_matches(['"', '<', '>']);
+        let (start, file) = match name.rfind('/') {
+            Some(at) => (at + 1, &name[at + 1..]),
+            None => (0, name),
+        };
+        let Some(stem) = file.strip_suffix(".h") else {
+            return;
+        };
+        if let Some(to) = self.names.files.get(stem).cloned() {
+            let start = span.start + 1 + start;
+            self.edit(start..start + stem.len(), &to);
+        }
+    }
+
+    /// The text of a macro has no types: names of the mapping follow, all else is listed.
+    fn macro_text(&mut self, span: &Span) {
+        let text = self.text(span);
+        for word in words(text) {
+            let at = span.start + word.start;
+            let name: SmolStr = text[word.clone()].into();
+            let before = text[..word.start].trim_end();
+            let after = text[word.end..].trim_start();
+            let pasted = before.ends_with("##") || after.starts_with("##");
+            let reached = before.ends_with('.') || before.ends_with("->");
+            if pasted {
+                let part = |it: &&(Vec<SmolStr>, SmolStr)| {
+                    it.1.starts_with(name.as_str()) || it.1.ends_with(name.as_str())
+                };
+                if name.len() > 1 && self.names.globals.keys().any(|it| part(&it)) {
+                    self.leave(at, &name, Why::Macro);
+                }
+            } else if reached {
+                if self.names.members.keys().any(|it| it.1 == name) {
+                    self.leave(at, &name, Why::Macro);
+                }
+            } else if let Some(to) = self.names.globals.get(&(Vec::new(), name.clone())).cloned() {
+                self.edit(at..at + name.len(), &to);
+            } else if self.names.globals.keys().any(|it| it.1 == name) {
+                self.leave(at, &name, Why::Macro);
+            }
+        }
+    }
+
+    /// Names of the mapping in strings and comments.
+    fn prose(&mut self, span: &Span, why: Why) {
+        let text = self.text(span);
+        for (at, word) in spelled(text) {
+            let is_name = word.contains('_') || word.contains("::");
+            if is_name && self.respelled(word).is_some() {
+                self.leave(span.start + at, word, why);
+            }
+        }
+    }
+
+    /// A name of the mapping, scopes included, as it is spelled afterwards; `None` when it stays.
+    fn respelled(&self, word: &str) -> Option<String> {
+        let (colons, path) = match word.strip_prefix("::") {
+            Some(path) => ("::", path),
+            None => ("", word),
+        };
+        let path: Vec<SmolStr> = path.split("::").map(SmolStr::from).collect();
+        let mut changed = false;
+        let steps = (0..path.len()).map(|step| {
+            let key = (path[..step].to_vec(), path[step].clone());
+            match self.names.globals.get(&key) {
+                Some(to) => {
+                    changed = true;
+                    to.to_string()
+                }
+                None => path[step].to_string(),
+            }
+        });
+        let spelled = steps.collect::<Vec<_>>().join("::");
+        changed.then(|| format!("{colons}{spelled}"))
+    }
+
+    /// The comment of the skeleton: codel and owner, and the events and exceptions of its sentences.
+    fn generated(&mut self, generated: &Generated) {
+        let header = self.text(&generated.header);
+        let all: Vec<(usize, &str)> = spelled(header).collect();
+        let last = all.len().saturating_sub(1);
+        for (number, (at, word)) in all.into_iter().enumerate() {
+            let to = match number == last {
+                true => self.names.owners.get(word).map(ToString::to_string),
+                false if word == generated.codel.as_str() => self.respelled(word),
+                false => None,
+            };
+            if let Some(to) = to {
+                let start = generated.header.start + at;
+                self.edit(start..start + word.len(), &to);
+            }
+        }
+        let sentences = self.text(&generated.sentences);
+        for (at, word) in spelled(sentences) {
+            if let Some(to) = self.respelled(word) {
+                let start = generated.sentences.start + at;
+                self.edit(start..start + word.len(), &to);
+            }
+        }
+    }
+}
+
+/// Words of prose with their places; scopes belong to a word.
+fn spelled(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let part = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
+    let words = text.split(move |c| !part(c)).filter(|it| !it.is_empty());
+    // Each is a part of `text`, so the distance is its place.
+    words.map(move |it| {
+        let it = it.trim_end_matches(':');
+        (it.as_ptr() as usize - text.as_ptr() as usize, it)
+    })
+}
+
+/// The scopes that are written in front of a name: `a` and `b` of `a::b::c`.
+fn qualifiers(node: Node<'_>, text: &str) -> Vec<SmolStr> {
+    let mut out = Vec::new();
+    let mut at = node;
+    while let Some(parent) = at.parent() {
+        if parent.kind() != "qualified_identifier" {
+            break;
+        }
+        let scope = parent.child_by_field_name("scope");
+        if let Some(scope) = scope.filter(|it| it.id() != at.id()) {
+            let name = text.get(scope.byte_range()).unwrap_or_default();
+            out.push(SmolStr::from(name.trim()));
+        }
+        at = parent;
+    }
+    out.reverse();
+    out
+}
+
+/// The scopes that `using namespace` opens in a file.
+fn opened(root: Node<'_>, text: &str) -> Vec<Vec<SmolStr>> {
+    let mut out = Vec::new();
+    preorder(root, |node| {
+        if node.kind() == "using_declaration" {
+            let mut cursor = node.walk();
+            let is_namespace = node
+                .children(&mut cursor)
+                .any(|it| it.kind() == "namespace");
+            let name = node.named_child(0).filter(|_| is_namespace);
+            if let Some(name) = name.and_then(|it| text.get(it.byte_range())) {
+                let path = name.trim_start_matches("::").split("::");
+                out.push(path.map(|it| SmolStr::from(it.trim())).collect());
+            }
+        }
+        true
+    });
+    out
+}
+
+/// The node is the name of a structure, enumeration or namespace that is defined there.
+fn names_structure(node: Node<'_>) -> bool {
+    node.parent().is_some_and(|it| {
+        it.child_by_field_name("body").is_some() && it.child_by_field_name("name") == Some(node)
+    })
+}
+
+/// The node is the name that a parameter declares.
+fn names_parameter(node: Node<'_>) -> bool {
+    let mut at = node;
+    while let Some(parent) = at.parent() {
+        match parent.kind() {
+            "parameter_declaration" | "optional_parameter_declaration" => {
+                return parent
+                    .child_by_field_name("declarator")
+                    .is_some_and(|it| it.id() == at.id());
+            }
+            // The length of an array is no name of its own.
+            "array_declarator" if parent.child_by_field_name("size") == Some(at) => return false,
+            kind if kind.ends_with("declarator") => at = parent,
+            _ => return false,
+        }
+    }
+    false
+}
+
+/// The node is the name that a parameter or variable declares.
+fn is_declared(node: Node<'_>) -> bool {
+    let mut at = node;
+    while let Some(parent) = at.parent() {
+        match parent.kind() {
+            "parameter_declaration" | "optional_parameter_declaration" | "declaration" => {
+                let mut cursor = parent.walk();
+                return parent
+                    .children_by_field_name("declarator", &mut cursor)
+                    .any(|it| it.id() == at.id());
+            }
+            "init_declarator" if parent.child_by_field_name("value") == Some(at) => return false,
+            "array_declarator" if parent.child_by_field_name("size") == Some(at) => return false,
+            kind if kind.ends_with("declarator") => at = parent,
+            _ => return false,
+        }
+    }
+    false
+}
+
+/// Build files name headers and functions; the name of the component within other names is listed.
+fn build_files(
+    folder: &Folder,
+    before: &Expected<'_>,
+    names: &Names,
+    texts: &dyn Files,
+    out: &mut Renaming,
+) {
+    let Some(root) = folder.specification.parent() else {
+        return;
+    };
+    let component = before.component().name.as_str();
+    let renamed = !names.files.is_empty();
+    for name in BUILD_FILES {
+        let path = root.join(name);
+        let Some(text) = texts.read(&path) else {
+            continue;
+        };
+        for line in lines(&text) {
+            let part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+            let content = &text[line.1.clone()];
+            for word in content.split(|c| !part(c)).filter(|it| !it.is_empty()) {
+                let at = word.as_ptr() as usize - content.as_ptr() as usize;
+                let start = line.1.start + at;
+                // The extension of a file.
+                if at > 0 && content[..at].ends_with('.') {
+                    continue;
+                }
+                let global = || names.globals.get(&(Vec::new(), SmolStr::from(word)));
+                if let Some(to) = names.files.get(word).or_else(global) {
+                    out.edit
+                        .replace(&path, start..start + word.len(), to.as_str());
+                } else if renamed && word.split('_').any(|it| is_part(it, component)) {
+                    out.left.push(Left {
+                        path: path.clone(),
+                        line: line.0,
+                        name: word.into(),
+                        why: Why::Build,
+                    });
+                }
+            }
+        }
+    }
+}
+
+/// A part of a word is the name of the component, or that of a library of it.
+fn is_part(word: &str, component: &str) -> bool {
+    word == component || word.strip_prefix("lib") == Some(component)
+}
+
+/// Lines with their numbers, from 1.
+fn lines(text: &str) -> impl Iterator<Item = (usize, Span)> {
+    let mut at = 0;
+    (1..)
+        .zip(text.split_inclusive('\n'))
+        .map(move |(number, it)| {
+            at += it.len();
+            (number, at - it.len()..at)
+        })
+}
+
+/// The lines that tell what stays, at most so many of them.
+pub fn listed(left: &[Left], most: usize, root: &Utf8Path) -> String {
+    let short = |it: &Left| Left {
+        path: it.path.strip_prefix(root).unwrap_or(&it.path).to_owned(),
+        ..it.clone()
+    };
+    let mut out: Vec<String> = left
+        .iter()
+        .take(most)
+        .map(|it| short(it).to_string())
+        .collect();
+    if left.len() > most {
+        out.push(format!("and {} more", left.len() - most));
+    }
+    out.join("\n")
+}

@@ -1,0 +1,250 @@
+//! What the names of the mapping were, and what they are after a change of the specification.
+//!
+//! There is no list of what gets its name from what: the whole mapping and all prototypes are written as they were
+//! and as they will be, and read side by side. They differ in names only, or the change is more than a new name.
+
+use rustc_hash::FxHashMap;
+use smol_str::SmolStr;
+
+use crate::codels::{
+    expected::{Expected, owner_words},
+    source::{Grammar, Span, parse, types},
+    stub::types_header,
+};
+use crate::lang::{LangError, Language, MapObject};
+use dotgen_analysis::model::TypeId;
+
+/// A name with the scopes that it is declared in, outermost first; C has none.
+pub(super) type Scoped = (Vec<SmolStr>, SmolStr);
+
+/// New names, by old ones.
+#[derive(Debug, Default)]
+pub(super) struct Names {
+    /// Types, events, exceptions, enumerators, constants, functions, macros.
+    pub(super) globals: FxHashMap<Scoped, SmolStr>,
+    /// Members, by structure and name.
+    pub(super) members: FxHashMap<(SmolStr, SmolStr), SmolStr>,
+    /// Parameters of codels: function (by its old name), position, old and new name.
+    pub(super) parameters: Vec<(SmolStr, usize, SmolStr, SmolStr)>,
+    /// Tasks and services, as comments of the skeleton name them.
+    pub(super) owners: FxHashMap<SmolStr, SmolStr>,
+    /// Generated headers, without extension.
+    pub(super) files: FxHashMap<SmolStr, SmolStr>,
+    /// The mapping as it was, for the types of expressions.
+    pub(super) before: String,
+    /// How it is read.
+    pub(super) grammar: Option<Grammar>,
+}
+
+/// Why new names cannot be made out.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum NoNames {
+    /// A type has no mapping.
+    Mapping(String),
+    /// The two mappings differ in more than names.
+    Structure,
+}
+
+impl std::fmt::Display for NoNames {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            NoNames::Mapping(why) => write!(f, "the types cannot be mapped: {why}"),
+            NoNames::Structure => f.write_str("more than names would change in the generated code"),
+        }
+    }
+}
+
+/// The mapped types and the prototypes, without what only a compiler needs.
+fn mapping(expected: &Expected<'_>) -> Result<String, LangError> {
+    let all = (0..expected.spec.types.len() as u32).map(|it| MapObject::Type(TypeId(it)));
+    let mut out = expected.mapper().mapping(&all.collect::<Vec<_>>(), false)?;
+    out.push('\n');
+    for function in &expected.functions {
+        if let Ok(signature) = &function.signature {
+            out += &format!("{signature};\n");
+        }
+    }
+    // A macro that the grammars would take for the declared name.
+    let blank = " ".repeat("genom_extern_weak".len());
+    Ok(out.replace("genom_extern_weak", &blank))
+}
+
+impl Names {
+    /// The names of a component before and after.
+    pub(super) fn new(before: &Expected<'_>, after: &Expected<'_>) -> Result<Names, NoNames> {
+        let text = |it| mapping(it).map_err(|it| NoNames::Mapping(it.message));
+        let (old, new) = (text(before)?, text(after)?);
+        let grammar = match before.language {
+            Language::Cxx => Grammar::Cxx,
+            _ => Grammar::C,
+        };
+        let mut out = Names {
+            grammar: Some(grammar),
+            ..Names::default()
+        };
+        let (words, new_words) = (words(&old), words(&new));
+        if words.len() != new_words.len() {
+            return Err(NoNames::Structure);
+        }
+        let tree = parse(&old, grammar).ok_or(NoNames::Structure)?;
+        for (span, new_span) in words.into_iter().zip(new_words) {
+            let (from, to) = (&old[span.clone()], &new[new_span]);
+            if from != to {
+                let node = tree
+                    .root_node()
+                    .descendant_for_byte_range(span.start, span.end);
+                out.add(node.ok_or(NoNames::Structure)?, from, to, &old, grammar);
+            }
+        }
+        out.owners(before, after)?;
+        out.before = old;
+        Ok(out)
+    }
+
+    fn add(
+        &mut self,
+        node: tree_sitter::Node<'_>,
+        from: &str,
+        to: &str,
+        text: &str,
+        grammar: Grammar,
+    ) {
+        let (from, to) = (SmolStr::from(from), SmolStr::from(to));
+        let mut kinds = Vec::new();
+        let mut at = node.parent();
+        while let Some(node) = at {
+            kinds.push(node);
+            at = node.parent();
+        }
+        let within = |kind: &str| kinds.iter().find(|it| it.kind() == kind);
+        if let Some(declaration) = within("parameter_declaration") {
+            if node.kind() == "identifier" {
+                self.parameter(*declaration, from, to, text);
+                return;
+            }
+        }
+        if node.kind() == "field_identifier" {
+            if let Some(owner) = types::owner_of(node, text) {
+                self.members.insert((owner, from), to);
+            }
+            return;
+        }
+        // A use with its scopes in front; the declaration has them around it.
+        let qualified = node
+            .parent()
+            .is_some_and(|it| it.kind() == "qualified_identifier");
+        if grammar == Grammar::Cxx && qualified {
+            return;
+        }
+        let scopes = match grammar {
+            Grammar::C => Vec::new(),
+            Grammar::Cxx => {
+                let mut scopes = types::scopes(node, text);
+                // The name of a structure or namespace is not inside it.
+                if node
+                    .parent()
+                    .and_then(|it| it.child_by_field_name("name"))
+                    .is_some_and(|it| it.id() == node.id())
+                    && scopes.last() == Some(&from)
+                {
+                    scopes.pop();
+                }
+                scopes
+            }
+        };
+        self.globals.insert((scopes, from), to);
+    }
+
+    fn parameter(
+        &mut self,
+        declaration: tree_sitter::Node<'_>,
+        from: SmolStr,
+        to: SmolStr,
+        text: &str,
+    ) {
+        let Some(list) = declaration.parent() else {
+            return;
+        };
+        let mut cursor = list.walk();
+        let mut all = list
+            .named_children(&mut cursor)
+            .filter(|it| it.kind() == "parameter_declaration");
+        let position = all.position(|it| it.id() == declaration.id());
+        let function = list
+            .parent()
+            .and_then(|it| it.child_by_field_name("declarator"));
+        if let (Some(position), Some(function)) = (position, function) {
+            let function = text.get(function.byte_range()).unwrap_or_default();
+            let entry = (function.into(), position, from, to);
+            if !self.parameters.contains(&entry) {
+                self.parameters.push(entry);
+            }
+        }
+    }
+
+    fn owners(&mut self, before: &Expected<'_>, after: &Expected<'_>) -> Result<(), NoNames> {
+        let (old, new) = (before.component(), after.component());
+        if old.tasks.len() != new.tasks.len() || old.services.len() != new.services.len() {
+            return Err(NoNames::Structure);
+        }
+        use dotgen_analysis::model::Owner;
+        let tasks = (0..old.tasks.len() as u32).map(Owner::Task);
+        let services = (0..old.services.len() as u32).map(Owner::Service);
+        for owner in tasks.chain(services) {
+            let (from, to) = (owner_words(old, owner).1, owner_words(new, owner).1);
+            if from != to {
+                self.owners.insert(from.as_str().into(), to.as_str().into());
+            }
+        }
+        let stem = |it: String| SmolStr::from(it.trim_end_matches(".h"));
+        let configuration = |it: &str| SmolStr::from(format!("ac{it}"));
+        if old.name != new.name {
+            self.files
+                .insert(stem(types_header(before)), stem(types_header(after)));
+            self.files
+                .insert(configuration(&old.name), configuration(&new.name));
+        }
+        Ok(())
+    }
+
+    /// Nothing in the sources gets another name.
+    pub(super) fn is_empty(&self) -> bool {
+        self.globals.is_empty()
+            && self.members.is_empty()
+            && self.parameters.is_empty()
+            && self.owners.is_empty()
+            && self.files.is_empty()
+    }
+}
+
+/// The identifiers of a text, but for those in comments and literals.
+pub(super) fn words(text: &str) -> Vec<Span> {
+    let bytes = text.as_bytes();
+    let mut out = Vec::new();
+    let mut at = 0;
+    while let Some(&byte) = bytes.get(at) {
+        let rest = &bytes[at..];
+        let find = |what: &[u8]| rest.windows(what.len()).position(|it| it == what);
+        at += match byte {
+            b'/' if rest.starts_with(b"/*") => find(b"*/").map_or(rest.len(), |it| it + 2),
+            b'/' if rest.starts_with(b"//") => find(b"\n").unwrap_or(rest.len()),
+            b'"' | b'\'' => {
+                let mut end = 1;
+                while end < rest.len() && rest[end] != byte && rest[end] != b'\n' {
+                    end += 1 + usize::from(rest[end] == b'\\');
+                }
+                (end + 1).min(rest.len())
+            }
+            _ if byte.is_ascii_alphanumeric() || byte == b'_' || !byte.is_ascii() => {
+                let part = |it: &u8| it.is_ascii_alphanumeric() || *it == b'_' || !it.is_ascii();
+                let length = rest.iter().take_while(|it| part(it)).count();
+                if !byte.is_ascii_digit() {
+                    out.push(at..at + length);
+                }
+                length
+            }
+            _ => 1,
+        };
+    }
+    out
+}
