@@ -57,8 +57,35 @@ pub struct SyncReport {
     pub changes: Vec<FileChange>,
     /// What was mended, in order.
     pub applied: Vec<String>,
+    /// What a new signature leaves to be done by hand.
+    pub notes: Vec<StillUsed>,
     /// What is left after the changes.
     pub left: CheckReport,
+}
+
+/// A parameter that a function has lost and that its body still uses.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct StillUsed {
+    /// The source.
+    pub path: Utf8PathBuf,
+    /// Line of the use, from 1, before the repair.
+    pub line: usize,
+    /// The function.
+    pub function: String,
+    /// The parameter.
+    pub parameter: String,
+}
+
+impl std::fmt::Display for StillUsed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (path, line) = (&self.path, self.line);
+        let (parameter, function) = (&self.parameter, &self.function);
+        write!(
+            f,
+            "{path}:{line}: `{function}` has no parameter `{parameter}` any more; take the use away, or put the \
+             parameter back into the specification"
+        )
+    }
 }
 
 /// Which repairs `sync` applies.
@@ -133,7 +160,7 @@ pub fn sync(project: &mut Project<'_>, roots: &[Utf8PathBuf], options: &SyncOpti
     let mut touched: BTreeSet<Utf8PathBuf> = BTreeSet::new();
     let mut tried: BTreeSet<String> = BTreeSet::new();
     for _ in 0..ROUNDS {
-        let (edit, applied) = round(project, roots, options, &mut tried);
+        let (edit, applied) = round(project, roots, options, &mut tried, &mut out.notes);
         if edit.is_empty() {
             break;
         }
@@ -165,6 +192,7 @@ fn round(
     roots: &[Utf8PathBuf],
     options: &SyncOptions,
     tried: &mut BTreeSet<String>,
+    notes: &mut Vec<StillUsed>,
 ) -> (Edit, Vec<String>) {
     let mut edit = Edit::default();
     let mut applied = Vec::new();
@@ -201,6 +229,15 @@ fn round(
             {
                 tried.insert(format!("{repair:?}"));
                 applied.push(title);
+                if let Repair::UpdateSignature { name, path, start } = repair {
+                    let left = repairs.uses_of_removed(name, path, *start).into_iter();
+                    notes.extend(left.map(|(parameter, line)| StillUsed {
+                        path: path.clone(),
+                        line,
+                        function: name.to_string(),
+                        parameter,
+                    }));
+                }
             }
         }
         for expected in &all {

@@ -100,6 +100,7 @@ pub fn types(expected: &Expected<'_>) -> Result<String, LangError> {
     // The mapping includes what its own text needs; the prototypes may need more.
     let runtime: &[&str] = match expected.language {
         Language::Cxx => &[
+            "<cerrno>",
             "<cstdint>",
             "<string>",
             "<vector>",
@@ -107,7 +108,12 @@ pub fn types(expected: &Expected<'_>) -> Result<String, LangError> {
             "\"genom3/c++/idlsequence.h\"",
             "\"genom3/c++/idloptional.h\"",
         ],
-        _ => &["<stdbool.h>", "<stdint.h>", "\"genom3/c/exception.h\""],
+        _ => &[
+            "<errno.h>",
+            "<stdbool.h>",
+            "<stdint.h>",
+            "\"genom3/c/exception.h\"",
+        ],
     };
     out.push('\n');
     for header in runtime {

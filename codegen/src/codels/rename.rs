@@ -1,10 +1,12 @@
 //! A new name in the specification, carried into the C and C++ sources and the files of the build.
 //!
-//! What gets another name there is read from the whole mapping before and after (`names`), so that whatever the
-//! mapping makes of a name is followed: events, exceptions with their details, types, enumerators, prototypes,
-//! ports. Names of the mapping are renamed token by token in the parsed sources, members only where the type of
-//! what they are reached from is known ([`super::source::types`]). What cannot be told apart stays, and is listed.
+//! What gets another name there is read from the whole mapping before and after (`names`), so that
+//! whatever the mapping makes of a name is followed: events, exceptions with their details, types,
+//! enumerators, prototypes, ports. Names of the mapping are renamed token by token in the parsed
+//! sources, members only where the type of what they are reached from is known
+//! (`super::source::types`). What cannot be told apart stays, and is listed.
 
+mod build;
 mod names;
 
 use std::fmt;
@@ -21,7 +23,9 @@ use super::{
     files::{Files, IndexedFile},
     folder::Folder,
     source::{
-        Generated, Span, comment, parse, preorder,
+        Generated, Span, comment, parse,
+        place::{is_declared, names_parameter, names_structure, opened, qualifiers},
+        preorder,
         types::{Scope, Types, scopes},
     },
 };
@@ -109,17 +113,8 @@ impl fmt::Display for Refused {
 
 impl std::error::Error for Refused {}
 
-/// Files of a build that may name headers and components, from the folder of the specification.
-const BUILD_FILES: [&str; 5] = [
-    "Makefile.am",
-    "configure.ac",
-    "CMakeLists.txt",
-    "codels/Makefile.am",
-    "codels/CMakeLists.txt",
-];
-
-/// The edits of the sources of a folder, whose unit is going to be `after`. Nothing when no name of the sources
-/// changes.
+/// The edits of the sources of a folder, whose unit is going to be `after`. Nothing when no name of
+/// the sources changes.
 ///
 /// # Errors
 /// When the sources cannot follow; then nothing of the rename should be done.
@@ -154,7 +149,7 @@ pub fn rename(folder: &Folder, after: &UnitResult, texts: &dyn Files) -> Result<
             }
             .rename();
         }
-        build_files(folder, &before, &names, texts, &mut out);
+        build::rename(folder, &before, &names, texts, &mut out);
     }
     out.left.sort();
     out.left.dedup();
@@ -512,152 +507,6 @@ fn spelled(text: &str) -> impl Iterator<Item = (usize, &str)> {
         let it = it.trim_end_matches(':');
         (it.as_ptr() as usize - text.as_ptr() as usize, it)
     })
-}
-
-/// The scopes that are written in front of a name: `a` and `b` of `a::b::c`.
-fn qualifiers(node: Node<'_>, text: &str) -> Vec<SmolStr> {
-    let mut out = Vec::new();
-    let mut at = node;
-    while let Some(parent) = at.parent() {
-        if parent.kind() != "qualified_identifier" {
-            break;
-        }
-        let scope = parent.child_by_field_name("scope");
-        if let Some(scope) = scope.filter(|it| it.id() != at.id()) {
-            let name = text.get(scope.byte_range()).unwrap_or_default();
-            out.push(SmolStr::from(name.trim()));
-        }
-        at = parent;
-    }
-    out.reverse();
-    out
-}
-
-/// The scopes that `using namespace` opens in a file.
-fn opened(root: Node<'_>, text: &str) -> Vec<Vec<SmolStr>> {
-    let mut out = Vec::new();
-    preorder(root, |node| {
-        if node.kind() == "using_declaration" {
-            let mut cursor = node.walk();
-            let is_namespace = node
-                .children(&mut cursor)
-                .any(|it| it.kind() == "namespace");
-            let name = node.named_child(0).filter(|_| is_namespace);
-            if let Some(name) = name.and_then(|it| text.get(it.byte_range())) {
-                let path = name.trim_start_matches("::").split("::");
-                out.push(path.map(|it| SmolStr::from(it.trim())).collect());
-            }
-        }
-        true
-    });
-    out
-}
-
-/// The node is the name of a structure, enumeration or namespace that is defined there.
-fn names_structure(node: Node<'_>) -> bool {
-    node.parent().is_some_and(|it| {
-        it.child_by_field_name("body").is_some() && it.child_by_field_name("name") == Some(node)
-    })
-}
-
-/// The node is the name that a parameter declares.
-fn names_parameter(node: Node<'_>) -> bool {
-    let mut at = node;
-    while let Some(parent) = at.parent() {
-        match parent.kind() {
-            "parameter_declaration" | "optional_parameter_declaration" => {
-                return parent
-                    .child_by_field_name("declarator")
-                    .is_some_and(|it| it.id() == at.id());
-            }
-            // The length of an array is no name of its own.
-            "array_declarator" if parent.child_by_field_name("size") == Some(at) => return false,
-            kind if kind.ends_with("declarator") => at = parent,
-            _ => return false,
-        }
-    }
-    false
-}
-
-/// The node is the name that a parameter or variable declares.
-fn is_declared(node: Node<'_>) -> bool {
-    let mut at = node;
-    while let Some(parent) = at.parent() {
-        match parent.kind() {
-            "parameter_declaration" | "optional_parameter_declaration" | "declaration" => {
-                let mut cursor = parent.walk();
-                return parent
-                    .children_by_field_name("declarator", &mut cursor)
-                    .any(|it| it.id() == at.id());
-            }
-            "init_declarator" if parent.child_by_field_name("value") == Some(at) => return false,
-            "array_declarator" if parent.child_by_field_name("size") == Some(at) => return false,
-            kind if kind.ends_with("declarator") => at = parent,
-            _ => return false,
-        }
-    }
-    false
-}
-
-/// Build files name headers and functions; the name of the component within other names is listed.
-fn build_files(
-    folder: &Folder,
-    before: &Expected<'_>,
-    names: &Names,
-    texts: &dyn Files,
-    out: &mut Renaming,
-) {
-    let Some(root) = folder.specification.parent() else {
-        return;
-    };
-    let component = before.component().name.as_str();
-    let renamed = !names.files.is_empty();
-    for name in BUILD_FILES {
-        let path = root.join(name);
-        let Some(text) = texts.read(&path) else {
-            continue;
-        };
-        for line in lines(&text) {
-            let part = |c: char| c.is_ascii_alphanumeric() || c == '_';
-            let content = &text[line.1.clone()];
-            for word in content.split(|c| !part(c)).filter(|it| !it.is_empty()) {
-                let at = word.as_ptr() as usize - content.as_ptr() as usize;
-                let start = line.1.start + at;
-                // The extension of a file.
-                if at > 0 && content[..at].ends_with('.') {
-                    continue;
-                }
-                let global = || names.globals.get(&(Vec::new(), SmolStr::from(word)));
-                if let Some(to) = names.files.get(word).or_else(global) {
-                    out.edit
-                        .replace(&path, start..start + word.len(), to.as_str());
-                } else if renamed && word.split('_').any(|it| is_part(it, component)) {
-                    out.left.push(Left {
-                        path: path.clone(),
-                        line: line.0,
-                        name: word.into(),
-                        why: Why::Build,
-                    });
-                }
-            }
-        }
-    }
-}
-
-/// A part of a word is the name of the component, or that of a library of it.
-fn is_part(word: &str, component: &str) -> bool {
-    word == component || word.strip_prefix("lib") == Some(component)
-}
-
-/// Lines with their numbers, from 1.
-fn lines(text: &str) -> impl Iterator<Item = (usize, Span)> {
-    let mut at = 0;
-    (1..)
-        .zip(text.split_inclusive('\n'))
-        .map(move |(number, it)| {
-            at += it.len();
-            (number, at - it.len()..at)
-        })
 }
 
 /// The lines that tell what stays, at most so many of them.

@@ -1,6 +1,7 @@
 //! Turns repairs into text edits on either side. Nothing is written: the caller shows the edits.
 
 mod declare;
+mod signature;
 mod source;
 mod specification;
 

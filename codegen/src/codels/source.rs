@@ -9,6 +9,7 @@ mod body;
 pub(crate) mod comment;
 mod ctype;
 mod declare;
+pub(crate) mod place;
 pub(crate) mod types;
 
 use std::ops::Range;

@@ -7,4 +7,5 @@ mod example;
 mod golden;
 mod project;
 mod rename;
+mod repair;
 mod support;

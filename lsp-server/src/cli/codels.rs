@@ -308,6 +308,10 @@ fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
         if done.applied.is_empty() && done.left.errors.is_empty() {
             report::note("there is nothing to mend");
         }
+        for it in &done.notes {
+            let path = session::display(&it.path).into();
+            report::note(&command::StillUsed { path, ..it.clone() }.to_string());
+        }
         let left = done
             .left
             .findings

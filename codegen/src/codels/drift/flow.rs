@@ -22,6 +22,8 @@ struct Outcome {
     mentioned: FxHashSet<SmolStr>,
     unknown: bool,
     any: bool,
+    /// Exceptions that helpers raise for it.
+    raised: FxHashSet<(SmolStr, TypeId)>,
 }
 
 pub(super) fn check(check: &Check<'_>, definitions: &[Found<'_>], out: &mut Vec<Drift>) {
@@ -60,10 +62,10 @@ impl Flow<'_> {
             outcome.any = true;
             match value {
                 Value::Unknown => outcome.unknown = true,
-                Value::Call { call, .. } => {
+                Value::Call { call, variable } => {
                     let call = &self.body.calls[*call];
                     if self.exception(&call.name).is_none() {
-                        self.helper(&call.name, HELPERS, outcome);
+                        self.through_helper(call, *variable, outcome, &mut reported, out);
                     }
                 }
                 Value::Name {
@@ -92,6 +94,40 @@ impl Flow<'_> {
         outcome.mentioned.extend(self.body.mentions.iter().cloned());
     }
 
+    /// What comes back through a helper counts where the helper is called.
+    fn through_helper(
+        &self,
+        call: &Call,
+        variable: bool,
+        outcome: &mut Outcome,
+        reported: &mut FxHashSet<SmolStr>,
+        out: &mut Vec<Drift>,
+    ) {
+        let mut inner = Outcome::default();
+        self.helper(&call.name, HELPERS, &mut inner);
+        let mut events: Vec<&SmolStr> = inner.returned.iter().collect();
+        events.sort();
+        for event in events {
+            let allowed = self.check.function.returns.contains(event)
+                // A variable is mostly returned only when it is something else.
+                || event == self.expected().ok() && variable;
+            if !allowed && reported.insert(event.clone()) {
+                out.push(self.undeclared_yield(event, &call.span));
+            }
+        }
+        let mut raised: Vec<&(SmolStr, TypeId)> = inner.raised.iter().collect();
+        raised.sort();
+        for (name, exception) in raised {
+            let allowed = self.check.function.throws.contains(exception);
+            if !allowed && reported.insert(name.clone()) {
+                out.push(self.undeclared_throw(name, &call.span, Some(*exception)));
+            }
+        }
+        outcome.unknown |= inner.unknown;
+        outcome.returned.extend(inner.returned);
+        outcome.mentioned.extend(inner.mentioned);
+    }
+
     /// Adds what a function of the sources returns.
     fn helper(&self, name: &str, depth: usize, outcome: &mut Outcome) {
         let all: Vec<&Body> = self
@@ -113,8 +149,11 @@ impl Flow<'_> {
             match value {
                 Value::Call { call, .. } if !outcome.unknown => {
                     let call = &body.calls[*call];
-                    if self.exception(&call.name).is_none() {
-                        self.helper(&call.name, depth - 1, outcome);
+                    match self.exception(&call.name) {
+                        Some(exception) => {
+                            outcome.raised.insert((call.name.clone(), exception));
+                        }
+                        None => self.helper(&call.name, depth - 1, outcome),
                     }
                 }
                 Value::Name { name, .. } => match self.event(name) {

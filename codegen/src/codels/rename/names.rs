@@ -1,7 +1,8 @@
 //! What the names of the mapping were, and what they are after a change of the specification.
 //!
-//! There is no list of what gets its name from what: the whole mapping and all prototypes are written as they were
-//! and as they will be, and read side by side. They differ in names only, or the change is more than a new name.
+//! There is no list of what gets its name from what: the whole mapping and all prototypes are written
+//! as they were and as they will be, and read side by side. They differ in names only, or the change
+//! is more than a new name.
 
 use rustc_hash::FxHashMap;
 use smol_str::SmolStr;

@@ -6,12 +6,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::model::CodelRef;
 
 use super::Repairs;
-use crate::codels::{
-    edit::Edit,
-    files::IndexedFile,
-    source::{Function, Parameter, mentions},
-    stub::Stubs,
-};
+use crate::codels::{edit::Edit, files::IndexedFile, source::mentions, stub::Stubs};
 use crate::lang::LangError;
 
 impl Repairs<'_> {
@@ -107,57 +102,6 @@ impl Repairs<'_> {
         }
     }
 
-    /// A new prototype with the parameter names that the body uses.
-    pub(super) fn update_signature(
-        &self,
-        name: &str,
-        file: &IndexedFile,
-        function: &Function,
-    ) -> Option<Edit> {
-        let expected = self.expected.function(name)?;
-        let wanted = expected.shape.as_ref()?;
-        let at = *expected.uses.first()?;
-        let mut codel = self.expected.component().codel(at).clone();
-        let names = kept_names(&wanted.parameters, &function.parameters);
-        for (param, name) in codel.params.iter_mut().zip(&names) {
-            if let Some(name) = name {
-                param.name = name.as_str().into();
-            }
-        }
-        let old = file.text.get(function.signature_span.clone())?;
-        // The name stays on the line where it is.
-        let head = file
-            .text
-            .get(function.signature_span.start..function.name_span.start)?;
-        let separator = if head.contains('\n') { "\n" } else { " " };
-        let mapper = self.expected.mapper();
-        let text = mapper
-            .prototype(self.expected.component, &codel, separator)
-            .ok()?;
-        let text = match names.get(codel.params.len()) {
-            Some(Some(context)) => text.replacen(
-                "genom_context self)",
-                &format!("genom_context {context})"),
-                1,
-            ),
-            _ => text,
-        };
-        let mut edit = Edit::default();
-        if function.is_static {
-            let start = function.span.start;
-            let before = file.text.get(start..function.signature_span.start)?;
-            edit.replace(
-                &file.path,
-                start..function.signature_span.start,
-                before.replacen("static", "", 1).trim_start().to_owned(),
-            );
-        }
-        if text != old {
-            edit.replace(&file.path, function.signature_span.clone(), text);
-        }
-        Some(edit)
-    }
-
     pub(super) fn refresh_comment(
         &self,
         at: CodelRef,
@@ -205,28 +149,4 @@ impl Repairs<'_> {
         }
         edit
     }
-}
-
-/// For each wanted parameter the name that the body uses for it, where it is another one.
-fn kept_names(wanted: &[Parameter], found: &[Parameter]) -> Vec<Option<String>> {
-    let by_name = |it: &Parameter| found.iter().any(|other| other.name == it.name);
-    let taken = |name: &str| wanted.iter().any(|it| it.name.as_deref() == Some(name));
-    // Those without partner of the same name are matched in order, by type.
-    let mut free: Vec<&Parameter> = found
-        .iter()
-        .filter(|it| it.name.as_deref().is_some_and(|name| !taken(name)))
-        .collect();
-    wanted
-        .iter()
-        .map(|it| {
-            if by_name(it) {
-                return None;
-            }
-            let ty = it.ty.without_const();
-            let at = free
-                .iter()
-                .position(|other| other.ty.without_const() == ty)?;
-            free.remove(at).name.as_ref().map(ToString::to_string)
-        })
-        .collect()
 }

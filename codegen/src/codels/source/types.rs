@@ -1,7 +1,8 @@
 //! Types of expressions, as far as it takes to know whose member `x.y` is.
 //!
-//! [`Types`] collects what texts declare outside functions: structures with their members, aliases, functions
-//! and variables. [`Scope`] adds the variables of one function. What is not known gives `None`, never a guess.
+//! [`Types`] collects what texts declare outside functions: structures with their members, aliases,
+//! functions and variables. [`Scope`] adds the variables of one function. What is not known gives
+//! `None`, never a guess.
 
 use rustc_hash::FxHashMap;
 use smol_str::SmolStr;
@@ -272,7 +273,8 @@ fn scoped(node: Node<'_>, name: &str, text: &str) -> SmolStr {
     path.join("::").into()
 }
 
-/// The names and types that a declaration or the head of a function gives. Of functions, the type of the result.
+/// The names and types that a declaration or the head of a function gives. Of functions, the type of
+/// the result.
 fn declared(node: Node<'_>, text: &str, mut found: impl FnMut(SmolStr, CType)) {
     let mut cursor = node.walk();
     for declarator in node.children_by_field_name("declarator", &mut cursor) {

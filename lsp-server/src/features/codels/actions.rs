@@ -367,10 +367,8 @@ fn sync_edit(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Option<Edited>
     let mut host = private_host(snapshot)?;
     let texts = Texts::new(snapshot);
     let mut project = project(&mut host, snapshot, &texts);
-    let options = SyncOptions {
-        hints: true,
-        ..SyncOptions::default()
-    };
+    // A yield that the code does not use was meant by somebody: it goes only where that is asked for.
+    let options = SyncOptions::default();
     let done = sync(&mut project, &roots, &options);
     drop(project);
     texts.check()?;

@@ -2,13 +2,14 @@
 
 use std::ops::Range;
 
-use camino::Utf8Path;
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::diagnostic::FileEdit;
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::source_map::Locations;
-use dotgen_codegen::codels::drift::{Repair, SourcePlace};
-use dotgen_codegen::codels::edit::Edit;
+use dotgen_codegen::codels::drift::SourcePlace;
 use dotgen_codegen::codels::folder::Folder;
 use dotgen_codegen::codels::links;
+use dotgen_codegen::codels::rename::{self, Renaming};
 
 use crate::features::codels::{self, Texts};
 use crate::protocol::types::{Location, ReferenceParams};
@@ -137,41 +138,48 @@ fn word_at(text: &str, offset: usize) -> Range<usize> {
     offset - length(&mut before.chars().rev())..offset + length(&mut after.chars())
 }
 
-/// The edits of the sources that go with a new name of the codel at an offset; why it cannot have
-/// that name.
+/// The edits of the sources and build files that go with a rename, whose edits of specifications are
+/// `edits`; why they cannot follow.
 pub(crate) fn rename(
     snapshot: &Snapshot,
-    path: &Utf8Path,
-    offset: usize,
-    to: &str,
-) -> Cancellable<Result<Edit, String>> {
-    let mut edit = Edit::default();
-    let mut refused = None;
+    edits: &[FileEdit],
+) -> Cancellable<Result<Renaming, String>> {
+    let mut roots: Vec<Utf8PathBuf> = Vec::new();
+    for path in edits.iter().map(|it| &it.path) {
+        for root in snapshot.analysis.roots_containing(path)? {
+            let root = snapshot.analysis.root_of(&root)?;
+            if !roots.contains(&root) {
+                roots.push(root);
+            }
+        }
+    }
+    let mut out = Renaming::default();
     let texts = Texts::new(snapshot);
-    for_codel_at(snapshot, path, offset, |folder, index, from| {
-        if from == to {
-            return;
+    for root in roots {
+        for compared in codels::around(snapshot, &root)? {
+            // What the rename makes of a unit is compiled only where sources might follow.
+            if !compared.folders().any(|it| it.sources.exists) {
+                continue;
+            }
+            let after = snapshot.analysis.edited_root_unit(&root, edits)?;
+            for folder in compared.folders() {
+                let one = rename::rename(folder, &after, &texts);
+                texts.check()?;
+                let one = match one {
+                    Ok(one) => one,
+                    Err(why) => return Ok(Err(why.to_string())),
+                };
+                if !out.edit.merge(one.edit) {
+                    let folder = &folder.sources.folder;
+                    return Ok(Err(format!(
+                        "The sources in {folder} serve several specifications, which want different names there"
+                    )));
+                }
+                out.left.extend(one.left);
+            }
         }
-        if let Some(taken) = links::implementations(&folder.sources, to).first() {
-            refused.get_or_insert(format!(
-                "A function `{to}` exists already, in {}; choose another name, or rename that one first",
-                taken.path
-            ));
-        }
-        let all = folder.expected();
-        let stubs = codels::stub_options(folder, &texts);
-        let repairs = codels::repairs(folder, &all[index], &texts, &stubs);
-        let repair = Repair::RenameFunction {
-            from: from.into(),
-            to: to.into(),
-        };
-        if let Some(one) = repairs.edit(&repair) {
-            edit.merge(one);
-        }
-    })?;
-    texts.check()?;
-    Ok(match refused {
-        Some(why) => Err(why),
-        None => Ok(edit),
-    })
+    }
+    out.left.sort();
+    out.left.dedup();
+    Ok(Ok(out))
 }

@@ -75,6 +75,13 @@ pub(crate) enum Review<'a> {
     /// It reaches further than what is on the screen: where several files change, they are shown first, under this
     /// label, by clients that can.
     SeveralFiles(&'a str),
+    /// It leaves something that may be meant too: it is shown first, under this label, with what it leaves.
+    Leaves {
+        /// The label.
+        label: &'a str,
+        /// What stays, a place on each line.
+        left: &'a str,
+    },
 }
 
 /// An edit of specifications and sources, with new files.
@@ -118,6 +125,7 @@ pub(crate) fn edit_of(snapshot: &Snapshot, review: Review<'_>, edit: &Edit) -> C
     }
     let label = match review {
         Review::SeveralFiles(label) if created.len() + changed.len() > 1 => Some(label),
+        Review::Leaves { label, .. } => Some(label),
         _ => None,
     };
     let label = label.filter(|_| client.change_annotations);
@@ -156,7 +164,10 @@ pub(crate) fn edit_of(snapshot: &Snapshot, review: Review<'_>, edit: &Edit) -> C
         let annotation = ChangeAnnotation {
             label: label.to_owned(),
             needs_confirmation: Some(true),
-            description: None,
+            description: match review {
+                Review::Leaves { left, .. } => Some(format!("To be looked at by hand:\n{left}")),
+                _ => None,
+            },
         };
         HashMap::from([(REVIEWED.to_owned(), annotation)])
     });

@@ -3,6 +3,7 @@
 use camino::Utf8PathBuf;
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::ide::FilePosition;
+use dotgen_codegen::codels::rename::listed;
 
 use crate::features::codels::navigation;
 use crate::features::convert::edit::{Review, edit_of, gathered, workspace_edit};
@@ -11,6 +12,9 @@ use crate::protocol::convert::uri;
 use crate::protocol::refusable::Refusable;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
+
+/// More places that have to be looked at by hand are counted, not listed.
+const MOST_LISTED: usize = 20;
 
 pub(crate) fn prepare(
     snapshot: &Snapshot,
@@ -55,6 +59,7 @@ pub(crate) fn rename_at(
         Ok(edits) => edits,
         Err(error) => return Ok(Refusable(Err(error.0))),
     };
+    let specifications = edits.clone();
     edits.extend(mentions::renames(snapshot, at, new_name)?);
     // Headers of installed packages belong to others.
     let foreign = edits.iter().find(|it| {
@@ -68,19 +73,28 @@ pub(crate) fn rename_at(
             foreign.path
         ))));
     }
-    let sources = match navigation::rename(snapshot, &at.path, at.offset, new_name)? {
+    let sources = match navigation::rename(snapshot, &specifications)? {
         Ok(sources) => sources,
         Err(why) => return Ok(Refusable(Err(why))),
     };
     let mut all = gathered(&edits);
-    for (path, edits) in sources.changed {
+    for (path, edits) in sources.edit.changed {
         for it in edits {
             all.replace(&path, it.range, it.text);
         }
     }
     let label = format!("Rename to {new_name}");
-    let edit = edit_of(snapshot, Review::SeveralFiles(&label), &all)?;
-    Ok(Refusable(edit.map(Some)))
+    let mut folders = snapshot.folders.iter().filter(|it| at.path.starts_with(it));
+    let folder = folders.next().cloned().unwrap_or_default();
+    let left = listed(&sources.left, MOST_LISTED, &folder);
+    let review = match left.is_empty() {
+        true => Review::SeveralFiles(&label),
+        false => Review::Leaves {
+            label: &label,
+            left: &left,
+        },
+    };
+    Ok(Refusable(edit_of(snapshot, review, &all)?.map(Some)))
 }
 
 /// The edits of includes that follow from moving files.

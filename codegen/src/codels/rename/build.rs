@@ -1,0 +1,76 @@
+//! Names in the files of the build.
+
+use smol_str::SmolStr;
+
+use super::{Left, Renaming, Why, names::Names};
+use crate::codels::{expected::Expected, files::Files, folder::Folder, source::Span};
+
+/// Files of a build that may name headers and components, from the folder of the specification.
+const BUILD_FILES: [&str; 5] = [
+    "Makefile.am",
+    "configure.ac",
+    "CMakeLists.txt",
+    "codels/Makefile.am",
+    "codels/CMakeLists.txt",
+];
+
+/// Build files name headers and functions; the name of the component within other names is listed.
+pub(super) fn rename(
+    folder: &Folder,
+    before: &Expected<'_>,
+    names: &Names,
+    texts: &dyn Files,
+    out: &mut Renaming,
+) {
+    let Some(root) = folder.specification.parent() else {
+        return;
+    };
+    let component = before.component().name.as_str();
+    let renamed = !names.files.is_empty();
+    for name in BUILD_FILES {
+        let path = root.join(name);
+        let Some(text) = texts.read(&path) else {
+            continue;
+        };
+        for line in lines(&text) {
+            let part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+            let content = &text[line.1.clone()];
+            for word in content.split(|c| !part(c)).filter(|it| !it.is_empty()) {
+                let at = word.as_ptr() as usize - content.as_ptr() as usize;
+                let start = line.1.start + at;
+                // The extension of a file.
+                if at > 0 && content[..at].ends_with('.') {
+                    continue;
+                }
+                let global = || names.globals.get(&(Vec::new(), SmolStr::from(word)));
+                if let Some(to) = names.files.get(word).or_else(global) {
+                    out.edit
+                        .replace(&path, start..start + word.len(), to.as_str());
+                } else if renamed && word.split('_').any(|it| is_part(it, component)) {
+                    out.left.push(Left {
+                        path: path.clone(),
+                        line: line.0,
+                        name: word.into(),
+                        why: Why::Build,
+                    });
+                }
+            }
+        }
+    }
+}
+
+/// A part of a word is the name of the component, or that of a library of it.
+fn is_part(word: &str, component: &str) -> bool {
+    word == component || word.strip_prefix("lib") == Some(component)
+}
+
+/// Lines with their numbers, from 1.
+fn lines(text: &str) -> impl Iterator<Item = (usize, Span)> {
+    let mut at = 0;
+    (1..)
+        .zip(text.split_inclusive('\n'))
+        .map(move |(number, it)| {
+            at += it.len();
+            (number, at - it.len()..at)
+        })
+}

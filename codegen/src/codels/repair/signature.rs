@@ -1,0 +1,462 @@
+//! A new prototype for a function, with what follows from it: its body, and calls of it elsewhere.
+
+use std::ops::Range;
+
+use camino::Utf8Path;
+use rustc_hash::FxHashSet;
+use smol_str::SmolStr;
+use tree_sitter::Node;
+
+use super::Repairs;
+use crate::codels::{
+    edit::Edit,
+    files::IndexedFile,
+    source::{CType, Function, Layer, Parameter, parse, place::is_declared, preorder},
+};
+use crate::lang::Language;
+
+/// A parameter of the specification and the one of the function that it was.
+struct Pair {
+    /// Index into the parameters of the function; `None` for a new one.
+    found: Option<usize>,
+    /// The name that the function has for it afterwards.
+    name: SmolStr,
+    change: Change,
+}
+
+/// What becomes of a parameter as far as the body sees it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Change {
+    Same,
+    /// `T x` becomes `T *x`.
+    ToPointer,
+    /// `T *x` becomes `T x`.
+    ToValue,
+}
+
+impl Repairs<'_> {
+    /// The prototype of the specification. Parameters that have another name are renamed in the body, those that
+    /// become or were pointers are reached in the other way, and calls follow.
+    pub(super) fn update_signature(
+        &self,
+        name: &str,
+        file: &IndexedFile,
+        function: &Function,
+    ) -> Option<Edit> {
+        let expected = self.expected.function(name)?;
+        let wanted = &expected.shape.as_ref()?.parameters;
+        let pairs = pairs(wanted, function);
+        let mut codel = self
+            .expected
+            .component()
+            .codel(*expected.uses.first()?)
+            .clone();
+        for (param, pair) in codel.params.iter_mut().zip(&pairs) {
+            param.name = pair.name.as_str().into();
+        }
+        let old = file.text.get(function.signature_span.clone())?;
+        // The name stays on the line where it is.
+        let head = file
+            .text
+            .get(function.signature_span.start..function.name_span.start)?;
+        let separator = if head.contains('\n') { "\n" } else { " " };
+        let mapper = self.expected.mapper();
+        let text = mapper
+            .prototype(self.expected.component, &codel, separator)
+            .ok()?;
+        let text = match pairs.get(codel.params.len()) {
+            Some(context) if self.expected.language == Language::C => text.replacen(
+                "genom_context self)",
+                &format!("genom_context {})", context.name),
+                1,
+            ),
+            _ => text,
+        };
+        let text = with_comments(file, function, &pairs, &text).unwrap_or(text);
+        let mut edit = Edit::default();
+        if function.is_static {
+            let start = function.span.start;
+            let before = file.text.get(start..function.signature_span.start)?;
+            edit.replace(
+                &file.path,
+                start..function.signature_span.start,
+                before.replacen("static", "", 1).trim_start().to_owned(),
+            );
+        }
+        if text != old {
+            edit.replace(&file.path, function.signature_span.clone(), text);
+        }
+        if function.body.is_some() {
+            follow_body(file, function, &pairs, &mut edit);
+            self.follow_calls(name, function, &pairs, &mut edit);
+        }
+        Some(edit)
+    }
+
+    /// Calls in the sources, where every argument is known.
+    fn follow_calls(&self, name: &str, function: &Function, pairs: &[Pair], edit: &mut Edit) {
+        let same = pairs.len() == function.parameters.len()
+            && pairs
+                .iter()
+                .enumerate()
+                .all(|(index, it)| it.found == Some(index) && it.change == Change::Same);
+        if same {
+            return;
+        }
+        for file in self.sources.all() {
+            if !file.text.contains(name) {
+                continue;
+            }
+            let Some(tree) = parse(&file.text, file.index.grammar) else {
+                continue;
+            };
+            preorder(tree.root_node(), |node| {
+                if node.kind() == "call_expression"
+                    && let Some(called) = node.child_by_field_name("function")
+                    && file.text.get(called.byte_range()) == Some(name)
+                    && let Some(list) = node.child_by_field_name("arguments")
+                    && let Some(text) = arguments(file, list, function, pairs)
+                {
+                    edit.replace(&file.path, list.byte_range(), text);
+                }
+                true
+            });
+        }
+    }
+
+    /// Uses of parameters that a function loses, in its body: lines that do not compile afterwards.
+    pub fn uses_of_removed(
+        &self,
+        name: &str,
+        path: &Utf8Path,
+        start: usize,
+    ) -> Vec<(String, usize)> {
+        let Some((file, function)) = self.function(path, start) else {
+            return Vec::new();
+        };
+        let expected = self.expected.function(name);
+        let Some(shape) = expected.and_then(|it| it.shape.as_ref()) else {
+            return Vec::new();
+        };
+        let kept = pairs(&shape.parameters, function);
+        let kept: FxHashSet<usize> = kept.iter().filter_map(|it| it.found).collect();
+        let mut out = Vec::new();
+        for (index, parameter) in function.parameters.iter().enumerate() {
+            let Some(name) = parameter.name.as_ref().filter(|_| !kept.contains(&index)) else {
+                continue;
+            };
+            for span in uses(file, function, name).unwrap_or_default() {
+                let before = file.text.get(..span.start).unwrap_or_default();
+                out.push((name.to_string(), 1 + before.matches('\n').count()));
+            }
+        }
+        out
+    }
+}
+
+/// For each wanted parameter the one of the function that it was: of its name; else of its type, in order.
+fn pairs(wanted: &[Parameter], function: &Function) -> Vec<Pair> {
+    let found = &function.parameters;
+    let mut free: Vec<usize> = (0..found.len()).collect();
+    let mut out: Vec<Option<usize>> = wanted
+        .iter()
+        .map(|it| {
+            let same = |&index: &usize| it.name.is_some() && found[index].name == it.name;
+            let at = free.iter().position(same)?;
+            Some(free.remove(at))
+        })
+        .collect();
+    let by_type = |a: &CType, b: &CType| a.without_const() == b.without_const();
+    let by_base = |a: &CType, b: &CType| a.base == b.base;
+    // What agrees in more goes first.
+    for same in [&by_type as &dyn Fn(&CType, &CType) -> bool, &by_base] {
+        for (it, pair) in wanted.iter().zip(&mut out) {
+            if pair.is_none()
+                && let Some(at) = free
+                    .iter()
+                    .position(|&index| same(&it.ty, &found[index].ty))
+            {
+                *pair = Some(free.remove(at));
+            }
+        }
+    }
+    let mentioned = |name: &str| {
+        let body = function.body.as_ref();
+        body.is_some_and(|it| it.mentions.contains(name))
+    };
+    let named = |name: &SmolStr| found.iter().any(|it| it.name.as_ref() == Some(name));
+    wanted
+        .iter()
+        .zip(out)
+        .map(|(it, index)| {
+            let old = index.and_then(|index| found[index].name.clone());
+            let new = it.name.clone().unwrap_or_default();
+            // No specification names the context. A name that the body has for something else would hide that.
+            let context = it.ty.base == "genom_context";
+            let taken = context || old.as_ref() != Some(&new) && (mentioned(&new) || named(&new));
+            let change = index.map_or(Change::Same, |index| change(&found[index].ty, &it.ty));
+            Pair {
+                found: index,
+                name: old.filter(|_| taken).unwrap_or(new),
+                change,
+            }
+        })
+        .collect()
+}
+
+fn change(from: &CType, to: &CType) -> Change {
+    let pointer = |it: &CType| matches!(it.layers.as_slice(), [Layer::Pointer { .. }]);
+    match (from.layers.is_empty(), to.layers.is_empty()) {
+        (true, false) if pointer(to) => Change::ToPointer,
+        (false, true) if pointer(from) => Change::ToValue,
+        _ => Change::Same,
+    }
+}
+
+/// The prototype with the comments that stand between the parameters, each parameter on a line of its own. `None`
+/// when there is no comment.
+fn with_comments(
+    file: &IndexedFile,
+    function: &Function,
+    pairs: &[Pair],
+    prototype: &str,
+) -> Option<String> {
+    let text = &file.text;
+    let last = function.parameters.last()?;
+    let list = text.get(function.name_span.end..function.signature_span.end)?;
+    if !list.contains("/*") && !list.contains("//") {
+        return None;
+    }
+    // Comments in front of a parameter are its own; those on the line where the one before ends are that one's.
+    let mut before: Vec<Vec<String>> = vec![Vec::new(); function.parameters.len()];
+    let mut behind = before.clone();
+    let mut at = function.name_span.end;
+    for (index, parameter) in function.parameters.iter().enumerate() {
+        let gap = text.get(at..parameter.span.start)?;
+        for (comment, own_line) in comments(gap) {
+            match index.checked_sub(1).filter(|_| !own_line) {
+                Some(previous) => behind[previous].push(comment),
+                None => before[index].push(comment),
+            }
+        }
+        at = parameter.span.end;
+    }
+    let gap = text.get(last.span.end..function.signature_span.end)?;
+    behind[function.parameters.len() - 1].extend(comments(gap).into_iter().map(|it| it.0));
+    let open = prototype.find('(')?;
+    let head = &prototype[..=open];
+    let column = head.len() - head.rfind('\n').map_or(0, |it| it + 1);
+    let indent = " ".repeat(column);
+    let declarations = split(prototype[open + 1..].strip_suffix(')')?);
+    let mut out = head.to_owned();
+    let count = declarations.len();
+    let kept: FxHashSet<usize> = pairs.iter().filter_map(|it| it.found).collect();
+    for (index, declaration) in declarations.into_iter().enumerate() {
+        if index > 0 {
+            out += &format!("\n{indent}");
+        }
+        let own = pairs.get(index).and_then(|it| it.found);
+        for comment in own.iter().flat_map(|&it| &before[it]) {
+            out += &format!("{comment}\n{indent}");
+        }
+        out += &declaration;
+        let is_last = index + 1 == count;
+        if !is_last {
+            out.push(',');
+        }
+        let mut tail: Vec<&String> = own.iter().flat_map(|&it| &behind[it]).collect();
+        if is_last {
+            // Those of parameters that are gone stay too.
+            let gone = (0..function.parameters.len()).filter(|it| !kept.contains(it));
+            tail.extend(gone.flat_map(|it| before[it].iter().chain(&behind[it])));
+        }
+        for (number, comment) in tail.iter().enumerate() {
+            out += &format!(" {comment}");
+            let ends_line = comment.starts_with("//");
+            if ends_line && (number + 1 < tail.len() || is_last) {
+                out += &format!("\n{indent}");
+            }
+        }
+    }
+    out.push(')');
+    Some(out)
+}
+
+/// The comments of a text between parameters, and whether each stands on a later line than the text begins.
+fn comments(gap: &str) -> Vec<(String, bool)> {
+    let mut out = Vec::new();
+    let mut at = 0;
+    while let Some(found) = gap[at..]
+        .find("/*")
+        .into_iter()
+        .chain(gap[at..].find("//"))
+        .min()
+    {
+        let start = at + found;
+        let length = match gap[start..].starts_with("/*") {
+            true => gap[start..].find("*/").map(|it| it + 2),
+            false => gap[start..].find('\n'),
+        };
+        let end = length.map_or(gap.len(), |it| start + it);
+        out.push((
+            gap[start..end].trim_end().to_owned(),
+            gap[..start].contains('\n'),
+        ));
+        at = end;
+    }
+    out
+}
+
+/// The declarations of a list, cut at the commas outside brackets.
+fn split(list: &str) -> Vec<String> {
+    let (mut out, mut depth, mut from) = (Vec::new(), 0i32, 0);
+    for (at, c) in list.char_indices() {
+        match c {
+            '(' | '<' | '[' => depth += 1,
+            ')' | '>' | ']' => depth -= 1,
+            ',' if depth == 0 => {
+                out.push(list[from..at].trim().to_owned());
+                from = at + 1;
+            }
+            _ => {}
+        }
+    }
+    out.push(list[from..].trim().to_owned());
+    out
+}
+
+/// The places of a parameter in the body; `None` when the body declares another variable of that name.
+fn uses(file: &IndexedFile, function: &Function, name: &str) -> Option<Vec<Range<usize>>> {
+    let tree = parse(&file.text, file.index.grammar)?;
+    let body = function.body.as_ref()?.span.clone();
+    let (mut out, mut hidden) = (Vec::new(), false);
+    preorder(tree.root_node(), |node| {
+        let span = node.byte_range();
+        if span.end <= body.start || span.start >= body.end {
+            return false;
+        }
+        if node.kind() == "identifier" && file.text.get(span.clone()) == Some(name) {
+            hidden |= is_declared(node);
+            if span.start >= body.start {
+                out.push(span);
+            }
+        }
+        true
+    });
+    (!hidden).then_some(out)
+}
+
+fn follow_body(file: &IndexedFile, function: &Function, pairs: &[Pair], edit: &mut Edit) {
+    let Some(tree) = parse(&file.text, file.index.grammar) else {
+        return;
+    };
+    for pair in pairs {
+        let parameter = pair.found.and_then(|it| function.parameters.get(it));
+        let Some(old) = parameter.and_then(|it| it.name.as_ref()) else {
+            continue;
+        };
+        if *old == pair.name && pair.change == Change::Same {
+            continue;
+        }
+        for span in uses(file, function, old).unwrap_or_default() {
+            let node = tree
+                .root_node()
+                .descendant_for_byte_range(span.start, span.end);
+            if let Some(node) = node {
+                let (span, text) = respelled(node, &pair.name, pair.change, &file.text);
+                edit.replace(&file.path, span, text);
+            }
+        }
+    }
+}
+
+/// How a use is spelled afterwards.
+fn respelled(node: Node<'_>, name: &str, change: Change, text: &str) -> (Range<usize>, String) {
+    let own = node.byte_range();
+    let parent = node.parent();
+    let kind = parent.map_or("", |it| it.kind());
+    let operator = |field: &str| {
+        let at = parent.and_then(|it| it.child_by_field_name(field));
+        at.map_or("", |it| text.get(it.byte_range()).unwrap_or_default())
+    };
+    let argument = parent.is_some_and(|it| it.child_by_field_name("argument") == Some(node));
+    let whole = parent.map_or(own.clone(), |it| it.byte_range());
+    let member = |to: &str| {
+        let operator = parent.and_then(|it| it.child_by_field_name("operator"));
+        let end = operator.map_or(own.end, |it| it.end_byte());
+        (own.start..end, format!("{name}{to}"))
+    };
+    match (change, kind) {
+        (Change::Same, _) => (own, name.to_owned()),
+        (Change::ToPointer, "field_expression") if argument && operator("operator") == "." => {
+            member("->")
+        }
+        (Change::ToPointer, "pointer_expression") if operator("operator") == "&" => {
+            (whole, name.to_owned())
+        }
+        (Change::ToPointer, _) => {
+            let postfix = argument && matches!(kind, "subscript_expression" | "update_expression");
+            // A `*` behind a `/` would begin a comment.
+            let division = text.get(..own.start).is_some_and(|it| it.ends_with('/'));
+            match postfix || division {
+                true => (own, format!("(*{name})")),
+                false => (own, format!("*{name}")),
+            }
+        }
+        (Change::ToValue, "field_expression") if argument && operator("operator") == "->" => {
+            member(".")
+        }
+        (Change::ToValue, "pointer_expression") if operator("operator") == "*" => {
+            (whole, name.to_owned())
+        }
+        (Change::ToValue, _) => (own, format!("&{name}")),
+    }
+}
+
+/// The arguments of a call in the new order. `None` when a new parameter has no argument that could be known.
+fn arguments(
+    file: &IndexedFile,
+    list: Node<'_>,
+    function: &Function,
+    pairs: &[Pair],
+) -> Option<String> {
+    let mut cursor = list.walk();
+    let old: Vec<Node<'_>> = list
+        .named_children(&mut cursor)
+        .filter(|it| it.kind() != "comment")
+        .collect();
+    if old.len() != function.parameters.len() {
+        return None;
+    }
+    // What the caller has under the name of a new parameter is what it has to pass.
+    let caller = file.index.function_at(list.start_byte())?;
+    let out: Option<Vec<String>> = pairs
+        .iter()
+        .map(|pair| {
+            let Some(index) = pair.found else {
+                let known = caller.parameters.iter();
+                let known = known.filter_map(|it| it.name.as_ref());
+                return known
+                    .into_iter()
+                    .find(|it| **it == pair.name)
+                    .map(ToString::to_string);
+            };
+            let node = old[index];
+            let text = file.text.get(node.byte_range())?;
+            Some(match (pair.change, node.kind()) {
+                (Change::Same, _) => text.to_owned(),
+                (Change::ToPointer, "identifier" | "field_expression" | "subscript_expression") => {
+                    format!("&{text}")
+                }
+                // The address of a value that has no place.
+                (Change::ToPointer, _) => return None,
+                (Change::ToValue, "pointer_expression") if text.starts_with('&') => {
+                    text[1..].trim_start().to_owned()
+                }
+                (Change::ToValue, "identifier") => format!("*{text}"),
+                (Change::ToValue, _) => format!("*({text})"),
+            })
+        })
+        .collect();
+    Some(format!("({})", out?.join(", ")))
+}

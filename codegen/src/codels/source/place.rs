@@ -1,0 +1,91 @@
+//! Where an identifier stands: what is written in front of it, and whether it is declared there.
+
+use smol_str::SmolStr;
+use tree_sitter::Node;
+
+use super::preorder;
+
+/// The scopes that are written in front of a name: `a` and `b` of `a::b::c`.
+pub(crate) fn qualifiers(node: Node<'_>, text: &str) -> Vec<SmolStr> {
+    let mut out = Vec::new();
+    let mut at = node;
+    while let Some(parent) = at.parent() {
+        if parent.kind() != "qualified_identifier" {
+            break;
+        }
+        let scope = parent.child_by_field_name("scope");
+        if let Some(scope) = scope.filter(|it| it.id() != at.id()) {
+            let name = text.get(scope.byte_range()).unwrap_or_default();
+            out.push(SmolStr::from(name.trim()));
+        }
+        at = parent;
+    }
+    out.reverse();
+    out
+}
+
+/// The scopes that `using namespace` opens in a file.
+pub(crate) fn opened(root: Node<'_>, text: &str) -> Vec<Vec<SmolStr>> {
+    let mut out = Vec::new();
+    preorder(root, |node| {
+        if node.kind() == "using_declaration" {
+            let mut cursor = node.walk();
+            let is_namespace = node
+                .children(&mut cursor)
+                .any(|it| it.kind() == "namespace");
+            let name = node.named_child(0).filter(|_| is_namespace);
+            if let Some(name) = name.and_then(|it| text.get(it.byte_range())) {
+                let path = name.trim_start_matches("::").split("::");
+                out.push(path.map(|it| SmolStr::from(it.trim())).collect());
+            }
+        }
+        true
+    });
+    out
+}
+
+/// The node is the name of a structure, enumeration or namespace that is defined there.
+pub(crate) fn names_structure(node: Node<'_>) -> bool {
+    node.parent().is_some_and(|it| {
+        it.child_by_field_name("body").is_some() && it.child_by_field_name("name") == Some(node)
+    })
+}
+
+/// The node is the name that a parameter declares.
+pub(crate) fn names_parameter(node: Node<'_>) -> bool {
+    let mut at = node;
+    while let Some(parent) = at.parent() {
+        match parent.kind() {
+            "parameter_declaration" | "optional_parameter_declaration" => {
+                return parent
+                    .child_by_field_name("declarator")
+                    .is_some_and(|it| it.id() == at.id());
+            }
+            // The length of an array is no name of its own.
+            "array_declarator" if parent.child_by_field_name("size") == Some(at) => return false,
+            kind if kind.ends_with("declarator") => at = parent,
+            _ => return false,
+        }
+    }
+    false
+}
+
+/// The node is the name that a parameter or variable declares.
+pub(crate) fn is_declared(node: Node<'_>) -> bool {
+    let mut at = node;
+    while let Some(parent) = at.parent() {
+        match parent.kind() {
+            "parameter_declaration" | "optional_parameter_declaration" | "declaration" => {
+                let mut cursor = parent.walk();
+                return parent
+                    .children_by_field_name("declarator", &mut cursor)
+                    .any(|it| it.id() == at.id());
+            }
+            "init_declarator" if parent.child_by_field_name("value") == Some(at) => return false,
+            "array_declarator" if parent.child_by_field_name("size") == Some(at) => return false,
+            kind if kind.ends_with("declarator") => at = parent,
+            _ => return false,
+        }
+    }
+    false
+}
