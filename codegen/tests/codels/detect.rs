@@ -431,14 +431,14 @@ fn repaired(spec: &str, file: &str, text: &str) -> (String, String) {
 }
 
 #[test]
-fn a_new_signature_keeps_the_names_that_the_body_uses() {
+fn a_new_signature_has_the_names_of_the_specification_but_for_the_context() {
     let spec = task(IDS, "in v, in w, out n", "main");
     let f =
         "genom_event\nf(c_s *value, int32_t *n, const genom_context ctx)\n{\n  return c_main;\n}\n";
     let (_, source) = repaired(&spec, "c_t_codels.c", &format!("{G}{f}"));
     insta::assert_snapshot!(source.strip_prefix(G).unwrap(), @r"
     genom_event
-    f(const c_s *value, double w, int32_t *n, const genom_context ctx)
+    f(const c_s *v, double w, int32_t *n, const genom_context ctx)
     {
       return c_main;
     }

@@ -120,10 +120,11 @@ fn a_parameter_that_is_gone_and_used_is_named() {
 #[test]
 fn events_and_exceptions_of_helpers_count() {
     let specification = "component c {\n  exception bad;\n  task t {\n    codel<start> f() yield ether;\n    \
-         codel<more> g() yield ether;\n  };\n};\n";
+         codel<stop> h() yield more;\n    codel<more> g() yield ether;\n  };\n};\n";
     let code = "static genom_event fail(genom_context self) { return c_bad(self); }\n\
          static genom_event next(void) { return c_more; }\n\
          genom_event f(const genom_context self) { if (1) return fail(self); if (2) return next(); return c_ether; }\n\
+         genom_event h(const genom_context self) { return c_more; }\n\
          genom_event g(const genom_context self) { return c_ether; }\n";
     let found = crate::support::Fixture::new(specification, &[("c_t_codels.c", code)]).report();
     assert_eq!(found.len(), 2, "{found:#?}");
