@@ -119,7 +119,12 @@ async fn fix_all(only: Option<&str>, ranges: &Value) {
     write(&all[0]["edit"]);
     client.ignore("textDocument/publishDiagnostics");
     let specification = path(&uri);
-    assert_eq!(check(&specification), Vec::<String>::new());
+    // A yield that the code does not use was meant by somebody: it stays until that is asked for.
+    let left = check(&specification);
+    assert!(
+        left.len() == 1 && left[0].starts_with("codel/never-yielded: "),
+        "{left:?}"
+    );
 
     // And it compiles, with the headers that the server makes for clangd.
     client
@@ -157,7 +162,7 @@ async fn fix_all(only: Option<&str>, ranges: &Value) {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn fix_all_leaves_nothing_to_report_and_the_code_compiles() {
+async fn fix_all_leaves_only_what_somebody_meant_and_the_code_compiles() {
     let text = read(example().join("tank.gen"));
     let start = place(&text, "tank_mix", 0);
     let here = json!({ "start": start, "end": start });
