@@ -120,8 +120,8 @@ pub(crate) fn published() -> Vec<(Utf8PathBuf, Vec<Utf8PathBuf>)> {
     all
 }
 
-/// The sources of a component, by name: the stubs of the skeleton, whose bodies read every member of what they are
-/// given and mention every event that they may return.
+/// The sources of a component, by name: the stubs of the skeleton, whose bodies read every member of
+/// what they are given and mention every event that they may return.
 pub(crate) fn codels(expected: &Expected<'_>) -> BTreeMap<Utf8PathBuf, String> {
     let options = StubOptions {
         use_parameters: true,

@@ -1,5 +1,5 @@
-//! A new name in a specification is followed by the sources: what is told apart, what is listed, and random renames
-//! of published components, whose codels compile afterwards as they did before.
+//! A new name in a specification is followed by the sources: what is told apart, what is listed, and
+//! random renames of published components, whose codels compile afterwards as they did before.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -35,8 +35,8 @@ enum Change {
 }
 
 impl Repairs<'_> {
-    /// The prototype of the specification. Parameters that have another name are renamed in the body, those that
-    /// become or were pointers are reached in the other way, and calls follow.
+    /// The prototype of the specification. Parameters that have another name are renamed in the body,
+    /// those that become or were pointers are reached in the other way, and calls follow.
     pub(super) fn update_signature(
         &self,
         name: &str,
@@ -191,7 +191,8 @@ fn pairs(wanted: &[Parameter], function: &Function) -> Vec<Pair> {
         .map(|(it, index)| {
             let old = index.and_then(|index| found[index].name.clone());
             let new = it.name.clone().unwrap_or_default();
-            // No specification names the context. A name that the body has for something else would hide that.
+            // No specification names the context. A name that the body has for something else would
+            // hide that.
             let context = it.ty.base == "genom_context";
             let taken = context || old.as_ref() != Some(&new) && (mentioned(&new) || named(&new));
             let change = index.map_or(Change::Same, |index| change(&found[index].ty, &it.ty));
@@ -213,8 +214,8 @@ fn change(from: &CType, to: &CType) -> Change {
     }
 }
 
-/// The prototype with the comments that stand between the parameters, each parameter on a line of its own. `None`
-/// when there is no comment.
+/// The prototype with the comments that stand between the parameters, each parameter on a line of its
+/// own. `None` when there is no comment.
 fn with_comments(
     file: &IndexedFile,
     function: &Function,
@@ -227,7 +228,8 @@ fn with_comments(
     if !list.contains("/*") && !list.contains("//") {
         return None;
     }
-    // Comments in front of a parameter are its own; those on the line where the one before ends are that one's.
+    // Comments in front of a parameter are its own; those on the line where the one before ends are
+    // that one's.
     let mut before: Vec<Vec<String>> = vec![Vec::new(); function.parameters.len()];
     let mut behind = before.clone();
     let mut at = function.name_span.end;
