@@ -127,7 +127,7 @@ pub fn rename(folder: &Folder, after: &UnitResult, texts: &dyn Files) -> Result<
         if after.spec.components.len() != folder.unit.spec.components.len() {
             return Err(Refused::Names(NoNames::Structure));
         }
-        let new = Expected::new(&after.spec, before.component);
+        let new = Expected::in_language(&after.spec, before.component, before.language);
         let names = Names::new(&before, &new).map_err(Refused::Names)?;
         if names.is_empty() {
             continue;

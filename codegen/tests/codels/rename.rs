@@ -53,10 +53,9 @@ impl Before {
             .analysis()
             .root_unit(&self.root)
             .expect("not cancelled");
-        folders(&self.root, &unit, &mut |it| {
+        folders(&unit, &mut |it| {
             Sources::load(it, &FilesConfig::default(), &*self.files)
         })
-        .expect("the specification has no error")
     }
 
     /// `code: message` of everything, with the number of each.
@@ -330,10 +329,10 @@ fn random_renames_leave_nothing_worse() {
             continue;
         }
         let mut files = Overlay::default();
-        let found = folders(&root, &unit, &mut |it| {
+        let found = folders(&unit, &mut |it| {
             Sources::load(it, &FilesConfig::default(), &files)
         });
-        for folder in found.unwrap_or_default() {
+        for folder in found {
             let own = folder.specification == root && folder.sources.sources.is_empty();
             for expected in folder.expected().iter().filter(|_| own) {
                 for (path, text) in exercised(expected) {

@@ -170,11 +170,11 @@ fn random_edits_compile_after_one_sync() {
         let mut files = Overlay::default();
         let host = host_over(Arc::new(files.clone()), includes.clone());
         let unit = host.analysis().root_unit(&root).expect("not cancelled");
-        let found = folders(&root, &unit, &mut |it| {
+        let found = folders(&unit, &mut |it| {
             Sources::load(it, &FilesConfig::default(), &files)
         });
         let mut texts = Vec::new();
-        for folder in found.unwrap_or_default() {
+        for folder in found {
             let own = folder.specification == root && folder.sources.sources.is_empty();
             for expected in folder.expected().iter().filter(|_| own) {
                 let written = codels(expected).into_iter();
