@@ -13,8 +13,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::{Outcome, Reading};
-use crate::config::{self, Config, Level, PackageConfig, Problem, Settings};
-use crate::files::vfs::{self, Vfs};
+use crate::config::{self, Config, Level, Problem, Settings};
+use crate::files::vfs::{self, PackageConfig, Vfs};
 use crate::panic;
 use crate::protocol::convert::{Encoding, Lines};
 use crate::verification::problem::EXTENSION;

@@ -118,8 +118,8 @@ impl Flow<'_> {
         let mut raised: Vec<&(SmolStr, TypeId)> = inner.raised.iter().collect();
         raised.sort();
         for (name, exception) in raised {
-            let allowed = self.may_throw(*exception)
-                || self.check.function.throws.contains(exception);
+            let allowed =
+                self.may_throw(*exception) || self.check.function.throws.contains(exception);
             if !allowed && reported.insert(name.clone()) {
                 out.push(self.undeclared_throw(name, &call.span, Some(*exception)));
             }

@@ -19,11 +19,11 @@ use dotgen_codegen::disk::{Disk as _, NewContent};
 use super::{has_place, project, roots};
 use crate::cli::report::{self, Format, Report};
 use crate::cli::{Outcome, Reading, session};
-use crate::config::PackageConfig;
 use crate::features::codels::Disk;
 use crate::features::codels::headers::{FOLDER, IGNORED};
 use crate::files::disk::SystemDisk;
 use crate::files::vfs;
+use crate::files::vfs::PackageConfig;
 use crate::process;
 use crate::protocol::convert::{Encoding, Lines};
 
