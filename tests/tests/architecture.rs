@@ -131,6 +131,7 @@ const CIRCLES: &[(&str, &str, &[&str])] = &[
             "base",
             "check",
             "codes",
+            "deps",
             "elab",
             "finding",
             "fixes",
@@ -178,7 +179,7 @@ const CIRCLES: &[(&str, &str, &[&str])] = &[
     ("codegen", "codels", &["allow", "command", "folder"]),
     ("codegen", "template", &["api", "closure"]),
     ("codegen", "template", &["output", "reach"]),
-    ("timing", "", &["remark", "scn"]),
+    ("timing", "", &["remark", "scn", "system"]),
     (
         "timing",
         "explore",
