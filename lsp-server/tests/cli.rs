@@ -547,3 +547,102 @@ fn the_manual_is_part_of_the_program() {
         stderr(&output)
     );
 }
+
+const CLONE: &str = "\
+#pragma require \"openrobots2-idl >= 2.0\"
+#include \"or/pose/pose_estimator.gen\"
+component c {
+  uses or_pose_estimator;
+  ids { or::t3d::pos at; };
+  exception e_bad {};
+  function f(in long n) { codel c_f(in n); };
+  function g(in long n) { codel c_g(in n, inout at); throw e_bad; };
+  task t { codel<start> c_t(in at.x, in pose) yield ether; };
+};
+";
+
+/// Without the packages that it requires, a specification is compared, and the result says how far.
+#[test]
+fn codels_of_a_fresh_clone_are_compared() {
+    let source = "#include \"c_c_types.h\"\n\n\
+        genom_event c_f(int32_t n, int32_t more, const genom_context self) { return genom_ok; }\n\
+        genom_event c_g(int32_t n, or_t3d_pos *at, const genom_context self) { return c_e_bad(self); }\n\
+        genom_event c_t(double x, const c_pose *pose, const genom_context self) { return c_nowhere; }\n";
+    let it = Directory::new(&[("c.gen", CLONE), ("codels/c_codels.c", source)]);
+    let check = |format: &str| {
+        let mut command = it.command(&["codels", "check", "--format", format, "c.gen"]);
+        let output = command.env("PKG_CONFIG", "false").output();
+        output.expect("the program runs")
+    };
+    let output = check("json");
+    assert_eq!(status(&output), 1, "{}", stderr(&output));
+    let document: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    let found: Vec<_> = document["diagnostics"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|it| it["code"].as_str().unwrap_or_default())
+        .collect();
+    assert_eq!(
+        found,
+        ["codel/signature-mismatch", "codel/undeclared-yield"]
+    );
+    let expected = json!([{
+        "file": "c.gen",
+        "component": "c",
+        "codels": 3,
+        "judged": 3,
+        "compared": 2,
+        "faulty": 0,
+        "waiting": [{ "for": "or_pose_estimator", "codels": 1 }],
+        "assumed": ["or"],
+    }]);
+    assert_eq!(document["codels"], expected);
+    let text = stdout(&check("text"));
+    let said = "c.gen: c: 2 of 3 codels compared; 1 waits for or_pose_estimator";
+    assert!(text.contains(said), "{text}");
+}
+
+#[test]
+fn what_a_specification_needs_and_what_stands_in_for_it() {
+    let it = Directory::new(&[("c.gen", CLONE)]);
+    let deps = |arguments: &[&str]| {
+        let mut command = it.command(&[&["deps"][..], arguments, &["c.gen"]].concat());
+        let output = command.env("PKG_CONFIG", "false").output();
+        output.expect("the program runs")
+    };
+    let output = deps(&["--format", "json"]);
+    assert_eq!(status(&output), 1, "{}", stderr(&output));
+    let document: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    let needs = &document["specifications"][0];
+    let package = &needs["packages"][0];
+    assert_eq!(package["requirement"], "openrobots2-idl >= 2.0");
+    assert_eq!(
+        package["brought_by"][0]["robotpkg"],
+        "interfaces/openrobots2-idl"
+    );
+    assert_eq!(needs["includes"][0]["found"], Value::Null);
+    assert_eq!(needs["interfaces"][0]["name"], "or_pose_estimator");
+    assert_eq!(needs["unknown"][0]["name"], "or::t3d::pos");
+
+    let output = deps(&["--stand-ins"]);
+    let path = it.path().join(".dotgen/standins/or/pose/pose_estimator.gen");
+    let standin = std::fs::read_to_string(path).expect("it was written");
+    assert!(standin.contains("interface or_pose_estimator"), "{standin}");
+    assert!(standin.contains("port out pose_data pose;"), "{standin}");
+    assert!(standin.contains("double x;"), "{standin}");
+    let ignored = std::fs::read_to_string(it.path().join(".dotgen/.gitignore"));
+    assert_eq!(ignored.expect("it was written"), "*\n");
+    assert!(stdout(&output).contains("created .dotgen/standins/or/pose/pose_estimator.gen"));
+    // From now on only the package is missing.
+    let mut command = it.command(&["check", "--format", "json", "c.gen"]);
+    let output = command.env("PKG_CONFIG", "false").output();
+    let text = stdout(&output.expect("the program runs"));
+    let document: Value = serde_json::from_str(&text).expect("JSON");
+    let errors = document["diagnostics"].as_array().expect("a list").iter();
+    let errors: Vec<_> = errors
+        .filter(|it| it["severity"] == "error")
+        .map(|it| &it["code"])
+        .collect();
+    assert_eq!(errors, ["pp-requires-unresolved"]);
+}

@@ -3,6 +3,7 @@
 mod findings;
 mod fixes;
 mod navigation;
+mod typing;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
