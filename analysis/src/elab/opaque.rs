@@ -40,14 +40,27 @@ impl<'a> Elaborator<'a> {
         service: Option<u32>,
         decl: &ParamDecl,
     ) -> Option<Param> {
-        let ParamSpec::Path { path, rename, .. } = &decl.spec else {
+        let ParamSpec::Path {
+            path,
+            rename,
+            source,
+        } = &decl.spec
+        else {
             return None;
         };
-        let first = path.iter().find_map(|it| match it {
-            PathStep::Member(name) => Some(name),
+        let member = |it| match it {
+            &PathStep::Member(ref name) => Some(name),
             PathStep::Index(_) => None,
-        });
-        let name = rename.as_deref().or(first)?.text.clone();
+        };
+        let (first, last) = (
+            path.iter().find_map(member),
+            path.iter().rev().find_map(member),
+        );
+        // Members of the ids are called by their last name, all else by the first.
+        let whole = matches!(source, Some((it, _)) if *it != Source::Ids)
+            || first.is_some_and(|it| self.local_named(index, service, &it.text).is_some());
+        let own = if whole { first } else { last };
+        let name = rename.as_deref().or(own)?.text.clone();
         let src = self.src(decl.ptr);
         if let ParamSpec::Path { source, .. } = &decl.spec
             && let Some(first) = first
