@@ -247,7 +247,10 @@ impl RootDatabase {
             }
             let edited = lock(&self.tables.edited).contains(&file);
             match edited {
-                true => _ = file.set_status(self).to(FileStatus::TooLarge(size)),
+                true => {
+                    file.set_status(self).to(FileStatus::TooLarge(size));
+                    file.set_text(self).to("".into());
+                }
                 false => self.set_file(&path, None),
             }
         }

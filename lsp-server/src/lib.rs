@@ -32,5 +32,7 @@ pub mod verification;
 pub mod views;
 pub mod workspace;
 
+pub use session::server::serve;
+
 #[cfg(test)]
 mod tests;

@@ -626,7 +626,9 @@ fn what_a_specification_needs_and_what_stands_in_for_it() {
     assert_eq!(needs["unknown"][0]["name"], "or::t3d::pos");
 
     let output = deps(&["--stand-ins"]);
-    let path = it.path().join(".dotgen/standins/or/pose/pose_estimator.gen");
+    let path = it
+        .path()
+        .join(".dotgen/standins/or/pose/pose_estimator.gen");
     let standin = std::fs::read_to_string(path).expect("it was written");
     assert!(standin.contains("interface or_pose_estimator"), "{standin}");
     assert!(standin.contains("port out pose_data pose;"), "{standin}");

@@ -1,7 +1,7 @@
 //! Which files a unit visits, and what is said about those it cannot.
 
 use crate::{
-    host::{BatchInput, Config, Input, PackageFlags},
+    host::{BatchInput, Change, Config, Input, PackageFlags},
     test_support::{Fixture, diagnostic_line},
 };
 
@@ -378,4 +378,24 @@ const long a = 1 + 1 + 1 + 1 + 1 + 1 + 1 + 1 +
     };
     assert_eq!(codes("/b.idl"), ["pp-input"]);
     assert_eq!(codes("/a.gen"), ["pp-include-not-found"]);
+}
+
+#[test]
+fn a_file_that_becomes_too_large_is_forgotten() {
+    let mut fixture = Fixture::new("//- /a.gen\nconst long a = 1;\n");
+    fixture.replace("/a.gen", "1;", "1 + 1");
+    let codes = |fixture: &Fixture| -> Vec<&str> {
+        let found = fixture.analysis().diagnostics("/a.gen".into()).unwrap();
+        found.iter().map(|it| it.code).collect()
+    };
+    assert_eq!(codes(&fixture), ["missing-semicolon"]);
+    let config = Config {
+        max_file_bytes: Some(10),
+        ..Config::default()
+    };
+    fixture.host.apply(Change {
+        config: Some(config),
+        ..Change::default()
+    });
+    assert_eq!(codes(&fixture), ["pp-input"]);
 }

@@ -13,7 +13,7 @@ use crate::session::backend::Backend;
 use crate::session::{requests, transport};
 
 /// Serves one client until it sends `exit` or closes its end. Whether it said `shutdown` before.
-pub(crate) async fn serve(input: impl AsyncRead + Unpin, output: impl AsyncWrite) -> bool {
+pub async fn serve(input: impl AsyncRead + Unpin, output: impl AsyncWrite) -> bool {
     let initialize = Arc::new(OnceLock::new());
     let shut_down = Arc::new(AtomicBool::new(false));
     let (close, closed) = watch::channel(false);

@@ -33,7 +33,7 @@ pub(super) fn serve(input: &[u8]) {
         let (ours, theirs) = tokio::io::duplex(1 << 20);
         let (mut from, mut to) = tokio::io::split(ours);
         let (read, write) = tokio::io::split(theirs);
-        let server = tokio::spawn(dotgen_lsp_server::server::serve(read, write));
+        let server = tokio::spawn(dotgen_lsp_server::serve(read, write));
         let reader = tokio::spawn(async move {
             let mut output = Vec::new();
             // The pipe breaks when the server ends: that is its end.
