@@ -577,15 +577,20 @@ fn codels_of_a_fresh_clone_are_compared() {
     let output = check("json");
     assert_eq!(status(&output), 1, "{}", stderr(&output));
     let document: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
-    let found: Vec<_> = document["diagnostics"]
+    let mut found: Vec<_> = document["diagnostics"]
         .as_array()
         .expect("a list")
         .iter()
         .map(|it| it["code"].as_str().unwrap_or_default())
         .collect();
+    found.sort_unstable();
     assert_eq!(
         found,
-        ["codel/signature-mismatch", "codel/undeclared-yield"]
+        [
+            "codel/never-yielded",
+            "codel/signature-mismatch",
+            "codel/undeclared-yield"
+        ]
     );
     let expected = json!([{
         "file": "c.gen",
@@ -601,6 +606,17 @@ fn codels_of_a_fresh_clone_are_compared() {
     let text = stdout(&check("text"));
     let said = "c.gen: c: 2 of 3 codels compared; 1 waits for or_pose_estimator";
     assert!(text.contains(said), "{text}");
+}
+
+/// Whatever a specification with errors of its own hides, it is not in step.
+#[test]
+fn codels_of_a_specification_with_errors_are_not_in_step() {
+    let text = "component c {\n  function f(in long n) { codel c_f(in n) };\n};\n";
+    let source = "#include \"c_c_types.h\"\n";
+    let it = Directory::new(&[("c.gen", text), ("codels/c_codels.c", source)]);
+    let output = it.run(&["codels", "check", "c.gen"]);
+    assert_eq!(status(&output), 1, "{}", stdout(&output));
+    assert!(stderr(&output).contains("`dotgen check c.gen` shows"));
 }
 
 #[test]

@@ -41,8 +41,8 @@ fn a_terminal_gets_no_control_characters() {
         &["run", "missing\u{1b}[31m.gen"],
     ] {
         let output = directory.run(arguments);
-        assert_ne!(status(&output), 0, "{arguments:?}");
         let printed = stdout(&output) + &stderr(&output);
+        assert!(!printed.is_empty(), "{arguments:?}");
         let harmful = |it: char| it.is_control() && !matches!(it, '\n' | '\t') || it == '\u{202e}';
         let found: Vec<char> = printed.chars().filter(|it| harmful(*it)).collect();
         assert_eq!(found, [], "{arguments:?}: {printed}");

@@ -45,7 +45,8 @@ enum Command {
 
 /// Report codels that do not fit their specification
 ///
-/// Exit status: 0 when they do (hints do not count), 1 when not, 2 if something cannot be compared.
+/// Exit status: 0 when they do (hints do not count), 1 when not or when a specification has errors in its text, 2 if
+/// something cannot be read.
 #[derive(Debug, Args)]
 struct Check {
     /// Specifications, directories to search for .gen files, or - for standard input
@@ -162,6 +163,7 @@ fn check(arguments: &Check) -> anyhow::Result<Outcome> {
     let (files, mut trouble) = session::specifications(&arguments.paths);
     let mut report = Report::default();
     let mut errors = Vec::new();
+    let mut broken = false;
     for mut session in session::open(files, &arguments.reading)? {
         let roots = roots(&session);
         let mut project = project(&mut session);
@@ -180,7 +182,7 @@ fn check(arguments: &Check) -> anyhow::Result<Outcome> {
             if folder.sources.sources.is_empty() {
                 nothing_there(&folder);
             } else if !folder.unit.accepted() {
-                has_errors(&folder);
+                broken |= has_errors(&folder);
             }
             let differs = project.adjusted(&folder, differs);
             let locations = &*folder.unit.locations;
@@ -202,20 +204,17 @@ fn check(arguments: &Check) -> anyhow::Result<Outcome> {
     errors
         .into_iter()
         .for_each(|it| trouble.tell(&anyhow::Error::msg(it)));
-    Ok(trouble.outcome(
-        match report
-            .diagnostics
-            .iter()
-            .all(|it| it.severity == Severity::Hint)
-        {
-            true => Outcome::Fine,
-            false => Outcome::Errors,
-        },
-    ))
+    let differs = report.diagnostics.iter();
+    let differs = differs.filter(|it| it.severity != Severity::Hint).count();
+    Ok(trouble.outcome(match differs == 0 && !broken {
+        true => Outcome::Fine,
+        false => Outcome::Errors,
+    }))
 }
 
-/// Says that a specification has errors, so that not everything could be compared.
-fn has_errors(folder: &Folder) {
+/// Says that a specification has errors, so that not everything could be compared. Whether some are in its text: what
+/// is missing on this machine is no fault of theirs.
+fn has_errors(folder: &Folder) -> bool {
     let path = session::display(&folder.specification);
     let errors = folder.unit.diagnostics.iter();
     let errors = errors.filter(|it| it.severity == Severity::Error);
@@ -240,6 +239,7 @@ fn has_errors(folder: &Folder) {
         ),
     };
     report::note(&format!("`{path}` has {what}"));
+    !text.is_empty()
 }
 
 /// How much of the codels of a folder was compared, by component.
