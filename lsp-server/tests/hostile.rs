@@ -9,7 +9,7 @@ mod directory;
 #[path = "support/server.rs"]
 mod server;
 
-use directory::{Directory, status, stderr, stdout};
+use directory::{Directory, stderr, stdout};
 use server::Server;
 
 const NAME: &str = "a\u{1b}[31m\u{7}\u{202e}b.gen";

@@ -17,6 +17,7 @@ use dotgen_timing::report::{Value, Verdict};
 use dotgen_timing::scn::parse;
 use dotgen_timing::verify::{Cancel, Options, Question, SystemInput, prepare, verify};
 
+#[allow(dead_code, reason = "shared with the tests of verification")]
 #[path = "../../timing/tests/agreement/servers/random.rs"]
 mod random;
 

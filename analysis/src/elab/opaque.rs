@@ -48,10 +48,12 @@ impl<'a> Elaborator<'a> {
         else {
             return None;
         };
-        let member = |it| match it {
-            &PathStep::Member(ref name) => Some(name),
-            PathStep::Index(_) => None,
-        };
+        fn member(step: &PathStep) -> Option<&Name> {
+            match step {
+                PathStep::Member(name) => Some(name),
+                PathStep::Index(_) => None,
+            }
+        }
         let (first, last) = (
             path.iter().find_map(member),
             path.iter().rev().find_map(member),

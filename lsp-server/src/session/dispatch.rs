@@ -211,7 +211,6 @@ impl Dispatcher {
         let about = About {
             whole: true,
             bulk: true,
-            ..About::default()
         };
         self.run(uri, about, params, work).await
     }

@@ -118,11 +118,11 @@ impl Names {
             at = node.parent();
         }
         let within = |kind: &str| kinds.iter().find(|it| it.kind() == kind);
-        if let Some(declaration) = within("parameter_declaration") {
-            if node.kind() == "identifier" {
-                self.parameter(*declaration, from, to, text);
-                return;
-            }
+        if let Some(declaration) = within("parameter_declaration")
+            && node.kind() == "identifier"
+        {
+            self.parameter(*declaration, from, to, text);
+            return;
         }
         if node.kind() == "field_identifier" {
             if let Some(owner) = types::owner_of(node, text) {

@@ -44,10 +44,8 @@ impl Types {
                     }
                 }
                 "type_definition" | "alias_declaration" => self.alias(node, text),
-                "declaration" | "function_definition" => {
-                    if !inside_structure(node) {
-                        declared(node, text, |name, ty| self.value(name, ty));
-                    }
+                "declaration" | "function_definition" if !inside_structure(node) => {
+                    declared(node, text, |name, ty| self.value(name, ty));
                 }
                 _ => {}
             }

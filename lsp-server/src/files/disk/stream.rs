@@ -77,7 +77,7 @@ mod tests {
         let mut dropped = Stream::create(&path).expect("created");
         dropped.write_all(b"half").expect("written");
         drop(dropped);
-        assert_eq!(names(), [path.clone()], "nothing stays behind");
+        assert_eq!(names(), std::slice::from_ref(&path), "nothing stays behind");
         let mut stream = Stream::create(&path).expect("created");
         stream.write_all(b"whole").expect("written");
         assert_eq!(std::fs::read(&path).expect("a file"), b"before");
