@@ -116,6 +116,8 @@ pub(super) fn run(
         files: 0,
     };
     let ended = session.serve();
+    // What a template wrote before it failed stays, as with GenoM3. Where dotgen ended it, nothing is written.
+    let ended_by_us = ended.is_err();
     let mut place = None;
     let (status, error) = match ended {
         Ok(done) => {
@@ -141,7 +143,7 @@ pub(super) fn run(
         session.console.err(&format!("{name}: {error}"));
     }
     let unwritten = session.output.files.changed();
-    let (sink, written) = session.output.finish(status != 0);
+    let (sink, written) = session.output.finish(ended_by_us);
     let mut outcome = Outcome {
         status,
         sink,
@@ -153,8 +155,8 @@ pub(super) fn run(
         session.console.err(&format!("{name}: {message}"));
         outcome.status = 2;
         outcome.error = Some(message);
-    } else if status != 0 && unwritten > 0 && matches!(outcome.sink, super::OutputSink::Direct) {
-        let message = format!("{name}: nothing was written, since the template did not end well");
+    } else if ended_by_us && unwritten > 0 && matches!(outcome.sink, super::OutputSink::Direct) {
+        let message = format!("{name}: nothing was written, since the template did not end");
         session.console.err(&message);
     }
     outcome
