@@ -34,6 +34,7 @@ async function askInterfaces(known: InterfaceInfo[]): Promise<readonly Interface
   );
   return vscode.window.showQuickPick(items, {
     title: 'New Component: ports (4/4)',
+    ignoreFocusOut: true,
     placeHolder: 'Check the interfaces whose ports it has; none is an answer too',
     canPickMany: true,
     matchOnDescription: true,
@@ -47,7 +48,7 @@ async function askFolder(): Promise<vscode.Uri | undefined> {
     ...open.map((it) => ({ label: it.name, description: it.uri.fsPath, uri: it.uri as vscode.Uri | undefined })),
     { label: '$(folder-opened) Another Folder…', description: '', uri: undefined },
   ];
-  const picked = open.length === 1 ? items[0] : await vscode.window.showQuickPick(items, { title: 'New Component: folder (1/4)', placeHolder: 'Where its folder goes' });
+  const picked = open.length === 1 ? items[0] : await vscode.window.showQuickPick(items, { title: 'New Component: folder (1/4)', ignoreFocusOut: true, placeHolder: 'Where its folder goes' });
   if (picked === undefined || picked.uri !== undefined) {
     return picked?.uri;
   }
@@ -66,6 +67,8 @@ export async function createComponent(server: Server): Promise<void> {
   }
   const name = await vscode.window.showInputBox({
     title: 'New Component: name (2/4)',
+    // The walkthrough takes the focus when its step is done, and answers would be lost.
+    ignoreFocusOut: true,
     prompt: 'A name in C: letters, digits and `_`',
     validateInput: (text) => (/^[A-Za-z_]\w*$/.test(text) ? undefined : 'A letter or `_`, then letters, digits and `_`'),
   });
@@ -74,6 +77,7 @@ export async function createComponent(server: Server): Promise<void> {
   }
   const tasks = await vscode.window.showInputBox({
     title: 'New Component: tasks (3/4)',
+    ignoreFocusOut: true,
     prompt: 'Tasks between commas, each with its period unless it has none',
     value: 'exec 10 ms',
   });
