@@ -67,7 +67,7 @@ export async function createComponent(server: Server): Promise<void> {
   }
   const name = await vscode.window.showInputBox({
     title: 'New Component: name (2/4)',
-    // The walkthrough takes the focus when its step is done, and answers would be lost.
+    // Other parts of the window may take the focus, and answers would be lost.
     ignoreFocusOut: true,
     prompt: 'A name in C: letters, digits and `_`',
     validateInput: (text) => (/^[A-Za-z_]\w*$/.test(text) ? undefined : 'A letter or `_`, then letters, digits and `_`'),
@@ -108,6 +108,8 @@ export async function createComponent(server: Server): Promise<void> {
       return;
     }
     await vscode.window.showTextDocument(vscode.Uri.parse(made.files[0]?.uri ?? ''));
+    // Its step of the walkthrough is done now, and not when the questions begin: done, it takes the focus from them.
+    await vscode.commands.executeCommand('setContext', 'dotgen.componentMade', true);
   } catch (error) {
     void vscode.window.showErrorMessage(error instanceof Error ? error.message : String(error));
   }
