@@ -70,11 +70,11 @@ export function checks(wb) {
     await rows.filter({ hasText: SOURCE }).first().waitFor();
     // The list draws only what fits: a long one is scrolled to its end.
     const specification = rows.filter({ hasText: 'tank.gen' }).first();
-    if (!(await specification.isVisible())) {
-      await rows.first().hover();
-      await page.mouse.wheel(0, 5000);
-    }
-    await specification.waitFor();
+    await rows.first().hover();
+    await until('the specification is listed', async () => {
+      if (!(await specification.isVisible())) await page.mouse.wheel(0, 200);
+      return specification.isVisible();
+    });
     const boxes = rows.locator('.edit-checkbox');
     for (let i = 0; i < (await boxes.count()); i++) assert.equal(await boxes.nth(i).getAttribute('aria-checked'), 'true');
     await wb.shot(shot);
