@@ -208,6 +208,12 @@ impl UnitResult {
             .any(|it| it.severity == Severity::Error)
     }
 
+    /// Whether its text has errors: what is missing on this machine is none.
+    pub fn has_errors_in_text(&self) -> bool {
+        let mut all = self.diagnostics.iter();
+        all.any(|it| it.severity == Severity::Error && !codes::is_environment(it.code))
+    }
+
     /// Whether some text in it was not understood.
     pub fn has_syntax_errors(&self) -> bool {
         let mut errors = self

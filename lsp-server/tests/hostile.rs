@@ -9,7 +9,7 @@ mod directory;
 #[path = "support/server.rs"]
 mod server;
 
-use directory::{Directory, stderr, stdout};
+use directory::{Directory, status, stderr, stdout};
 use server::Server;
 
 const NAME: &str = "a\u{1b}[31m\u{7}\u{202e}b.gen";
@@ -19,7 +19,7 @@ fn a_terminal_gets_no_control_characters() {
     let directory = Directory::new(&[
         (
             NAME,
-            "#include \"\u{1b}[2J.idl\"\nstruct s { nope x; }; // \u{1b}]0;title\u{7}\n",
+            "#include \"\u{1b}[2J.idl\"\nstruct s { nope x; }; struct s {}; // \u{1b}]0;title\u{7}\n",
         ),
         (
             "templates/quits/template.tcl",
@@ -41,8 +41,8 @@ fn a_terminal_gets_no_control_characters() {
         &["run", "missing\u{1b}[31m.gen"],
     ] {
         let output = directory.run(arguments);
+        assert_ne!(status(&output), 0, "{arguments:?}");
         let printed = stdout(&output) + &stderr(&output);
-        assert!(!printed.is_empty(), "{arguments:?}");
         let harmful = |it: char| it.is_control() && !matches!(it, '\n' | '\t') || it == '\u{202e}';
         let found: Vec<char> = printed.chars().filter(|it| harmful(*it)).collect();
         assert_eq!(found, [], "{arguments:?}: {printed}");

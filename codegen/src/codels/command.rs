@@ -14,6 +14,7 @@ use serde::Serialize;
 use super::{
     drift::{DriftCode, Repair},
     edit::{Edit, apply, unified_diff},
+    repair::ByHand,
     stub::NewFile,
 };
 
@@ -58,34 +59,9 @@ pub struct SyncReport {
     /// What was mended, in order.
     pub applied: Vec<String>,
     /// What a new signature leaves to be done by hand.
-    pub notes: Vec<StillUsed>,
+    pub notes: Vec<ByHand>,
     /// What is left after the changes.
     pub left: CheckReport,
-}
-
-/// A parameter that a function has lost and that its body still uses.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct StillUsed {
-    /// The source.
-    pub path: Utf8PathBuf,
-    /// Line of the use, from 1, before the repair.
-    pub line: usize,
-    /// The function.
-    pub function: String,
-    /// The parameter.
-    pub parameter: String,
-}
-
-impl std::fmt::Display for StillUsed {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let (path, line) = (&self.path, self.line);
-        let (parameter, function) = (&self.parameter, &self.function);
-        write!(
-            f,
-            "{path}:{line}: `{function}` has no parameter `{parameter}` any more; take the use away, or put the \
-             parameter back into the specification"
-        )
-    }
 }
 
 /// Which repairs `sync` applies.
@@ -192,7 +168,7 @@ fn round(
     roots: &[Utf8PathBuf],
     options: &SyncOptions,
     tried: &mut BTreeSet<String>,
-    notes: &mut Vec<StillUsed>,
+    notes: &mut Vec<ByHand>,
 ) -> (Edit, Vec<String>) {
     let mut edit = Edit::default();
     let mut applied = Vec::new();
@@ -230,13 +206,7 @@ fn round(
                 tried.insert(format!("{repair:?}"));
                 applied.push(title);
                 if let Repair::UpdateSignature { name, path, start } = repair {
-                    let left = repairs.uses_of_removed(name, path, *start).into_iter();
-                    notes.extend(left.map(|(parameter, line)| StillUsed {
-                        path: path.clone(),
-                        line,
-                        function: name.to_string(),
-                        parameter,
-                    }));
+                    notes.extend(repairs.left_by_signature(name, path, *start));
                 }
             }
         }

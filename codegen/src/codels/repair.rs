@@ -5,6 +5,8 @@ mod signature;
 mod source;
 mod specification;
 
+pub use signature::{ByHand, Unfollowed};
+
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::model::{CodelRef, Owner};
 use dotgen_analysis::source_map::Locations;

@@ -93,6 +93,46 @@ fn calls_follow_where_every_argument_is_known() {
 }
 
 #[test]
+fn calls_keep_their_lines_and_comments() {
+    check(
+        "inout v, in w",
+        "genom_event f(double v, double w, const genom_context self) { return c_ether; }\n\
+         static void g(double v, genom_context self) {\n  f(v, /* half */\n    v / 2,\n    self);\n}\n",
+        "genom_event f(double *v, double w, const genom_context self) { return c_ether; }\n\
+         static void g(double v, genom_context self) {\n  f(&v, /* half */\n    v / 2,\n    self);\n}\n",
+    );
+}
+
+#[test]
+fn calls_that_cannot_follow_stay_and_are_named() {
+    let (text, report) = synced(
+        "in w, in v, in n",
+        "genom_event f(double v, double w, const genom_context self)\n{\n  return f(w, v, self);\n}\n\
+         static void g(double v, genom_context self) {\n  f(v, v, self);\n  f(/* far */ v, v, self);\n}\n",
+    );
+    for call in [
+        "f(w, v, self);",
+        "  f(v, v, self);",
+        "f(/* far */ v, v, self);",
+    ] {
+        assert!(text.contains(call), "{text}");
+    }
+    let notes: Vec<String> = report.notes.iter().map(ToString::to_string).collect();
+    let lines: Vec<_> = report.notes.iter().map(|it| it.line).collect();
+    assert_eq!(lines, [3, 6, 7], "{notes:?}");
+    assert!(notes[0].ends_with("give this call the arguments for them"));
+}
+
+#[test]
+fn an_address_is_taken_before_what_follows_it() {
+    check(
+        "in v",
+        "genom_event f(double *v, const genom_context self)\n{\n  double y = v[0];\n  return c_ether;\n}\n",
+        "genom_event f(double v, const genom_context self)\n{\n  double y = (&v)[0];\n  return c_ether;\n}\n",
+    );
+}
+
+#[test]
 fn comments_between_parameters_stay() {
     check(
         "in w, inout v",

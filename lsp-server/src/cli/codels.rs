@@ -14,6 +14,7 @@ use dotgen_codegen::codels::files::Files as _;
 use dotgen_codegen::codels::{
     command::{self, FileChange, Project, Side, StubTarget, SyncOptions},
     folder::Folder,
+    repair::ByHand,
     stub::StubOptions,
 };
 use dotgen_syntax::encoding;
@@ -168,6 +169,7 @@ fn check(arguments: &Check) -> anyhow::Result<Outcome> {
         let roots = roots(&session);
         let mut project = project(&mut session);
         let folders = project.folders(&roots, &mut errors);
+        broken |= roots.iter().any(|it| project.has_errors_in_text(it));
         let folders = folders.into_iter().map(|it| {
             let found = it.check(&it.expected());
             (it, found)
@@ -182,7 +184,7 @@ fn check(arguments: &Check) -> anyhow::Result<Outcome> {
             if folder.sources.sources.is_empty() {
                 nothing_there(&folder);
             } else if !folder.unit.accepted() {
-                broken |= has_errors(&folder);
+                has_errors(&folder);
             }
             let differs = project.adjusted(&folder, differs);
             let locations = &*folder.unit.locations;
@@ -212,9 +214,8 @@ fn check(arguments: &Check) -> anyhow::Result<Outcome> {
     }))
 }
 
-/// Says that a specification has errors, so that not everything could be compared. Whether some are in its text: what
-/// is missing on this machine is no fault of theirs.
-fn has_errors(folder: &Folder) -> bool {
+/// Says that a specification has errors, so that not everything could be compared.
+fn has_errors(folder: &Folder) {
     let path = session::display(&folder.specification);
     let errors = folder.unit.diagnostics.iter();
     let errors = errors.filter(|it| it.severity == Severity::Error);
@@ -239,7 +240,6 @@ fn has_errors(folder: &Folder) -> bool {
         ),
     };
     report::note(&format!("`{path}` has {what}"));
-    !text.is_empty()
 }
 
 /// How much of the codels of a folder was compared, by component.
@@ -310,7 +310,7 @@ fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
         }
         for it in &done.notes {
             let path = session::display(&it.path).into();
-            report::note(&command::StillUsed { path, ..it.clone() }.to_string());
+            report::note(&ByHand { path, ..it.clone() }.to_string());
         }
         let left = done
             .left

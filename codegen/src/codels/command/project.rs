@@ -99,6 +99,12 @@ impl<'a> Project<'a> {
         out
     }
 
+    /// Whether the text of a specification has errors, so that not everything can be compared.
+    pub fn has_errors_in_text(&self, root: &Utf8Path) -> bool {
+        let unit = self.host.analysis().root_unit(root);
+        unit.is_ok_and(|it| it.has_errors_in_text())
+    }
+
     fn sources(&self, specification: &Utf8Path) -> Sources {
         let mut index =
             |path: Utf8PathBuf, text: Arc<str>, cxx| self.indexes.borrow_mut().get(path, text, cxx);

@@ -1,9 +1,11 @@
 //! A new prototype for a function, with what follows from it: its body, and calls of it elsewhere.
 
+use std::fmt;
 use std::ops::Range;
 
-use camino::Utf8Path;
+use camino::{Utf8Path, Utf8PathBuf};
 use rustc_hash::FxHashSet;
+use serde::Serialize;
 use smol_str::SmolStr;
 use tree_sitter::Node;
 
@@ -14,6 +16,48 @@ use crate::codels::{
     source::{CType, Function, Layer, Parameter, parse, place::is_declared, preorder},
 };
 use crate::lang::Language;
+
+/// What a new signature leaves to be done by hand.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct ByHand {
+    /// The source.
+    pub path: Utf8PathBuf,
+    /// Line, from 1, before the repair.
+    pub line: usize,
+    /// The function.
+    pub function: SmolStr,
+    /// What stands there.
+    pub what: Unfollowed,
+}
+
+/// What cannot follow a new signature.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Unfollowed {
+    /// A use of a parameter that the function has lost.
+    Parameter(SmolStr),
+    /// A call of which some argument is not known, or that would lose a comment, or that is inside of another one or
+    /// of the function itself.
+    Call,
+}
+
+impl fmt::Display for ByHand {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (path, line, function) = (&self.path, self.line, &self.function);
+        write!(f, "{path}:{line}: ")?;
+        match &self.what {
+            Unfollowed::Parameter(parameter) => write!(
+                f,
+                "`{function}` has no parameter `{parameter}` any more; take the use away, or put the parameter back \
+                 into the specification"
+            ),
+            Unfollowed::Call => write!(
+                f,
+                "`{function}` has other parameters now; give this call the arguments for them"
+            ),
+        }
+    }
+}
 
 /// A parameter of the specification and the one of the function that it was.
 struct Pair {
@@ -88,20 +132,25 @@ impl Repairs<'_> {
         }
         if function.body.is_some() {
             follow_body(file, function, &pairs, &mut edit);
-            self.follow_calls(name, function, &pairs, &mut edit);
+            for (path, span, text) in self.calls(name, file, function, &pairs).edits {
+                edit.replace(path, span, text);
+            }
         }
         Some(edit)
     }
 
-    /// Calls in the sources, where every argument is known.
-    fn follow_calls(&self, name: &str, function: &Function, pairs: &[Pair], edit: &mut Edit) {
-        let same = pairs.len() == function.parameters.len()
-            && pairs
-                .iter()
-                .enumerate()
-                .all(|(index, it)| it.found == Some(index) && it.change == Change::Same);
-        if same {
-            return;
+    /// Calls in the sources: what changes where every argument is known, and the others.
+    fn calls(
+        &self,
+        name: &str,
+        own: &IndexedFile,
+        function: &Function,
+        pairs: &[Pair],
+    ) -> Calls<'_> {
+        let mut out = Calls::default();
+        let same = in_place(pairs, function.parameters.len());
+        if same && pairs.iter().all(|it| it.change == Change::Same) {
+            return out;
         }
         for file in self.sources.all() {
             if !file.text.contains(name) {
@@ -110,27 +159,36 @@ impl Repairs<'_> {
             let Some(tree) = parse(&file.text, file.index.grammar) else {
                 continue;
             };
+            // The uses of parameters in the body have edits of their own, and edits must not overlap.
+            let body = function.body.as_ref().filter(|_| file.path == own.path);
+            let mut followed: Range<usize> = 0..0;
             preorder(tree.root_node(), |node| {
                 if node.kind() == "call_expression"
                     && let Some(called) = node.child_by_field_name("function")
                     && file.text.get(called.byte_range()) == Some(name)
                     && let Some(list) = node.child_by_field_name("arguments")
-                    && let Some(text) = arguments(file, list, function, pairs)
                 {
-                    edit.replace(&file.path, list.byte_range(), text);
+                    let inside = body.is_some_and(|it| it.span.contains(&node.start_byte()))
+                        || followed.contains(&node.start_byte());
+                    match arguments(file, list, function, pairs).filter(|_| !inside) {
+                        Some(edits) => {
+                            followed = list.byte_range();
+                            let edits = edits.into_iter();
+                            out.edits.extend(edits.map(|it| (&*file.path, it.0, it.1)));
+                        }
+                        None => out
+                            .left
+                            .push((&file.path, line_of(&file.text, node.start_byte()))),
+                    }
                 }
                 true
             });
         }
+        out
     }
 
-    /// Uses of parameters that a function loses, in its body: lines that do not compile afterwards.
-    pub fn uses_of_removed(
-        &self,
-        name: &str,
-        path: &Utf8Path,
-        start: usize,
-    ) -> Vec<(String, usize)> {
+    /// What does not follow the new signature of a function: uses of parameters that it loses, and calls.
+    pub fn left_by_signature(&self, name: &str, path: &Utf8Path, start: usize) -> Vec<ByHand> {
         let Some((file, function)) = self.function(path, start) else {
             return Vec::new();
         };
@@ -138,20 +196,52 @@ impl Repairs<'_> {
         let Some(shape) = expected.and_then(|it| it.shape.as_ref()) else {
             return Vec::new();
         };
-        let kept = pairs(&shape.parameters, function);
-        let kept: FxHashSet<usize> = kept.iter().filter_map(|it| it.found).collect();
+        let pairs = pairs(&shape.parameters, function);
+        let kept: FxHashSet<usize> = pairs.iter().filter_map(|it| it.found).collect();
+        let by_hand = |path: &Utf8Path, line, what| ByHand {
+            path: path.to_owned(),
+            line,
+            function: name.into(),
+            what,
+        };
         let mut out = Vec::new();
         for (index, parameter) in function.parameters.iter().enumerate() {
-            let Some(name) = parameter.name.as_ref().filter(|_| !kept.contains(&index)) else {
+            let Some(lost) = parameter.name.as_ref().filter(|_| !kept.contains(&index)) else {
                 continue;
             };
-            for span in uses(file, function, name).unwrap_or_default() {
-                let before = file.text.get(..span.start).unwrap_or_default();
-                out.push((name.to_string(), 1 + before.matches('\n').count()));
+            for span in uses(file, function, lost).unwrap_or_default() {
+                let line = line_of(&file.text, span.start);
+                out.push(by_hand(
+                    &file.path,
+                    line,
+                    Unfollowed::Parameter(lost.clone()),
+                ));
             }
+        }
+        if function.body.is_some() {
+            let calls = self.calls(name, file, function, &pairs).left.into_iter();
+            out.extend(calls.map(|(path, line)| by_hand(path, line, Unfollowed::Call)));
         }
         out
     }
+}
+
+/// What becomes of the calls of a function.
+#[derive(Default)]
+struct Calls<'a> {
+    edits: Vec<(&'a Utf8Path, Range<usize>, String)>,
+    /// Files and lines, from 1, of those that stay.
+    left: Vec<(&'a Utf8Path, usize)>,
+}
+
+/// The line of an offset, from 1.
+fn line_of(text: &str, offset: usize) -> usize {
+    1 + text.get(..offset).unwrap_or_default().matches('\n').count()
+}
+
+/// Every parameter is where it was, and there is no other one.
+fn in_place(pairs: &[Pair], count: usize) -> bool {
+    pairs.len() == count && (pairs.iter().enumerate()).all(|(index, it)| it.found == Some(index))
 }
 
 /// For each wanted parameter the one of the function that it was: of its name; else of its type, in order.
@@ -411,23 +501,28 @@ fn respelled(node: Node<'_>, name: &str, change: Change, text: &str) -> (Range<u
         (Change::ToValue, "pointer_expression") if operator("operator") == "*" => {
             (whole, name.to_owned())
         }
+        (Change::ToValue, "subscript_expression") if argument => (own, format!("(&{name})")),
         (Change::ToValue, _) => (own, format!("&{name}")),
     }
 }
 
-/// The arguments of a call in the new order. `None` when a new parameter has no argument that could be known.
+/// What changes in the arguments of a call: each where it stands, or the whole list when their order or number changes.
+/// `None` when a new parameter has no argument that could be known, or a comment would lose its place.
 fn arguments(
     file: &IndexedFile,
     list: Node<'_>,
     function: &Function,
     pairs: &[Pair],
-) -> Option<String> {
+) -> Option<Vec<(Range<usize>, String)>> {
     let mut cursor = list.walk();
-    let old: Vec<Node<'_>> = list
+    let (notes, old): (Vec<Node<'_>>, Vec<Node<'_>>) = list
         .named_children(&mut cursor)
-        .filter(|it| it.kind() != "comment")
-        .collect();
+        .partition(|it| it.kind() == "comment" || it.kind().starts_with("preproc"));
     if old.len() != function.parameters.len() {
+        return None;
+    }
+    let in_place = in_place(pairs, old.len());
+    if !in_place && !notes.is_empty() {
         return None;
     }
     // What the caller has under the name of a new parameter is what it has to pass.
@@ -460,5 +555,15 @@ fn arguments(
             })
         })
         .collect();
-    Some(format!("({})", out?.join(", ")))
+    let out = out?;
+    Some(match in_place {
+        true => {
+            let all = pairs.iter().zip(&old).zip(out);
+            let changed = all.filter(|((pair, _), _)| pair.change != Change::Same);
+            changed
+                .map(|((_, node), text)| (node.byte_range(), text))
+                .collect()
+        }
+        false => vec![(list.byte_range(), format!("({})", out.join(", ")))],
+    })
 }

@@ -70,6 +70,7 @@ pub(super) fn run(arguments: &Build) -> anyhow::Result<Outcome> {
         let roots = roots(&session);
         let packages = session.packages().clone();
         let mut project = project(&mut session);
+        whole &= !roots.iter().any(|it| project.has_errors_in_text(it));
         for folder in project.folders(&roots, &mut errors) {
             let built = Builder {
                 folder: &folder,

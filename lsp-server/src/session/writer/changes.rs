@@ -96,7 +96,7 @@ impl State {
                     self.publisher.forget(&path);
                     self.pending.files.insert(path);
                     self.rest();
-                    self.give_back();
+                    self.trim();
                 }
             }
             Mutation::Watched(params) => self.watched(params.changes),
