@@ -331,6 +331,41 @@ component vague {
 ";
 
 #[test]
+fn what_cannot_be_verified_does_not_stop_the_others() {
+    let it = lift("5 ms");
+    it.write("broken.scn", b"scenario s {\n  coers 4;\n}\n");
+    let output = it.run(&[
+        "verify",
+        "--format",
+        "json",
+        "broken.scn",
+        "nowhere.scn",
+        "scenarios/ride.scn",
+    ]);
+    assert_eq!(status(&output), 2);
+    assert_eq!(json_of(&output)["scenario"], "ride");
+    let told = stderr(&output);
+    assert!(
+        told.contains("broken.scn") && told.contains("nowhere.scn"),
+        "{told}"
+    );
+    // Without one of its parts, a system is another one.
+    let output = it.run(&[
+        "verify",
+        "nowhere.gen",
+        "spec/lift.gen",
+        "scenarios/ride.scn",
+    ]);
+    assert_eq!(status(&output), 2);
+    assert!(
+        !stdout(&output).contains("spec/lift.gen"),
+        "{}",
+        stdout(&output)
+    );
+    assert!(stdout(&output).contains("ride"), "{}", stdout(&output));
+}
+
+#[test]
 fn what_is_assumed_is_told_once_where_it_stands() {
     let it = Directory::new(&[
         ("vague.gen", VAGUE),

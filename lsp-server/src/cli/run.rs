@@ -181,7 +181,7 @@ fn exact(text: &str) -> Option<Seconds> {
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let checks: Vec<&str> = arguments.checks.iter().map(|it| body(it)).collect();
     let interrupt = interrupt::on_terminal();
-    let all = problems(&arguments.files, &arguments.reading)?;
+    let (all, mut trouble) = problems(&arguments.files, &arguments.reading);
     if arguments.profile.is_some() && all.len() > 1 {
         anyhow::bail!("`--profile` writes one file: run one scenario at a time");
     }
@@ -189,7 +189,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     for (session, problem) in all {
         if !problem.errors.is_empty() {
             Told::about(&session, &problem, problem.errors.clone())?.print()?;
-            return Ok(Outcome::Unusable);
+            trouble.told();
+            continue;
         }
         let options = Options {
             cores: arguments.cores.map(|it| it.0),
@@ -207,7 +208,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             told(&together(&prepared.report.diagnostics))?.print()?;
         }
         if prepared.report.has_errors() {
-            return Ok(Outcome::Unusable);
+            trouble.told();
+            continue;
         }
         let bounds = bounds::of_tasks(arguments.bounds, &problem, &options, &prepared, &interrupt);
         let plan = arguments.plan(&prepared);
@@ -246,18 +248,22 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             problem,
         });
     }
-    match arguments.format {
-        Format::Text => text::print(&answers)?,
-        Format::Json => print_json(&answers)?,
+    if !answers.is_empty() {
+        match arguments.format {
+            Format::Text => text::print(&answers)?,
+            Format::Json => print_json(&answers)?,
+        }
     }
     let ended = |it: &Answer| !matches!(it.report.end, End::Done | End::NothingLeft);
-    Ok(if answers.iter().any(|it| it.report.violated()) {
-        Outcome::Errors
-    } else if answers.iter().any(ended) {
-        Outcome::GaveUp
-    } else {
-        Outcome::Fine
-    })
+    Ok(
+        trouble.outcome(if answers.iter().any(|it| it.report.violated()) {
+            Outcome::Errors
+        } else if answers.iter().any(ended) {
+            Outcome::GaveUp
+        } else {
+            Outcome::Fine
+        }),
+    )
 }
 
 impl Arguments {

@@ -221,6 +221,16 @@ impl Trouble {
         self.any = true;
     }
 
+    /// Something is wrong, and that was said.
+    pub(super) fn told(&mut self) {
+        self.any = true;
+    }
+
+    /// Whether anything was wrong.
+    pub(super) fn any(&self) -> bool {
+        self.any
+    }
+
     /// The value; `None` when there is none, and that is told.
     pub(super) fn or_tell<T>(&mut self, result: anyhow::Result<T>) -> Option<T> {
         result.inspect_err(|error| self.tell(error)).ok()

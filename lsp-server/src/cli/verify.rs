@@ -9,7 +9,7 @@ pub(super) mod told;
 
 use std::time::Duration;
 
-use anyhow::bail;
+use anyhow::{anyhow, bail};
 use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, ValueEnum};
 use dotgen_analysis::host::FileContent;
@@ -25,7 +25,7 @@ use dotgen_timing::verify::{Cancel, Options, settings};
 
 use self::progress::Doing;
 use self::told::Told;
-use super::session::{self, Session};
+use super::session::{self, Session, SourceFile, Trouble};
 use super::{Outcome, Reading};
 use crate::files::vfs;
 use crate::verification::Problem;
@@ -216,10 +216,12 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     checks.iter().try_for_each(|it| check(it, 0).map(drop))?;
     let mut answers = Vec::new();
     let interrupt = interrupt::on_terminal();
-    for (session, problem) in problems(&arguments.files, &arguments.reading)? {
+    let (all, mut trouble) = problems(&arguments.files, &arguments.reading);
+    for (session, problem) in all {
         if !problem.errors.is_empty() {
             Told::about(&session, &problem, problem.errors.clone())?.print()?;
-            return Ok(Outcome::Unusable);
+            trouble.told();
+            continue;
         }
         let options = arguments.options(&checks, &problem)?;
         let cancel = Cancel::interrupted_by(&interrupt);
@@ -245,7 +247,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             told(&together(&report.diagnostics))?.print()?;
         }
         if report.has_errors() {
-            return Ok(Outcome::Unusable);
+            trouble.told();
+            continue;
         }
         let diagnostics = told(&report.diagnostics)?.to_json()?;
         let sensitivity = match arguments.sensitivity && !interrupt.is_raised() {
@@ -270,64 +273,86 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             sensitivity,
         });
     }
-    match arguments.format {
-        Format::Text => text::print(&answers, arguments.explain)?,
-        Format::Json => json::print(&answers)?,
+    if !answers.is_empty() {
+        match arguments.format {
+            Format::Text => text::print(&answers, arguments.explain)?,
+            Format::Json => json::print(&answers)?,
+        }
     }
-    Ok(if answers.iter().any(|it| it.report.refuted()) {
-        Outcome::Errors
-    } else if answers
-        .iter()
-        .any(|it| it.report.unknown() || it.report.nothing())
-    {
-        Outcome::GaveUp
-    } else {
-        Outcome::Fine
-    })
+    Ok(
+        trouble.outcome(if answers.iter().any(|it| it.report.refuted()) {
+            Outcome::Errors
+        } else if answers
+            .iter()
+            .any(|it| it.report.unknown() || it.report.nothing())
+        {
+            Outcome::GaveUp
+        } else {
+            Outcome::Fine
+        }),
+    )
 }
 
-/// One per scenario, and one for all specifications named.
+/// One per scenario, and one for all specifications named. What cannot be used is told, and the others are there.
 pub(super) fn problems(
     files: &[Utf8PathBuf],
     reading: &Reading,
-) -> anyhow::Result<Vec<(Session, Problem)>> {
+) -> (Vec<(Session, Problem)>, Trouble) {
+    let (files, mut trouble) = session::usable(files, &["gen"]);
+    // Without one of its parts it would be another system.
+    let mut whole = !trouble.any();
     let mut out = Vec::new();
     let mut specifications = Vec::new();
-    for file in session::files(files)? {
+    for file in files {
         match file.path.extension() {
-            Some("scn") => {
-                let text = match vfs::read(&file.path) {
-                    FileContent::Text(text) | FileContent::NotUtf8(text) => text,
-                    _ => bail!("cannot read `{}`", session::display(&file.path)),
-                };
-                let session = session::around(&file.path, Vec::new(), reading);
-                let problem = session.ask(&file.path, |it| {
-                    Problem::from_scenario(&file.path, text.clone(), it, vfs::read)
-                })?;
-                out.push((session, problem));
-            }
+            Some("scn") => out.extend(trouble.or_tell(of_scenario(&file, reading))),
             Some("gen") => specifications.push(file),
-            _ => bail!(
-                "`{}` is neither a scenario (.scn) nor a specification (.gen)",
-                session::display(&file.path)
-            ),
-        }
-    }
-    if let Some(first) = specifications.first().map(|it| it.path.clone()) {
-        let mut units = Vec::new();
-        let mut names = Vec::new();
-        // One system, though each of its parts may have a configuration of its own.
-        let sessions = session::open(specifications, reading)?;
-        for session in &sessions {
-            for file in &session.files {
-                units.push(session.ask(&file.path, |it| it.root_unit(&file.path))?);
-                names.push(session::display(&file.path));
+            _ => {
+                let path = session::display(&file.path);
+                let error = "is neither a scenario (.scn) nor a specification (.gen)";
+                trouble.tell(&anyhow!("`{path}` {error}"));
+                whole = false;
             }
         }
-        let problem = Problem::by_default(&first, &names, units);
-        out.extend(sessions.into_iter().next().map(|it| (it, problem)));
     }
-    Ok(out)
+    if whole {
+        let together = trouble.or_tell(of_specifications(specifications, reading));
+        out.extend(together.flatten());
+    }
+    (out, trouble)
+}
+
+fn of_scenario(file: &SourceFile, reading: &Reading) -> anyhow::Result<(Session, Problem)> {
+    let text = match vfs::read(&file.path) {
+        FileContent::Text(text) | FileContent::NotUtf8(text) => text,
+        _ => bail!("cannot read `{}`", session::display(&file.path)),
+    };
+    let session = session::around(&file.path, Vec::new(), reading);
+    let problem = session.ask(&file.path, |it| {
+        Problem::from_scenario(&file.path, text.clone(), it, vfs::read)
+    })?;
+    Ok((session, problem))
+}
+
+/// All of them as one system, though each may have a configuration of its own.
+fn of_specifications(
+    files: Vec<SourceFile>,
+    reading: &Reading,
+) -> anyhow::Result<Option<(Session, Problem)>> {
+    let Some(first) = files.first().map(|it| it.path.clone()) else {
+        return Ok(None);
+    };
+    let mut units = Vec::new();
+    let mut names = Vec::new();
+    let sessions = session::open(files, reading)?;
+    for session in &sessions {
+        for file in &session.files {
+            units.push(session.ask(&file.path, |it| it.root_unit(&file.path))?);
+            names.push(session::display(&file.path));
+        }
+    }
+    let problem = Problem::by_default(&first, &names, units);
+    Ok(sessions.into_iter().next().map(|it| (it, problem)))
 }
 
 impl Arguments {
