@@ -11,6 +11,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_syntax::{SyntaxKind, directive::DirectiveKind, lexer::lex};
 use rustc_hash::{FxHashMap, FxHashSet};
 
+use self::fresh::Fresh;
 use super::{
     FileView, RangeInfo,
     document_links::path_range,
@@ -18,7 +19,7 @@ use super::{
         Identity, Target, elaborated_of_many, find_identities, identity, identity_in, nav_target,
         targets_at,
     },
-    speculate::{Comparison, compare},
+    speculate::{Comparison, compare_some},
     view::place,
 };
 use crate::{
@@ -139,7 +140,7 @@ pub(crate) fn rename(
         Target::Definition(id) => Some(view.elaborated().definition(*id).kind),
         _ => None,
     });
-    check_meaning(db, &edits, kind, &old, new_name)?;
+    check_meaning(view, &edits, kind, &old, new_name)?;
     Ok(edits)
 }
 
@@ -331,7 +332,7 @@ fn check_macros(
 
 /// Nothing but names may be different afterwards.
 fn check_meaning(
-    db: &dyn Db,
+    view: &FileView<'_>,
     edits: &[FileEdit],
     kind: Option<DefKind>,
     old: &str,
@@ -355,7 +356,11 @@ fn check_meaning(
             })
         })
     };
-    match compare(db, edits, differs).first() {
+    // Where it was asked for, the rename is always tried.
+    let fresh = Fresh::new(view.db, edits, old, new_name);
+    let here = view.unit.inputs(view.db);
+    let tried = |db: &dyn Db, root| here.contains(&root) || !fresh.in_unit_of(db, root);
+    match compare_some(view.db, edits, tried, differs).first() {
         Some(why) => refuse(format!("`{old}` cannot be called `{new_name}`: {why}")),
         None => Ok(()),
     }
@@ -475,5 +480,6 @@ pub fn relative(from: &Utf8Path, to: &Utf8Path) -> Option<Utf8PathBuf> {
 }
 
 mod clash;
+mod fresh;
 #[cfg(test)]
 mod tests;

@@ -58,6 +58,16 @@ pub(crate) fn compare<R: Send>(
     edits: &[FileEdit],
     differs: impl Fn(&dyn Db, &Comparison) -> Option<R> + Sync,
 ) -> Vec<R> {
+    compare_some(db, edits, |_, _| true, differs)
+}
+
+/// As [`compare`], for the units that are `tried`, by root.
+pub(crate) fn compare_some<R: Send>(
+    db: &dyn Db,
+    edits: &[FileEdit],
+    tried: impl Fn(&dyn Db, SourceFile) -> bool + Sync,
+    differs: impl Fn(&dyn Db, &Comparison) -> Option<R> + Sync,
+) -> Vec<R> {
     let mut by_file: FxHashMap<SourceFile, Vec<&FileEdit>> = FxHashMap::default();
     for it in edits {
         by_file.entry(db.file(&it.path)).or_default().push(it);
@@ -66,7 +76,9 @@ pub(crate) fn compare<R: Send>(
         .keys()
         .flat_map(|&file| roots_of(db, file).iter().copied())
         .collect();
-    let mut roots: Vec<SourceFile> = roots.into_iter().collect();
+    let roots: Vec<SourceFile> = roots.into_iter().collect();
+    let roots = parallel::over(db, &roots, |db, &root| tried(db, root).then_some(root));
+    let mut roots: Vec<SourceFile> = roots.into_iter().flatten().collect();
     roots.sort_by_key(|it| it.path(db).clone());
     let batches: Vec<&[SourceFile]> = roots.chunks(BATCH).collect();
     let found = parallel::over(db, &batches, |db, batch| {

@@ -18,7 +18,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run() -> anyhow::Result<Outcome> {
     logging::install("warn,dotgen_lsp_server=info");
-    memory::share_arenas();
+    memory::return_when_idle();
     // What sessions left behind that could not clean up; nobody waits for it.
     let cleaner = std::thread::Builder::new().name("cleaner".to_owned());
     if let Err(error) = cleaner.spawn(folders::clean_up) {

@@ -113,8 +113,6 @@ pub(crate) struct State {
     readers: Arc<()>,
     /// Much was asked since memory was last given back.
     worked: bool,
-    /// When the system last got memory back.
-    given_back: Option<std::time::Instant>,
     /// The documents in other languages that the client was asked to send.
     foreign: ForeignDocuments,
     /// How many times the files of the workspace are being listed.
@@ -155,7 +153,6 @@ impl State {
             codels: Arc::default(),
             readers: Arc::default(),
             worked: false,
-            given_back: None,
             foreign: ForeignDocuments::default(),
             listings: 0,
             waiting: Vec::new(),

@@ -286,3 +286,29 @@ fn includes_follow_their_files() {
     assert_eq!(moved(text, "/a/sub", "/a/deep"), ["/a/t.idl: deep/u.idl"]);
     assert_eq!(moved(text, "/a", "/b"), [""; 0]);
 }
+
+/// A second unit has the type as well. The rename is tried there unless nothing in it can meet the new name.
+#[test]
+fn other_units_are_tried_where_the_new_name_may_meet_another() {
+    let shared = |other: &str| {
+        let first = "//- /a.gen\n#include \"t.idl\"\ncomponent a { ids { pose p; }; };\n";
+        let shared = "//- /t.idl\nstruct pose$0 { long x; };\n";
+        format!("{first}//- /b.gen\n#include \"t.idl\"\n{other}\n{shared}")
+    };
+    for (other, because) in [
+        ("struct place { long y; };", "has that name"),
+        ("#define place pose\nstruct q { pose p; };", "macro"),
+        (
+            "#define T(a) a ## ce\nstruct T(pla) { pose p; };",
+            "has that name",
+        ),
+    ] {
+        refused(&shared(other), "place", because);
+    }
+    let other = "component b { ids { pose p; sequence<pose, 3> q; }; port in pose r; };";
+    check(
+        &shared(other),
+        "place",
+        &shared(other).replace("pose", "place").replace("$0", ""),
+    );
+}

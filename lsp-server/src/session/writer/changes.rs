@@ -96,7 +96,6 @@ impl State {
                     self.publisher.forget(&path);
                     self.pending.files.insert(path);
                     self.rest();
-                    self.trim();
                 }
             }
             Mutation::Watched(params) => self.watched(params.changes),

@@ -1,18 +1,13 @@
 //! Readers: requests and the computation of diagnostics get a snapshot in their turn and work elsewhere.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 use super::State;
-use crate::process::memory;
 use crate::protocol::convert::uri;
 use crate::session::dispatch::{Admission, Read};
 use crate::session::post::Post;
 use crate::session::publish::Run;
 use crate::workspace::snapshot::{Snapshot, Subject};
-
-/// Time between two times that memory is given back while documents are open.
-const BETWEEN: Duration = Duration::from_secs(10);
 
 impl State {
     pub(super) fn snapshot(&self) -> Snapshot {
@@ -90,9 +85,6 @@ impl State {
     /// next one.
     pub(super) fn go_on(&mut self, run: Run) {
         self.rest();
-        if run.is_done() {
-            self.give_back();
-        }
         if run.revision() != self.revision || run.is_done() {
             return;
         }
@@ -107,20 +99,5 @@ impl State {
             self.host.shrink();
         }
         self.worked = true;
-    }
-
-    /// Lets the system have the memory of what was forgotten. Allocations wait meanwhile, and somebody may be typing:
-    /// so not more often than every [`BETWEEN`].
-    fn give_back(&mut self) {
-        let due = self.given_back.is_none_or(|it| it.elapsed() >= BETWEEN);
-        if due {
-            self.given_back = Some(Instant::now());
-            self.trim();
-        }
-    }
-
-    /// The same at once, for when a document was closed.
-    pub(super) fn trim(&self) {
-        drop(self.outbox.runtime().spawn_blocking(memory::give_back));
     }
 }

@@ -1,0 +1,123 @@
+//! Units in which a rename cannot change anything but a name.
+
+use std::ops::Range;
+
+use rustc_hash::FxHashMap;
+
+use crate::{
+    base::{Db, SourceFile, lexed},
+    diagnostic::FileEdit,
+    unit::{files, unit_of_root},
+};
+
+/// A rename, asked about one unit after the other.
+pub(super) struct Fresh<'a> {
+    /// What is edited, by file.
+    edited: FxHashMap<SourceFile, Vec<Range<usize>>>,
+    old: &'a str,
+    new_name: &'a str,
+}
+
+impl<'a> Fresh<'a> {
+    pub(super) fn new(
+        db: &dyn Db,
+        edits: &[FileEdit],
+        old: &'a str,
+        new_name: &'a str,
+    ) -> Fresh<'a> {
+        let mut edited: FxHashMap<SourceFile, Vec<Range<usize>>> = FxHashMap::default();
+        for it in edits {
+            let ranges = edited.entry(db.file(&it.path)).or_default();
+            ranges.push(it.range.clone());
+        }
+        edited
+            .values_mut()
+            .for_each(|it| it.sort_by_key(|it| it.start));
+        Fresh {
+            edited,
+            old,
+            new_name,
+        }
+    }
+
+    /// Whether the unit of a root is the same afterwards but for one name.
+    ///
+    /// The language compares names and asks for nothing else in them. So a unit means the same when one identifier is
+    /// replaced by another one wherever it stands (alpha-conversion), if nothing in the unit has the new one: neither
+    /// as it is, nor in another case, nor as a part of a name that is put together (`COMPONENT_state`, `a ## b`).
+    pub(super) fn in_unit_of(&self, db: &dyn Db, root: SourceFile) -> bool {
+        files(db, unit_of_root(db, root))
+            .into_iter()
+            .all(|it| self.in_file(db, it))
+    }
+
+    fn in_file(&self, db: &dyn Db, file: SourceFile) -> bool {
+        let (raw, text) = (&lexed(db, file).raw, file.text(db));
+        if text.contains("##") {
+            return false;
+        }
+        let ranges = self.edited.get(&file).map_or(&[][..], Vec::as_slice);
+        let edited = |range: Range<usize>| {
+            let at = ranges.binary_search_by_key(&range.start, |it| it.start);
+            at.is_ok_and(|at| ranges[at] == range)
+        };
+        (0..raw.len()).all(|i| {
+            let word = raw.clean_text(text, i);
+            match word.as_ref() == self.old {
+                true => edited(raw.range(i)),
+                false => !self.may_meet(&word),
+            }
+        })
+    }
+
+    /// Whether a word may be taken for the new name, or be put together to it or with it.
+    fn may_meet(&self, word: &str) -> bool {
+        let (short, long) = match word.len() <= self.new_name.len() {
+            true => (word, self.new_name),
+            false => (self.new_name, word),
+        };
+        let end = long.len() - short.len();
+        let same = |part: Option<&str>| part.is_some_and(|it| it.eq_ignore_ascii_case(short));
+        let joint = |part: Option<&str>| part == Some("_");
+        !short.is_empty()
+            && (end == 0 && same(Some(long))
+                || same(long.get(..short.len())) && joint(long.get(short.len()..=short.len()))
+                || end > 0 && same(long.get(end..)) && joint(long.get(end - 1..end)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_meet_that_are_equal_or_parts_of_each_other() {
+        let fresh = Fresh {
+            edited: FxHashMap::default(),
+            old: "pose",
+            new_name: "place",
+        };
+        for (word, meets) in [
+            ("place", true),
+            ("Place", true),
+            ("place_state", true),
+            ("my_place", true),
+            ("_place", true),
+            ("places", false),
+            ("myplace", false),
+            ("lace", false),
+            ("", false),
+            ("_", false),
+            ("pläce", false),
+        ] {
+            assert_eq!(fresh.may_meet(word), meets, "{word}");
+        }
+        let fresh = Fresh {
+            new_name: "arm_state",
+            ..fresh
+        };
+        for (word, meets) in [("arm", true), ("state", true), ("rm", false), ("te", false)] {
+            assert_eq!(fresh.may_meet(word), meets, "{word}");
+        }
+    }
+}
