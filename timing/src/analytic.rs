@@ -44,7 +44,9 @@ use crate::system::{CodelSet, FOREVER, Ticks, TimedSystem};
 /// semantics changed it finds none.
 pub fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
     if !system.platform.semantics.is_published() {
-        let queued = system.platform.semantics == Semantics::SERVERS;
+        // Who asks for `abort`, `kill` or `connect` executes `stop` codels, and stops the queue, at any time.
+        let plain = !system.has_builtin(|_| true);
+        let queued = system.platform.semantics == Semantics::SERVERS && plain;
         return match queued {
             true if system.preempts() => preempted::response_bounds(system),
             true => queue::response_bounds(system),

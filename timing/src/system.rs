@@ -278,8 +278,32 @@ pub struct Service {
     pub after: Vec<usize>,
     /// Services that must not have succeeded when it is accepted.
     pub before: Vec<usize>,
+    /// It is a request that every component understands.
+    pub builtin: Option<Builtin>,
     /// Where it was declared.
     pub src: Option<Src>,
+}
+
+/// A request that every component understands (section 18).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Builtin {
+    /// Interrupts one instance of an activity.
+    Abort,
+    /// Waits until no task executes a codel.
+    Connect,
+    /// Ends the component.
+    Kill,
+}
+
+impl Builtin {
+    /// Its name in GenoM3.
+    pub fn name(self) -> &'static str {
+        match self {
+            Builtin::Abort => "abort_activity",
+            Builtin::Connect => "connect_port",
+            Builtin::Kill => "kill",
+        }
+    }
 }
 
 /// A client: a graph of steps. Which step follows is the client's free choice.
@@ -299,6 +323,12 @@ impl Client {
     /// The position after the last step.
     pub fn done(&self) -> usize {
         self.steps.len()
+    }
+
+    /// Whether it matters to this client how the requests that a tracker follows end.
+    pub(crate) fn asks_outcome(&self, tracker: usize) -> bool {
+        let mut steps = self.steps.iter();
+        steps.any(|it| matches!(it.action, ClientAction::AwaitOutcome(t, _) if t == tracker))
     }
 
     /// Whether it can come to a step more than once.
@@ -347,11 +377,19 @@ pub enum ClientAction {
         service: usize,
         /// Trackers that follow this request from now on.
         trackers: Vec<usize>,
+        /// Trackers that follow it once it is accepted: instances that can be aborted.
+        accepted: Vec<usize>,
+        /// The tracker of the instance that it aborts.
+        aborts: Option<usize>,
     },
     /// Waits until its last request has been accepted or refused.
     AwaitAccepted,
     /// Waits until the tracked request has ended or was refused; at once if there was none.
     AwaitEnded(usize),
+    /// Waits until one of the steps that follow, all of them [`AwaitOutcome`](Self::AwaitOutcome), has nothing to wait for.
+    AwaitAny,
+    /// Waits until the tracked request has succeeded, or (`false`) has not.
+    AwaitOutcome(usize, bool),
     /// Lets time pass.
     Delay(Ticks, Ticks),
 }
@@ -421,6 +459,13 @@ impl TimedSystem {
             }
         }
         out
+    }
+
+    /// Whether some component is asked for one of the requests that all understand.
+    pub(crate) fn has_builtin(&self, which: impl Fn(Builtin) -> bool) -> bool {
+        self.services
+            .iter()
+            .any(|it| it.builtin.is_some_and(&which))
     }
 
     /// Whether activities are requested. They have a limited number of slots, so that requests can be refused.

@@ -96,6 +96,7 @@ fn situations(system: &TimedSystem, client: &Client) -> Option<FxHashSet<Live>> 
             ClientAction::Send {
                 service,
                 ref trackers,
+                ..
             } => {
                 for (_, it) in &mut live {
                     it.retain(|it| !trackers.contains(it));
@@ -106,8 +107,10 @@ fn situations(system: &TimedSystem, client: &Client) -> Option<FxHashSet<Live>> 
                 }
                 live.sort_unstable();
             }
-            ClientAction::AwaitEnded(tracker) => live.retain(|it| !it.1.contains(&tracker)),
-            ClientAction::AwaitAccepted | ClientAction::Delay(..) => {}
+            ClientAction::AwaitEnded(tracker) | ClientAction::AwaitOutcome(tracker, _) => {
+                live.retain(|it| !it.1.contains(&tracker));
+            }
+            ClientAction::AwaitAccepted | ClientAction::AwaitAny | ClientAction::Delay(..) => {}
         }
         stack.extend(step.next.iter().map(|&next| (next, live.clone())));
     }

@@ -127,6 +127,11 @@ pub enum Action {
         /// Its component.
         component: usize,
     },
+    /// A component that was killed gets on with its end (servers).
+    Shut {
+        /// The component.
+        component: usize,
+    },
     /// The control task handles the end of activities.
     Signal {
         /// Its component.

@@ -244,6 +244,17 @@ pub struct Step {
     pub range: Range<usize>,
 }
 
+/// How a request whose end is awaited has to end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Ending {
+    /// In any way.
+    Any,
+    /// It has succeeded.
+    Ok,
+    /// It has not: it was refused, ended by an exception, or was interrupted and has no `stop`.
+    Failed,
+}
+
 /// What a client does.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum StepKind {
@@ -251,8 +262,14 @@ pub enum StepKind {
     Send(Path),
     /// `await accepted [PATH];`
     AwaitAccepted(Option<Path>),
-    /// `await ended [PATH];`
-    AwaitEnded(Option<Path>),
+    /// `await ended [ok|failed] [PATH];`
+    AwaitEnded(Ending, Option<Path>),
+    /// `abort PATH;`: of an activity, or the label of a `send` of the same client.
+    Abort(Path),
+    /// `kill COMPONENT;`
+    Kill(Path),
+    /// `connect COMPONENT;`
+    Connect(Path),
     /// `delay INTERVAL UNIT;`
     Delay(Interval, Unit),
     /// `repeat N { … }`; `None`: for ever.

@@ -75,6 +75,7 @@ enum Wanted {
     TaskOrService,
     Service,
     TaskOrActivity,
+    Activity,
     Codel,
     Input,
     Output,
@@ -302,14 +303,45 @@ impl<'f> Finder<'f> {
             }
             "await" => match rest.split_first() {
                 None => self.words(&["accepted", "ended"]),
-                Some((_, rest)) => {
-                    self.path(Wanted::Service, rest);
+                Some((first, rest)) => {
+                    let how = word(self.text, rest.first());
+                    if word(self.text, Some(first)) == "ended" && rest.is_empty() {
+                        self.words(&["ok", "failed"]);
+                    }
+                    let chosen = matches!(how, "ok" | "failed") && rest.len() != 2;
+                    self.path(Wanted::Service, &rest[usize::from(chosen)..]);
                 }
             },
+            "abort" => {
+                if rest.is_empty() {
+                    self.sent_labels();
+                }
+                self.path(Wanted::Activity, rest);
+            }
+            "kill" | "connect" if rest.is_empty() => {
+                for (label, target) in self.names.after(None) {
+                    self.push(label, &target);
+                }
+            }
             "delay" => {
                 self.unit(rest);
             }
             _ => {}
+        }
+    }
+
+    /// Labels of requests of the client around the cursor.
+    fn sent_labels(&mut self) {
+        let at = self.replace.start;
+        let clients = self.clients();
+        let Some(client) = clients.filter(|it| it.name.range.end <= at).last() else {
+            return;
+        };
+        let mut labels = Vec::new();
+        sent(&client.steps, &mut labels);
+        for label in labels {
+            let target = Target::Step(client.name.value.clone(), label.to_owned());
+            self.push(label.to_owned(), &target);
         }
     }
 
@@ -427,7 +459,7 @@ impl<'f> Finder<'f> {
                         Target::Task(..),
                     )
                     | (Wanted::Service | Wanted::TaskOrService, Target::Service(..)) => true,
-                    (Wanted::TaskOrActivity, &Target::Service(c, s)) => {
+                    (Wanted::TaskOrActivity | Wanted::Activity, &Target::Service(c, s)) => {
                         self.names.is_activity(c, s)
                     }
                     (Wanted::Input | Wanted::Output, &Target::Port(c, p)) => {
@@ -513,6 +545,18 @@ fn statuses(target: Option<&Target>) -> &'static [&'static str] {
         Some(Target::Service(..)) => &["waiting", "run", "stop", "void", "lock", "exec"],
         Some(Target::State(..) | Target::Codel(..)) => &["lock", "exec"],
         _ => &[],
+    }
+}
+
+/// Labels of requests, as written.
+fn sent<'s>(list: &'s [Step], out: &mut Vec<&'s str>) {
+    for step in list {
+        match (&step.label, &step.kind) {
+            (Some(label), StepKind::Send(_)) => out.push(&label.value),
+            (_, StepKind::Repeat(_, body)) => sent(body, out),
+            (_, StepKind::Choice(branches)) => branches.iter().for_each(|it| sent(it, out)),
+            _ => {}
+        }
     }
 }
 

@@ -284,8 +284,34 @@ impl<'a> Names<'a> {
                 });
             }
         });
+        for item in &scenario.items {
+            if let Item::Client(client) = item {
+                aborted_labels(&client.name.value, &client.steps, &mut out);
+            }
+        }
         out.sort_by_key(|it| it.range.start);
         out
+    }
+}
+
+/// Labels of steps that `abort` names.
+fn aborted_labels(client: &str, list: &[Step], out: &mut Vec<Reference>) {
+    for step in list {
+        match &step.kind {
+            StepKind::Abort(path) => {
+                if let [label] = path.names.as_slice() {
+                    out.push(Reference {
+                        range: label.range.clone(),
+                        target: Target::Step(client.to_owned(), label.value.clone()),
+                    });
+                }
+            }
+            StepKind::Repeat(_, body) => aborted_labels(client, body, out),
+            StepKind::Choice(branches) => {
+                (branches.iter()).for_each(|it| aborted_labels(client, it, out));
+            }
+            _ => {}
+        }
     }
 }
 
@@ -337,8 +363,11 @@ pub fn for_each_path<'s>(scenario: &'s Scenario, each: &mut impl FnMut(&'s Path)
 fn steps<'s>(list: &'s [Step], each: &mut impl FnMut(&'s Path)) {
     for step in list {
         match &step.kind {
-            StepKind::Send(path) => each(path),
-            StepKind::AwaitAccepted(path) | StepKind::AwaitEnded(path) => {
+            StepKind::Send(path)
+            | StepKind::Abort(path)
+            | StepKind::Kill(path)
+            | StepKind::Connect(path) => each(path),
+            StepKind::AwaitAccepted(path) | StepKind::AwaitEnded(_, path) => {
                 path.iter().for_each(&mut *each);
             }
             StepKind::Delay(..) => {}

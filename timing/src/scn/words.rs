@@ -128,8 +128,9 @@ const WORDS: &[Word] = &[
     ),
     word(
         "connect",
-        "connect INPUT to OUTPUT;  to none;",
-        "What an input port reads; without it ports of equal name are connected.",
+        "connect INPUT to OUTPUT;  to none;  (of a client:) connect component;",
+        "What an input port reads; without it ports of equal name are connected. As a step of a client: asks the component \
+         to connect a port or a remote service, which waits at the head of its lock queue until no task executes a codel.",
     ),
     word(
         "slots",
@@ -187,8 +188,31 @@ const WORDS: &[Word] = &[
     ),
     word(
         "await",
-        "await accepted;  await ended component.activity;",
-        "Waits until the last request has been answered, or until an activity has ended.",
+        "await accepted;  await ended component.activity;  await ended ok;",
+        "Waits until the last request has been answered, or until an activity has ended (`ok`: and has succeeded; `failed`: \
+         and has not).",
+    ),
+    word(
+        "ok",
+        "await ended ok component.activity;",
+        "The request has succeeded: it has ended without exception, and was not cut for want of a `stop` codel.",
+    ),
+    word(
+        "failed",
+        "await ended failed component.activity;",
+        "The request was refused, has ended by an exception, or was cut for want of a `stop` codel.",
+    ),
+    word(
+        "abort",
+        "abort component.activity;  abort LABEL;",
+        "Asks the component to interrupt one instance: of this activity, the last one of this client that was accepted, or \
+         the last one sent at the step with the label.",
+    ),
+    word(
+        "kill",
+        "kill component;",
+        "Asks the component to end: activities are interrupted task by task, then the permanent ones in reverse order, \
+         through their `stop` codels; then the tasks end.",
     ),
     word("delay", "delay [1,2] ms;", "Waits; `[0,*]`: for any time."),
     word(

@@ -85,6 +85,8 @@ mod tests {
             action: ClientAction::Send {
                 service,
                 trackers: Vec::new(),
+                accepted: Vec::new(),
+                aborts: None,
             },
             next: vec![0],
             label: None,

@@ -1,30 +1,54 @@
 //! Clients as graphs of steps.
 
-use super::{Client, ClientAction, ClientStep, FOREVER, Ticks};
+use super::{Builtin, Client, ClientAction, ClientStep, FOREVER, Ticks};
 use crate::scn::Diagnostic;
-use crate::scn::ast::{self, Interval, Path, Step, StepKind, Unit};
+use crate::scn::ast::{self, Ending, Interval, Path, Step, StepKind, Unit};
 
 /// More steps than this are refused.
 const STEPS: usize = 20_000;
 
-/// Looks paths of services up.
-pub(crate) type Resolve<'r> = &'r dyn Fn(&Path) -> Result<usize, Diagnostic>;
+/// Looks things up.
+pub(crate) trait Resolve {
+    /// The service of a path.
+    fn service(&self, path: &Path) -> Result<usize, Diagnostic>;
+
+    /// The activity of a path.
+    fn activity(&self, path: &Path) -> Result<usize, Diagnostic>;
+
+    /// A request that the component of a path understands: its first name says which component.
+    fn builtin(&self, path: &Path, which: Builtin) -> Result<usize, Diagnostic>;
+}
+
+/// What a tracker follows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Followed {
+    /// The last request.
+    Last,
+    /// The last request for a service.
+    Service(usize),
+    /// The last one for an activity that was accepted.
+    Accepted(usize),
+    /// The last accepted one of those sent at the steps with a label.
+    Labelled(String),
+}
 
 /// Compiles a client. `ticks` converts its times.
 pub(crate) fn compile(
     client: &ast::Client,
-    resolve: Resolve,
+    resolve: &dyn Resolve,
     ticks: &dyn Fn(u64, Unit) -> Ticks,
 ) -> Result<Client, Diagnostic> {
-    let mut trackers = Vec::new();
-    awaited(&client.steps, resolve, &mut trackers)?;
+    let mut labels = Vec::new();
+    labelled(&client.steps, &mut labels);
     let mut program = Program {
         steps: Vec::new(),
-        trackers,
+        trackers: Vec::new(),
+        labels,
         resolve,
         ticks,
         loops: 0,
     };
+    program.followed(&client.steps)?;
     let first = program.sequence(&client.steps, vec![DONE])?;
     let done = program.steps.len();
     for step in &mut program.steps {
@@ -61,42 +85,111 @@ fn finish_list(next: &mut Vec<usize>, done: usize) {
 /// Stands for the position after the last step until that is known.
 const DONE: usize = usize::MAX;
 
-/// Requests whose end is awaited: `None` for "the last one".
-fn awaited(
-    steps: &[Step],
-    resolve: Resolve,
-    out: &mut Vec<Option<usize>>,
-) -> Result<(), Diagnostic> {
+/// Labels of requests, each with what is requested.
+pub(crate) fn labelled<'s>(steps: &'s [Step], out: &mut Vec<(&'s str, &'s Path)>) {
     for step in steps {
-        match &step.kind {
-            StepKind::AwaitEnded(path) => {
-                let service = path.as_ref().map(resolve).transpose()?;
-                if !out.contains(&service) {
-                    out.push(service);
-                }
-            }
-            StepKind::Repeat(_, body) => awaited(body, resolve, out)?,
-            StepKind::Choice(branches) => {
-                for branch in branches {
-                    awaited(branch, resolve, out)?;
-                }
-            }
+        match (&step.label, &step.kind) {
+            (Some(label), StepKind::Send(path)) => out.push((&label.value, path)),
+            (_, StepKind::Repeat(_, body)) => labelled(body, out),
+            (_, StepKind::Choice(branches)) => branches.iter().for_each(|it| labelled(it, out)),
             _ => {}
         }
     }
-    Ok(())
 }
 
 struct Program<'p> {
     steps: Vec<ClientStep>,
-    trackers: Vec<Option<usize>>,
-    resolve: Resolve<'p>,
+    trackers: Vec<Followed>,
+    /// Labels of requests, each with what is requested.
+    labels: Vec<(&'p str, &'p Path)>,
+    resolve: &'p dyn Resolve,
     ticks: &'p dyn Fn(u64, Unit) -> Ticks,
     /// Loops whose beginning has been stood for by a number below [`DONE`].
     loops: usize,
 }
 
 impl Program<'_> {
+    /// Finds everything that is followed: requests whose end is awaited, instances that are aborted.
+    fn followed(&mut self, steps: &[Step]) -> Result<(), Diagnostic> {
+        for step in steps {
+            let it = match &step.kind {
+                StepKind::AwaitEnded(_, path) => self.awaited(path.as_ref())?,
+                StepKind::Abort(path) => self.aborted(path)?,
+                StepKind::Repeat(_, body) => {
+                    self.followed(body)?;
+                    continue;
+                }
+                StepKind::Choice(branches) => {
+                    for branch in branches {
+                        self.followed(branch)?;
+                    }
+                    continue;
+                }
+                _ => continue,
+            };
+            if !self.trackers.contains(&it) {
+                self.trackers.push(it);
+            }
+        }
+        Ok(())
+    }
+
+    fn awaited(&self, path: Option<&Path>) -> Result<Followed, Diagnostic> {
+        Ok(match path {
+            None => Followed::Last,
+            Some(path) => Followed::Service(self.resolve.service(path)?),
+        })
+    }
+
+    /// What `abort` names: an activity, or the label of a request for one.
+    fn aborted(&self, path: &Path) -> Result<Followed, Diagnostic> {
+        if let [name] = path.names.as_slice() {
+            let mut requests = self
+                .labels
+                .iter()
+                .filter(|it| it.0 == name.value)
+                .peekable();
+            if requests.peek().is_none() {
+                let message = format!(
+                    "`{0}` is no label of a request of this client; write `abort COMPONENT.ACTIVITY;`, or `{0}:` before a `send`",
+                    name.value
+                );
+                return Err(Diagnostic::error("scn-abort", name.range.clone(), message));
+            }
+            for &(_, requested) in requests {
+                self.resolve.activity(requested)?;
+            }
+            return Ok(Followed::Labelled(name.value.clone()));
+        }
+        Ok(Followed::Accepted(self.resolve.activity(path)?))
+    }
+
+    fn tracker(&self, of: &Followed) -> usize {
+        self.trackers.iter().position(|it| it == of).unwrap_or(0)
+    }
+
+    /// A request, of whatever kind.
+    fn request(&self, service: usize, label: Option<&str>, aborts: Option<usize>) -> ClientAction {
+        let trackers = |follows: &dyn Fn(&Followed) -> bool| {
+            let all = self.trackers.iter().enumerate();
+            all.filter(|it| follows(it.1)).map(|it| it.0).collect()
+        };
+        ClientAction::Send {
+            service,
+            trackers: trackers(&|it| match it {
+                Followed::Last => true,
+                Followed::Service(of) => *of == service,
+                Followed::Accepted(_) | Followed::Labelled(_) => false,
+            }),
+            accepted: trackers(&|it| match it {
+                Followed::Last | Followed::Service(_) => false,
+                Followed::Accepted(of) => *of == service,
+                Followed::Labelled(of) => Some(of.as_str()) == label,
+            }),
+            aborts,
+        }
+    }
+
     /// Adds steps that go on at `next`; returns where they begin. From last to first.
     fn sequence(&mut self, steps: &[Step], next: Vec<usize>) -> Result<Vec<usize>, Diagnostic> {
         let mut next = next;
@@ -110,24 +203,54 @@ impl Program<'_> {
         let label = step.label.as_ref().map(|it| it.value.clone());
         let action = match &step.kind {
             StepKind::Send(path) => {
-                let service = (self.resolve)(path)?;
-                let trackers = (0..self.trackers.len())
-                    .filter(|&it| self.trackers[it].is_none_or(|it| it == service))
-                    .collect();
+                let service = self.resolve.service(path)?;
                 let name = path.names.last().map(|it| it.value.clone());
-                let action = ClientAction::Send { service, trackers };
+                let action = self.request(service, label.as_deref(), None);
                 return Ok(vec![self.push(action, next, label.or(name))]);
+            }
+            StepKind::Abort(path) => {
+                let aborted = self.aborted(path)?;
+                let tracker = self.tracker(&aborted);
+                let of = match path.names.as_slice() {
+                    [name] => (self.labels.iter())
+                        .find(|it| it.0 == name.value)
+                        .map_or(path, |it| it.1),
+                    _ => path,
+                };
+                let service = self.resolve.builtin(of, Builtin::Abort)?;
+                self.request(service, None, Some(tracker))
+            }
+            StepKind::Kill(path) => {
+                let service = self.resolve.builtin(path, Builtin::Kill)?;
+                self.request(service, None, None)
+            }
+            StepKind::Connect(path) => {
+                let service = self.resolve.builtin(path, Builtin::Connect)?;
+                self.request(service, None, None)
             }
             StepKind::AwaitAccepted(path) => {
                 if let Some(path) = path {
-                    (self.resolve)(path)?;
+                    self.resolve.service(path)?;
                 }
                 ClientAction::AwaitAccepted
             }
-            StepKind::AwaitEnded(path) => {
-                let service = path.as_ref().map(self.resolve).transpose()?;
-                let tracker = self.trackers.iter().position(|it| *it == service);
-                ClientAction::AwaitEnded(tracker.unwrap_or(0))
+            StepKind::AwaitEnded(ending, path) => {
+                let tracker = self.tracker(&self.awaited(path.as_ref())?);
+                let succeeded = match ending {
+                    Ending::Any => {
+                        let action = ClientAction::AwaitEnded(tracker);
+                        return Ok(vec![self.push(action, next, label)]);
+                    }
+                    Ending::Ok => true,
+                    Ending::Failed => false,
+                };
+                let action = ClientAction::AwaitOutcome(tracker, succeeded);
+                let outcome = self.push(action, next, label.clone());
+                return Ok(vec![self.push(
+                    ClientAction::AwaitAny,
+                    vec![outcome],
+                    label,
+                )]);
             }
             StepKind::Delay(Interval { lower, upper }, unit) => ClientAction::Delay(
                 (self.ticks)(*lower, *unit),
@@ -149,10 +272,28 @@ impl Program<'_> {
                 for branch in branches {
                     first.extend(self.sequence(branch, next.clone())?);
                 }
-                return Ok(first);
+                return Ok(self.any_outcome(first));
             }
         };
         Ok(vec![self.push(action, next, label)])
+    }
+
+    /// Beginnings of branches, those that wait for an outcome as one: the first that comes is taken.
+    fn any_outcome(&mut self, first: Vec<usize>) -> Vec<usize> {
+        let waits = |&it: &usize| {
+            let step = self.steps.get(it);
+            step.is_some_and(|it| it.action == ClientAction::AwaitAny)
+        };
+        let (waiting, mut out): (Vec<usize>, Vec<usize>) = first.into_iter().partition(waits);
+        match waiting.as_slice() {
+            [] | [_] => out.extend(waiting),
+            several => {
+                let outcomes = several.iter().flat_map(|&it| &self.steps[it].next);
+                let outcomes = outcomes.copied().collect();
+                out.push(self.push(ClientAction::AwaitAny, outcomes, None));
+            }
+        }
+        out
     }
 
     /// What follows the body is its own beginning, known only afterwards.

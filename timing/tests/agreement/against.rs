@@ -19,7 +19,7 @@ use serde_json::{Value as Json, json};
 use crate::expected::answers;
 use crate::servers::CAP;
 use crate::servers::model::read;
-use crate::servers::random::{Texts, texts, varied};
+use crate::servers::random::{Texts, requests, texts, varied};
 use crate::{all_agree, first, systems};
 
 struct Nothing;
@@ -176,6 +176,14 @@ fn the_verifier_agrees_with_the_interpreter_of_the_servers() {
 fn the_verifier_agrees_with_the_interpreter_of_the_servers_on_every_point() {
     all_agree(first(), cases(), 3, |seed| {
         let texts = varied(&mut systems::Dice::new(seed));
+        compare(&format!("seed {seed}"), &texts)
+    });
+}
+
+#[test]
+fn the_verifier_agrees_with_the_interpreter_of_the_servers_on_aborts_kills_and_outcomes() {
+    all_agree(first(), cases(), 3, |seed| {
+        let texts = requests(&mut systems::Dice::new(seed));
         compare(&format!("seed {seed}"), &texts)
     });
 }

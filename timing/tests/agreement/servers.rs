@@ -10,6 +10,7 @@ mod perform;
 mod possible;
 mod predicates;
 pub(crate) mod random;
+mod shutdown;
 mod state;
 
 use std::collections::HashSet;

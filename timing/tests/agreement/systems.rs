@@ -422,6 +422,7 @@ fn service(system: &mut TimedSystem, dice: &mut Dice, v: usize) {
     system.services.push(Service {
         after: Vec::new(),
         before: Vec::new(),
+        builtin: None,
         name,
         component,
         validate,
@@ -453,6 +454,8 @@ fn client(system: &TimedSystem, dice: &mut Dice, k: u32) -> Client {
                 _ => ClientAction::Send {
                     service: dice.below(system.services.len() as u32) as usize,
                     trackers: (0..trackers).filter(|_| dice.in_ten(7)).collect(),
+                    accepted: Vec::new(),
+                    aborts: None,
                 },
             };
             let mut next = vec![i + 1];

@@ -105,6 +105,8 @@ pub enum Reason {
     Without(Kind),
     /// Nobody has shown that it is sound under these rules.
     RulesUnknown,
+    /// A client asks for `abort`, `kill` or `connect`.
+    Builtins,
     /// Locks are given in order of arrival.
     LocksInOrder,
     /// A predicate looks at the states in between.
@@ -147,6 +149,7 @@ impl fmt::Display for Reason {
             Reason::SwitchedOff => "switched off",
             Reason::Without(kind) => return write!(f, "a part of {}, which is off", kind.name()),
             Reason::RulesUnknown => "not shown to be sound under these rules",
+            Reason::Builtins => "a client asks for `abort`, `kill` or `connect`",
             Reason::LocksInOrder => "locks are given in order of arrival",
             Reason::Predicates => "a predicate looks at the states in between",
             Reason::Clients => "there are clients",

@@ -120,7 +120,10 @@ impl Lazy {
                         join(client(k), control(system.services[service].component));
                     }
                     ClientAction::Delay(lower, _) => lazy[client(k)] &= lower == 0,
-                    ClientAction::AwaitAccepted | ClientAction::AwaitEnded(_) => {}
+                    ClientAction::AwaitAccepted
+                    | ClientAction::AwaitEnded(_)
+                    | ClientAction::AwaitAny
+                    | ClientAction::AwaitOutcome(..) => {}
                 }
             }
         }
@@ -264,6 +267,7 @@ impl Lazy {
                     | Action::Ready { .. }
                     | Action::Ticket { .. }
                     | Action::Wake { .. }
+                    | Action::Shut { .. }
                     | Action::Reply { .. } => false,
                 };
                 if !follow {

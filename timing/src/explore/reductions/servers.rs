@@ -128,7 +128,9 @@ impl OfServers {
 impl Reductions<Servers<'_>> for OfServers {
     fn new(rules: &Servers, asked: &Asked, without: Kinds) -> Self {
         let system = rules.system();
-        let apart = system.platform.semantics.ports == PortRule::Copy && !rules.preempts();
+        let apart = system.platform.semantics.ports == PortRule::Copy
+            && !rules.preempts()
+            && !system.has_builtin(|_| true);
         let mut about = vec![false; system.components.len()];
         for predicate in &asked.predicates {
             mark(system, predicate, &mut about);
@@ -143,7 +145,11 @@ impl Reductions<Servers<'_>> for OfServers {
             })
             .collect();
         let off = |kind: Kind| without.contains(kind).then_some(Reason::SwitchedOff);
-        let unknown = |known: bool| (!known).then_some(Reason::RulesUnknown);
+        let why = match system.has_builtin(|_| true) {
+            true => Reason::Builtins,
+            false => Reason::RulesUnknown,
+        };
+        let unknown = |known: bool| (!known).then_some(why);
         let (mut lazy, rest) = match apart && off(Kind::Deferral).is_none() {
             true => lazy_groups(system, asked, &about, &addressed),
             false => (vec![false; rules.frame().executors()], Vec::new()),
@@ -246,9 +252,9 @@ impl Reductions<Servers<'_>> for OfServers {
                     | Action::Ticket { executor }
                     | Action::Ready { executor }
                     | Action::Preempt { executor, .. } => self.lazy[executor],
-                    Action::Signal { component } | Action::Reply { component } => {
-                        self.lazy[system_executor(rules, component)]
-                    }
+                    Action::Signal { component }
+                    | Action::Reply { component }
+                    | Action::Shut { component } => self.lazy[system_executor(rules, component)],
                     Action::Request { client, .. } | Action::Proceed { client, .. } => {
                         self.lazy[client_executor(rules, client)]
                     }

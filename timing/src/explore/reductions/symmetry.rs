@@ -427,6 +427,9 @@ impl Renaming {
             Action::Reply { component } => Action::Reply {
                 component: self.components[component],
             },
+            Action::Shut { component } => Action::Shut {
+                component: self.components[component],
+            },
             Action::Signal { component } => Action::Signal {
                 component: self.components[component],
             },

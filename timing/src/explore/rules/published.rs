@@ -173,6 +173,7 @@ impl Rules for Published<'_> {
             | Action::Ready { .. }
             | Action::Ticket { .. }
             | Action::Wake { .. }
+            | Action::Shut { .. }
             | Action::Reply { .. } => None,
         }
     }

@@ -16,6 +16,7 @@ mod perform;
 mod possible;
 mod reach;
 mod see;
+mod shutdown;
 mod time;
 mod words;
 
@@ -278,6 +279,7 @@ impl Rules for Servers<'_> {
             Action::Signal { .. }
             | Action::Request { .. }
             | Action::Reply { .. }
+            | Action::Shut { .. }
             | Action::Proceed { .. } => None,
         }
     }

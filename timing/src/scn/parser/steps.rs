@@ -2,11 +2,13 @@
 
 use super::Parser;
 use crate::scn::Diagnostic;
-use crate::scn::ast::{Step, StepKind};
+use crate::scn::ast::{Ending, Step, StepKind};
 use crate::scn::lexer::Kind;
 
 /// Words that begin a step of a client.
-pub(in crate::scn) const STEPS: &[&str] = &["send", "await", "delay", "repeat", "choice"];
+pub(in crate::scn) const STEPS: &[&str] = &[
+    "send", "await", "delay", "repeat", "choice", "abort", "kill", "connect",
+];
 
 /// Repetitions larger than this are unrolled no more.
 const REPEAT: u64 = 1000;
@@ -42,6 +44,18 @@ impl Parser<'_> {
         })
     }
 
+    /// `ok`, `failed` or nothing; a component may have such a name as well.
+    fn ending(&mut self) -> Ending {
+        let is_path = (self.tokens.get(self.at + 1)).is_some_and(|it| it.kind == Kind::Dot);
+        if !is_path && self.eat_word("ok") {
+            Ending::Ok
+        } else if !is_path && self.eat_word("failed") {
+            Ending::Failed
+        } else {
+            Ending::Any
+        }
+    }
+
     fn step(&mut self) -> Option<Step> {
         let start = self.range().start;
         let mut label = None;
@@ -63,13 +77,17 @@ impl Parser<'_> {
             "send" => StepKind::Send(self.path()?),
             "await" => {
                 let ended = self.choose(&[("accepted", false), ("ended", true)])?;
+                let ending = if ended { self.ending() } else { Ending::Any };
                 let path = self.optional_path()?;
                 if ended {
-                    StepKind::AwaitEnded(path)
+                    StepKind::AwaitEnded(ending, path)
                 } else {
                     StepKind::AwaitAccepted(path)
                 }
             }
+            "abort" => StepKind::Abort(self.path()?),
+            "kill" => StepKind::Kill(self.path()?),
+            "connect" => StepKind::Connect(self.path()?),
             "delay" => {
                 let interval = self.interval()?;
                 StepKind::Delay(interval, self.unit()?)

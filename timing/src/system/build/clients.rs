@@ -4,9 +4,9 @@ use num_rational::Ratio;
 
 use super::{Builder, not_a};
 use crate::scn::Diagnostic;
-use crate::scn::ast::{self, Path, StepKind, Unit};
+use crate::scn::ast::{self, Ending, Path, StepKind, Unit};
 use crate::scn::names::Target;
-use crate::system::{Client, FOREVER, program, units};
+use crate::system::{Builtin, Client, Codel, FOREVER, Service, program, units};
 
 impl Builder<'_> {
     pub(super) fn find_requested(&mut self) {
@@ -20,9 +20,118 @@ impl Builder<'_> {
                 Err(error) => self.report(error),
             }
         }
+        if self.settings.semantics().is_published() {
+            for client in &self.settings.clients {
+                self.only_of_servers(&client.steps);
+            }
+        }
+    }
+
+    /// The published models know neither requests that every component understands nor how requests end.
+    fn only_of_servers(&mut self, steps: &[ast::Step]) {
+        for step in steps {
+            let what = match &step.kind {
+                StepKind::Abort(_) => "abort",
+                StepKind::Kill(_) => "kill",
+                StepKind::Connect(_) => "connect",
+                StepKind::AwaitEnded(Ending::Ok, _) => "await ended ok",
+                StepKind::AwaitEnded(Ending::Failed, _) => "await ended failed",
+                StepKind::Repeat(_, body) => {
+                    self.only_of_servers(body);
+                    continue;
+                }
+                StepKind::Choice(branches) => {
+                    branches.iter().for_each(|it| self.only_of_servers(it));
+                    continue;
+                }
+                _ => continue,
+            };
+            let message = format!(
+                "the published models have no `{what}`; write `semantics servers;`, or leave this step out"
+            );
+            self.report(Diagnostic::error(
+                "scn-semantics",
+                step.range.clone(),
+                message,
+            ));
+        }
+    }
+
+    /// Services for the requests that all components understand, where a client makes them.
+    fn builtins(&mut self) {
+        let mut found: Vec<(usize, Builtin)> = Vec::new();
+        for client in &self.settings.clients {
+            builtins(client, &client.steps, &mut |path, which| {
+                // What has no such name is reported when the client is compiled.
+                if let Some(c) = self.component_of(path)
+                    && let Some(&number) = self.out.components.get(&c)
+                    && !found.contains(&(number, which))
+                {
+                    found.push((number, which));
+                }
+            });
+        }
+        for (number, which) in found {
+            self.builtin(number, which);
+        }
+    }
+
+    fn builtin(&mut self, number: usize, which: Builtin) {
+        let system = &mut self.out.system;
+        let path = format!("{}.{}", system.components[number].name, which.name());
+        let mut simple = Vec::new();
+        let mut codel = |path: String, system: &mut crate::system::TimedSystem| {
+            system.codels.push(Codel {
+                path,
+                component: number,
+                lower: 0,
+                upper: 0,
+                conflicts: Default::default(),
+                throws: false,
+                site: None,
+                src: None,
+            });
+            simple.push(system.codels.len() - 1);
+            system.codels.len() - 1
+        };
+        codel(path.clone(), system);
+        if which == Builtin::Connect {
+            let all = codel(format!("{path} (all tasks at rest)"), system);
+            let executed = system.automata.iter();
+            let executed = executed.filter(|it| system.tasks[it.task].component == number);
+            let states = executed.flat_map(|it| &system.machines[it.machine].states);
+            let codels: Vec<usize> = states.map(|it| it.codel).collect();
+            for other in codels {
+                system.exclude(all, other);
+            }
+        }
+        let id = system.services.len();
+        system.components[number].services.push(id);
+        system.services.push(Service {
+            name: which.name().to_owned(),
+            component: number,
+            validate: None,
+            simple,
+            slots: Vec::new(),
+            activity: false,
+            interrupts: Vec::new(),
+            after: Vec::new(),
+            before: Vec::new(),
+            builtin: Some(which),
+            src: None,
+        });
+    }
+
+    fn component_of(&self, path: &Path) -> Option<usize> {
+        let name = path.names.first()?;
+        match self.names.resolve(&Path::from(name.clone())) {
+            Ok(Target::Component(c)) => Some(c),
+            _ => None,
+        }
     }
 
     pub(super) fn clients(&mut self) {
+        self.builtins();
         let unit = self.out.system.unit;
         let ticks = |count: u64, of: Unit| {
             let time = of.seconds() * Ratio::from_integer(i128::from(count));
@@ -31,22 +140,15 @@ impl Builder<'_> {
         for client in &self.settings.clients {
             let mut paths = Vec::new();
             sends(&client.steps, &mut paths);
+            builtins(client, &client.steps, &mut |path, _| paths.push(path));
             let here = paths.iter().any(|path| {
-                self.service(path)
-                    .is_ok_and(|it| self.out.services.contains_key(&it))
+                self.component_of(path)
+                    .is_some_and(|it| self.out.components.contains_key(&it))
             });
             if !here && !paths.is_empty() {
                 continue;
             }
-            let resolve = |path: &Path| {
-                let it = self.service(path)?;
-                self.out
-                    .services
-                    .get(&it)
-                    .copied()
-                    .ok_or_else(|| not_a("service", path))
-            };
-            let compiled: Result<Client, Diagnostic> = program::compile(client, &resolve, &ticks);
+            let compiled: Result<Client, Diagnostic> = program::compile(client, &*self, &ticks);
             match compiled {
                 Ok(client) => self.out.system.clients.push(client),
                 Err(error) => self.report(error),
@@ -58,6 +160,62 @@ impl Builder<'_> {
         match self.names.resolve(path)? {
             Target::Service(c, s) => Ok((c, s)),
             _ => Err(not_a("service", path)),
+        }
+    }
+}
+
+impl program::Resolve for Builder<'_> {
+    fn service(&self, path: &Path) -> Result<usize, Diagnostic> {
+        let it = Builder::service(self, path)?;
+        let found = self.out.services.get(&it).copied();
+        found.ok_or_else(|| not_a("service", path))
+    }
+
+    fn activity(&self, path: &Path) -> Result<usize, Diagnostic> {
+        let (c, s) = Builder::service(self, path)?;
+        if !self.names.is_activity(c, s) {
+            return Err(not_a("activity", path));
+        }
+        program::Resolve::service(self, path)
+    }
+
+    fn builtin(&self, path: &Path, which: Builtin) -> Result<usize, Diagnostic> {
+        // The component of an activity that is aborted; the other requests name the component alone.
+        let alone = which == Builtin::Abort || path.names.len() == 1;
+        let number =
+            (self.component_of(path).filter(|_| alone)).and_then(|it| self.out.components.get(&it));
+        let services = self.out.system.services.iter();
+        let mut services = services.enumerate();
+        services
+            .find(|(_, it)| Some(&it.component) == number && it.builtin == Some(which))
+            .map(|it| it.0)
+            .ok_or_else(|| not_a("component", path))
+    }
+}
+
+/// Calls `each` with the path of every request that all components understand; with that of the requests that a label
+/// stands for.
+fn builtins<'s>(
+    client: &'s ast::Client,
+    steps: &'s [ast::Step],
+    each: &mut impl FnMut(&'s Path, Builtin),
+) {
+    for step in steps {
+        match &step.kind {
+            StepKind::Abort(path) => match path.names.as_slice() {
+                [label] => {
+                    let mut labels = Vec::new();
+                    program::labelled(&client.steps, &mut labels);
+                    let requests = labels.iter().filter(|it| it.0 == label.value);
+                    requests.for_each(|it| each(it.1, Builtin::Abort));
+                }
+                _ => each(path, Builtin::Abort),
+            },
+            StepKind::Kill(path) => each(path, Builtin::Kill),
+            StepKind::Connect(path) => each(path, Builtin::Connect),
+            StepKind::Repeat(_, body) => builtins(client, body, each),
+            StepKind::Choice(branches) => branches.iter().for_each(|it| builtins(client, it, each)),
+            _ => {}
         }
     }
 }

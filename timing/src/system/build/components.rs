@@ -172,6 +172,7 @@ impl Builder<'_> {
                 interrupts: Vec::new(),
                 after: Vec::new(),
                 before: Vec::new(),
+                builtin: None,
                 src: Some(service.src),
             });
         }

@@ -67,6 +67,7 @@ impl Brute<'_> {
                 let ClientAction::Send {
                     service,
                     ref trackers,
+                    ..
                 } = self.system.clients[client].steps[at].action
                 else {
                     panic!("not at a request");

@@ -24,6 +24,9 @@ impl Brute<'_> {
                     let ready = match it.steps[at].action {
                         ClientAction::AwaitAccepted => !client.outstanding,
                         ClientAction::AwaitEnded(t) => over(t),
+                        ClientAction::AwaitAny | ClientAction::AwaitOutcome(..) => {
+                            unreachable!("the published models do not know how requests end")
+                        }
                         _ => false,
                     };
                     if ready {

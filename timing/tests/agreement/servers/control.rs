@@ -8,9 +8,8 @@ impl Interpreter<'_> {
     pub(super) fn accept(
         &self,
         s: &mut State,
-        client: usize,
-        c: usize,
-        service: usize,
+        (client, node): (usize, usize),
+        (c, service): (usize, usize),
         out: &mut Results,
     ) {
         let model = &self.system.components[c].services[service];
@@ -25,6 +24,10 @@ impl Interpreter<'_> {
             client,
             service,
             slot: None,
+            node: match self.system.clients[client].aborts {
+                true => node,
+                false => 0,
+            },
         };
         if let Some((task, _)) = model.activity {
             let slots = &mut component.tasks[task].slots;
@@ -57,19 +60,26 @@ impl Interpreter<'_> {
 
     /// The end of a codel of the control task; after the last one all tasks are woken.
     pub(super) fn handled(&self, s: &mut State, c: usize, goes_on: bool) {
-        let control = &mut s.components[c].control;
-        let Control::Codel(request, at, _) = *control else {
+        let Control::Codel(request, at, _) = s.components[c].control else {
             unreachable!("it executes a codel");
         };
         let codels = &self.system.components[c].services[request.service].control;
-        *control = match goes_on {
+        let handled = match goes_on {
             true if at + 1 < codels.len() => {
-                *control = Control::Codel(request, at + 1, Doing::Nothing);
+                s.components[c].control = Control::Codel(request, at + 1, Doing::Nothing);
                 return;
             }
-            true => Control::Rest(request, Handled::Accepted),
-            false => Control::Rest(request, Handled::Refused),
+            true => {
+                let builtin = self.system.components[c].services[request.service].builtin;
+                let done = builtin.is_none_or(|it| self.builtin(s, c, request, it));
+                match done {
+                    true => Handled::Accepted,
+                    false => Handled::Refused,
+                }
+            }
+            false => Handled::Refused,
         };
+        s.components[c].control = Control::Rest(request, handled);
         self.wake(s, c, None);
     }
 
@@ -79,13 +89,22 @@ impl Interpreter<'_> {
             unreachable!("there is no request");
         };
         s.components[c].control = Control::Ready;
-        let mut tracked = Tracked::Over;
+        let asks = self.system.clients[request.client].outcomes;
+        let mut tracked = Tracked::Over(handled == Handled::Accepted || !asks);
         match (handled, request.slot) {
             (Handled::Accepted, Some((task, slot))) => {
-                if let Some(it) = &mut s.components[c].tasks[task].slots[slot] {
+                if let Some(it) = &mut s.components[c].tasks[task].slots[slot]
+                    && it.status == Status::Asked
+                {
                     it.status = Status::Init(false);
                 }
                 tracked = Tracked::Slot(task, slot);
+                if self.system.clients[request.client].aborts {
+                    let instances = &mut s.clients[request.client].instances;
+                    let (service, node) = (request.service, request.node);
+                    instances.retain(|it| (it.0, it.1, it.2) != (c, service, node));
+                    instances.push((c, service, node, Some((task, slot))));
+                }
             }
             (Handled::Accepted, None) => {
                 for (task, slot) in self.interrupted(s, c, request.service, None) {
@@ -120,10 +139,16 @@ impl Interpreter<'_> {
                 let service = place.take().and_then(|it| it.service);
                 let Some(service) = service else { continue };
                 s.components[c].succeeded[service] |= succeeded;
-                for client in &mut s.clients {
+                for (k, client) in s.clients.iter_mut().enumerate() {
+                    let asks = self.system.clients[k].outcomes;
                     for it in &mut client.tracked {
                         if (it.0, it.2) == (c, Tracked::Slot(t, slot)) {
-                            it.2 = Tracked::Over;
+                            it.2 = Tracked::Over(succeeded || !asks);
+                        }
+                    }
+                    for it in &mut client.instances {
+                        if (it.0, it.3) == (c, Some((t, slot))) {
+                            it.3 = None;
                         }
                     }
                 }
@@ -135,7 +160,7 @@ impl Interpreter<'_> {
             let mut at = 0;
             client.tracked.retain(|it| {
                 at += 1;
-                it.2 != Tracked::Over || at > last
+                it.2 != Tracked::Over(true) || at > last
             });
         }
         for t in 0..s.components[c].tasks.len() {

@@ -4,7 +4,7 @@
 
 use dotgen_analysis::model::mutex::{self, Excluded};
 use dotgen_analysis::model::{self, CodelKind, CodelRef, Owner, Seconds, ServiceKind, ServiceList};
-use dotgen_timing::scn::ast::{self, Durations, Item, Policy, Scenario, StepKind, Unit};
+use dotgen_timing::scn::ast::{self, Durations, Ending, Item, Policy, Scenario, StepKind, Unit};
 use dotgen_timing::scn::semantics::{Points, PortRule, Preset, Semantics};
 use num_rational::Ratio;
 
@@ -70,6 +70,15 @@ pub(crate) struct Service {
     pub(crate) interrupts: Vec<usize>,
     pub(crate) before: Vec<usize>,
     pub(crate) after: Vec<usize>,
+    pub(crate) builtin: Option<Builtin>,
+}
+
+/// A request that every component understands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Builtin {
+    Abort,
+    Connect,
+    Kill,
 }
 
 pub(crate) struct ControlCodel {
@@ -100,6 +109,19 @@ pub(crate) struct Client {
     pub(crate) first: Vec<usize>,
     /// Whether the end of some request is awaited.
     pub(crate) awaits: bool,
+    /// Whether it matters how one ends.
+    pub(crate) outcomes: bool,
+    /// Whether it aborts something.
+    pub(crate) aborts: bool,
+}
+
+/// What is aborted.
+#[derive(Debug, Clone)]
+pub(crate) enum Aborted {
+    /// The last instance accepted of a service: component and service.
+    Last(usize, usize),
+    /// The last one accepted that was sent at steps with this label.
+    Labelled(String),
 }
 
 pub(crate) struct Node {
@@ -107,6 +129,7 @@ pub(crate) struct Node {
     pub(crate) action: Action,
     /// Nodes that may follow; the number of nodes stands for the end.
     pub(crate) next: Vec<usize>,
+    pub(crate) aborts: Option<Aborted>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -117,6 +140,10 @@ pub(crate) enum Action {
     /// Of the last request, or of the last one for a service.
     AwaitEnded(Option<(usize, usize)>),
     Delay(u32, u32),
+    /// The request of [`Action::AwaitEnded`] has succeeded, or not.
+    AwaitOutcome(Option<(usize, usize)>, bool),
+    /// Waits for the first of the outcomes that follow.
+    Either,
     /// No step: beginning and end of loops.
     Jump,
 }
@@ -396,6 +423,7 @@ impl Reader<'_> {
                 interrupts: list(&service.interrupts),
                 before: list(&service.before),
                 after: list(&service.after),
+                builtin: None,
             }
         });
         let mut services: Vec<Service> = services.collect();
@@ -416,11 +444,56 @@ impl Reader<'_> {
                 });
             }
         }
+        self.builtins(&mut services, &mut codels);
         Component {
             name: it.name.to_string(),
             tasks,
             services,
             codels,
+        }
+    }
+}
+
+impl Reader<'_> {
+    /// The requests that all components understand, after their services, in the order of [`Builtin`].
+    fn builtins(&self, services: &mut Vec<Service>, codels: &mut Vec<Codel>) {
+        let of_tasks: Vec<Executed> = (codels.iter())
+            .map(|it| it.executed.clone())
+            .filter(|it| it.0.is_some())
+            .collect();
+        let stop = (None, "all tasks at rest".to_owned());
+        for it in codels.iter_mut().filter(|it| it.executed.0.is_some()) {
+            it.waits_for.push(stop.clone());
+        }
+        for builtin in [Builtin::Abort, Builtin::Connect, Builtin::Kill] {
+            let mut control = Vec::new();
+            let mut codel = |executed: Executed, waits_for: Vec<Executed>| {
+                codels.push(Codel {
+                    lower: 0,
+                    upper: 0,
+                    executed,
+                    waits_for,
+                    ports: Vec::new(),
+                });
+                control.push(ControlCodel {
+                    name: None,
+                    codel: codels.len() - 1,
+                    can_fail: false,
+                });
+            };
+            codel((None, format!("{builtin:?} itself")), Vec::new());
+            if builtin == Builtin::Connect {
+                codel(stop.clone(), of_tasks.clone());
+            }
+            services.push(Service {
+                name: format!("{builtin:?} of all"),
+                activity: None,
+                control,
+                interrupts: Vec::new(),
+                before: Vec::new(),
+                after: Vec::new(),
+                builtin: Some(builtin),
+            });
         }
     }
 }
@@ -436,11 +509,32 @@ fn client(system: &System, it: &ast::Client) -> Client {
         nodes: Vec::new(),
         first: Vec::new(),
         awaits: false,
+        outcomes: false,
+        aborts: false,
     };
+    let mut labels = Vec::new();
+    labelled(&it.steps, &mut labels);
     let end = out.push(None, Action::Jump, Vec::new());
-    out.first = vec![out.steps(system, &it.steps, end)];
+    out.first = vec![out.steps((system, &labels), &it.steps, end)];
     out
 }
+
+/// Labels of requests, and the components that these ask.
+fn labelled(steps: &[ast::Step], out: &mut Vec<(String, String)>) {
+    for step in steps {
+        match (&step.label, &step.kind) {
+            (Some(label), StepKind::Send(path)) => {
+                out.push((label.value.clone(), path.names[0].value.clone()));
+            }
+            (_, StepKind::Repeat(_, body)) => labelled(body, out),
+            (_, StepKind::Choice(branches)) => branches.iter().for_each(|it| labelled(it, out)),
+            _ => {}
+        }
+    }
+}
+
+/// The system, and the labels of a client.
+type Context<'c> = (&'c System, &'c [(String, String)]);
 
 impl Client {
     /// The end: a jump that leads nowhere.
@@ -453,19 +547,27 @@ impl Client {
             label,
             action,
             next,
+            aborts: None,
         });
         self.nodes.len() - 1
     }
 
     /// Adds steps after which a node follows; the node they begin with.
-    fn steps(&mut self, system: &System, steps: &[ast::Step], then: usize) -> usize {
+    fn steps(&mut self, system: Context, steps: &[ast::Step], then: usize) -> usize {
         steps
             .iter()
             .rev()
             .fold(then, |then, it| self.step(system, it, then))
     }
 
-    fn step(&mut self, system: &System, step: &ast::Step, then: usize) -> usize {
+    fn step(&mut self, context: Context, step: &ast::Step, then: usize) -> usize {
+        let (system, labels) = context;
+        let builtin = |component: &str, which: Builtin| {
+            let c = system.component(component);
+            let mut services = system.components[c].services.iter();
+            let found = services.position(|it| it.builtin == Some(which));
+            Action::Send(c, found.expect("a request of all"))
+        };
         let service = |path: &ast::Path| {
             let names: Vec<&str> = path.names.iter().map(|it| it.value.as_str()).collect();
             let c = system.component(names[0]);
@@ -482,26 +584,63 @@ impl Client {
                 return self.push(label, Action::Send(c, s), vec![then]);
             }
             StepKind::AwaitAccepted(_) => Action::AwaitAccepted,
-            StepKind::AwaitEnded(path) => {
+            StepKind::AwaitEnded(ending, path) => {
                 self.awaits = true;
-                Action::AwaitEnded(path.as_ref().map(service))
+                let of = path.as_ref().map(service);
+                let succeeds = match ending {
+                    Ending::Any => return self.push(label, Action::AwaitEnded(of), vec![then]),
+                    Ending::Ok => true,
+                    Ending::Failed => false,
+                };
+                self.outcomes = true;
+                let outcome = self.push(None, Action::AwaitOutcome(of, succeeds), vec![then]);
+                return self.push(label, Action::Either, vec![outcome]);
             }
+            StepKind::Abort(path) => {
+                self.aborts = true;
+                let (component, aborted) = match path.names.as_slice() {
+                    [label] => {
+                        let found = labels.iter().find(|it| it.0 == label.value);
+                        let component = found.expect("a label of a request").1.as_str();
+                        (component, Aborted::Labelled(label.value.clone()))
+                    }
+                    names => {
+                        let (c, s) = service(path);
+                        (names[0].value.as_str(), Aborted::Last(c, s))
+                    }
+                };
+                let node = self.push(label, builtin(component, Builtin::Abort), vec![then]);
+                self.nodes[node].aborts = Some(aborted);
+                return node;
+            }
+            StepKind::Kill(path) => builtin(&path.names[0].value, Builtin::Kill),
+            StepKind::Connect(path) => builtin(&path.names[0].value, Builtin::Connect),
             StepKind::Delay(it, unit) => {
                 let upper = it.upper.expect("a bound");
                 Action::Delay(in_millis(it.lower, *unit), in_millis(upper, *unit))
             }
             StepKind::Repeat(Some(times), body) => {
-                return (0..*times).fold(then, |then, _| self.steps(system, body, then));
+                return (0..*times).fold(then, |then, _| self.steps(context, body, then));
             }
             StepKind::Repeat(None, body) => {
                 let again = self.push(None, Action::Jump, Vec::new());
-                let first = self.steps(system, body, again);
+                let first = self.steps(context, body, again);
                 self.nodes[again].next = vec![first];
                 return again;
             }
             StepKind::Choice(branches) => {
-                let firsts = branches.iter().map(|it| self.steps(system, it, then));
-                let next = firsts.collect();
+                let firsts = branches.iter().map(|it| self.steps(context, it, then));
+                let next: Vec<usize> = firsts.collect();
+                // Branches that wait for an outcome are one: the first that comes is taken.
+                let (waiting, mut next): (Vec<usize>, Vec<usize>) =
+                    (next.into_iter()).partition(|&it| self.nodes[it].action == Action::Either);
+                if let [first, others @ ..] = waiting.as_slice() {
+                    next.push(*first);
+                    for &other in others {
+                        let outcomes = self.nodes[other].next.clone();
+                        self.nodes[*first].next.extend(outcomes);
+                    }
+                }
                 return self.push(label, Action::Jump, next);
             }
         };

@@ -78,6 +78,7 @@ impl Interpreter<'_> {
             }
             Step::Rest(c) => self.rest(&mut s, c),
             Step::Report(c) => self.report(&mut s, c),
+            Step::Die(c) => self.die(&mut s, c),
         }
         self.no_more_ready(&mut s);
         self.watch(Some(before), &mut s);
@@ -95,7 +96,9 @@ impl Interpreter<'_> {
 
     /// Of a periodic task nobody reads it.
     pub(super) fn set_runnable(&self, s: &mut State, c: usize, t: usize) {
-        s.components[c].tasks[t].runnable = self.system.components[c].tasks[t].period.is_none();
+        let aperiodic = self.system.components[c].tasks[t].period.is_none();
+        let task = &mut s.components[c].tasks[t];
+        task.runnable = aperiodic && !task.gone;
     }
 
     /// A cycle begins to serve the tick; or to be the first one.
@@ -124,7 +127,13 @@ impl Interpreter<'_> {
             let nowhere = usize::MAX;
             let marked = std::mem::take(&mut it.mark);
             match it.status {
-                Status::Init(_) if marked => {
+                // A permanent activity is marked when its component is killed, and executes `stop` in any case.
+                Status::Init(_) if marked && it.service.is_none() => {
+                    it.status = Status::Stop;
+                    it.at = machine.stop.unwrap_or(nowhere);
+                    turns.push(slot);
+                }
+                Status::Asked | Status::Init(_) if marked => {
                     it.status = Status::Ended(false);
                     it.at = 0;
                     task.ended = true;
@@ -309,7 +318,7 @@ impl Interpreter<'_> {
         };
         let it = &mut s.clients[k];
         (it.at, it.clock, it.outstanding) = (Some(next), 0, true);
-        self.accept(s, k, c, service, out);
+        self.accept(s, (k, at), (c, service), out);
     }
 }
 

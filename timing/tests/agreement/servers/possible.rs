@@ -37,6 +37,8 @@ pub(super) enum Step {
     Rest(usize),
     /// Ended activities are reported.
     Report(usize),
+    /// A component that was killed gets on with its end.
+    Die(usize),
 }
 
 impl Interpreter<'_> {
@@ -90,6 +92,9 @@ impl Interpreter<'_> {
                 Control::Rest(..) => out.push(Step::Rest(c)),
                 Control::Ready if it.signal => out.push(Step::Report(c)),
                 _ => {}
+            }
+            if self.dies(s, c) {
+                out.push(Step::Die(c));
             }
             for who in s.everybody(c) {
                 if s.doing(c, who) == Some(Doing::Nothing) {
@@ -160,13 +165,29 @@ impl Interpreter<'_> {
             let next = match it.at {
                 None => client.reach(&client.first),
                 Some(at) => {
+                    // How a request has ended; nothing was requested: as if it had succeeded.
+                    let end = |of: Option<(usize, usize)>| {
+                        let mut asked = it.tracked.iter().rev();
+                        match asked.find(|it| of.is_none_or(|of| of == (it.0, it.1))) {
+                            None => Some(true),
+                            Some(&(.., Tracked::Over(succeeded))) => Some(succeeded),
+                            Some(_) => None,
+                        }
+                    };
                     let over = match client.nodes[at].action {
                         Action::AwaitAccepted => !it.outstanding,
-                        Action::AwaitEnded(of) => {
-                            let asked = it.tracked.iter().rev();
-                            let mut asked =
-                                asked.filter(|it| of.is_none_or(|of| of == (it.0, it.1)));
-                            asked.next().is_none_or(|it| it.2 == Tracked::Over)
+                        Action::AwaitEnded(of) => end(of).is_some(),
+                        Action::Either => {
+                            for &node in &client.nodes[at].next {
+                                if let Action::AwaitOutcome(of, succeeds) =
+                                    client.nodes[node].action
+                                    && end(of) == Some(succeeds)
+                                {
+                                    let next = client.reach(&client.nodes[node].next);
+                                    out.extend(next.into_iter().map(|it| Step::Proceed(k, it)));
+                                }
+                            }
+                            false
                         }
                         _ => false,
                     };
@@ -187,7 +208,7 @@ impl Interpreter<'_> {
             Some(_) => it.flag.is_some(),
             None => it.runnable,
         };
-        woken && it.phase == Phase::Idle && it.first != First::NotStarted && !it.wake
+        woken && !it.gone && it.phase == Phase::Idle && it.first != First::NotStarted && !it.wake
     }
 
     /// Whether a cycle of a task could execute anything.
@@ -196,7 +217,8 @@ impl Interpreter<'_> {
         slots.into_iter().any(|it| match it.status {
             Status::Init(released) => released || it.mark,
             Status::Run | Status::Stop => true,
-            Status::Asked | Status::Ended(_) => false,
+            Status::Asked => it.mark,
+            Status::Ended(_) => false,
         })
     }
 

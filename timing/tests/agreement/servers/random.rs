@@ -20,6 +20,8 @@ struct Known {
     services: Vec<String>,
     /// Everything is drawn: ports, priorities, and every point of the semantics; see [`varied`].
     varied: bool,
+    /// Clients ask for what all components understand, and how requests end.
+    requests: bool,
     /// Ports that codels of the present component may name.
     ports: &'static [&'static str],
 }
@@ -36,6 +38,17 @@ pub(crate) fn varied(dice: &mut Dice) -> Texts {
         ..Known::default()
     };
     draw(dice, varied)
+}
+
+/// The same with clients that abort, kill and connect, and wait for success or failure.
+pub(crate) fn requests(dice: &mut Dice) -> Texts {
+    let varied = dice.in_ten(4);
+    let requests = Known {
+        varied,
+        requests: true,
+        ..Known::default()
+    };
+    draw(dice, requests)
 }
 
 fn draw(dice: &mut Dice, mut known: Known) -> Texts {
@@ -246,15 +259,34 @@ fn scenario(dice: &mut Dice, known: &Known) -> String {
         if again {
             out.push_str("  repeat * {\n");
         }
-        for _ in 0..1 + dice.below(3) {
+        for step in 0..1 + dice.below(3) {
+            if known.requests && dice.in_ten(3) {
+                asks(dice, known, &mut out);
+            }
             if dice.in_ten(6) {
                 let from = dice.below(9);
                 let to = from + if dice.in_ten(3) { dice.below(4) } else { 0 };
                 let _ = writeln!(out, "  delay [{from},{to}] ms;");
             }
             let all: Vec<&str> = known.services.iter().map(String::as_str).collect();
-            let _ = writeln!(out, "  send {};", dice.pick(&all));
-            if dice.in_ten(3) {
+            let sent = dice.pick(&all);
+            let aborts = known.requests && known.activities.iter().any(|it| it == sent);
+            if aborts && dice.in_ten(2) {
+                let _ = writeln!(
+                    out,
+                    "  a{step}: send {sent};\n  delay {} ms;",
+                    dice.below(6)
+                );
+                let _ = writeln!(out, "  abort a{step};");
+            } else {
+                let _ = writeln!(out, "  send {sent};");
+            }
+            if aborts && dice.in_ten(4) {
+                let _ = writeln!(out, "  delay {} ms;\n  abort {sent};", dice.below(9));
+            }
+            if known.requests && dice.in_ten(3) {
+                outcome(dice, known, sent, &mut out);
+            } else if dice.in_ten(3) {
                 out.push_str("  await ended;\n");
             }
         }
@@ -273,6 +305,37 @@ fn scenario(dice: &mut Dice, known: &Known) -> String {
     }
     out.push_str("}\n");
     out
+}
+
+/// A request that all components understand.
+fn asks(dice: &mut Dice, known: &Known, out: &mut String) {
+    let component = &dice.pick(&known.tasks.iter().collect::<Vec<_>>())[..1];
+    let activities: Vec<&str> = known.activities.iter().map(String::as_str).collect();
+    let _ = match dice.below(5) {
+        0 => writeln!(out, "  kill {component};"),
+        1 | 2 if !activities.is_empty() => writeln!(out, "  abort {};", dice.pick(&activities)),
+        3 => writeln!(out, "  delay {} ms;\n  connect {component};", dice.below(5)),
+        _ => writeln!(out, "  connect {component};"),
+    };
+}
+
+/// Waits until a request has ended in some way, or does something else for each way.
+fn outcome(dice: &mut Dice, known: &Known, sent: &str, out: &mut String) {
+    let services: Vec<&str> = known.services.iter().map(String::as_str).collect();
+    let other = dice.pick(&services);
+    let of = dice.pick(&["", sent]);
+    let _ = match dice.below(4) {
+        0 => writeln!(out, "  await ended ok {of};"),
+        1 => writeln!(out, "  await ended failed {of};"),
+        2 => writeln!(
+            out,
+            "  choice {{ await ended ok {of}; send {other}; }} or {{ await ended failed {of}; delay 3 ms; }}"
+        ),
+        _ => writeln!(
+            out,
+            "  choice {{ await ended failed {of}; send {other}; }} or {{ await ended ok {of}; }} or {{ delay 4 ms; }}"
+        ),
+    };
 }
 
 /// Single points of the semantics.

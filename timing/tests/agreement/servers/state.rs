@@ -87,6 +87,23 @@ pub(super) struct Task {
     pub(super) failed: bool,
     /// The other tasks have to be woken.
     pub(super) wake: bool,
+    /// It has ended with its component.
+    pub(super) gone: bool,
+}
+
+/// Where the shutdown of a component is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Kill {
+    No,
+    /// The activities of a task are interrupted.
+    Activities(usize),
+    /// The permanent activity of a task is to be interrupted; it was.
+    Permanent(usize),
+    Stopping(usize),
+    /// A task ends, and at last the control task.
+    Task(usize),
+    Control,
+    Over,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -106,6 +123,8 @@ pub(super) struct Request {
     pub(super) service: usize,
     /// Of an activity: task and slot.
     pub(super) slot: Option<(usize, usize)>,
+    /// The step by which it was sent, where that matters.
+    pub(super) node: usize,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -130,12 +149,14 @@ pub(super) struct Component {
     /// By service.
     pub(super) succeeded: Vec<bool>,
     pub(super) tasks: Vec<Task>,
+    pub(super) kill: Kill,
 }
 
 /// A request whose end is awaited.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Tracked {
-    Over,
+    /// Whether it has succeeded; only where somebody asks.
+    Over(bool),
     Handled,
     /// Task and slot.
     Slot(usize, usize),
@@ -149,6 +170,9 @@ pub(super) struct Client {
     pub(super) outstanding: bool,
     /// The last request for each service, and the last one of all.
     pub(super) tracked: Vec<(usize, usize, Tracked)>,
+    /// Instances that it may abort, in order of acceptance: component, service, node, and task and slot until it is
+    /// reported.
+    pub(super) instances: Vec<(usize, usize, usize, Option<(usize, usize)>)>,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -196,6 +220,7 @@ impl State {
                 ended: false,
                 failed: false,
                 wake: false,
+                gone: false,
             };
             let tasks: Vec<Task> = it.tasks.iter().map(task).collect();
             Component {
@@ -207,6 +232,7 @@ impl State {
                 tickets: Vec::new(),
                 succeeded: vec![false; it.services.len()],
                 tasks,
+                kill: Kill::No,
             }
         };
         State {
@@ -217,6 +243,7 @@ impl State {
                     clock: 0,
                     outstanding: false,
                     tracked: Vec::new(),
+                    instances: Vec::new(),
                 })
                 .collect(),
             queue: Vec::new(),

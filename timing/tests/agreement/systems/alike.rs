@@ -203,9 +203,13 @@ impl Copier<'_> {
                             ClientAction::Send {
                                 service: it,
                                 trackers,
+                                accepted,
+                                aborts,
                             } => ClientAction::Send {
                                 service: service(it),
                                 trackers,
+                                accepted,
+                                aborts,
                             },
                             other => other,
                         },

@@ -87,6 +87,8 @@ fn any(system: &TimedSystem, dice: &mut Dice, k: u32) -> Client {
         action: ClientAction::Send {
             service,
             trackers: vec![0],
+            accepted: Vec::new(),
+            aborts: None,
         },
         next: vec![if waits { services + 1 } else { back }],
         label: None,

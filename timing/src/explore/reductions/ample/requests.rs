@@ -245,7 +245,10 @@ impl Moment<'_, '_> {
                         _ => after,
                     }
                 }
-                ClientAction::Delay(..) | ClientAction::AwaitAccepted => after,
+                ClientAction::Delay(..)
+                | ClientAction::AwaitAccepted
+                | ClientAction::AwaitAny
+                | ClientAction::AwaitOutcome(..) => after,
             }
         };
         let clients = (0..self.system().clients.len()).filter(|&it| counts(it));

@@ -421,9 +421,16 @@ impl<'s> Exchange<'s> {
                 && from.steps.len() == to.steps.len()
                 && from.steps.iter().zip(&to.steps).all(|(from, to)| {
                     let renamed = match &from.action {
-                        ClientAction::Send { service, trackers } => ClientAction::Send {
+                        ClientAction::Send {
+                            service,
+                            trackers,
+                            accepted,
+                            aborts,
+                        } => ClientAction::Send {
                             service: self.services[*service],
                             trackers: trackers.clone(),
+                            accepted: accepted.clone(),
+                            aborts: *aborts,
                         },
                         other => other.clone(),
                     };

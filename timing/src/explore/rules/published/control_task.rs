@@ -12,6 +12,7 @@ impl Published<'_> {
         let ClientAction::Send {
             service,
             ref trackers,
+            ..
         } = self.system.clients[client].steps[position].action
         else {
             return;

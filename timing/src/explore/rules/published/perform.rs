@@ -47,6 +47,7 @@ impl Published<'_> {
             | Action::Ready { .. }
             | Action::Ticket { .. }
             | Action::Wake { .. }
+            | Action::Shut { .. }
             | Action::Reply { .. } => {}
         }
     }

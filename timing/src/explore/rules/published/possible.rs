@@ -46,7 +46,11 @@ impl Published<'_> {
                 let satisfied = match &step.action {
                     ClientAction::AwaitAccepted => l.outstanding(s, k) == 0,
                     &ClientAction::AwaitEnded(t) => l.tracker(s, k, t) == tracker::NONE,
-                    ClientAction::Send { .. } | ClientAction::Delay(..) => false,
+                    // (How something ended is not known here: such scenarios are refused.)
+                    ClientAction::Send { .. }
+                    | ClientAction::Delay(..)
+                    | ClientAction::AwaitAny
+                    | ClientAction::AwaitOutcome(..) => false,
                 };
                 if !satisfied {
                     continue;

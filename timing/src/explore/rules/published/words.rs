@@ -150,6 +150,7 @@ impl Published<'_> {
             | Action::Ready { .. }
             | Action::Ticket { .. }
             | Action::Wake { .. }
+            | Action::Shut { .. }
             | Action::Reply { .. } => {}
         }
     }

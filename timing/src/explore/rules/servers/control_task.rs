@@ -14,6 +14,7 @@ impl Servers<'_> {
         let ClientAction::Send {
             service,
             ref trackers,
+            ..
         } = step.action
         else {
             return;
@@ -22,7 +23,8 @@ impl Servers<'_> {
             l.set_tracker(s, client, t, tracker::HANDLED);
         }
         self.client_to(s, client, next);
-        l.set_outstanding(s, client, 1);
+        let sent = if l.follows[client] { at as u16 + 1 } else { 1 };
+        l.set_outstanding(s, client, sent);
         let it = &self.system.services[service];
         let component = it.component;
         l.set_handled(s, component, service as u16);
@@ -76,6 +78,13 @@ impl Servers<'_> {
             return self.refuse(s, component);
         }
         let number = l.codel_number(s, component);
+        let service = &self.system.services[l.handled(s, component) as usize];
+        let last = number as usize + 1 == service.simple.len();
+        if let Some(which) = service.builtin.filter(|_| last)
+            && !self.do_builtin(s, component, which)
+        {
+            return self.refuse(s, component);
+        }
         l.set_codel_number(s, component, number + 1);
         self.next_codel(s, component);
     }
@@ -110,6 +119,14 @@ impl Servers<'_> {
         }
         for t in 0..self.system.clients[client].trackers {
             if l.tracker(s, client, t) == tracker::HANDLED {
+                let failed = refused && l.outcomes[client][t];
+                l.set_tracker(s, client, t, if failed { tracker::FAILED } else { tracked });
+            }
+        }
+        if tracked != tracker::NONE
+            && let Some(ClientAction::Send { accepted, .. }) = self.sent(s, client)
+        {
+            for &t in accepted {
                 l.set_tracker(s, client, t, tracked);
             }
         }
@@ -214,13 +231,20 @@ impl Servers<'_> {
     fn make_void(&self, s: &mut State, it: usize) {
         let l = &self.layout;
         self.clear_visits(s, it);
+        let success = l.mode(s, it) & slot::SUCCESS != 0;
         l.set_mode(s, it, slot::VOID);
         l.set_automaton(s, it, 0);
         l.set_at(s, it, 0);
         for (k, client) in self.system.clients.iter().enumerate() {
             for t in 0..client.trackers {
                 if l.tracker(s, k, t) == tracker::SLOT + it as u16 {
-                    l.set_tracker(s, k, t, tracker::NONE);
+                    let failed = !success && l.outcomes[k][t];
+                    let value = if failed {
+                        tracker::FAILED
+                    } else {
+                        tracker::NONE
+                    };
+                    l.set_tracker(s, k, t, value);
                 }
             }
         }

@@ -4,7 +4,7 @@ use std::ops::Deref;
 
 use crate::explore::state::{Clocks, Frame, Places, State};
 use crate::scn::semantics::{LockRule, Semantics};
-use crate::system::{ClientAction, Policy, Ticks, TimedSystem};
+use crate::system::{Builtin, Client, ClientAction, Policy, Ticks, TimedSystem};
 
 /// Where the thread of a task is.
 pub(super) mod thread {
@@ -22,6 +22,8 @@ pub(super) mod thread {
     pub(in super::super) const QUEUED: u16 = 5;
     /// Executes a codel.
     pub(in super::super) const EXECUTING: u16 = 6;
+    /// Has ended with its component.
+    pub(in super::super) const ENDED: u16 = 7;
 }
 
 /// Flags of a task.
@@ -70,7 +72,7 @@ pub(super) mod slot {
 
 /// Steps of a control task.
 pub(super) mod control {
-    /// Its component is starting, or has failed to.
+    /// Its component is starting, or has failed to, or has ended.
     pub(in super::super) const OFF: u16 = 0;
     pub(in super::super) const READY: u16 = 1;
     /// Before it takes a ticket.
@@ -86,7 +88,9 @@ pub(super) mod tracker {
     pub(in super::super) const NONE: u16 = 0;
     /// Sent, not accepted yet.
     pub(in super::super) const HANDLED: u16 = 1;
-    pub(in super::super) const SLOT: u16 = 2;
+    /// It is over, without success; only where somebody asks.
+    pub(in super::super) const FAILED: u16 = 2;
+    pub(in super::super) const SLOT: u16 = 3;
 }
 
 /// Numbers per slot.
@@ -113,6 +117,12 @@ pub(super) struct Layout {
     core_queue: Option<usize>,
     /// Length, then executors, of each component.
     lock_queue: Vec<Option<usize>>,
+    /// Where the shutdown of each component is that a client may kill; 0: it was not killed.
+    pub(super) shutdown: Vec<Option<usize>>,
+    /// By client, whether it matters by which step a request was sent.
+    pub(super) follows: Vec<bool>,
+    /// By client and tracker, whether it matters how a request has ended.
+    pub(super) outcomes: Vec<Vec<bool>>,
     /// Whether a service has succeeded, where it matters.
     pub(super) success: Vec<Option<usize>>,
     /// Time since the tick of a waiting task, then since the tick kept, for each; with EDF.
@@ -174,6 +184,12 @@ impl Layout {
                 (matters && requested[service]).then(|| places.discrete(1))
             })
             .collect();
+        let shutdown = (system.components.iter())
+            .map(|it| {
+                let kill = |&of: &usize| system.services[of].builtin == Some(Builtin::Kill);
+                it.services.iter().any(kill).then(|| places.discrete(1))
+            })
+            .collect();
         let timers = places.times(tasks);
         debug_assert_eq!(timers, 0, "timers come first");
         let edf = system.platform.cores.is_some() && system.platform.policy == Policy::Edf;
@@ -201,6 +217,11 @@ impl Layout {
             client_base,
             core_queue,
             lock_queue,
+            shutdown,
+            follows: system.clients.iter().map(follows).collect(),
+            outcomes: (system.clients.iter())
+                .map(|it| (0..it.trackers).map(|t| it.asks_outcome(t)).collect())
+                .collect(),
             success,
             ages,
             kept,
@@ -295,6 +316,16 @@ impl Layout {
             remove(s, base, executor as u16);
         }
     }
+}
+
+/// Whether some instances that a client has requested can be aborted by it.
+fn follows(client: &Client) -> bool {
+    client.steps.iter().any(|it| match &it.action {
+        ClientAction::Send {
+            accepted, aborts, ..
+        } => aborts.is_some() || !accepted.is_empty(),
+        _ => false,
+    })
 }
 
 /// How many activities a task can have at the same time: as many as it has places, and no more than are requested.
@@ -393,6 +424,7 @@ fields! {
     signal set_signal (self, component) self.component_base + OF_COMPONENT * component + 7;
     /// Step of a client; one past the end: before the first.
     position set_position (self, client) self.client_base[client];
-    /// Whether a client has a request that was not answered.
+    /// Whether a client has a request that was not answered: 0, or, where it matters by which step it was sent, the number
+    /// of the step plus one.
     outstanding set_outstanding (self, client) self.client_base[client] + 1;
 }

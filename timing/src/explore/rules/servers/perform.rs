@@ -54,6 +54,7 @@ impl Servers<'_> {
             Action::Signal { component } => self.look_at_all(s, component),
             Action::Request { client, next } => self.request(s, client, next),
             Action::Reply { component } => self.reply(s, component),
+            Action::Shut { component } => self.shut(s, component),
         }
     }
 

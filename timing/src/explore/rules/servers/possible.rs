@@ -90,7 +90,24 @@ impl Servers<'_> {
                 let step = &client.steps[position];
                 let satisfied = match step.action {
                     ClientAction::AwaitAccepted => l.outstanding(s, k) == 0,
-                    ClientAction::AwaitEnded(t) => l.tracker(s, k, t) == tracker::NONE,
+                    ClientAction::AwaitEnded(t) => {
+                        matches!(l.tracker(s, k, t), tracker::NONE | tracker::FAILED)
+                    }
+                    ClientAction::AwaitOutcome(t, success) => self.has_outcome(s, k, t, success),
+                    ClientAction::AwaitAny => {
+                        // It goes on to what has nothing to wait for.
+                        let steps = &client.steps;
+                        let over = |next: &&usize| match steps.get(**next).map(|it| &it.action) {
+                            Some(&ClientAction::AwaitOutcome(t, success)) => {
+                                self.has_outcome(s, k, t, success)
+                            }
+                            _ => false,
+                        };
+                        let next = step.next.iter().filter(over);
+                        out.actions
+                            .extend(next.map(|&next| Action::Proceed { client: k, next }));
+                        false
+                    }
                     ClientAction::Send { .. } | ClientAction::Delay(..) => false,
                 };
                 if !satisfied {
@@ -101,6 +118,15 @@ impl Servers<'_> {
             let proceed = |&next: &usize| Action::Proceed { client: k, next };
             out.actions.extend(next.iter().map(proceed));
         }
+    }
+
+    /// Whether a request that is followed has ended in this way.
+    fn has_outcome(&self, s: &State, client: usize, tracker: usize, success: bool) -> bool {
+        let wanted = match success {
+            true => tracker::NONE,
+            false => tracker::FAILED,
+        };
+        self.layout.tracker(s, client, tracker) == wanted
     }
 
     /// Whether the thread of a task goes on by beginning a cycle.
@@ -179,6 +205,7 @@ impl Servers<'_> {
         let l = &self.layout;
         for (task, it) in self.system.tasks.iter().enumerate() {
             let ticks = match self.semantics.ticks {
+                _ if l.thread_of(s, task) == thread::ENDED => false,
                 TickRule::Component => true,
                 TickRule::Task => l.thread_of(s, task) != thread::OFF,
             };
@@ -222,6 +249,9 @@ impl Servers<'_> {
                 out.actions.push(Action::Signal { component });
             }
             _ => {}
+        }
+        if self.shuts(s, component) {
+            out.actions.push(Action::Shut { component });
         }
         match self.semantics.locks {
             LockRule::Queue => {
@@ -341,9 +371,12 @@ impl Servers<'_> {
 
     /// Whether an exception makes a difference: not where the activity may end as well and nobody asks how it ended.
     fn tells_throwing(&self, s: &State, slot: usize, yields: &[Yield]) -> bool {
+        let outcomes = || self.layout.outcomes.iter().flatten().any(|it| *it);
         match self.service(s, slot) {
             Some(service) => {
-                !yields.contains(&Yield::End) || self.layout.success[service].is_some()
+                !yields.contains(&Yield::End)
+                    || self.layout.success[service].is_some()
+                    || outcomes()
             }
             None => true,
         }

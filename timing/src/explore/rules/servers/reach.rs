@@ -10,7 +10,9 @@ impl Servers<'_> {
     /// The component an action is one of; `None` for those of clients alone.
     pub(crate) fn component_of_action(&self, s: &State, action: Action) -> Option<usize> {
         match action {
-            Action::Signal { component } | Action::Reply { component } => Some(component),
+            Action::Signal { component }
+            | Action::Reply { component }
+            | Action::Shut { component } => Some(component),
             Action::Request { client, .. } => {
                 let steps = &self.system.clients[client].steps;
                 match steps.get(self.layout.position(s, client) as usize)?.action {

@@ -11,6 +11,7 @@ impl Servers<'_> {
     /// Whether the timer of a task counts.
     fn counts(&self, s: &State, task: usize) -> bool {
         let starts = match self.semantics.ticks {
+            _ if self.layout.thread_of(s, task) == thread::ENDED => false,
             TickRule::Component => true,
             TickRule::Task => self.layout.thread_of(s, task) != thread::OFF,
         };

@@ -180,6 +180,18 @@ impl Servers<'_> {
                     out.push(self.of_component(by - l.tasks, time, what));
                 }
             }
+            Action::Shut { component } => {
+                let what = "shuts down".to_owned();
+                out.push(self.of_component(component, time, what));
+                self.reported(before, after, component, time, out);
+                for &task in &self.system.components[component].tasks {
+                    let ended = |s: &State| l.thread_of(s, task) == thread::ENDED;
+                    if ended(after) && !ended(before) {
+                        let what = "ends with its component".to_owned();
+                        out.push(self.of_task(task, MomentKind::Complete, time, what));
+                    }
+                }
+            }
             Action::Proceed { .. }
             | Action::Acquire { .. }
             | Action::Ticket { .. }

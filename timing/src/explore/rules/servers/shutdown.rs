@@ -1,0 +1,199 @@
+//! Requests that every component understands (section 18): `abort`, and what `kill` sets going.
+//!
+//! A component that is shut down is at a *stage*: first its tasks in order of declaration, while their activities are
+//! interrupted; then in reverse order, while their permanent activities stop; then in order again, as they end; and at last
+//! its control task. The thread that does this needs no core and takes no time, and each of its steps is an action.
+
+use super::Servers;
+use super::layout::{control, flag, slot, thread, tracker};
+use crate::explore::state::State;
+use crate::system::{Builtin, ClientAction};
+
+/// Where the shutdown of a component is. Tasks are numbered among all.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Stage {
+    /// Activities of a task are interrupted.
+    Activities(usize),
+    /// The permanent activity of a task is to be interrupted.
+    Permanent(usize),
+    /// It was.
+    Stopping(usize),
+    /// A task ends.
+    Task(usize),
+    /// The control task ends.
+    Control,
+}
+
+impl Servers<'_> {
+    /// The last codel of a request that all components understand has ended; whether it did what was asked.
+    pub(super) fn do_builtin(&self, s: &mut State, component: usize, which: Builtin) -> bool {
+        match which {
+            Builtin::Abort => self.abort(s, component),
+            Builtin::Connect => true,
+            Builtin::Kill => {
+                if let Some(place) = self.layout.shutdown[component]
+                    && s.d[place] == 0
+                {
+                    s.d[place] = 1;
+                }
+                true
+            }
+        }
+    }
+
+    /// Marks the instance that a client names; whether there is one.
+    fn abort(&self, s: &mut State, component: usize) -> bool {
+        let l = &self.layout;
+        let client = l.sender(s, component) as usize - 1;
+        let aborted = self.sent(s, client).and_then(|it| match it {
+            ClientAction::Send { aborts, .. } => *aborts,
+            _ => None,
+        });
+        let value = aborted.map_or(tracker::NONE, |it| l.tracker(s, client, it));
+        let Some(it) = value.checked_sub(tracker::SLOT) else {
+            return false;
+        };
+        let mode = l.mode(s, it as usize);
+        if matches!(mode & slot::STATUS, slot::INIT | slot::RUN) {
+            l.set_mode(s, it as usize, mode | slot::MARK);
+        }
+        true
+    }
+
+    /// The step by which a client sent the request that is being handled, where that matters.
+    pub(super) fn sent(&self, s: &State, client: usize) -> Option<&ClientAction> {
+        let at = (self.layout.outstanding(s, client) as usize).checked_sub(1)?;
+        let step = self.system.clients[client].steps.get(at)?;
+        self.layout.follows[client].then_some(&step.action)
+    }
+
+    /// The stage of a component that is being shut down.
+    fn stage(&self, s: &State, component: usize) -> Option<Stage> {
+        let place = self.layout.shutdown[component]?;
+        let number = (s.d[place] as usize).checked_sub(1)?;
+        let tasks = &self.system.components[component].tasks;
+        let count = tasks.len();
+        if let Some(&task) = tasks.get(number) {
+            return Some(Stage::Activities(task));
+        }
+        let number = number - count;
+        if number < 2 * count {
+            let task = tasks[count - 1 - number / 2];
+            return Some(match number % 2 {
+                0 => Stage::Permanent(task),
+                _ => Stage::Stopping(task),
+            });
+        }
+        match tasks.get(number - 2 * count) {
+            Some(&task) => Some(Stage::Task(task)),
+            None if number == 3 * count => Some(Stage::Control),
+            None => None,
+        }
+    }
+
+    /// The place of the permanent activity of a task, unless it has ended and that was handled.
+    fn permanent(&self, s: &State, task: usize) -> Option<usize> {
+        let l = &self.layout;
+        let mut slots = l.slots(task);
+        slots.find(|&it| {
+            let mode = l.mode(s, it);
+            mode & slot::PERMANENT != 0 && mode & slot::STATUS != slot::VOID
+        })
+    }
+
+    /// Activities of a task but its permanent one, with their modes.
+    fn activities(&self, s: &State, task: usize) -> impl Iterator<Item = (usize, u16)> {
+        let l = &self.layout;
+        let all = l.slots(task).map(|it| (it, l.mode(s, it)));
+        all.filter(|it| it.1 & slot::PERMANENT == 0)
+    }
+
+    /// Whether the shutdown of a component gets on.
+    pub(super) fn shuts(&self, s: &State, component: usize) -> bool {
+        let l = &self.layout;
+        match self.stage(s, component) {
+            None => false,
+            Some(Stage::Activities(task)) => {
+                let to_mark = |mode: u16| {
+                    let begins_or_runs = matches!(mode & slot::STATUS, slot::INIT | slot::RUN);
+                    begins_or_runs && mode & slot::MARK == 0
+                };
+                let at_work =
+                    |mode: u16| (slot::INIT..=slot::STOP).contains(&(mode & slot::STATUS));
+                self.activities(s, task).any(|it| to_mark(it.1))
+                    || !self.activities(s, task).any(|it| at_work(it.1))
+            }
+            Some(Stage::Permanent(task)) => {
+                let free = |it: usize| l.status(s, it) == slot::VOID;
+                self.permanent(s, task).is_some() || l.slots(task).any(free)
+            }
+            Some(Stage::Stopping(task)) => {
+                (self.permanent(s, task)).is_none_or(|it| l.status(s, it) == slot::ETHER)
+            }
+            Some(Stage::Task(task)) => {
+                l.thread_of(s, task) == thread::IDLE && !l.has(s, task, flag::WAKE)
+            }
+            Some(Stage::Control) => l.control(s, component) == control::READY,
+        }
+    }
+
+    /// One step of a shutdown.
+    pub(super) fn shut(&self, s: &mut State, component: usize) {
+        let l = &self.layout;
+        let (Some(stage), Some(place)) = (self.stage(s, component), l.shutdown[component]) else {
+            return;
+        };
+        match stage {
+            Stage::Activities(task) => {
+                let mut marked = false;
+                for it in l.slots(task) {
+                    let mode = l.mode(s, it);
+                    let begins_or_runs = matches!(mode & slot::STATUS, slot::INIT | slot::RUN);
+                    if begins_or_runs && mode & (slot::PERMANENT | slot::MARK) == 0 {
+                        l.set_mode(s, it, mode | slot::MARK);
+                        marked = true;
+                    }
+                }
+                if marked {
+                    return self.make_runnable(s, task);
+                }
+            }
+            Stage::Permanent(task) => {
+                let place = self.permanent(s, task);
+                let mode = place.map_or(slot::VOID, |it| l.mode(s, it));
+                match mode & slot::STATUS {
+                    slot::STOP => {}
+                    slot::INIT | slot::RUN => {
+                        if let Some(it) = place {
+                            l.set_mode(s, it, mode | slot::MARK);
+                        }
+                        self.make_runnable(s, task);
+                    }
+                    _ => {
+                        let free = |&it: &usize| l.status(s, it) == slot::VOID;
+                        if let Some(it) = place.or_else(|| l.slots(task).find(free)) {
+                            let automaton = self.system.tasks[task].permanent;
+                            l.set_automaton(s, it, automaton.map_or(0, |a| a as u16 + 1));
+                            l.set_at(s, it, 0);
+                            l.set_mode(s, it, slot::INIT | slot::PERMANENT | slot::MARK);
+                        }
+                        self.make_runnable(s, task);
+                    }
+                }
+            }
+            Stage::Stopping(_) => {}
+            Stage::Task(task) => {
+                l.lower(s, task, flag::TICK | flag::LATE | flag::RUNNABLE);
+                l.set_thread(s, task, thread::ENDED);
+                l.set_timer(s, task, 0);
+                let ages = l.ages.map(|base| [base + task, base + l.tasks + task]);
+                let clocks = [l.response[task], l.kept(task)].into_iter().flatten();
+                for place in clocks.chain(ages.into_iter().flatten()) {
+                    s.t[place] = 0;
+                }
+            }
+            Stage::Control => l.set_control(s, component, control::OFF),
+        }
+        s.d[place] += 1;
+    }
+}
