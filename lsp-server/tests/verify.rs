@@ -557,8 +557,8 @@ fn a_specification_alone_is_answered_step_by_step() {
         first,
         [
             r#""permanent activities only, no requests": "proved""#,
-            r#""lift.go alone, requested at any time": "refuted""#,
-            r#""lift.rest alone, requested at any time": "proved""#,
+            r#""lift.go alone, requested again at any time after it has ended": "refuted""#,
+            r#""lift.rest alone, requested again at any time after it has ended": "proved""#,
         ]
     );
     let text = stdout(&it.run(&["verify", "lift.gen"]));

@@ -39,6 +39,13 @@ pub enum Remark {
         /// Its period.
         period: Seconds,
     },
+    /// A request that can only ever be refused: nobody requests what has to succeed before, or that is refused itself.
+    OnlyRefused {
+        /// `component.service`
+        service: String,
+        /// What would have to succeed before: names of services.
+        missing: Vec<String>,
+    },
     /// A codel that holds a port that a task of another component needs.
     PortHold {
         /// What holds it: `component.owner.state`.
@@ -107,6 +114,7 @@ impl Remark {
             Remark::StateCycle { .. } => "timing-state-cycle",
             Remark::LockQueue { .. } => "timing-lock-queue",
             Remark::PortHold { .. } => "timing-port-hold",
+            Remark::OnlyRefused { .. } => "timing-only-refused",
         }
     }
 
@@ -127,6 +135,7 @@ impl Remark {
             Remark::NoWcet { path, .. } => path,
             Remark::StateCycle { cycle, .. } => cycle,
             Remark::LockQueue { codel, .. } | Remark::PortHold { codel, .. } => codel,
+            Remark::OnlyRefused { service, .. } => service,
         }
     }
 }
@@ -227,6 +236,13 @@ fn words(first: &Remark, others: &[&Remark]) -> String {
                 "while {head} waits for {codel}, which takes up to {time}, the lock queue stands still: {task}, which shares \
                  nothing with it, waits behind and can miss its period of {period}; shorten what {codel} does with \
                  shared data, for example by a `local` copy"
+            )
+        }
+        Remark::OnlyRefused { service, missing } => {
+            format!(
+                "every request of {service} is refused, because it comes after {}, and no request of that can succeed before; let a \
+                 client request it first, or write `order off;`",
+                missing.join(", ")
             )
         }
         Remark::PortHold {

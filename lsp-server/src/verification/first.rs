@@ -3,7 +3,9 @@
 
 use dotgen_analysis::model::ServiceKind;
 use dotgen_timing::report::Report;
-use dotgen_timing::scn::ast::{Client, Interval, Item, Path, Spanned, Step, StepKind, Unit};
+use dotgen_timing::scn::ast::{
+    Client, Ending, Interval, Item, Path, Spanned, Step, StepKind, Unit,
+};
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::verify::{Cancel, Options};
 use serde::Serialize;
@@ -38,7 +40,7 @@ pub(crate) fn answers(problem: &Problem, options: &Options, cancel: &Cancel) -> 
     options.limits.states = options.limits.states.min(STATES);
     let permanent = ("permanent activities only, no requests".to_owned(), None);
     let alone = activities.into_iter().map(|it| {
-        let assuming = format!("{it} alone, requested at any time");
+        let assuming = format!("{it} alone, requested again at any time after it has ended");
         (assuming, Some(it))
     });
     let mut out = Vec::new();
@@ -88,12 +90,15 @@ fn activities(problem: &Problem) -> Vec<String> {
     all.collect()
 }
 
-/// The problem with a client that requests one activity again and again, or with none.
+/// The problem with a client that requests one activity again and again, each time when the one before has ended, or with
+/// none. (Any number of instances at the same time is what any client may ask for: it is seldom answered soon.)
 fn requesting(problem: &Problem, activity: Option<&str>) -> Problem {
     let mut out = problem.clone();
     let items = &mut out.scenario.items;
     items.retain(|it| !matches!(it, Item::Client(_)));
     if let Some(activity) = activity {
+        // What has to come before it came, or it would be refused.
+        items.push(Item::Order(false));
         let step = |kind| Step {
             label: None,
             kind,
@@ -106,6 +111,7 @@ fn requesting(problem: &Problem, activity: Option<&str>) -> Problem {
         let body = vec![
             step(StepKind::Delay(any_time, Unit::Milliseconds)),
             step(StepKind::Send(Path::of(activity))),
+            step(StepKind::AwaitEnded(Ending::Any, None)),
         ];
         items.push(Item::Client(Client {
             name: Spanned {

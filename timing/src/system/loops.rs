@@ -68,6 +68,23 @@ pub(crate) fn can_pause(machine: &Machine, state: usize) -> bool {
     false
 }
 
+/// The states that a machine can come to without being interrupted, if it can neither pause nor end in any of them.
+pub(crate) fn runs_for_ever(machine: &Machine) -> Option<Vec<usize>> {
+    let mut found = vec![machine.start];
+    let mut at = 0;
+    while let Some(&state) = found.get(at) {
+        at += 1;
+        for it in &machine.states[state].yields {
+            match *it {
+                Yield::Next(next) if !found.contains(&next) => found.push(next),
+                Yield::Next(_) => {}
+                Yield::Pause(_) | Yield::End => return None,
+            }
+        }
+    }
+    Some(found)
+}
+
 /// More combinations of state and visits than this are not looked at.
 const COMBINATIONS: usize = 20_000;
 

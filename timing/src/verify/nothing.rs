@@ -1,18 +1,61 @@
-//! Where there is nothing to verify: what holds of a system without times says nothing about the robot.
+//! Where there is nothing to verify: what holds of a system without times, or of a task of which no job is ever measured, says
+//! nothing about the robot.
 
 use dotgen_analysis::model::{CodelKind, CodelRef, Owner};
 
 use super::Group;
 use super::checks::Single;
 use crate::report::{CheckReport, Verdict};
+use crate::system::{Builtin, loops};
 
 /// More codels than this are counted only.
 const NAMED: usize = 3;
 
 impl Group<'_> {
-    /// The answer to a check of a task whose component has no execution time at all: that nothing was verified, what is
-    /// missing and how to get it.
+    /// The answer to a check of a task that has nothing to verify: that nothing was verified, what is missing and how to
+    /// get it.
     pub(super) fn nothing(&self, check: &Single) -> Option<CheckReport> {
+        self.without_times(check)
+            .or_else(|| self.without_jobs(check))
+    }
+
+    /// For a task whose permanent activity never pauses: its first cycle, which is not measured, never ends.
+    fn without_jobs(&self, check: &Single) -> Option<CheckReport> {
+        let of = check.what.task()?;
+        let system = &self.built.system;
+        let id = *self.built.tasks.get(&of)?;
+        let task = &system.tasks[id];
+        let machine = system.machine_of(task.permanent?);
+        let states = loops::runs_for_ever(machine)?;
+        let throws = |&it: &usize| system.codels[machine.states[it].codel].throws;
+        // Who kills a component leads it to `stop`. In the published models a task executes its activities all the same.
+        let ends = states.iter().any(throws) || system.has_builtin(|it| it == Builtin::Kill);
+        let published = system.platform.semantics.is_published();
+        let measured = published && (task.period.is_none() || !task.slots.is_empty());
+        if ends || measured {
+            return None;
+        }
+        let cycles = loops::pauseless_cycles(machine);
+        let cycle = cycles
+            .iter()
+            .find(|it| it.iter().all(|state| states.contains(state)))?;
+        let names: Vec<&str> = cycle.iter().map(|&it| &*machine.states[it].name).collect();
+        let path = system.task_path(id);
+        let note = format!(
+            "the permanent activity of `{path}` goes round {} and never pauses, so its first cycle never ends and no job of the \
+             task is ever measured; let one of these codels yield `pause::` or `ether`",
+            names.join(" → ")
+        );
+        Some(CheckReport {
+            verdict: Verdict::Nothing,
+            limit: None,
+            note: Some(note),
+            ..self.blank(check)
+        })
+    }
+
+    /// For a component that has no execution time at all.
+    fn without_times(&self, check: &Single) -> Option<CheckReport> {
         let (c, _) = check.what.task()?;
         let number = *self.built.components.get(&c)?;
         let system = &self.built.system;

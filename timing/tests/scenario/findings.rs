@@ -34,6 +34,73 @@ const QUEUE: &str = "component c {
   task fast { period 10 ms; codel<start> d() yield pause::start wcet 1 ms; };
 };";
 
+/// `go` comes after `init`, which comes after `power`; `reset` comes after itself.
+#[test]
+fn a_request_that_can_only_be_refused_is_found() {
+    let specification = "component c { version \"1\"; lang \"c\";
+        task t { period 10 ms; codel<start> a() yield pause::start wcet 1 ms; };
+        function power() { }; function init() { after power; }; function go() { after init; };
+        function reset() { after reset; };
+      };";
+    let missing = |sends: &str| {
+        let found = report(
+            specification,
+            &format!("client k {{ {sends} }} check schedulable *;"),
+        );
+        let all = remarks(&found).into_iter();
+        let names = all.map(|it| match it {
+            Remark::OnlyRefused { service, missing } => format!("{service}: {}", missing.join(" ")),
+            other => panic!("{other:?}"),
+        });
+        names.collect::<Vec<_>>()
+    };
+    assert_eq!(
+        missing("send c.go; send c.init;"),
+        ["c.go: c.init", "c.init: c.power"]
+    );
+    // In which order does not matter here: it may be requested again.
+    assert!(missing("send c.go; send c.init; send c.power;").is_empty());
+    assert_eq!(missing("send c.reset;"), ["c.reset: c.reset"]);
+    assert!(missing("send c.power;").is_empty());
+    let off = "order off; client k { send c.go; } check schedulable *;";
+    assert!(remarks(&report(specification, off)).is_empty());
+}
+
+/// A permanent activity that goes round without a pause has a first cycle that never ends: "schedulable" would be true of
+/// nothing at all.
+#[test]
+fn a_loop_without_pause_has_nothing_to_verify() {
+    let specification = |yields: &str| {
+        format!(
+            "component c {{ version \"1\"; lang \"c\";
+               task t {{ period 10 ms;
+                 codel<start> a() yield main wcet 1 ms; codel<main> b() yield {yields} wcet 2 ms;
+                 codel<stop> z() yield ether wcet 1 ms;
+               }};
+               task u {{ period 10 ms; codel<start> d() yield pause::start wcet 1 ms; }};
+             }};"
+        )
+    };
+    let checks = "check schedulable *; check response *;";
+    let found = report(&specification("start"), checks);
+    for it in found.checks.iter().filter(|it| it.of == "c.t") {
+        assert_eq!((it.verdict, it.value), (Verdict::Nothing, None));
+        assert_eq!(
+            it.note.as_deref(),
+            Some(
+                "the permanent activity of `c.t` goes round start → main → start and never pauses, so its first cycle never \
+                 ends and no job of the task is ever measured; let one of these codels yield `pause::` or `ether`"
+            )
+        );
+    }
+    assert!(found.nothing());
+    // Other tasks of the component are verified, and so is this one when it can pause.
+    let others = found.checks.iter().filter(|it| it.of == "c.u");
+    assert!(others.map(|it| it.verdict).all(|it| it == Verdict::Proved));
+    let pausing = report(&specification("pause::start"), "check response c.t;");
+    assert_eq!(pausing.checks[0].verdict, Verdict::Proved);
+}
+
 #[test]
 fn who_is_behind_the_head_of_the_lock_queue_is_told_for_how_long() {
     let found = report(QUEUE, "check schedulable *;");

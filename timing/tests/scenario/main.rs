@@ -3,6 +3,7 @@
 mod beside;
 mod findings;
 mod quick;
+mod requests;
 mod told;
 
 use std::sync::Arc;

@@ -3,6 +3,7 @@
 use num_rational::Ratio;
 
 use super::{Builder, not_a};
+use crate::remark::Remark;
 use crate::scn::Diagnostic;
 use crate::scn::ast::{self, Ending, Path, StepKind, Unit};
 use crate::scn::names::Target;
@@ -153,6 +154,49 @@ impl Builder<'_> {
                 Ok(client) => self.out.system.clients.push(client),
                 Err(error) => self.report(error),
             }
+        }
+        self.only_refused();
+    }
+
+    /// Reports requests that can only be refused (section 18): those of services of which the ones before cannot succeed.
+    fn only_refused(&mut self) {
+        let system = &self.out.system;
+        let requested = system.requested();
+        // What can succeed: as long as there is something new whose predecessors all can.
+        let mut can = vec![false; system.services.len()];
+        let after = |service: usize, can: &[bool]| {
+            let mut all = system.services[service].after.iter();
+            all.all(|&it| can[it])
+        };
+        while let Some(new) =
+            (0..can.len()).find(|&it| requested[it] && !can[it] && after(it, &can))
+        {
+            can[new] = true;
+        }
+        let mut paths = Vec::new();
+        for client in &self.settings.clients {
+            sends(&client.steps, &mut paths);
+        }
+        let mut found: Vec<(usize, &Path)> = Vec::new();
+        for path in paths {
+            let service = program::Resolve::service(self, path).ok();
+            if let Some(it) = service.filter(|&it| !can[it])
+                && found.iter().all(|other| other.0 != it)
+            {
+                found.push((it, path));
+            }
+        }
+        for (service, path) in found {
+            let system = &self.out.system;
+            let missing = system.services[service]
+                .after
+                .iter()
+                .filter(|&&it| !can[it]);
+            let remark = Remark::OnlyRefused {
+                service: system.service_path(service),
+                missing: missing.map(|&it| system.service_path(it)).collect(),
+            };
+            self.report(remark.warning(path.range(), Vec::new()));
         }
     }
 
