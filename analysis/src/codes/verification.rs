@@ -100,4 +100,13 @@ pub const CODES: &[LintCode] = &[
         "component c {\n  port out p::map map;\n  task plan { period 500 ms;\n    codel<start> plan(out map) yield pause::start wcet 180 ms;\n  };\n};\ncomponent d {\n  port in p::map map;\n  task move { period 50 ms;\n    codel<start> move(in map) yield pause::start wcet 1 ms;\n  };\n};\n",
         "Let the long codel work on a `local` copy, and write the port in a short one.",
     ),
+    code(
+        "timing-only-refused",
+        "a request of a scenario that is refused every time, as what has to succeed before cannot",
+        "A service that comes `after` others is refused until all of them have succeeded. Here no client requests one of them, or it \
+         is refused itself, so a verification says nothing about the service. It stands in the scenario, and is \
+         told by `dotgen verify`.",
+        "component c {\n  task t { period 5 ms; };\n  function init() { };\n  function go() { after init; };\n};\n",
+        "Let a client of the scenario request what has to come before, or write `order off;` in it.",
+    ),
 ];
