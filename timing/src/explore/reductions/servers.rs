@@ -358,9 +358,14 @@ fn lazy_groups(
                     && it.period.is_none()
                     && machine.is_endless()
                     && !component.services.iter().any(|&it| requested[it]);
+                // Nobody waits for the codel that rests, once all have begun: nothing is put off before that.
                 let unwaited = |&state: &usize| {
                     let codel = machine.states[state].codel;
-                    !system.codels.iter().any(|it| it.conflicts.contains(codel))
+                    let mut others = system.codels.iter().enumerate();
+                    others.all(|(it, other)| {
+                        let own = owner[it] == task || owner[it] == usize::MAX;
+                        own || !other.conflicts.contains(codel) || rest::start_up_only(system, it)
+                    })
                 };
                 match rest::place(system, a, &owner).filter(|it| alone && unwaited(it)) {
                     Some(place) => resting.push((number, task, place)),

@@ -47,7 +47,7 @@ pub(in super::super) fn place(
 }
 
 /// Whether a codel is executed when its task starts and never again. Nothing is lazy before that is over.
-fn start_up_only(system: &TimedSystem, codel: usize) -> bool {
+pub(in super::super) fn start_up_only(system: &TimedSystem, codel: usize) -> bool {
     let mut uses = (0..system.automata.len()).flat_map(|a| {
         let machine = system.machine_of(a);
         let states = machine.states.iter().enumerate();

@@ -98,15 +98,19 @@ impl Servers<'_> {
         (0..self.layout.tasks).any(|task| of(task) && both(task))
     }
 
-    /// Whether the permanent activity of a task executes the codel of a state, and its component is up.
+    /// Whether the permanent activity of a task executes the codel of a state, or has ended (by an exception), and its component
+    /// is up.
     pub(crate) fn rests(&self, s: &State, task: usize, state: usize) -> bool {
         let l = &self.layout;
         let first = l.slots(task).start;
-        l.thread_of(s, task) == thread::EXECUTING
+        let executes = l.thread_of(s, task) == thread::EXECUTING
             && l.phase(s, task) == phase::EXECUTING
             && l.turn(s, task) as usize == first
             && l.mode(s, first) & slot::STATUS == slot::RUN
-            && l.at(s, first) as usize == state
+            && l.at(s, first) as usize == state;
+        let has_ended =
+            l.thread_of(s, task) == thread::IDLE && l.status(s, first) == slot::VOID;
+        (executes || has_ended)
             && l.control(s, self.system.tasks[task].component) != control::OFF
     }
 }
