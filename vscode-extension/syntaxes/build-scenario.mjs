@@ -76,7 +76,7 @@ r.items = {
     ...include('steps-block'),
     statement(re`\b(check)\b(?:\s+(${ID})\s*(:))?`, ['keyword.control.check', 'entity.name.label', 'punctuation.separator.label'], [
       token('support.function.check', re`\b(?:schedulable|response|within|leadsto|eventually|always|reachable|deadlock)\b(?!\s*\.)|\bno-overdue\b`),
-      token('keyword.operator.word', re`\b(?:and|or|not|leave)\b(?!\s*\.)`),
+      token('keyword.operator.word', re`\b(?:and|or|not|leave|then)\b(?!\s*\.)`),
       token('keyword.operator', '=>|<='),
       ...include('numbers', 'path'),
     ]),

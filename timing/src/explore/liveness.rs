@@ -7,7 +7,7 @@ use rustc_hash::FxHashMap;
 use super::observe::{self, Observer};
 use super::rules::{Action, Enabled, Rules, with_rules};
 use super::run::Run;
-use super::state::{Clocks, State};
+use super::state::{Clocks, Stages, State};
 use super::store::{Encoded, decode, encode};
 use super::watch::{Limits, Stop};
 use crate::cancel::Cancel;
@@ -49,7 +49,10 @@ pub fn liveness(
 
 fn decide<R: Rules>(rules: &R, query: &LivenessQuery, limits: Limits, cancel: &Cancel) -> Liveness {
     let clocks = Clocks {
-        within: vec![false],
+        within: vec![Stages {
+            count: 1,
+            measured: false,
+        }],
         ..Clocks::none(rules.system().tasks.len())
     };
     let rules = rules.with_clocks(&clocks);
@@ -62,7 +65,7 @@ fn decide<R: Rules>(rules: &R, query: &LivenessQuery, limits: Limits, cancel: &C
     };
     let observers = [Observer {
         trigger: query.trigger.clone().unwrap_or_else(always),
-        response: query.response.clone(),
+        responses: vec![query.response.clone()],
     }];
     Graph {
         rules,

@@ -16,12 +16,23 @@ pub(super) enum Timing {
 }
 
 impl Timing {
-    /// Its clock, if it has one.
-    pub(in crate::explore) fn clock(self, l: &Frame) -> Option<usize> {
+    /// The clock that measures it in a state, if there is one.
+    pub(in crate::explore) fn clock(self, l: &Frame, s: &State) -> Option<usize> {
         match self {
             Timing::Response(task) => l.response[task],
-            Timing::Within(observer) => l.observer_clock[observer],
+            Timing::Within(observer) => l.observer_clock(s, observer),
         }
+    }
+
+    /// How much younger than the one that is measured the obligations at the other stages are.
+    pub(in crate::explore) fn others(self, l: &Frame, s: &State) -> Vec<Ticks> {
+        let Timing::Within(observer) = self else {
+            return Vec::new();
+        };
+        let oldest = l.observer_clock(s, observer).map_or(0, |clock| s.t[clock]);
+        let open = l.stages(observer).filter(|&it| l.is_open_at(s, it));
+        let ages = open.filter_map(|it| Some(s.t[l.stage_clock(it)?]));
+        ages.map(|it| oldest - it).collect()
     }
 
     /// Whether it is being measured in a state.

@@ -2,6 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
+use super::measure::Timing;
 use super::observe::{self, Observer};
 use super::rules::{Action, Rules, with_rules};
 use super::state::State;
@@ -74,11 +75,11 @@ impl Run {
 
     /// Two moments of the last `recent` units of the run with the same state just before time passes,
     /// observation clocks apart: what is between them can go on for ever.
-    pub(crate) fn repetition<R: Rules>(
+    pub(in crate::explore) fn repetition<R: Rules>(
         &self,
         rules: &R,
         (observers, recent): (&[Observer], Ticks),
-        clock: Option<usize>,
+        of: Option<Timing>,
         cancel: &Cancel,
     ) -> Option<(u64, u64)> {
         let from = self.end.checked_sub(u64::from(recent))?;
@@ -91,6 +92,7 @@ impl Run {
             }
             // What is measured may begin before the job that is measured: with a tick that is kept until the job before
             // has ended. What repeats across that end does not last.
+            let clock = of.and_then(|it| it.clock(rules.frame(), s));
             let now = clock.map_or(0, |clock| s.t[clock]);
             if now < std::mem::replace(&mut measured, now) {
                 seen.clear();
@@ -110,7 +112,10 @@ impl Run {
                     }
                 })
                 .collect();
-            let key = (s.d.clone(), rules.frame().key_times(s).to_vec(), elapsed);
+            // An obligation of the same age may take the place of the one that is measured, but not for ever.
+            let others = of.map_or_else(Vec::new, |it| it.others(rules.frame(), s));
+            let times = rules.frame().key_times(s).to_vec();
+            let key = (s.d.clone(), times, elapsed, others);
             found = seen.insert(key, time).map(|before| (before, time));
             found.is_none() && !(time.is_multiple_of(64) && cancel.is_abandoned())
         });

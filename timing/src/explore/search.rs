@@ -20,7 +20,7 @@ use super::measure::{Diverging, Gauge, How, Timing};
 use super::observe::Observer;
 use super::reductions::{Activity, Asked, Kind, Label, Reason, Reductions};
 use super::rules::{Rules, with_rules};
-use super::state::{Clocks, State};
+use super::state::{Clocks, Stages, State};
 use super::store::{Covering, Store, decode_to};
 use super::watch::{Limits, Stop, Watch};
 use crate::cancel::Cancel;
@@ -230,8 +230,11 @@ impl<'a, R: Rules> Search<'a, R> {
         let observed: Vec<bool> = (0..system.tasks.len())
             .map(|t| measured_task(t) || waiting_only[t])
             .collect();
-        let clocked: Vec<bool> = (0..watch.within.len())
-            .map(|it| measured(Timing::Within(it)))
+        let clocked: Vec<Stages> = (watch.within.iter().enumerate())
+            .map(|(i, it)| Stages {
+                count: it.responses.len(),
+                measured: measured(Timing::Within(i)),
+            })
             .collect();
         let patient = gauges.iter().any(|it| it.how == How::Patient);
         let clocks = Clocks {
@@ -240,7 +243,7 @@ impl<'a, R: Rules> Search<'a, R> {
         };
         let own = rules.with_clocks(&clocks);
         let predicates: Vec<&Predicate> = (watch.within.iter())
-            .flat_map(|it| [&it.trigger, &it.response])
+            .flat_map(|it| it.responses.iter().chain([&it.trigger]))
             .chain(&watch.reach)
             .collect();
         let longest = system
@@ -290,7 +293,7 @@ impl<'a, R: Rules> Search<'a, R> {
                 .iter()
                 .map(|it| Observer {
                     trigger: it.trigger.clone(),
-                    response: it.response.clone(),
+                    responses: it.responses.clone(),
                 })
                 .collect(),
             limits,

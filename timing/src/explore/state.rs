@@ -10,6 +10,8 @@
 //! (its delays). The window `[a, b]` of an executor says that it ends after any number of units
 //! in it, counted from now.
 
+use std::ops::Range;
+
 use crate::system::Ticks;
 
 /// One state.
@@ -61,8 +63,17 @@ pub(crate) mod phase {
 pub(crate) struct Clocks {
     /// Tasks whose response times are measured.
     pub(crate) response: Vec<bool>,
-    /// By observer, whether the time its obligation is open is measured.
-    pub(crate) within: Vec<bool>,
+    /// By observer, what is kept of it.
+    pub(crate) within: Vec<Stages>,
+}
+
+/// What is kept of an observer.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Stages {
+    /// What it awaits, one after the other; an obligation can be open at each.
+    pub(crate) count: usize,
+    /// Whether the time its obligations are open is measured.
+    pub(crate) measured: bool,
 }
 
 impl Clocks {
@@ -82,16 +93,18 @@ pub(crate) struct Frame {
     executors: usize,
     /// One number per executor in the discrete part, see [`phase`].
     phase_base: usize,
-    /// One flag per observer in the discrete part: its obligation is open.
+    /// One flag per stage of each observer in the discrete part: an obligation is open there.
     observer_base: usize,
+    /// Stages of each observer, numbered through.
+    stages: Vec<Range<usize>>,
     d_len: usize,
     window_base: usize,
     clock_base: usize,
     t_len: usize,
     /// Clock of the response time of each task, if it is measured.
     pub(crate) response: Vec<Option<usize>>,
-    /// Clock of each observer, if it has one.
-    pub(crate) observer_clock: Vec<Option<usize>>,
+    /// Clock of each stage, if it has one.
+    stage_clock: Vec<Option<usize>>,
 }
 
 /// Hands out places in a [`State`], to make a [`Frame`].
@@ -128,24 +141,34 @@ impl Places {
 
     /// The same, with clocks of the rules' own: also returns the place of the first.
     pub(crate) fn frame_with(mut self, clocks: &Clocks, own: usize) -> (Frame, usize) {
-        let observer_base = self.discrete(clocks.within.len());
+        let mut count = 0;
+        let stages: Vec<Range<usize>> = (clocks.within.iter())
+            .map(|it| {
+                count += it.count;
+                count - it.count..count
+            })
+            .collect();
+        let observer_base = self.discrete(count);
         let (executors, phase_base) = self.executors;
         let window_base = self.times(2 * executors);
         let clock_base = self.t;
         let mut clock = |wanted: &bool| wanted.then(|| self.times(1));
         let response = clocks.response.iter().map(&mut clock).collect();
-        let observer_clock = clocks.within.iter().map(&mut clock).collect();
+        let each =
+            (clocks.within.iter()).flat_map(|it| std::iter::repeat_n(&it.measured, it.count));
+        let stage_clock = each.map(&mut clock).collect();
         let first_own = self.times(own);
         let frame = Frame {
             executors,
             phase_base,
             observer_base,
+            stages,
             d_len: self.d,
             window_base,
             clock_base,
             t_len: self.t,
             response,
-            observer_clock,
+            stage_clock,
         };
         (frame, first_own)
     }
@@ -240,14 +263,41 @@ impl Frame {
         s.t[at + 1] = b;
     }
 
-    /// Whether the obligation of an observer is open.
+    /// Stages of an observer, first to last.
     #[inline]
-    pub(crate) fn is_open(&self, s: &State, observer: usize) -> bool {
-        s.d[self.observer_base + observer] != 0
+    pub(crate) fn stages(&self, observer: usize) -> Range<usize> {
+        self.stages[observer].clone()
     }
 
-    pub(crate) fn set_open(&self, s: &mut State, observer: usize, open: bool) {
-        s.d[self.observer_base + observer] = u16::from(open);
+    /// Clock of a stage, if it has one.
+    #[inline]
+    pub(crate) fn stage_clock(&self, stage: usize) -> Option<usize> {
+        self.stage_clock[stage]
+    }
+
+    /// Whether an obligation is open at a stage.
+    #[inline]
+    pub(crate) fn is_open_at(&self, s: &State, stage: usize) -> bool {
+        s.d[self.observer_base + stage] != 0
+    }
+
+    pub(crate) fn set_open_at(&self, s: &mut State, stage: usize, open: bool) {
+        s.d[self.observer_base + stage] = u16::from(open);
+    }
+
+    /// Whether an obligation of an observer is open.
+    #[inline]
+    pub(crate) fn is_open(&self, s: &State, observer: usize) -> bool {
+        (self.stages(observer)).any(|it| self.is_open_at(s, it))
+    }
+
+    /// Clock of the oldest open obligation of an observer, if it has clocks. The further an obligation has come, the older
+    /// it is.
+    #[inline]
+    pub(crate) fn observer_clock(&self, s: &State, observer: usize) -> Option<usize> {
+        let stages = self.stages(observer);
+        let oldest = (stages.clone().rev()).find(|&it| self.is_open_at(s, it));
+        self.stage_clock[oldest.unwrap_or(stages.start)]
     }
 
     /// Times that belong to the key.
@@ -288,9 +338,9 @@ impl Frame {
                 self.set_window(s, executor, (a.saturating_sub(time), b));
             }
         }
-        for (i, clock) in self.observer_clock.iter().enumerate() {
+        for (stage, clock) in self.stage_clock.iter().enumerate() {
             if let Some(clock) = *clock
-                && self.is_open(s, i)
+                && self.is_open_at(s, stage)
             {
                 s.t[clock] += time;
             }

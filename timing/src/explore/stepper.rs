@@ -7,7 +7,7 @@
 
 use super::observe::{self, Observer};
 use super::rules::{Action, Enabled, Rules, with_rules};
-use super::state::{Clocks, State, TaskStatus, phase};
+use super::state::{Clocks, Stages, State, TaskStatus, phase};
 use crate::property::Predicate;
 use crate::system::{Ticks, TimedSystem};
 
@@ -16,8 +16,8 @@ use crate::system::{Ticks, TimedSystem};
 pub struct Watched {
     /// Predicates that may become true.
     pub reach: Vec<Predicate>,
-    /// Whenever the first becomes true, the second is awaited.
-    pub within: Vec<(Predicate, Predicate)>,
+    /// Whenever the first becomes true, the others are awaited, one after the other; there is at least one.
+    pub within: Vec<(Predicate, Vec<Predicate>)>,
 }
 
 /// What an executor does. Numbers index into the tables of the [`TimedSystem`].
@@ -233,12 +233,17 @@ trait Walk {
 fn walk<'s, R: Rules + 's>(rules: &R, watched: &Watched) -> Stepper<'s> {
     let clocks = Clocks {
         response: vec![true; rules.system().tasks.len()],
-        within: vec![true; watched.within.len()],
+        within: (watched.within.iter())
+            .map(|(_, responses)| Stages {
+                count: responses.len(),
+                measured: true,
+            })
+            .collect(),
     };
     let rules = rules.with_clocks(&clocks);
-    let observers = watched.within.iter().map(|(trigger, response)| Observer {
+    let observers = watched.within.iter().map(|(trigger, responses)| Observer {
         trigger: trigger.clone(),
-        response: response.clone(),
+        responses: responses.clone(),
     });
     let walker = Walker {
         observers: observers.collect(),
@@ -293,6 +298,11 @@ impl<R: Rules> Walker<R> {
         }
     }
 
+    fn observe(&mut self, before: Option<&State>, seen: &mut Vec<Seen>) {
+        let met = |within, after| seen.push(Seen::Answered { within, after });
+        observe::observe_telling(&self.rules, &self.observers, before, &mut self.s, met);
+    }
+
     fn jobs(&self, seen: &mut Vec<Seen>) {
         let l = self.rules.frame();
         let (before, now) = (&self.before, &self.s);
@@ -327,21 +337,15 @@ impl<R: Rules> Walk for Walker<R> {
         self.s = self.rules.initial();
         self.now = 0;
         self.overdue.fill(false);
-        observe::observe(&self.rules, &self.observers, None, &mut self.s);
+        let mut met = Vec::new();
+        self.observe(None, &mut met);
         self.beginnings(None, None, seen);
         for (predicate, it) in self.reach.iter().enumerate() {
             if observe::predicate(&self.rules, None, &self.s, it) {
                 seen.push(Seen::Reached { predicate });
             }
         }
-        for (within, it) in self.observers.iter().enumerate() {
-            // What is awaited from the start may hold already.
-            if !self.rules.frame().is_open(&self.s, within)
-                && observe::predicate(&self.rules, None, &self.s, &it.trigger)
-            {
-                seen.push(Seen::Answered { within, after: 0 });
-            }
-        }
+        seen.append(&mut met);
     }
 
     fn now(&self) -> u64 {
@@ -376,14 +380,11 @@ impl<R: Rules> Walk for Walker<R> {
             _ => {}
         }
         self.rules.apply(&mut self.s, action);
-        observe::observe(
-            &self.rules,
-            &self.observers,
-            Some(&self.before),
-            &mut self.s,
-        );
+        let before = std::mem::take(&mut self.before);
+        let mut met = Vec::new();
+        self.observe(Some(&before), &mut met);
+        self.before = before;
         self.jobs(seen);
-        let l = self.rules.frame();
         for task in 0..self.overdue.len() {
             if self.rules.missed(&self.s, task) && !self.rules.missed(&self.before, task) {
                 seen.push(Seen::Missed { task });
@@ -396,20 +397,7 @@ impl<R: Rules> Walk for Walker<R> {
                 seen.push(Seen::Reached { predicate });
             }
         }
-        for (within, observer) in self.observers.iter().enumerate() {
-            let (was, is) = (l.is_open(&self.before, within), l.is_open(&self.s, within));
-            let at = |s: &State| l.observer_clock[within].map_or(0, |clock| s.t[clock]);
-            let still = |s: &State| observer.trigger.eval_still(&|it| self.rules.atom(s, it));
-            let now =
-                || observe::predicate(&self.rules, Some(&self.before), &self.s, &observer.trigger);
-            let after = match (was, is) {
-                (true, false) => at(&self.before),
-                // What is awaited holds already.
-                (false, false) if !still(&self.before) && now() => 0,
-                _ => continue,
-            };
-            seen.push(Seen::Answered { within, after });
-        }
+        seen.append(&mut met);
         self.beginnings(Some(&self.before), ended, seen);
         self.note_overdue(seen);
     }
@@ -439,7 +427,7 @@ impl<R: Rules> Walk for Walker<R> {
 
     fn awaited(&self, within: usize) -> Option<Ticks> {
         let l = self.rules.frame();
-        let clock = l.observer_clock[within]?;
+        let clock = l.observer_clock(&self.s, within)?;
         l.is_open(&self.s, within).then(|| self.s.t[clock])
     }
 

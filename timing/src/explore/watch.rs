@@ -37,13 +37,13 @@ pub struct ResponseTime {
     pub most: Option<Ticks>,
 }
 
-/// The time that passes until one predicate follows another.
+/// The time that passes until others follow one predicate.
 #[derive(Debug, Clone)]
 pub struct Within {
     /// Whenever this becomes true,
     pub trigger: Predicate,
-    /// this is awaited.
-    pub response: Predicate,
+    /// these are awaited, one after the other; at least one.
+    pub responses: Vec<Predicate>,
     /// If the time exceeds this, the shortest run that does so is wanted.
     pub limit: Option<Ticks>,
 }

@@ -301,8 +301,8 @@ pub enum CheckKind {
     NoOverdue(Option<Path>),
     /// `response PATH [<= BOUND]`
     Response(Option<Path>, Bound),
-    /// `within P => Q [<= BOUND]`
-    Within(Pred, Pred, Bound),
+    /// `within P => Q [then R …] [<= BOUND]`; what follows, one after the other.
+    Within(Pred, Vec<Pred>, Bound),
     /// `leadsto P => Q`
     LeadsTo(Pred, Pred),
     /// `eventually P`
@@ -328,17 +328,18 @@ impl CheckKind {
 
     /// The predicates that it is about, as they are written.
     pub fn predicates(&self) -> impl Iterator<Item = &Pred> {
-        let (one, other) = match self {
-            CheckKind::Within(p, q, _) | CheckKind::LeadsTo(p, q) => (Some(p), Some(q)),
+        let (one, others) = match self {
+            CheckKind::Within(p, list, _) => (Some(p), &**list),
+            CheckKind::LeadsTo(p, q) => (Some(p), std::slice::from_ref(q)),
             CheckKind::Eventually(p) | CheckKind::Always(p) | CheckKind::Reachable(p) => {
-                (Some(p), None)
+                (Some(p), &[][..])
             }
             CheckKind::Schedulable(_)
             | CheckKind::NoOverdue(_)
             | CheckKind::Response(..)
-            | CheckKind::Deadlock => (None, None),
+            | CheckKind::Deadlock => (None, &[][..]),
         };
-        one.into_iter().chain(other)
+        one.into_iter().chain(others)
     }
 }
 

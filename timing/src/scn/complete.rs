@@ -290,7 +290,7 @@ impl<'f> Finder<'f> {
             "deadlock" => {}
             // All others are about predicates.
             check if CHECKS.contains(&check) => {
-                let _ = self.unit(rest) || self.predicate(rest);
+                let _ = self.unit(rest) || self.predicate(rest, check == "within");
             }
             _ => {}
         }
@@ -483,14 +483,20 @@ impl<'f> Finder<'f> {
 
     /// One name of a predicate's path at a time, with statuses, clients and the words between. Every place
     /// is one for it.
-    fn predicate(&mut self, rest: &[&Token]) -> bool {
+    fn predicate(&mut self, rest: &[&Token], sequence: bool) -> bool {
         let after_operand = rest.last().is_some_and(|it| match it.kind {
             Kind::CloseParen => true,
-            Kind::Name => !matches!(word(self.text, Some(it)), "and" | "or" | "not" | "leave"),
+            Kind::Name => !matches!(
+                word(self.text, Some(it)),
+                "and" | "or" | "not" | "leave" | "then"
+            ),
             _ => false,
         });
         if after_operand {
             self.words(&["and", "or"]);
+            if sequence && rest.iter().any(|it| it.kind == Kind::Implies) {
+                self.words(&["then"]);
+            }
             return true;
         }
         let path = self.written(rest).map(|it| it.1).unwrap_or_default();

@@ -161,8 +161,9 @@ const WORDS: &[Word] = &[
     ),
     word(
         "within",
-        "check within P => Q <= 5 ms;",
-        "Whenever P becomes true, Q is true then or at most that much later.",
+        "check within P => Q [then R] <= 5 ms;",
+        "Whenever P becomes true, Q is true then or later, and with `then` R is true at that moment or later: the last of \
+         them at most that much after P.",
     ),
     word(
         "leadsto",
@@ -224,6 +225,11 @@ const WORDS: &[Word] = &[
         "choice",
         "choice { … } or { … }",
         "Does one of them; all are explored.",
+    ),
+    word(
+        "then",
+        "check within P => Q then R <= 5 ms;",
+        "What follows next: true when the one before it is, or later.",
     ),
     word(
         "leave",

@@ -19,10 +19,11 @@ impl Group<'_> {
             let (component, task) = self.task_names(*it);
             format!("{component}.{task}")
         };
-        let arrow = |p: &Pred, q: &Pred| format!("{} => {}", p.text(), q.text());
+        let arrow = |p: &Pred, q: &[Pred]| format!("{} => {}", p.text(), sequence(q));
         let of = match &check.what {
             What::Schedulable(it) | What::NoOverdue(it) | What::Response(it, _) => task(it),
-            What::Within(p, q, _) | What::LeadsTo(p, q) => arrow(p, q),
+            What::Within(p, list, _) => arrow(p, list),
+            What::LeadsTo(p, q) => arrow(p, std::slice::from_ref(q)),
             What::Eventually(p) | What::Always(p) | What::Reachable(p) => p.text(),
             What::Deadlock => String::new(),
         };
@@ -129,11 +130,15 @@ impl Group<'_> {
                     });
                 }
             }
-            What::Within(_, q, bound) => {
+            What::Within(_, list, bound) => {
                 let never = "the first predicate never becomes true";
                 self.bounded(&found.within[place], never, found, &mut out);
                 if let (Some(end), Some(it)) = (exceeded(&found.within[place]), bound) {
-                    let what = format!("`{}` has not followed within {}", q.text(), limit_text(it));
+                    let what = format!(
+                        "`{}` has not followed within {}",
+                        sequence(list),
+                        limit_text(it)
+                    );
                     let about = check.components.last();
                     let component = about.map_or(String::new(), |&it| {
                         self.names.components[it].component.name.to_string()
@@ -286,6 +291,12 @@ impl Group<'_> {
         let task = &component.tasks[t as usize].name;
         (component.name.to_string(), task.to_string())
     }
+}
+
+/// What follows, one after the other, as it is written.
+fn sequence(list: &[Pred]) -> String {
+    let list: Vec<String> = list.iter().map(Pred::text).collect();
+    list.join(" then ")
 }
 
 /// When a limit is exceeded, in base units, by a run that is known.

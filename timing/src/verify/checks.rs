@@ -55,7 +55,7 @@ pub(super) enum What<'c> {
     Schedulable((usize, u32)),
     NoOverdue((usize, u32)),
     Response((usize, u32), Bound),
-    Within(&'c Pred, &'c Pred, Bound),
+    Within(&'c Pred, &'c [Pred], Bound),
     LeadsTo(&'c Pred, &'c Pred),
     Eventually(&'c Pred),
     Always(&'c Pred),
@@ -126,9 +126,10 @@ pub(super) fn expand<'c>(
                 it.into_iter()
                     .for_each(|it| push(What::Response(it, *bound), vec![it.0]));
             }),
-            CheckKind::Within(p, q, bound) => {
-                let components = preds(&[p, q]);
-                push(What::Within(p, q, *bound), components);
+            CheckKind::Within(p, responses, bound) => {
+                let list: Vec<&Pred> = std::iter::once(p).chain(responses).collect();
+                let components = preds(&list);
+                push(What::Within(p, responses, *bound), components);
                 Ok(())
             }
             CheckKind::LeadsTo(p, q) => {

@@ -47,8 +47,8 @@ pub enum Question {
     NoOverdue(usize),
     /// No job lasts longer than the limit, if there is one.
     Response(usize, Option<Ticks>),
-    /// The second predicate follows the first within the limit, if there is one.
-    Within(Predicate, Predicate, Option<Ticks>),
+    /// The others follow the first predicate, one after the other, within the limit, if there is one.
+    Within(Predicate, Vec<Predicate>, Option<Ticks>),
     /// The second follows the first.
     LeadsTo(Predicate, Predicate),
     /// It becomes true.
@@ -119,8 +119,9 @@ impl Group<'_> {
             What::Schedulable(it) => Question::Schedulable(task(it)?),
             What::NoOverdue(it) => Question::NoOverdue(task(it)?),
             What::Response(it, bound) => Question::Response(task(it)?, self.ticks(*bound)),
-            What::Within(p, q, bound) => {
-                Question::Within(predicate(p)?, predicate(q)?, self.ticks(*bound))
+            What::Within(p, list, bound) => {
+                let list: Option<Vec<Predicate>> = list.iter().map(predicate).collect();
+                Question::Within(predicate(p)?, list?, self.ticks(*bound))
             }
             What::LeadsTo(p, q) => Question::LeadsTo(predicate(p)?, predicate(q)?),
             What::Eventually(p) => Question::Eventually(predicate(p)?),
@@ -161,8 +162,12 @@ impl Prepared {
             places.push(match &it.question {
                 Question::Always(p) => reach(Predicate::Not(Box::new(p.clone()))),
                 Question::Reachable(p) | Question::Eventually(p) => reach(p.clone()),
-                Question::Within(p, q, _) | Question::LeadsTo(p, q) => {
-                    out.within.push((p.clone(), q.clone()));
+                Question::Within(p, list, _) => {
+                    out.within.push((p.clone(), list.clone()));
+                    Some(out.within.len() - 1)
+                }
+                Question::LeadsTo(p, q) => {
+                    out.within.push((p.clone(), vec![q.clone()]));
                     Some(out.within.len() - 1)
                 }
                 Question::Schedulable(_)

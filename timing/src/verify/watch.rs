@@ -54,13 +54,14 @@ impl Group<'_> {
                         watch.response.len() - 1
                     })
                 }
-                What::Within(p, q, bound) => {
-                    let (Some(trigger), Some(response)) = (predicate(p), predicate(q)) else {
+                What::Within(p, list, bound) => {
+                    let responses: Option<Vec<Predicate>> = list.iter().map(predicate).collect();
+                    let (Some(trigger), Some(responses)) = (predicate(p), responses) else {
                         continue;
                     };
                     watch.within.push(Within {
                         trigger,
-                        response,
+                        responses,
                         limit: self.ticks(bound),
                     });
                     watch.within.len() - 1

@@ -59,8 +59,8 @@ impl Brute<'_> {
             reach(&mut out.response_at[t], task.age);
         }
         for (i, it) in s.obligations.iter().enumerate() {
-            out.within[i] = out.within[i].max(*it);
-            if let Some(age) = *it {
+            for &(_, age) in it {
+                out.within[i] = out.within[i].max(Some(age));
                 reach(&mut out.within_at[i], age);
             }
         }

@@ -13,7 +13,7 @@ use dotgen_timing::scn::parse;
 use serde_json::{Value as Json, json};
 
 use crate::servers::model::{System, read};
-use crate::servers::{CAP, Interpreter, Predicate, Results, predicate};
+use crate::servers::{CAP, Interpreter, Predicate, Results, Sequence, predicate};
 
 struct Disk;
 
@@ -74,10 +74,13 @@ pub(crate) fn answers(
         _ => None,
     });
     let checks: Vec<&Check> = checks.collect();
-    let (mut within, mut reach): (Vec<(Predicate, Predicate)>, Vec<Predicate>) = Default::default();
+    let (mut within, mut reach): (Vec<Sequence>, Vec<Predicate>) = Default::default();
     for it in &checks {
         match &it.kind {
-            CheckKind::Within(p, q, _) => within.push((predicate(system, p), predicate(system, q))),
+            CheckKind::Within(p, list, _) => {
+                let list = list.iter().map(|it| predicate(system, it));
+                within.push((predicate(system, p), list.collect()));
+            }
             CheckKind::Reachable(p) | CheckKind::Always(p) => reach.push(predicate(system, p)),
             _ => {}
         }

@@ -3,6 +3,7 @@
 mod against;
 mod brute;
 mod expected;
+mod sequences;
 mod servers;
 mod systems;
 mod walks;
@@ -40,7 +41,7 @@ fn compare(seed: u64) -> Option<Result<(), String>> {
 fn withins(pairs: Vec<(Predicate, Predicate)>) -> Vec<Within> {
     let within = |(trigger, response)| Within {
         trigger,
-        response,
+        responses: vec![response],
         limit: None,
     };
     pairs.into_iter().map(within).collect()

@@ -23,9 +23,12 @@ use dotgen_timing::scn::semantics::TickRule;
 use self::model::System;
 use self::state::{Phase, State};
 
+/// Whenever the first becomes true, the others follow, one after the other.
+pub(crate) type Sequence = (Predicate, Vec<Predicate>);
+
 pub(crate) struct Interpreter<'s> {
     system: &'s System,
-    within: &'s [(Predicate, Predicate)],
+    within: &'s [Sequence],
     reach: &'s [Predicate],
     /// None: as many as there are tasks that need one.
     cores: Option<usize>,
@@ -54,11 +57,7 @@ impl Results {
 }
 
 impl<'s> Interpreter<'s> {
-    pub(crate) fn new(
-        system: &'s System,
-        within: &'s [(Predicate, Predicate)],
-        reach: &'s [Predicate],
-    ) -> Self {
+    pub(crate) fn new(system: &'s System, within: &'s [Sequence], reach: &'s [Predicate]) -> Self {
         let tasks = system.components.iter().enumerate();
         let tasks = tasks.flat_map(|(c, it)| (0..it.tasks.len()).map(move |t| (c, t)));
         let needing = tasks.filter(|&(c, t)| system.needs_core(c, t)).count();
@@ -117,7 +116,7 @@ impl<'s> Interpreter<'s> {
             }
         }
         for (longest, open) in out.within.iter_mut().zip(&s.obligations) {
-            *longest = (*longest).max(*open);
+            *longest = (*longest).max(open.iter().map(|it| it.1).max());
         }
     }
 

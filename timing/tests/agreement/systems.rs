@@ -480,7 +480,7 @@ fn client(system: &TimedSystem, dice: &mut Dice, k: u32) -> Client {
     }
 }
 
-fn predicate(system: &TimedSystem, dice: &mut Dice) -> Predicate {
+pub(crate) fn predicate(system: &TimedSystem, dice: &mut Dice) -> Predicate {
     let atom = if dice.in_ten(5) {
         let state = dice.pick(&[
             TaskState::Idle,

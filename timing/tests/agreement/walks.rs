@@ -1,11 +1,11 @@
 //! Whatever a stepper does is a run of the system, and what it sees is what is to be seen along that run.
 
-use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Watched, Work};
+use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Watched, Within, Work};
 use dotgen_timing::system::TimedSystem;
 
 use crate::brute::{Brute, CAP, Results};
 use crate::systems::Dice;
-use crate::{all_agree, cases, first, systems, withins};
+use crate::{all_agree, cases, first, systems};
 
 /// Runs end before ages are cut off.
 const END: u64 = CAP as u64 - 10;
@@ -86,12 +86,30 @@ fn compare(seed: u64) -> Option<Result<(), String>> {
     let (system, within) = systems::random(&mut dice);
     let watched = Watched {
         reach: within.iter().flat_map(|(p, q)| [p, q]).cloned().collect(),
-        within: within.clone(),
+        within: (within.iter().cloned())
+            .map(|(p, q)| (p, vec![q]))
+            .collect(),
     };
-    let done = walk(&system, &watched, &mut dice);
-    let withins = withins(within);
+    Some(agrees(seed, &system, &watched, &mut dice))
+}
+
+/// Walks, and compares what was seen.
+pub(crate) fn agrees(
+    seed: u64,
+    system: &TimedSystem,
+    watched: &Watched,
+    dice: &mut Dice,
+) -> Result<(), String> {
+    let done = walk(system, watched, dice);
+    let withins: Vec<Within> = (watched.within.iter().cloned())
+        .map(|(trigger, responses)| Within {
+            trigger,
+            responses,
+            limit: None,
+        })
+        .collect();
     let brute = Brute {
-        system: &system,
+        system,
         within: &withins,
         reach: &watched.reach,
     };
@@ -136,7 +154,7 @@ fn compare(seed: u64) -> Option<Result<(), String>> {
         }
         runs_are_whole(&done.seen)
     };
-    Some(agree().map_err(|why| format!("seed {seed}: {why}\n{:?}\n{system:#?}", done.steps)))
+    agree().map_err(|why| format!("seed {seed}: {why}\n{:?}\n{system:#?}", done.steps))
 }
 
 /// What was told, as the interpreter puts it.

@@ -272,7 +272,7 @@ impl<R: Rules> Search<'_, R> {
             })
         };
         let lasts = |of: Timing, value| {
-            of.runs(&self.rules, s) && of.clock(l).is_none_or(|clock| s.t[clock] >= value)
+            of.runs(&self.rules, s) && of.clock(l, s).is_none_or(|clock| s.t[clock] >= value)
         };
         match *goal {
             Goal::Missed(task) => some_task(task, &|it| self.rules.missed(s, it)),

@@ -168,7 +168,7 @@ impl<R: Rules> Search<'_, R> {
     pub(super) fn measures(&self, gauge: usize, s: &State) -> Option<usize> {
         let (l, of) = (self.rules.frame(), self.gauges[gauge].of);
         let other = matches!(of, Timing::Response(task) if self.waiting_only[task]);
-        of.clock(l).filter(|_| !other && of.runs(&self.rules, s))
+        of.clock(l, s).filter(|_| !other && of.runs(&self.rules, s))
     }
 
     /// Notes the limits that are exceeded in a jump from a node, and when. The first moment counts, and jumps
@@ -264,7 +264,9 @@ impl<R: Rules> Search<'_, R> {
                 excess: None,
             };
             let recent = (&self.observers[..], value);
-            if let Some(cycle) = run.repetition(&self.rules, recent, Some(clock), self.cancel) {
+            if let Some(cycle) =
+                run.repetition(&self.rules, recent, Some(self.gauges[i].of), self.cancel)
+            {
                 let limit = self.gauges[i].limit;
                 let left = limit.and_then(|it| it.checked_sub(value));
                 out.excess = left.and_then(|it| run.prolonged(cycle, it + 1));

@@ -43,7 +43,11 @@ impl Parser<'_> {
             }
             "within" => {
                 let (p, q) = self.implication()?;
-                CheckKind::Within(p, q, self.bound()?)
+                let mut responses = vec![q];
+                while self.eat_word("then") {
+                    responses.push(self.pred()?);
+                }
+                CheckKind::Within(p, responses, self.bound()?)
             }
             "leadsto" => {
                 let (p, q) = self.implication()?;

@@ -6,20 +6,23 @@ use super::Brute;
 use super::state::{Doing, Mode, State, Status};
 
 impl Brute<'_> {
+    /// Every time the trigger becomes true begins an obligation of its own, which goes from response to response.
     pub(super) fn watch(&self, before: Option<&State>, now: &mut State) {
         for (i, it) in self.within.iter().enumerate() {
-            let (p, q) = (&it.trigger, &it.response);
             let value = |it: &Predicate| self.predicate(before, now, it);
-            if now.obligations[i].is_some() {
-                if value(q) {
-                    now.obligations[i] = None;
-                }
-            } else if value(p)
-                && !before.is_some_and(|before| self.predicate(Some(before), before, p))
-                && !value(q)
-            {
-                now.obligations[i] = Some(0);
+            let mut open = now.obligations[i].clone();
+            let was =
+                before.is_some_and(|before| self.predicate(Some(before), before, &it.trigger));
+            if value(&it.trigger) && !was {
+                open.insert((0, 0));
             }
+            let moved = open.into_iter().map(|(mut stage, age)| {
+                while it.responses.get(stage).is_some_and(value) {
+                    stage += 1;
+                }
+                (stage, age)
+            });
+            now.obligations[i] = moved.filter(|at| at.0 < it.responses.len()).collect();
         }
     }
 

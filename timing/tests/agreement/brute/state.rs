@@ -1,5 +1,7 @@
 //! A state, its beginning, and what executors are doing in it.
 
+use std::collections::BTreeSet;
+
 use dotgen_timing::system::ClientAction;
 
 use super::Brute;
@@ -96,8 +98,8 @@ pub(super) struct State {
     pub(super) clients: Vec<Client>,
     pub(super) queue: Vec<usize>,
     pub(super) lock_queue: Vec<usize>,
-    /// Age of the open obligation of each observer.
-    pub(super) obligations: Vec<Option<u32>>,
+    /// Of each observer, the open obligations: how many responses each has seen, and its age.
+    pub(super) obligations: Vec<BTreeSet<(usize, u32)>>,
 }
 
 impl Brute<'_> {
@@ -156,7 +158,7 @@ impl Brute<'_> {
                 .collect(),
             queue: Vec::new(),
             lock_queue: Vec::new(),
-            obligations: vec![None; self.within.len()],
+            obligations: vec![BTreeSet::new(); self.within.len()],
         };
         for c in 0..sys.components.len() {
             self.start_from(&mut s, c, 0);

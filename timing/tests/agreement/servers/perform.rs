@@ -291,8 +291,9 @@ impl Interpreter<'_> {
                 n.clients[k].clock += 1;
             }
         }
-        for it in n.obligations.iter_mut().flatten() {
-            *it = (*it + 1).min(CAP);
+        for it in &mut n.obligations {
+            let older = |(stage, age)| (stage, u32::min(age + 1, CAP));
+            *it = std::mem::take(it).into_iter().map(older).collect();
         }
         n
     }

@@ -159,19 +159,22 @@ fn fact(system: &System, path: &Path) -> (Fact, bool) {
 }
 
 impl Interpreter<'_> {
+    /// Every time the trigger becomes true begins an obligation of its own, which goes from response to response.
     pub(super) fn watch(&self, before: Option<&State>, now: &mut State) {
-        for (i, (trigger, response)) in self.within.iter().enumerate() {
+        for (i, (trigger, responses)) in self.within.iter().enumerate() {
             let value = |it: &Predicate| self.holds(before, now, it);
-            if now.obligations[i].is_some() {
-                if value(response) {
-                    now.obligations[i] = None;
-                }
-            } else if value(trigger)
-                && !before.is_some_and(|before| self.holds(Some(before), before, trigger))
-                && !value(response)
-            {
-                now.obligations[i] = Some(0);
+            let mut open = now.obligations[i].clone();
+            let was = before.is_some_and(|before| self.holds(Some(before), before, trigger));
+            if value(trigger) && !was {
+                open.insert((0, 0));
             }
+            let moved = open.into_iter().map(|(mut stage, age)| {
+                while responses.get(stage).is_some_and(value) {
+                    stage += 1;
+                }
+                (stage, age)
+            });
+            now.obligations[i] = moved.filter(|at| at.0 < responses.len()).collect();
         }
     }
 

@@ -300,7 +300,12 @@ fn scenario(dice: &mut Dice, known: &Known) -> String {
         let (p, q) = (predicate(dice, known), predicate(dice, known));
         let _ = writeln!(out, " check r{i}: reachable {p};");
         if i == 0 && dice.in_ten(6) {
-            let _ = writeln!(out, " check w: within {p} => {q};");
+            let mut own = Dice::new(u64::from(dice.below(1 << 16)));
+            let then = match own.in_ten(3) {
+                true => format!(" then {}", predicate(&mut own, known)),
+                false => String::new(),
+            };
+            let _ = writeln!(out, " check w: within {p} => {q}{then};");
         }
     }
     out.push_str("}\n");

@@ -1,5 +1,7 @@
 //! A state, and how it begins.
 
+use std::collections::BTreeSet;
+
 use dotgen_timing::scn::semantics::TickRule;
 
 use super::model::{Action, System};
@@ -185,8 +187,8 @@ pub(crate) struct State {
     pub(super) ready: Vec<(usize, Who)>,
     /// Under preemption without, threads that have a core.
     pub(super) on: Vec<(usize, Who)>,
-    /// Age of the open obligation of each observer.
-    pub(super) obligations: Vec<Option<u32>>,
+    /// Of each observer, the open obligations: how many responses each has seen, and its age.
+    pub(super) obligations: Vec<BTreeSet<(usize, u32)>>,
 }
 
 impl State {
@@ -249,7 +251,7 @@ impl State {
             queue: Vec::new(),
             ready: Vec::new(),
             on: Vec::new(),
-            obligations: vec![None; observers],
+            obligations: vec![BTreeSet::new(); observers],
         }
     }
 

@@ -247,8 +247,8 @@ impl<'a, R: Rules> Chase<'a, R> {
             gauges,
             ..
         } = &self.search;
-        let clock = gauges.first().and_then(|it| it.of.clock(rules.frame()));
-        run.repetition(rules, (observers, value), clock, cancel)
+        let of = gauges.first().map(|it| it.of);
+        run.repetition(rules, (observers, value), of, cancel)
     }
 
     /// Whether nothing is left to be looked at, of everything there is.
