@@ -24,15 +24,16 @@ impl Timing {
         }
     }
 
-    /// How much younger than the one that is measured the obligations at the other stages are.
-    pub(in crate::explore) fn others(self, l: &Frame, s: &State) -> Vec<Ticks> {
+    /// How many obligations are as old as the one that is measured, itself included. When they become fewer, another may have
+    /// taken its place; they never become more.
+    pub(in crate::explore) fn as_old(self, l: &Frame, s: &State) -> usize {
         let Timing::Within(observer) = self else {
-            return Vec::new();
+            return 0;
         };
-        let oldest = l.observer_clock(s, observer).map_or(0, |clock| s.t[clock]);
+        let oldest = l.observer_clock(s, observer).map(|clock| s.t[clock]);
         let open = l.stages(observer).filter(|&it| l.is_open_at(s, it));
-        let ages = open.filter_map(|it| Some(s.t[l.stage_clock(it)?]));
-        ages.map(|it| oldest - it).collect()
+        let ages = open.map(|it| l.stage_clock(it).map(|clock| s.t[clock]));
+        ages.filter(|&it| it == oldest).count()
     }
 
     /// Whether it is being measured in a state.

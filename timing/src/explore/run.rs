@@ -112,10 +112,10 @@ impl Run {
                     }
                 })
                 .collect();
-            // An obligation of the same age may take the place of the one that is measured, but not for ever.
-            let others = of.map_or_else(Vec::new, |it| it.others(rules.frame(), s));
+            // One of the same age may take the place of the one that is measured, but not for ever.
+            let as_old = of.map_or(0, |it| it.as_old(rules.frame(), s));
             let times = rules.frame().key_times(s).to_vec();
-            let key = (s.d.clone(), times, elapsed, others);
+            let key = (s.d.clone(), times, elapsed, as_old);
             found = seen.insert(key, time).map(|before| (before, time));
             found.is_none() && !(time.is_multiple_of(64) && cancel.is_abandoned())
         });
