@@ -18,6 +18,7 @@ mod search;
 mod state;
 mod stepper;
 mod store;
+mod token;
 mod watch;
 
 pub use findings::{Bound, Findings, Found, Measured};
@@ -28,4 +29,5 @@ pub use run::{Moment, MomentKind, Run};
 pub use search::{InZones, chase, explore, explore_telling, in_zones};
 pub use stepper::{Possible, Seen, Stepper, Watched, Work};
 
+pub use token::{Chain, ChainKind, Place, explore_chain, is_exact};
 pub use watch::{Limits, ResponseTime, Stop, Watch, Within};

@@ -137,6 +137,13 @@ pub enum Action {
         /// Its component.
         component: usize,
     },
+    /// What was just written, or read, is marked, or not; no step of the system (see `explore::token`).
+    Mark {
+        /// Who has read it, where it is new whenever it is read.
+        executor: Option<usize>,
+        /// Whether it is marked.
+        taken: bool,
+    },
     /// The control task takes a client's request.
     Request {
         /// The client.

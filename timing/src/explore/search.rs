@@ -44,7 +44,7 @@ pub fn explore_telling(
     with_rules!(system, explore_by(watch, limits, cancel, news))
 }
 
-fn explore_by<R: Rules>(
+pub(super) fn explore_by<R: Rules>(
     rules: &R,
     watch: &Watch,
     limits: Limits,
@@ -240,6 +240,7 @@ impl<'a, R: Rules> Search<'a, R> {
         let clocks = Clocks {
             response: observed,
             within: clocked,
+            token: 0,
         };
         let own = rules.with_clocks(&clocks);
         let predicates: Vec<&Predicate> = (watch.within.iter())

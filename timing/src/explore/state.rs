@@ -65,6 +65,8 @@ pub(crate) struct Clocks {
     pub(crate) response: Vec<bool>,
     /// By observer, what is kept of it.
     pub(crate) within: Vec<Stages>,
+    /// Numbers of the discrete part that whoever follows data keeps.
+    pub(crate) token: usize,
 }
 
 /// What is kept of an observer.
@@ -82,6 +84,7 @@ impl Clocks {
         Clocks {
             response: vec![false; tasks],
             within: Vec::new(),
+            token: 0,
         }
     }
 }
@@ -97,6 +100,7 @@ pub(crate) struct Frame {
     observer_base: usize,
     /// Stages of each observer, numbered through.
     stages: Vec<Range<usize>>,
+    token_base: usize,
     d_len: usize,
     window_base: usize,
     clock_base: usize,
@@ -149,6 +153,7 @@ impl Places {
             })
             .collect();
         let observer_base = self.discrete(count);
+        let token_base = self.discrete(clocks.token);
         let (executors, phase_base) = self.executors;
         let window_base = self.times(2 * executors);
         let clock_base = self.t;
@@ -163,6 +168,7 @@ impl Places {
             phase_base,
             observer_base,
             stages,
+            token_base,
             d_len: self.d,
             window_base,
             clock_base,
@@ -261,6 +267,11 @@ impl Frame {
         let at = self.window_base + 2 * executor;
         s.t[at] = a;
         s.t[at + 1] = b;
+    }
+
+    /// The first of the numbers of whoever follows data.
+    pub(crate) fn token_place(&self) -> usize {
+        self.token_base
     }
 
     /// Stages of an observer, first to last.

@@ -239,6 +239,7 @@ fn walk<'s, R: Rules + 's>(rules: &R, watched: &Watched) -> Stepper<'s> {
                 measured: true,
             })
             .collect(),
+        token: 0,
     };
     let rules = rules.with_clocks(&clocks);
     let observers = watched.within.iter().map(|(trigger, responses)| Observer {

@@ -2,6 +2,7 @@
 //! states are plain structures with a clock per executing codel, time passes unit by unit, every
 //! order of simultaneous actions is followed, and nothing is merged.
 
+pub(crate) mod chains;
 mod control_task;
 mod perform;
 mod possible;

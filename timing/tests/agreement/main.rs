@@ -2,6 +2,7 @@
 
 mod against;
 mod brute;
+mod chains;
 mod expected;
 mod sequences;
 mod servers;

@@ -268,6 +268,7 @@ impl Lazy {
                     | Action::Ticket { .. }
                     | Action::Wake { .. }
                     | Action::Shut { .. }
+                    | Action::Mark { .. }
                     | Action::Reply { .. } => false,
                 };
                 if !follow {

@@ -271,7 +271,7 @@ impl Reductions<Servers<'_>> for OfServers {
             }
             for &action in &enabled.actions {
                 let follows = match action {
-                    Action::Tick { .. } => false,
+                    Action::Tick { .. } | Action::Mark { .. } => false,
                     Action::Release { task }
                     | Action::Grant { task }
                     | Action::Begin { task }

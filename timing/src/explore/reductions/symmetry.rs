@@ -424,6 +424,10 @@ impl Renaming {
             Action::Ticket { executor } => Action::Ticket {
                 executor: self.executor(executor),
             },
+            Action::Mark { executor, taken } => Action::Mark {
+                executor: executor.map(|it| self.executor(it)),
+                taken,
+            },
             Action::Reply { component } => Action::Reply {
                 component: self.components[component],
             },

@@ -174,6 +174,7 @@ impl Rules for Published<'_> {
             | Action::Ticket { .. }
             | Action::Wake { .. }
             | Action::Shut { .. }
+            | Action::Mark { .. }
             | Action::Reply { .. } => None,
         }
     }

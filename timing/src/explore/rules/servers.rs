@@ -280,6 +280,7 @@ impl Rules for Servers<'_> {
             | Action::Request { .. }
             | Action::Reply { .. }
             | Action::Shut { .. }
+            | Action::Mark { .. }
             | Action::Proceed { .. } => None,
         }
     }

@@ -48,6 +48,7 @@ impl Published<'_> {
             | Action::Ticket { .. }
             | Action::Wake { .. }
             | Action::Shut { .. }
+            | Action::Mark { .. }
             | Action::Reply { .. } => {}
         }
     }

@@ -151,6 +151,7 @@ impl Published<'_> {
             | Action::Ticket { .. }
             | Action::Wake { .. }
             | Action::Shut { .. }
+            | Action::Mark { .. }
             | Action::Reply { .. } => {}
         }
     }

@@ -53,6 +53,7 @@ impl Servers<'_> {
             Action::Preempt { executor, by } => self.preempt(s, executor, by),
             Action::Signal { component } => self.look_at_all(s, component),
             Action::Request { client, next } => self.request(s, client, next),
+            Action::Mark { .. } => {}
             Action::Reply { component } => self.reply(s, component),
             Action::Shut { component } => self.shut(s, component),
         }

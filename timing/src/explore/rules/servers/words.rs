@@ -154,6 +154,7 @@ impl Servers<'_> {
                     out.push(self.of_component(component, time, what));
                 }
             }
+            Action::Mark { .. } => {}
             Action::Reply { component } => {
                 let service = l.handled(before, component) as usize;
                 let path = self.system.service_path(service);

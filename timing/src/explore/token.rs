@@ -1,0 +1,536 @@
+//! Chains of data (section 19): one writing of the first datum is marked, and what depends on it is followed.
+//!
+//! [`Tracked`] are rules with a *token* beside the state of other rules: which places hold marked data, and which executors execute
+//! a codel that began with marked data. Which writing is marked is a free choice, offered after each ([`Action::Mark`]);
+//! one token at a time, so one clock measures it. Nothing is known here of components: a [`Chain`] tells what each codel
+//! reads and writes.
+//!
+//! *Reaction*: marks stay, as a later writing of a place is made of later data, and the first codel that began with marked data and
+//! writes the last datum ends the measurement. *Age*: an unmarked writing clears a place, and the time counts while the last
+//! datum is marked.
+//!
+//! Reductions leave out orders of what commutes in the system, but not in what the token sees; all of them are off.
+
+use super::findings::{Bound, Findings, Measured};
+use super::reductions::NoReductions;
+use super::rules::{Action, Enabled, Rules, with_rules};
+use super::run::{Moment, Run};
+use super::search::explore_by;
+use super::state::{Clocks, Frame, State, TaskStatus};
+use super::stepper::Work;
+use super::watch::{Limits, Watch, Within};
+use crate::cancel::Cancel;
+use crate::property::{Atom, Predicate, SlotStatus, TaskState};
+use crate::system::{FOREVER, Ticks, TimedSystem};
+
+/// What is asked of a chain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ChainKind {
+    /// The longest time from a writing of the first datum until the last is first written by a codel whose data depend on it.
+    Reaction,
+    /// The longest time since the writing of the first datum that the last one, as it is visible, depends on.
+    Age,
+}
+
+/// Where a datum is kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Place {
+    /// One of those that everybody shares: ports, data of a component.
+    Shared(usize),
+    /// A local variable of whatever automaton executes the codel.
+    Local(usize),
+}
+
+/// A chain of data through a system.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Chain {
+    /// What is asked.
+    pub kind: ChainKind,
+    /// Number of shared places.
+    pub shared: usize,
+    /// Number of local places of an automaton.
+    pub locals: usize,
+    /// What each codel reads.
+    pub reads: Vec<Vec<Place>>,
+    /// What each codel writes.
+    pub writes: Vec<Vec<Place>>,
+    /// Codels whose data depend on what they read. What others write depends on nothing.
+    pub carries: Vec<bool>,
+    /// The first datum, a shared place.
+    pub first: usize,
+    /// The last datum, a shared place.
+    pub last: usize,
+    /// Nobody in the system writes the first datum: it is new at any moment.
+    pub external: bool,
+}
+
+/// The supremum of a chain, by exploring all runs. `within` of the findings has it as its only entry; `None` there if nothing is
+/// ever marked.
+pub fn explore_chain(
+    system: &TimedSystem,
+    chain: &Chain,
+    limit: Option<Ticks>,
+    limits: Limits,
+    cancel: &Cancel,
+) -> Findings {
+    let never = || {
+        let it = Predicate::Atom(Atom::Task(0, TaskState::Idle));
+        Predicate::And(Box::new(it.clone()), Box::new(Predicate::Not(Box::new(it))))
+    };
+    let watch = Watch {
+        within: vec![Within {
+            trigger: never(),
+            responses: vec![never()],
+            limit,
+        }],
+        ..Watch::default()
+    };
+    let mut found = with_rules!(system, explore_tracked(chain, &watch, limits, cancel));
+    for it in found.within.iter_mut().flatten() {
+        without_marks(it);
+    }
+    found
+}
+
+/// Ages that are not visible are counted up to this only. Greater ones would be an age without bound, or nearly so.
+pub(super) fn greatest_age(system: &TimedSystem) -> Ticks {
+    let periods = system.tasks.iter().filter_map(|it| it.period);
+    let uppers = (system.codels.iter()).map(|it| {
+        if it.upper == FOREVER {
+            it.lower
+        } else {
+            it.upper
+        }
+    });
+    let sum = periods.chain(uppers).fold(16, Ticks::saturating_add);
+    sum.saturating_mul(32)
+}
+
+fn explore_tracked<R: Rules>(
+    rules: &R,
+    chain: &Chain,
+    watch: &Watch,
+    limits: Limits,
+    cancel: &Cancel,
+) -> Findings {
+    let none = Clocks::none(rules.system().tasks.len());
+    let tracked = Tracked::new(rules, chain, &none);
+    explore_by(&tracked, watch, limits, cancel, &mut |_| {})
+}
+
+/// Runs are those of the system: choices of what is marked are no steps of it.
+fn without_marks(it: &mut Measured) {
+    let strip = |run: &mut Run| {
+        let is_mark = |action: &Action| matches!(action, Action::Mark { .. });
+        if let Some(cycle) = &mut run.cycle {
+            let before = run.steps.iter().take(*cycle);
+            *cycle -= before.filter(|it| is_mark(&it.1)).count();
+        }
+        run.steps.retain(|it| !is_mark(&it.1));
+    };
+    strip(&mut it.longest.run);
+    if let Some(excess) = &mut it.excess {
+        strip(&mut excess.run);
+    }
+}
+
+/// What becomes of the token.
+mod status {
+    /// Nothing is marked yet.
+    pub(super) const IDLE: u16 = 0;
+    /// What has just been written can be marked.
+    pub(super) const OFFERED: u16 = 1;
+    /// Something is marked.
+    pub(super) const ALIVE: u16 = 2;
+    /// It has come to its end, or nothing marked is left.
+    pub(super) const OVER: u16 = 3;
+}
+
+/// Bits of a number of the discrete part.
+const BITS: usize = u16::BITS as usize;
+
+/// Rules with a token.
+struct Tracked<'c, R> {
+    rules: R,
+    chain: &'c Chain,
+    /// Where the token is in the discrete part.
+    token: usize,
+    /// Number of executors.
+    executors: usize,
+    cap: Ticks,
+}
+
+impl<'c, R: Rules> Tracked<'c, R> {
+    fn new(rules: &R, chain: &'c Chain, clocks: &Clocks) -> Self {
+        let executors = rules.frame().executors();
+        let places = chain.shared + chain.locals * rules.system().automata.len();
+        let clocks = Clocks {
+            token: 1 + 2 * executors.div_ceil(BITS) + places.div_ceil(BITS),
+            ..clocks.clone()
+        };
+        let rules = rules.with_clocks(&clocks);
+        Tracked {
+            token: rules.frame().token_place(),
+            cap: greatest_age(rules.system()),
+            rules,
+            chain,
+            executors,
+        }
+    }
+
+    fn status(&self, s: &State) -> u16 {
+        s.d[self.token]
+    }
+
+    /// Places of bits: executors that began in this step, executors with marked data, places with marked data.
+    fn fresh(&self, executor: usize) -> (usize, u16) {
+        self.bit(0, executor)
+    }
+
+    fn marked_executor(&self, executor: usize) -> (usize, u16) {
+        self.bit(self.executors.div_ceil(BITS), executor)
+    }
+
+    fn marked_place(&self, place: Place, automaton: Option<usize>) -> Option<(usize, u16)> {
+        let number = match place {
+            Place::Shared(it) => it,
+            Place::Local(it) => self.chain.shared + automaton? * self.chain.locals + it,
+        };
+        Some(self.bit(2 * self.executors.div_ceil(BITS), number))
+    }
+
+    fn bit(&self, words: usize, number: usize) -> (usize, u16) {
+        (self.token + 1 + words + number / BITS, 1 << (number % BITS))
+    }
+
+    /// The codel an executor is at, and the automaton it is of.
+    fn codel(&self, s: &State, executor: usize) -> Option<(usize, Option<usize>)> {
+        match self.rules.work(s, executor)? {
+            Work::State {
+                codel, automaton, ..
+            } => Some((codel, Some(automaton))),
+            Work::Control { codel, .. } => Some((codel, None)),
+            Work::Delay { .. } => None,
+        }
+    }
+
+    fn reads_first(&self, codel: usize) -> bool {
+        self.chain.reads[codel].contains(&Place::Shared(self.chain.first))
+    }
+
+    /// Follows what a step did to data. `before`: the state before, and the executor whose codel has ended.
+    fn follow(&self, before: Option<(&State, Option<usize>)>, s: &mut State) {
+        let ended = before.and_then(|(_, ended)| ended);
+        if self.status(s) == status::OVER {
+            return;
+        }
+        let mut offered = before.is_none() && self.offers_any_time();
+        if let (Some((before, _)), Some(executor)) = (before, ended)
+            && let Some((codel, automaton)) = self.codel(before, executor)
+            && self.rules.frame().is_executing(before, executor)
+        {
+            offered |= self.write(s, executor, codel, automaton);
+        }
+        for executor in 0..self.executors {
+            let frame = self.rules.frame();
+            let was = before.is_some_and(|(it, _)| frame.is_executing(it, executor));
+            if !frame.is_executing(s, executor) || (was && ended != Some(executor)) {
+                continue;
+            }
+            let Some((codel, automaton)) = self.codel(s, executor) else {
+                continue;
+            };
+            set(s, self.fresh(executor), true);
+            let reads = self.chain.reads[codel].iter();
+            let mut bits = reads.filter_map(|&it| self.marked_place(it, automaton));
+            let marked = bits.any(|it| is_set(s, it)) && self.chain.carries[codel];
+            set(s, self.marked_executor(executor), marked);
+            // What comes in just after somebody has looked waits longest for the next look; what is read was new just then.
+            offered |= self.chain.external && self.reads_first(codel);
+        }
+        self.forget_locals(s);
+        if offered && self.status(s) == status::IDLE {
+            s.d[self.token] = status::OFFERED;
+        } else {
+            (0..self.executors).for_each(|it| set(s, self.fresh(it), false));
+        }
+        self.settle(s);
+    }
+
+    fn offers_any_time(&self) -> bool {
+        self.chain.external && self.chain.kind == ChainKind::Reaction
+    }
+
+    /// What a codel writes when it ends. Whether the first datum is among it.
+    fn write(
+        &self,
+        s: &mut State,
+        executor: usize,
+        codel: usize,
+        automaton: Option<usize>,
+    ) -> bool {
+        let chain = self.chain;
+        let marked = is_set(s, self.marked_executor(executor));
+        set(s, self.marked_executor(executor), false);
+        for &place in &chain.writes[codel] {
+            let Some(bit) = self.marked_place(place, automaton) else {
+                continue;
+            };
+            // A new first datum is another one, whatever it was made of.
+            let is_first = place == Place::Shared(chain.first);
+            match chain.kind {
+                ChainKind::Reaction if marked && place == Place::Shared(chain.last) => {
+                    s.d[self.token] = status::OVER;
+                }
+                ChainKind::Reaction if marked => set(s, bit, true),
+                ChainKind::Reaction => {}
+                ChainKind::Age => set(s, bit, marked && !is_first),
+            }
+        }
+        chain.writes[codel].contains(&Place::Shared(chain.first))
+    }
+
+    /// Local variables end with the activity.
+    fn forget_locals(&self, s: &mut State) {
+        if self.chain.locals == 0 || self.status(s) != status::ALIVE {
+            return;
+        }
+        for (number, service) in self.rules.system().services.iter().enumerate() {
+            let void = Atom::Slot(number, SlotStatus::Void);
+            if service.slots.is_empty() || !self.rules.atom(s, &void) {
+                continue;
+            }
+            for &automaton in &service.slots {
+                for local in 0..self.chain.locals {
+                    if let Some(bit) = self.marked_place(Place::Local(local), Some(automaton)) {
+                        set(s, bit, false);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Opens what is measured, and ends what has come to its end.
+    fn settle(&self, s: &mut State) {
+        let marks = self.token + 1 + self.executors.div_ceil(BITS)..self.end();
+        if self.status(s) == status::ALIVE && s.d[marks].iter().all(|&it| it == 0) {
+            s.d[self.token] = status::OVER;
+        }
+        if self.status(s) == status::OVER {
+            let token = self.token + 1..self.end();
+            s.d[token].fill(0);
+        }
+        let last = self.marked_place(Place::Shared(self.chain.last), None);
+        let open = self.status(s) == status::ALIVE
+            && match self.chain.kind {
+                ChainKind::Reaction => true,
+                ChainKind::Age => last.is_some_and(|it| is_set(s, it)),
+            };
+        let frame = self.rules.frame();
+        let stage = frame.stages(0).start;
+        frame.set_open_at(s, stage, open);
+        if let Some(clock) = frame.stage_clock(stage)
+            && self.status(s) != status::ALIVE
+        {
+            s.t[clock] = 0;
+        }
+    }
+
+    fn end(&self) -> usize {
+        let places = self.chain.shared + self.chain.locals * self.rules.system().automata.len();
+        self.token + 1 + 2 * self.executors.div_ceil(BITS) + places.div_ceil(BITS)
+    }
+
+    /// Whose reading of the first datum can be marked, where it is new whenever it is read.
+    fn readers(&self, s: &State) -> Vec<usize> {
+        let fresh = (0..self.executors).filter(|&it| is_set(s, self.fresh(it)));
+        let reads = |it: &usize| {
+            let codel = self.codel(s, *it);
+            codel.is_some_and(|(codel, _)| self.reads_first(codel) && self.chain.carries[codel])
+        };
+        fresh.filter(reads).collect()
+    }
+
+    /// Marks what was offered, or not (`None`).
+    fn mark(&self, s: &mut State, executor: Option<usize>, taken: bool) {
+        s.d[self.token] = if taken { status::ALIVE } else { status::IDLE };
+        if taken {
+            match (self.chain.external, executor) {
+                (true, Some(executor)) => set(s, self.marked_executor(executor), true),
+                (external, _) => {
+                    if let Some(bit) = self.marked_place(Place::Shared(self.chain.first), None) {
+                        set(s, bit, true);
+                    }
+                    // Whoever began by the same step sees what it wrote.
+                    let seen = if external {
+                        Vec::new()
+                    } else {
+                        self.readers(s)
+                    };
+                    for executor in seen {
+                        set(s, self.marked_executor(executor), true);
+                    }
+                }
+            }
+        }
+        (0..self.executors).for_each(|it| set(s, self.fresh(it), false));
+        self.settle(s);
+    }
+}
+
+fn is_set(s: &State, (word, bit): (usize, u16)) -> bool {
+    s.d[word] & bit != 0
+}
+
+fn set(s: &mut State, (word, bit): (usize, u16), value: bool) {
+    match value {
+        true => s.d[word] |= bit,
+        false => s.d[word] &= !bit,
+    }
+}
+
+impl<R: Rules> Rules for Tracked<'_, R> {
+    type Reductions = NoReductions;
+
+    fn with_clocks(&self, clocks: &Clocks) -> Self {
+        Tracked::new(&self.rules, self.chain, clocks)
+    }
+
+    fn system(&self) -> &TimedSystem {
+        self.rules.system()
+    }
+
+    fn frame(&self) -> &Frame {
+        self.rules.frame()
+    }
+
+    fn initial(&self) -> State {
+        let mut s = self.rules.initial();
+        self.follow(None, &mut s);
+        s
+    }
+
+    fn enabled(&self, s: &State, out: &mut Enabled) {
+        match self.status(s) {
+            status::OFFERED => {
+                out.actions.clear();
+                out.urgent = true;
+                out.committed = true;
+                out.forced = false;
+                let mark = |executor, taken| Action::Mark { executor, taken };
+                out.actions.push(mark(None, false));
+                if self.chain.external && self.chain.kind == ChainKind::Age {
+                    let readers = self.readers(s).into_iter();
+                    out.actions.extend(readers.map(|it| mark(Some(it), true)));
+                } else {
+                    out.actions.push(mark(None, true));
+                }
+            }
+            // Nothing more is of interest.
+            status::OVER => {
+                out.actions.clear();
+                (out.urgent, out.committed, out.forced) = (false, false, false);
+            }
+            _ => self.rules.enabled(s, out),
+        }
+    }
+
+    fn apply(&self, s: &mut State, action: Action) {
+        if let Action::Mark { executor, taken } = action {
+            return self.mark(s, executor, taken);
+        }
+        let before = s.clone();
+        self.rules.apply(s, action);
+        let ended = match action {
+            Action::Finish { executor, .. } => Some(executor),
+            _ => None,
+        };
+        self.follow(Some((&before, ended)), s);
+    }
+
+    fn next_moment(&self, s: &State, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks> {
+        match self.status(s) {
+            status::OVER => None,
+            _ => self.rules.next_moment(s, can_wait),
+        }
+    }
+
+    fn elapse(&self, s: &mut State, time: Ticks) {
+        self.rules.elapse(s, time);
+        let frame = self.rules.frame();
+        let stage = frame.stages(0).start;
+        if let Some(clock) = frame.stage_clock(stage)
+            && self.status(s) == status::ALIVE
+            && !frame.is_open_at(s, stage)
+        {
+            s.t[clock] = s.t[clock].saturating_add(time).min(self.cap);
+        }
+    }
+
+    fn gets_on(&self, s: &State, executor: usize) -> bool {
+        self.rules.gets_on(s, executor)
+    }
+
+    fn job(&self, s: &State, task: usize) -> TaskStatus {
+        self.rules.job(s, task)
+    }
+
+    fn missed(&self, s: &State, task: usize) -> bool {
+        self.rules.missed(s, task)
+    }
+
+    fn may_begin_to_wait(&self, action: Action, task: usize) -> bool {
+        self.rules.may_begin_to_wait(action, task)
+    }
+
+    fn atom(&self, s: &State, atom: &Atom) -> bool {
+        self.rules.atom(s, atom)
+    }
+
+    fn has_refused(&self, service: usize) -> bool {
+        self.rules.has_refused(service)
+    }
+
+    fn has_ended_restarts(&self, service: usize) -> bool {
+        self.rules.has_ended_restarts(service)
+    }
+
+    fn task_of(&self, action: Action) -> Option<usize> {
+        match action {
+            Action::Mark { .. } => None,
+            _ => self.rules.task_of(action),
+        }
+    }
+
+    fn duration(&self, s: &State, executor: usize) -> (Ticks, Ticks) {
+        self.rules.duration(s, executor)
+    }
+
+    fn work(&self, s: &State, executor: usize) -> Option<Work> {
+        self.rules.work(s, executor)
+    }
+
+    fn position(&self, s: &State, client: usize) -> usize {
+        self.rules.position(s, client)
+    }
+
+    fn tell(
+        &self,
+        change: (&State, &State),
+        action: Option<Action>,
+        time: u64,
+        out: &mut Vec<Moment>,
+    ) {
+        if !matches!(action, Some(Action::Mark { .. })) {
+            self.rules.tell(change, action, time, out);
+        }
+    }
+}
+
+/// The value of a chain that was measured, where it is known exactly.
+pub fn is_exact(system: &TimedSystem, chain: &Chain, bound: Bound) -> bool {
+    match (chain.kind, bound) {
+        (ChainKind::Age, Bound::Finite(value)) => value < greatest_age(system),
+        _ => true,
+    }
+}

@@ -1,0 +1,190 @@
+//! Chains of data, from section 19 by the obvious method: at any writing of the first datum (at any moment, if nobody writes it)
+//! a measurement may begin, and what depends on that datum is followed step by step.
+
+use std::collections::{BTreeSet, HashSet};
+
+use dotgen_timing::explore::{Action, Chain, ChainKind, Place};
+use dotgen_timing::property::{Atom, Predicate, SlotStatus};
+
+use super::state::{Doing, State};
+use super::{Brute, CAP};
+
+/// A place: shared, or the local variable of an automaton.
+type Datum = (Place, Option<usize>);
+
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
+struct Followed {
+    /// Where data are that depend on the datum that is followed.
+    places: BTreeSet<Datum>,
+    /// Whose codel has read such data.
+    readers: BTreeSet<usize>,
+    age: u32,
+}
+
+/// A state, and what is followed from it on; `None`: nothing yet.
+type Node = (State, Option<Followed>);
+
+impl Brute<'_> {
+    /// The greatest time, `Some(CAP)`: unbounded; `None` if no datum is ever followed. Nothing above `limit` states.
+    pub(crate) fn chain(&self, chain: &Chain, limit: usize) -> Option<Option<u32>> {
+        let mut greatest = None;
+        let mut seen: HashSet<Node> = HashSet::new();
+        let mut todo: Vec<Node> = Vec::new();
+        let initial = self.initial();
+        let began = self.begun(None, &initial, None);
+        self.come_to(chain, (initial, None), (&began, false), &mut todo);
+        while let Some(node) = todo.pop() {
+            if !seen.insert(node.clone()) {
+                continue;
+            }
+            if seen.len() > limit {
+                return None;
+            }
+            let (s, followed) = node;
+            if let Some(it) = &followed {
+                let counts = match chain.kind {
+                    ChainKind::Reaction => true,
+                    ChainKind::Age => it.places.contains(&(Place::Shared(chain.last), None)),
+                };
+                if counts {
+                    greatest = greatest.max(Some(it.age));
+                }
+            }
+            let (actions, urgent) = self.actions(&s);
+            for action in actions {
+                self.step(chain, (&s, &followed), action, &mut todo);
+            }
+            if !urgent {
+                let later = followed.map(|it| Followed {
+                    age: (it.age + 1).min(CAP),
+                    ..it
+                });
+                self.come_to(chain, (self.pass(&s), later), (&[], false), &mut todo);
+            }
+        }
+        Some(greatest)
+    }
+
+    fn step(
+        &self,
+        chain: &Chain,
+        (s, followed): (&State, &Option<Followed>),
+        action: Action,
+        todo: &mut Vec<Node>,
+    ) {
+        let n = self.perform(s, action, &mut self.blank());
+        let codels = s.automata.len() + s.controls.len();
+        let ended = match action {
+            Action::Finish { executor, .. } if executor < codels => Some(executor),
+            _ => None,
+        };
+        let mut followed = followed.clone();
+        let mut first_written = false;
+        if let Some(e) = ended {
+            let codel = self.codel(s, e);
+            first_written = chain.writes[codel].contains(&Place::Shared(chain.first));
+            if let Some(it) = &mut followed {
+                let depends = it.readers.remove(&e);
+                for &place in &chain.writes[codel] {
+                    let datum = self.datum(s, e, place);
+                    if depends
+                        && place == Place::Shared(chain.last)
+                        && chain.kind == ChainKind::Reaction
+                    {
+                        // It has arrived.
+                        return;
+                    }
+                    let new_first =
+                        place == Place::Shared(chain.first) && chain.kind == ChainKind::Age;
+                    if depends && !new_first {
+                        it.places.insert(datum);
+                    } else if chain.kind == ChainKind::Age {
+                        it.places.remove(&datum);
+                    }
+                }
+            }
+        }
+        let began = self.begun(Some(s), &n, ended);
+        if let Some(it) = &mut followed {
+            self.read(chain, it, &n, &began);
+            for (number, service) in self.system.services.iter().enumerate() {
+                let void = Predicate::Atom(Atom::Slot(number, SlotStatus::Void));
+                if service.activity && self.predicate(None, &n, &void) {
+                    let of = |a: Option<usize>| a.is_some_and(|a| service.slots.contains(&a));
+                    it.places.retain(|it| !of(it.1));
+                }
+            }
+            if it.places.is_empty() && it.readers.is_empty() {
+                return;
+            }
+        }
+        self.come_to(chain, (n, followed), (&began, first_written), todo);
+    }
+
+    /// Notes a state, and everything that may be followed from it on.
+    fn come_to(
+        &self,
+        chain: &Chain,
+        (s, followed): Node,
+        (began, first_written): (&[usize], bool),
+        todo: &mut Vec<Node>,
+    ) {
+        if followed.is_none() {
+            let first = (Place::Shared(chain.first), None);
+            let mut begin = |it: Followed| todo.push((s.clone(), Some(it)));
+            if !chain.external {
+                if first_written {
+                    let mut it = Followed::default();
+                    it.places.insert(first);
+                    self.read(chain, &mut it, &s, began);
+                    begin(it);
+                }
+            } else if chain.kind == ChainKind::Reaction {
+                let mut it = Followed::default();
+                it.places.insert(first);
+                begin(it);
+            } else {
+                for &e in began {
+                    let codel = self.codel(&s, e);
+                    if chain.reads[codel].contains(&first.0) && chain.carries[codel] {
+                        let mut it = Followed::default();
+                        it.readers.insert(e);
+                        begin(it);
+                    }
+                }
+            }
+        }
+        todo.push((s, followed));
+    }
+
+    fn read(&self, chain: &Chain, it: &mut Followed, s: &State, began: &[usize]) {
+        for &e in began {
+            let codel = self.codel(s, e);
+            let mut reads = chain.reads[codel].iter();
+            if chain.carries[codel]
+                && reads.any(|&place| it.places.contains(&self.datum(s, e, place)))
+            {
+                it.readers.insert(e);
+            }
+        }
+    }
+
+    fn datum(&self, s: &State, e: usize, place: Place) -> Datum {
+        match place {
+            Place::Shared(_) => (place, None),
+            // The control task has none: a datum of its own, which nobody else reads.
+            Place::Local(_) if e >= s.automata.len() => (place, Some(usize::MAX)),
+            Place::Local(_) => (place, Some(e)),
+        }
+    }
+
+    /// Who has begun a codel by a step.
+    fn begun(&self, before: Option<&State>, s: &State, ended: Option<usize>) -> Vec<usize> {
+        let executing = |s: &State, e: usize| matches!(self.doing(s, e), Doing::Executing(_));
+        let codels = s.automata.len() + s.controls.len();
+        (0..codels)
+            .filter(|&e| executing(s, e))
+            .filter(|&e| ended == Some(e) || !before.is_some_and(|it| executing(it, e)))
+            .collect()
+    }
+}

@@ -1,0 +1,98 @@
+//! Reaction and age of random chains: the explorer agrees with brute force.
+
+use dotgen_timing::explore::{Bound, Chain, ChainKind, Place, Stop, explore_chain};
+use dotgen_timing::system::TimedSystem;
+use dotgen_timing::verify::Cancel;
+
+use crate::brute::{Brute, CAP};
+use crate::systems::{self, Dice};
+use crate::{all_agree, cases, first, limits};
+
+/// Data that flow by chance: the first place is the first datum, the second the last, others are between.
+fn chain(system: &TimedSystem, dice: &mut Dice) -> Chain {
+    let shared = 2 + dice.below(3) as usize;
+    let locals = dice.below(2) as usize;
+    let external = dice.in_ten(4);
+    let places: Vec<Place> = (0..shared)
+        .map(Place::Shared)
+        .chain((0..locals).map(Place::Local))
+        .collect();
+    let n = system.codels.len();
+    let mut some = |share: u32, not: &[Place]| -> Vec<Vec<Place>> {
+        let mut of_codel = || -> Vec<Place> {
+            let mut list = places.clone();
+            list.retain(|it| dice.in_ten(share) && !not.contains(it));
+            list
+        };
+        (0..n).map(|_| of_codel()).collect()
+    };
+    let reads = some(4, &[]);
+    let writes = match external {
+        true => some(4, &[Place::Shared(0)]),
+        false => some(4, &[]),
+    };
+    Chain {
+        kind: dice.pick(&[ChainKind::Reaction, ChainKind::Age]),
+        shared,
+        locals,
+        reads,
+        writes,
+        carries: (0..n).map(|_| dice.in_ten(9)).collect(),
+        first: 0,
+        last: 1,
+        external,
+    }
+}
+
+fn compare(seed: u64) -> Option<Result<(), String>> {
+    let mut dice = Dice::new(seed);
+    let (system, _) = systems::random(&mut dice);
+    let chain = chain(&system, &mut dice);
+    let brute = Brute {
+        system: &system,
+        within: &[],
+        reach: &[],
+    };
+    let expected = brute.chain(&chain, 30_000)?;
+    let limit = match (seed % 3, expected) {
+        (0, Some(it)) => Some(it / 2),
+        (1, Some(it)) => Some(it),
+        _ => None,
+    };
+    let found = explore_chain(&system, &chain, limit, limits(seed), &Cancel::default());
+    let failed = |why: String| Some(Err(format!("seed {seed}: {why}\n{chain:#?}\n{system:#?}")));
+    let measured = found.within.first().and_then(Option::as_ref);
+    let given_up = found.stopped.is_some_and(|it| it != Stop::Answered);
+    let value = measured.map(|it| match it.bound {
+        Bound::Unbounded => CAP,
+        Bound::Finite(it) => it.min(CAP),
+    });
+    if value != expected || given_up {
+        return failed(format!(
+            "{:?}: brute {expected:?}, found {value:?}, stopped {:?}",
+            chain.kind, found.stopped
+        ));
+    }
+    let exceeded = measured.is_some_and(|it| it.excess.is_some());
+    let unknown = limit >= Some(CAP);
+    if !unknown && exceeded != limit.is_some_and(|limit| expected > Some(limit)) {
+        return failed(format!(
+            "limit {limit:?}: exceeded {exceeded}, brute {expected:?}"
+        ));
+    }
+    // Its runs are runs of the system.
+    for it in measured
+        .iter()
+        .flat_map(|it| std::iter::once(&it.longest).chain(&it.excess))
+    {
+        if let Err(why) = brute.replay(&it.run.steps, it.run.end) {
+            return failed(format!("{why}: {:?}", it.run));
+        }
+    }
+    Some(Ok(()))
+}
+
+#[test]
+fn explorer_agrees_on_chains() {
+    all_agree(first(), cases().max(300), 2, compare);
+}
