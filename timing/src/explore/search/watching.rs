@@ -90,6 +90,9 @@ impl<R: Rules> Search<'_, R> {
                 self.reached[i] = Some(at);
             }
         }
+        for i in 0..self.gauges.len() {
+            self.opened_late(i, s, at);
+        }
         for (i, gauge) in self.gauges.iter().enumerate() {
             if self.longest[i].is_none()
                 && (gauge.of.runs(&self.rules, s) || self.is_answered_at_once(before, s, gauge.of))
@@ -98,6 +101,23 @@ impl<R: Rules> Search<'_, R> {
                     self.longest[it] = Some(Longest { value: 0, at });
                 }
             }
+        }
+    }
+
+    /// An age is seen when what has it becomes visible, which may be for no time at all; its clock has run before.
+    fn opened_late(&mut self, gauge: usize, s: &State, at: Sight) {
+        if !matches!(self.gauges[gauge].of, Timing::Within(_)) {
+            return;
+        }
+        let Some(value) = self.measures(gauge, s).map(|clock| s.t[clock]) else {
+            return;
+        };
+        if value > 0 && self.longest[gauge].is_none_or(|it| it.value < value) {
+            self.longest[gauge] = Some(Longest { value, at });
+        }
+        let exceeds = self.gauges[gauge].limit.is_some_and(|limit| value > limit);
+        if exceeds && self.excess[gauge].is_none_or(|it| at.time < it.time) {
+            self.excess[gauge] = Some(at);
         }
     }
 
