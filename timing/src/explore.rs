@@ -29,5 +29,5 @@ pub use run::{Moment, MomentKind, Run};
 pub use search::{InZones, chase, explore, explore_telling, in_zones};
 pub use stepper::{Possible, Seen, Stepper, Watched, Work};
 
-pub use token::{Chain, ChainKind, Place, explore_chain, is_exact};
+pub use token::{explore_chain, is_exact};
 pub use watch::{Limits, ResponseTime, Stop, Watch, Within};

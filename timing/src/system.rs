@@ -6,6 +6,8 @@
 //! described for users in `docs/verification.md`.
 
 pub mod build;
+pub mod chain;
+pub(crate) mod flow;
 mod locks;
 pub(crate) mod loops;
 mod patience;

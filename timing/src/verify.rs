@@ -2,6 +2,7 @@
 
 mod analysed;
 mod answers;
+mod chains;
 mod checks;
 mod events;
 mod groups;
@@ -274,9 +275,13 @@ impl Group<'_> {
         seen: &Seen,
         report: &mut Report,
     ) {
-        let (lasting, explored): (Vec<usize>, Vec<usize>) = part
-            .iter()
-            .partition(|&&i| matches!(checks[i].what, What::LeadsTo(..) | What::Eventually(_)));
+        let (lasting, explored): (Vec<usize>, Vec<usize>) = part.iter().partition(|&&i| {
+            let apart = &checks[i].what;
+            matches!(
+                apart,
+                What::Chain(_) | What::LeadsTo(..) | What::Eventually(_)
+            )
+        });
         if !explored.is_empty() {
             let (watch, places) = self.watch(checks, explored.into_iter(), analysed);
             let mut news = |found: &Findings| {
@@ -305,6 +310,7 @@ impl Group<'_> {
             let it = match checks[i].what {
                 What::LeadsTo(p, q) => self.live(&checks[i], Some(p), q, report),
                 What::Eventually(p) => self.live(&checks[i], None, p, report),
+                What::Chain(of) => self.chain(&checks[i], of, report),
                 _ => continue,
             };
             report.answer(i, it);

@@ -75,9 +75,9 @@ r.items = {
     match(re`\b(client)\b(?:\s+(${ID}))?`, 'storage.type.client', 'entity.name.function.client'),
     ...include('steps-block'),
     statement(re`\b(check)\b(?:\s+(${ID})\s*(:))?`, ['keyword.control.check', 'entity.name.label', 'punctuation.separator.label'], [
-      token('support.function.check', re`\b(?:schedulable|response|within|leadsto|eventually|always|reachable|deadlock)\b(?!\s*\.)|\bno-overdue\b`),
-      token('keyword.operator.word', re`\b(?:and|or|not|leave|then)\b(?!\s*\.)`),
-      token('keyword.operator', '=>|<='),
+      token('support.function.check', re`\b(?:schedulable|response|within|reaction|age|leadsto|eventually|always|reachable|deadlock)\b(?!\s*\.)|\bno-overdue\b`),
+      token('keyword.operator.word', re`\b(?:and|or|not|leave|then|via)\b(?!\s*\.)`),
+      token('keyword.operator', '=>|->|<='),
       ...include('numbers', 'path'),
     ]),
   ],

@@ -21,48 +21,9 @@ use super::stepper::Work;
 use super::watch::{Limits, Watch, Within};
 use crate::cancel::Cancel;
 use crate::property::{Atom, Predicate, SlotStatus, TaskState};
+use crate::scn::ast::ChainKind;
+use crate::system::chain::{Chain, Place};
 use crate::system::{FOREVER, Ticks, TimedSystem};
-
-/// What is asked of a chain.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ChainKind {
-    /// The longest time from a writing of the first datum until the last is first written by a codel whose data depend on it.
-    Reaction,
-    /// The longest time since the writing of the first datum that the last one, as it is visible, depends on.
-    Age,
-}
-
-/// Where a datum is kept.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Place {
-    /// One of those that everybody shares: ports, data of a component.
-    Shared(usize),
-    /// A local variable of whatever automaton executes the codel.
-    Local(usize),
-}
-
-/// A chain of data through a system.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Chain {
-    /// What is asked.
-    pub kind: ChainKind,
-    /// Number of shared places.
-    pub shared: usize,
-    /// Number of local places of an automaton.
-    pub locals: usize,
-    /// What each codel reads.
-    pub reads: Vec<Vec<Place>>,
-    /// What each codel writes.
-    pub writes: Vec<Vec<Place>>,
-    /// Codels whose data depend on what they read. What others write depends on nothing.
-    pub carries: Vec<bool>,
-    /// The first datum, a shared place.
-    pub first: usize,
-    /// The last datum, a shared place.
-    pub last: usize,
-    /// Nobody in the system writes the first datum: it is new at any moment.
-    pub external: bool,
-}
 
 /// The supremum of a chain, by exploring all runs. `within` of the findings has it as its only entry; `None` there if nothing is
 /// ever marked.

@@ -14,6 +14,10 @@ pub enum PropertyKind {
     Response,
     /// The longest time from one predicate to another.
     Within,
+    /// The longest time from a new first datum of a chain to the first last one that depends on it.
+    Reaction,
+    /// The greatest age of the first datum of a chain in the last one.
+    Age,
     /// One predicate follows another on every run.
     #[serde(rename = "leadsto")]
     LeadsTo,
@@ -35,6 +39,8 @@ impl PropertyKind {
             PropertyKind::NoOverdue => "no-overdue",
             PropertyKind::Response => "response",
             PropertyKind::Within => "within",
+            PropertyKind::Reaction => "reaction",
+            PropertyKind::Age => "age",
             PropertyKind::LeadsTo => "leadsto",
             PropertyKind::Eventually => "eventually",
             PropertyKind::Always => "always",
@@ -50,7 +56,8 @@ impl PropertyKind {
 
     /// Whether its answer has a value, the longest time.
     pub fn is_time(self) -> bool {
-        matches!(self, PropertyKind::Response | PropertyKind::Within)
+        use PropertyKind::{Age, Reaction, Response, Within};
+        matches!(self, Response | Within | Reaction | Age)
     }
 }
 

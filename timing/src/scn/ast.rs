@@ -292,6 +292,43 @@ pub struct Check {
 /// A bound: `<= 50 ms`.
 pub type Bound = Option<(u64, Unit)>;
 
+/// What is asked of a chain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ChainKind {
+    /// The longest time from a writing of the first datum until the last is first written by a codel whose data depend on it.
+    Reaction,
+    /// The longest time since the writing of the first datum that the last one, as it is visible, depends on.
+    Age,
+}
+
+/// Between which ports a chain of data goes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ChainPath {
+    /// The port of the first datum.
+    pub from: Path,
+    /// The port of the last.
+    pub to: Path,
+    /// Codels, tasks, services and ports that it goes through; none: any.
+    pub via: Vec<Path>,
+}
+
+impl ChainPath {
+    /// Normalised text.
+    pub fn text(&self) -> String {
+        let via: Vec<String> = self.via.iter().map(Path::text).collect();
+        let via = match via.is_empty() {
+            true => String::new(),
+            false => format!(" via {}", via.join(", ")),
+        };
+        format!("{} -> {}{via}", self.from.text(), self.to.text())
+    }
+
+    /// All paths, as they are written.
+    pub fn paths(&self) -> impl Iterator<Item = &Path> {
+        [&self.from, &self.to].into_iter().chain(&self.via)
+    }
+}
+
 /// What is checked.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum CheckKind {
@@ -303,6 +340,8 @@ pub enum CheckKind {
     Response(Option<Path>, Bound),
     /// `within P => Q [then R …] [<= BOUND]`; what follows, one after the other.
     Within(Pred, Vec<Pred>, Bound),
+    /// `reaction PORT -> PORT [via PATH, …] [<= BOUND]`, or `age`
+    Chain(ChainKind, ChainPath, Bound),
     /// `leadsto P => Q`
     LeadsTo(Pred, Pred),
     /// `eventually P`
@@ -337,6 +376,7 @@ impl CheckKind {
             CheckKind::Schedulable(_)
             | CheckKind::NoOverdue(_)
             | CheckKind::Response(..)
+            | CheckKind::Chain(..)
             | CheckKind::Deadlock => (None, &[][..]),
         };
         one.into_iter().chain(others)

@@ -79,6 +79,7 @@ enum Wanted {
     Codel,
     Input,
     Output,
+    Port,
 }
 
 /// What may be written at an offset. Nothing inside comments.
@@ -287,6 +288,7 @@ impl<'f> Finder<'f> {
                     self.unit(rest);
                 }
             }
+            "reaction" | "age" => self.chain(rest),
             "deadlock" => {}
             // All others are about predicates.
             check if CHECKS.contains(&check) => {
@@ -406,6 +408,27 @@ impl<'f> Finder<'f> {
         (!begun).then_some((i, path))
     }
 
+    /// Two ports, and what is between.
+    fn chain(&mut self, rest: &[&Token]) {
+        if self.unit(rest) {
+            return;
+        }
+        let after = |it: &&Token| {
+            it.kind == Kind::Arrow || it.kind == Kind::Comma || word(self.text, Some(it)) == "via"
+        };
+        let Some(last) = rest.iter().rposition(after) else {
+            self.path(Wanted::Port, rest);
+            return;
+        };
+        if rest[last].kind != Kind::Arrow {
+            self.path(Wanted::Port, &rest[last + 1..]);
+            self.path(Wanted::TaskOrService, &rest[last + 1..]);
+            self.path(Wanted::Codel, &rest[last + 1..]);
+        } else if !self.path(Wanted::Output, &rest[last + 1..]) {
+            self.words(&["via"]);
+        }
+    }
+
     /// Whole paths of what is wanted; whether the place is one for a path.
     fn path(&mut self, wanted: Wanted, rest: &[&Token]) -> bool {
         let Some((0, path)) = self.written(rest) else {
@@ -462,6 +485,7 @@ impl<'f> Finder<'f> {
                     (Wanted::TaskOrActivity | Wanted::Activity, &Target::Service(c, s)) => {
                         self.names.is_activity(c, s)
                     }
+                    (Wanted::Port, Target::Port(..)) => true,
                     (Wanted::Input | Wanted::Output, &Target::Port(c, p)) => {
                         let port = &self.names.components[c].component.ports[p as usize];
                         (port.dir == PortDir::In) == (wanted == Wanted::Input)

@@ -35,6 +35,9 @@ pub enum Kind {
     /// `=>`
     #[token("=>")]
     Implies,
+    /// `->`
+    #[token("->")]
+    Arrow,
     /// `<=`
     #[token("<=")]
     AtMost,

@@ -5,7 +5,7 @@ use std::ops::Range;
 use dotgen_analysis::model::{CodelKind, Component, ComponentKind, Owner, ServiceKind, Spec};
 
 use super::Diagnostic;
-use super::ast::{Item, Path, Pred, Scenario, Spanned, Step, StepKind};
+use super::ast::{CheckKind, Item, Path, Pred, Scenario, Spanned, Step, StepKind};
 
 /// The components that a scenario is about.
 #[derive(Debug, Clone)]
@@ -351,6 +351,9 @@ pub fn for_each_path<'s>(scenario: &'s Scenario, each: &mut impl FnMut(&'s Path)
             Item::Client(client) => steps(&client.steps, each),
             Item::Check(check) => {
                 check.kind.task().into_iter().for_each(&mut *each);
+                if let CheckKind::Chain(_, chain, _) = &check.kind {
+                    chain.paths().for_each(&mut *each);
+                }
                 for it in check.kind.predicates() {
                     pred(it, each);
                 }

@@ -166,6 +166,21 @@ const WORDS: &[Word] = &[
          them at most that much after P.",
     ),
     word(
+        "reaction",
+        "check reaction component.port -> component.port [via PATH, …] <= 20 ms;",
+        "The longest time from a new first datum until the last one is first written by a codel whose data depend on it.",
+    ),
+    word(
+        "age",
+        "check age component.port -> component.port [via PATH, …] <= 20 ms;",
+        "The longest time since the first datum was written that the last one depends on, while that is visible.",
+    ),
+    word(
+        "via",
+        "check reaction A -> B via component.task.state, component.port;",
+        "Of a component that is named here only these codels carry the data, or only these ports.",
+    ),
+    word(
         "leadsto",
         "check leadsto P => Q;",
         "Whenever P becomes true, Q follows on every run.",

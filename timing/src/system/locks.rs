@@ -269,9 +269,9 @@ fn exempt(component: &Component, one: CodelRef, other: CodelRef) -> bool {
 }
 
 /// What scenarios say about input ports.
-type Connections = Vec<(Port, Option<Port>)>;
+pub(super) type Connections = Vec<(Port, Option<Port>)>;
 
-fn connections(
+pub(super) fn connections(
     names: &Names,
     settings: &Settings,
     diagnostics: &mut Vec<Diagnostic>,
@@ -321,7 +321,7 @@ fn connections(
 
 /// The locks that using a port takes: the port itself if it is an output, else the outputs it is
 /// connected to, by the scenario or by equal name.
-fn locks_of(names: &Names, connections: &Connections, (c, p): Port) -> Vec<Port> {
+pub(super) fn locks_of(names: &Names, connections: &Connections, (c, p): Port) -> Vec<Port> {
     let port = &names.components[c].component.ports[p as usize];
     if port.dir == PortDir::Out {
         return vec![(c, p)];

@@ -23,6 +23,7 @@ impl Group<'_> {
         let of = match &check.what {
             What::Schedulable(it) | What::NoOverdue(it) | What::Response(it, _) => task(it),
             What::Within(p, list, _) => arrow(p, list),
+            What::Chain(it) => it.path.text(),
             What::LeadsTo(p, q) => arrow(p, std::slice::from_ref(q)),
             What::Eventually(p) | What::Always(p) | What::Reachable(p) => p.text(),
             What::Deadlock => String::new(),
@@ -30,6 +31,7 @@ impl Group<'_> {
         let live = matches!(check.what, What::LeadsTo(..) | What::Eventually(_));
         let bound = match check.what {
             What::Response(_, bound) | What::Within(_, _, bound) => bound,
+            What::Chain(it) => it.bound,
             _ => None,
         };
         let stated = bound.map(|it| Limit::Stated(to_f64(seconds(it) / self.unit)));
@@ -147,7 +149,7 @@ impl Group<'_> {
                     self.shown_by(&mut out).push(event);
                 }
             }
-            What::LeadsTo(..) | What::Eventually(_) => {}
+            What::Chain(_) | What::LeadsTo(..) | What::Eventually(_) => {}
         }
         // A run that was found exists, whatever others there may be.
         let has_run = match out.verdict {
@@ -188,7 +190,13 @@ impl Group<'_> {
         ))
     }
 
-    fn bounded(&self, it: &Option<Measured>, never: &str, found: &Findings, out: &mut CheckReport) {
+    pub(super) fn bounded(
+        &self,
+        it: &Option<Measured>,
+        never: &str,
+        found: &Findings,
+        out: &mut CheckReport,
+    ) {
         let Some(it) = it else {
             out.note = Some(never.to_owned());
             self.unless_stopped(

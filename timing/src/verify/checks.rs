@@ -3,9 +3,10 @@
 use crate::property::{PropertyKind, resolve};
 use crate::report::TaskId;
 use crate::scn::Diagnostic;
-use crate::scn::ast::{Bound, Check, CheckKind, Path, Pred};
+use crate::scn::ast::{Bound, ChainKind, ChainPath, Check, CheckKind, Path, Pred};
 use crate::scn::names::Names;
 use crate::system::build::Built;
+use crate::system::flow;
 use crate::system::settings::Settings;
 
 /// A check of one thing.
@@ -33,6 +34,10 @@ impl What<'_> {
             What::NoOverdue(_) => PropertyKind::NoOverdue,
             What::Response(..) => PropertyKind::Response,
             What::Within(..) => PropertyKind::Within,
+            What::Chain(it) => match it.kind {
+                ChainKind::Reaction => PropertyKind::Reaction,
+                ChainKind::Age => PropertyKind::Age,
+            },
             What::LeadsTo(..) => PropertyKind::LeadsTo,
             What::Eventually(_) => PropertyKind::Eventually,
             What::Always(_) => PropertyKind::Always,
@@ -56,11 +61,31 @@ pub(super) enum What<'c> {
     NoOverdue((usize, u32)),
     Response((usize, u32), Bound),
     Within(&'c Pred, &'c [Pred], Bound),
+    Chain(ChainOf<'c>),
     LeadsTo(&'c Pred, &'c Pred),
     Eventually(&'c Pred),
     Always(&'c Pred),
     Reachable(&'c Pred),
     Deadlock,
+}
+
+/// A chain of data.
+#[derive(Clone, Copy)]
+pub(super) struct ChainOf<'c> {
+    pub(super) kind: ChainKind,
+    pub(super) path: &'c ChainPath,
+    pub(super) bound: Bound,
+}
+
+impl<'c> ChainOf<'c> {
+    pub(super) fn asked(&self) -> flow::Asked<'c> {
+        flow::Asked {
+            kind: self.kind,
+            from: &self.path.from,
+            to: &self.path.to,
+            via: &self.path.via,
+        }
+    }
 }
 
 /// Checks of everything (`*`) become one per task.
@@ -131,6 +156,15 @@ pub(super) fn expand<'c>(
                 let components = preds(&list);
                 push(What::Within(p, responses, *bound), components);
                 Ok(())
+            }
+            CheckKind::Chain(kind, path, bound) => {
+                let it = ChainOf {
+                    kind: *kind,
+                    path,
+                    bound: *bound,
+                };
+                flow::chain(names, settings, whole, &it.asked())
+                    .map(|found| push(What::Chain(it), found.components))
             }
             CheckKind::LeadsTo(p, q) => {
                 let components = preds(&[p, q]);

@@ -123,6 +123,8 @@ impl Group<'_> {
                 let list: Option<Vec<Predicate>> = list.iter().map(predicate).collect();
                 Question::Within(predicate(p)?, list?, self.ticks(*bound))
             }
+            // Data are not followed along a run.
+            What::Chain(_) => return None,
             What::LeadsTo(p, q) => Question::LeadsTo(predicate(p)?, predicate(q)?),
             What::Eventually(p) => Question::Eventually(predicate(p)?),
             What::Always(p) => Question::Always(predicate(p)?),

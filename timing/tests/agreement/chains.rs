@@ -1,7 +1,8 @@
 //! Reaction and age of random chains: the explorer agrees with brute force.
 
-use dotgen_timing::explore::{Bound, Chain, ChainKind, Place, Stop, explore_chain};
+use dotgen_timing::explore::{Bound, Stop, explore_chain};
 use dotgen_timing::system::TimedSystem;
+use dotgen_timing::system::chain::{Chain, ChainKind, Place};
 use dotgen_timing::verify::Cancel;
 
 use crate::brute::{Brute, CAP};

@@ -182,7 +182,7 @@ fn diagnostic(
             let what = format!("{at}its next period begins before the job has ended");
             (MISS, format!("`{of}` can miss its deadline: {what}"))
         }
-        (_, kind @ (PropertyKind::Response | PropertyKind::Within)) => {
+        (_, kind) if kind.is_time() => {
             let what = match kind {
                 PropertyKind::Response => format!("the response time of `{of}`"),
                 _ => format!("the time of `{of}`"),

@@ -1,7 +1,7 @@
 //! Checks and predicates.
 
 use super::Parser;
-use crate::scn::ast::{Bound, Check, CheckKind, Pred};
+use crate::scn::ast::{Bound, ChainKind, ChainPath, Check, CheckKind, Pred};
 use crate::scn::lexer::Kind;
 
 /// Words that begin a check.
@@ -10,6 +10,8 @@ pub(in crate::scn) const CHECKS: &[&str] = &[
     "no-overdue",
     "response",
     "within",
+    "reaction",
+    "age",
     "leadsto",
     "eventually",
     "always",
@@ -49,6 +51,8 @@ impl Parser<'_> {
                 }
                 CheckKind::Within(p, responses, self.bound()?)
             }
+            "reaction" => CheckKind::Chain(ChainKind::Reaction, self.chain()?, self.bound()?),
+            "age" => CheckKind::Chain(ChainKind::Age, self.chain()?, self.bound()?),
             "leadsto" => {
                 let (p, q) = self.implication()?;
                 CheckKind::LeadsTo(p, q)
@@ -63,6 +67,20 @@ impl Parser<'_> {
             kind,
             range: start..self.end(),
         })
+    }
+
+    fn chain(&mut self) -> Option<ChainPath> {
+        let from = self.path()?;
+        self.expect(Kind::Arrow, "`->`")?;
+        let to = self.path()?;
+        let mut via = Vec::new();
+        if self.eat_word("via") {
+            via.push(self.path()?);
+            while self.eat(Kind::Comma) {
+                via.push(self.path()?);
+            }
+        }
+        Some(ChainPath { from, to, via })
     }
 
     fn implication(&mut self) -> Option<(Pred, Pred)> {

@@ -3,8 +3,9 @@
 
 use std::collections::{BTreeSet, HashSet};
 
-use dotgen_timing::explore::{Action, Chain, ChainKind, Place};
+use dotgen_timing::explore::Action;
 use dotgen_timing::property::{Atom, Predicate, SlotStatus};
+use dotgen_timing::system::chain::{Chain, ChainKind, Place};
 
 use super::state::{Doing, State};
 use super::{Brute, CAP};

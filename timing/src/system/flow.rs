@@ -1,0 +1,434 @@
+//! How data flow from codel to codel: through ports, data of a component, and variables of a service (section 19).
+//!
+//! A path into a value is a place of its own where some codel names it: who accesses a value accesses all of its parts that are
+//! named. Everything that a codel writes may depend on everything that it reads.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use dotgen_analysis::model::{
+    CodelKind, Owner, Param, ParamDir, ParamSource, PathElement, PortDir,
+};
+
+use super::build::{Built, not_a};
+use super::chain::{Chain, ChainKind, Place};
+use super::locks::{Connections, connections, live_codels, locks_of};
+use super::settings::Settings;
+use crate::scn::Diagnostic;
+use crate::scn::ast::Path;
+use crate::scn::names::{Names, Target};
+
+/// Ways that are told apart; of more it is only said that there are more.
+const WAYS: usize = 6;
+
+/// Codels looked at for them.
+const STEPS: usize = 20_000;
+
+/// A chain, and how it was found.
+pub(crate) struct Found {
+    pub(crate) chain: Chain,
+    /// Components that it leads through, numbered as in [`Names`].
+    pub(crate) components: Vec<usize>,
+    /// Each way: the codels that carry the data, in order.
+    pub(crate) ways: Vec<Vec<usize>>,
+    /// There are more ways than those.
+    pub(crate) more: bool,
+}
+
+/// What the paths of a place start from.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+enum Root {
+    Port(usize, u32),
+    Ids(usize),
+    /// A variable of a service: component, service, number.
+    Variable(usize, u32, u32),
+}
+
+type Key = (Root, Vec<String>);
+
+/// What is asked: from a port to a port, by these codels and ports.
+pub(crate) struct Asked<'a> {
+    pub(crate) kind: ChainKind,
+    pub(crate) from: &'a Path,
+    pub(crate) to: &'a Path,
+    pub(crate) via: &'a [Path],
+}
+
+/// Finds the chain between two ports.
+pub(crate) fn chain(
+    names: &Names,
+    settings: &Settings,
+    built: &Built,
+    asked: &Asked,
+) -> Result<Found, Diagnostic> {
+    let connections = connections(names, settings, &mut Vec::new());
+    let flow = Flow {
+        names,
+        built,
+        connections,
+    };
+    let first = flow.source(asked.from)?;
+    let last = flow.source(asked.to)?;
+    if flow.is_input(&last) {
+        let message = format!(
+            "`{}` is an input that nothing in the system writes; name the output at which the chain ends",
+            asked.to.text()
+        );
+        return Err(Diagnostic::error(
+            "scn-chain-end",
+            asked.to.range(),
+            message,
+        ));
+    }
+    let external = flow.is_input(&first);
+    let mut uses = flow.uses();
+    flow.restrict(asked.via, &mut uses)?;
+    let ends = (flow.key(&first), flow.key(&last));
+    let relevant = relevant(&uses, &ends);
+    if !relevant.contains(&ends.1) || !relevant.contains(&ends.0) {
+        return Err(no_way(asked));
+    }
+    for it in &mut uses {
+        it.reads.retain(|it| relevant.contains(it));
+        it.writes.retain(|it| relevant.contains(it));
+    }
+    let (ways, more) = ways(&uses, &ends);
+    let mut shared: BTreeMap<&Key, usize> = BTreeMap::new();
+    let mut local: BTreeMap<(usize, u32), Vec<&Key>> = BTreeMap::new();
+    for key in &relevant {
+        match &key.0 {
+            Root::Variable(c, s, _) if flow.is_activity(*c, *s) => {
+                local.entry((*c, *s)).or_default().push(key);
+            }
+            _ => {
+                let number = shared.len();
+                shared.insert(key, number);
+            }
+        }
+    }
+    let place = |key: &Key| match &key.0 {
+        Root::Variable(c, s, _) if flow.is_activity(*c, *s) => {
+            let list = local.get(&(*c, *s))?;
+            Some(Place::Local(list.iter().position(|it| *it == key)?))
+        }
+        _ => shared.get(key).map(|&it| Place::Shared(it)),
+    };
+    let places = |list: &BTreeSet<Key>| list.iter().filter_map(place).collect();
+    let number = |key: &Key| shared.get(key).copied().unwrap_or(0);
+    let chain = Chain {
+        kind: asked.kind,
+        shared: shared.len(),
+        locals: local.values().map(Vec::len).max().unwrap_or(0),
+        reads: uses.iter().map(|it| places(&it.reads)).collect(),
+        writes: uses.iter().map(|it| places(&it.writes)).collect(),
+        carries: uses.iter().map(|it| it.carries).collect(),
+        first: number(&ends.0),
+        last: number(&ends.1),
+        external,
+    };
+    let on_way = |it: &&Use| !it.writes.is_empty() || !it.reads.is_empty();
+    let mut components: Vec<usize> = uses.iter().filter(on_way).map(|it| it.component).collect();
+    components.extend([first.0, last.0]);
+    components.sort_unstable();
+    components.dedup();
+    Ok(Found {
+        chain,
+        components,
+        ways,
+        more,
+    })
+}
+
+fn no_way(asked: &Asked) -> Diagnostic {
+    let (from, to) = (asked.from.text(), asked.to.text());
+    let via = match asked.via.is_empty() {
+        true => "",
+        false => " by these codels",
+    };
+    let message = format!(
+        "no data go from `{from}` to `{to}`{via}: no codel that is executed reads what depends on the one and writes the \
+         other; request the activities that do, `connect` the ports between, or name other ports"
+    );
+    Diagnostic::error(
+        "scn-no-way",
+        asked.from.range().start..asked.to.range().end,
+        message,
+    )
+}
+
+/// What a codel does with data, by its number in the system.
+#[derive(Debug, Default)]
+struct Use {
+    component: usize,
+    reads: BTreeSet<Key>,
+    writes: BTreeSet<Key>,
+    carries: bool,
+}
+
+struct Flow<'a> {
+    names: &'a Names<'a>,
+    built: &'a Built,
+    connections: Connections,
+}
+
+impl Flow<'_> {
+    /// The port that has the data of one that is named: itself, or the output that it is connected to.
+    fn source(&self, path: &Path) -> Result<(usize, u32), Diagnostic> {
+        let Target::Port(c, p) = self.names.resolve(path)? else {
+            return Err(not_a("port", path));
+        };
+        match &locks_of(self.names, &self.connections, (c, p))[..] {
+            [] => Ok((c, p)),
+            [one] => Ok(*one),
+            several => {
+                let several = several.iter().map(|&it| format!("`{}`", self.port(it)));
+                let message = format!(
+                    "`{}` is connected to several outputs; name one of them: {}",
+                    path.text(),
+                    several.collect::<Vec<_>>().join(", ")
+                );
+                Err(Diagnostic::error("scn-chain-end", path.range(), message))
+            }
+        }
+    }
+
+    fn port(&self, (c, p): (usize, u32)) -> String {
+        let component = self.names.components[c].component;
+        format!("{}.{}", component.name, component.ports[p as usize].name)
+    }
+
+    fn is_input(&self, &(c, p): &(usize, u32)) -> bool {
+        self.names.components[c].component.ports[p as usize].dir == PortDir::In
+    }
+
+    fn is_activity(&self, c: usize, s: u32) -> bool {
+        self.names.is_activity(c, s)
+    }
+
+    fn key(&self, &(c, p): &(usize, u32)) -> Key {
+        (Root::Port(c, p), Vec::new())
+    }
+
+    /// What each codel reads and writes: every named part of what it names.
+    fn uses(&self) -> Vec<Use> {
+        let live = live_codels(self.built);
+        let named = |id: usize| -> Vec<(ParamDir, Key)> {
+            if !live[id] {
+                return Vec::new();
+            }
+            self.named(id)
+        };
+        let all: Vec<Vec<(ParamDir, Key)>> = (0..live.len()).map(named).collect();
+        let mut keys: BTreeSet<&Key> = all.iter().flatten().map(|it| &it.1).collect();
+        // A chain begins and ends with all of the data of a port.
+        let whole: Vec<Key> = (keys.iter())
+            .filter(|it| matches!(it.0, Root::Port(..)))
+            .map(|it| (it.0.clone(), Vec::new()))
+            .collect();
+        keys.extend(&whole);
+        let parts = |of: &Key| {
+            let inside = |it: &&&Key| it.0 == of.0 && it.1.starts_with(&of.1);
+            keys.iter()
+                .filter(inside)
+                .map(|it| (*it).clone())
+                .collect::<Vec<Key>>()
+        };
+        let of_codel = |(id, list): (usize, &Vec<(ParamDir, Key)>)| {
+            let mut out = Use {
+                component: self.component_of(id),
+                carries: true,
+                ..Use::default()
+            };
+            for (dir, key) in list {
+                // A part of a port that is written is a writing of the port.
+                let all = match &key.0 {
+                    Root::Port(..) => parts(&(key.0.clone(), Vec::new())),
+                    _ => parts(key),
+                };
+                if matches!(dir, ParamDir::In | ParamDir::Inout) {
+                    out.reads.extend(all.iter().cloned());
+                }
+                if matches!(dir, ParamDir::Out | ParamDir::Inout) {
+                    out.writes.extend(all);
+                }
+            }
+            out
+        };
+        all.iter().enumerate().map(of_codel).collect()
+    }
+
+    fn component_of(&self, id: usize) -> usize {
+        let number = self.built.system.codels[id].component;
+        let mut all = self.built.components.iter();
+        all.find(|it| *it.1 == number).map_or(0, |it| *it.0)
+    }
+
+    /// What a codel names. An attribute without codel copies the values of a request.
+    fn named(&self, id: usize) -> Vec<(ParamDir, Key)> {
+        let c = self.component_of(id);
+        let component = self.names.components[c].component;
+        let path = |it: &Param| -> Vec<String> {
+            let element = |it: &PathElement| match it {
+                PathElement::Member(name) => name.to_string(),
+                PathElement::Index(index) => format!("[{index}]"),
+            };
+            it.path.iter().map(element).collect()
+        };
+        let Some((_, site)) = self.built.system.codels[id].site else {
+            let service = |s: &u32| {
+                let number = self.built.services.get(&(c, *s));
+                number.is_some_and(|&it| self.built.system.services[it].simple.contains(&id))
+            };
+            let mut services = 0..component.services.len() as u32;
+            let Some(s) = services.find(service) else {
+                return Vec::new();
+            };
+            let params = component.services[s as usize].params.iter();
+            let copied = params.filter(|it| {
+                it.source == ParamSource::Ids && matches!(it.dir, ParamDir::In | ParamDir::Inout)
+            });
+            return copied
+                .map(|it| (ParamDir::Out, (Root::Ids(c), path(it))))
+                .collect();
+        };
+        let mut out = Vec::new();
+        for it in &component.codel(site).params {
+            match (it.source, site.owner) {
+                (ParamSource::Ids, _) => out.push((it.dir, (Root::Ids(c), path(it)))),
+                (ParamSource::Port(p), _) => {
+                    let sources = locks_of(self.names, &self.connections, (c, p));
+                    let sources = if sources.is_empty() {
+                        vec![(c, p)]
+                    } else {
+                        sources
+                    };
+                    let of = |(c, p)| (it.dir, (Root::Port(c, p), path(it)));
+                    out.extend(sources.into_iter().map(of));
+                }
+                (ParamSource::Local(Some(i)), Owner::Service(s)) => {
+                    out.push((it.dir, (Root::Variable(c, s, i), path(it))));
+                }
+                _ => {}
+            }
+        }
+        out
+    }
+
+    /// `via`: of a component of which codels are named only these carry data, and of one of which ports are named only these are
+    /// written.
+    fn restrict(&self, via: &[Path], uses: &mut [Use]) -> Result<(), Diagnostic> {
+        let mut codels: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
+        let mut ports: BTreeMap<usize, BTreeSet<u32>> = BTreeMap::new();
+        for path in via {
+            let target = self.names.resolve(path)?;
+            if let Target::Port(c, p) = target {
+                let sources = locks_of(self.names, &self.connections, (c, p));
+                for (c, p) in sources {
+                    ports.entry(c).or_default().insert(p);
+                }
+                continue;
+            }
+            let fits = |id: &usize| self.is_part(*id, &target);
+            let named: Vec<usize> = (0..uses.len()).filter(fits).collect();
+            let Some(&one) = named.first() else {
+                return Err(not_a("codel, task, service or port", path));
+            };
+            codels.entry(uses[one].component).or_default().extend(named);
+        }
+        for (id, it) in uses.iter_mut().enumerate() {
+            it.carries = codels
+                .get(&it.component)
+                .is_none_or(|list| list.contains(&id));
+            if let Some(list) = ports.get(&it.component)
+                && it.writes.iter().any(|key| matches!(&key.0, Root::Port(..)))
+            {
+                let named = |key: &Key| matches!(&key.0, Root::Port(_, p) if list.contains(p));
+                it.carries &= it.writes.iter().any(named);
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a codel is, or belongs to, what a path names.
+    fn is_part(&self, id: usize, target: &Target) -> bool {
+        let codel = &self.built.system.codels[id];
+        let Some((c, site)) = codel.site else {
+            return false;
+        };
+        let component = self.names.components[c].component;
+        match target {
+            Target::Component(of) => *of == c,
+            Target::Task(of, t) => {
+                let fsm = component.codel(site).kind == CodelKind::Fsm;
+                *of == c && fsm && component.task_of(site) == Some(*t)
+            }
+            Target::Service(of, s) => *of == c && site.owner == Owner::Service(*s),
+            Target::State(of, owner, _, state) => {
+                let last = codel.path.rsplit('.').next();
+                *of == c && site.owner == *owner && last == Some(state.as_str())
+            }
+            Target::Codel(of, s, index) => {
+                *of == c && site.owner == Owner::Service(*s) && site.index == *index
+            }
+            _ => false,
+        }
+    }
+}
+
+/// Places that the first datum can come to and from which the last can be reached.
+fn relevant(uses: &[Use], (first, last): &(Key, Key)) -> BTreeSet<Key> {
+    let spread = |from: &Key, forward: bool| {
+        let mut out = BTreeSet::from([from.clone()]);
+        loop {
+            let before = out.len();
+            for it in uses.iter().filter(|it| it.carries) {
+                let (tail, head) = if forward {
+                    (&it.reads, &it.writes)
+                } else {
+                    (&it.writes, &it.reads)
+                };
+                if tail.iter().any(|it| out.contains(it)) {
+                    out.extend(head.iter().cloned());
+                }
+            }
+            if out.len() == before {
+                return out;
+            }
+        }
+    };
+    let (there, back) = (spread(first, true), spread(last, false));
+    there.intersection(&back).cloned().collect()
+}
+
+/// Ways of the data from codel to codel, none twice.
+fn ways(uses: &[Use], (first, last): &(Key, Key)) -> (Vec<Vec<usize>>, bool) {
+    let mut out: Vec<Vec<usize>> = Vec::new();
+    let mut steps = 0;
+    let begins = |it: &usize| uses[*it].carries && uses[*it].reads.contains(first);
+    let mut open: Vec<Vec<usize>> = (0..uses.len()).filter(begins).map(|it| vec![it]).collect();
+    open.reverse();
+    while let Some(way) = open.pop() {
+        steps += 1;
+        if steps > STEPS || out.len() > WAYS {
+            break;
+        }
+        let Some(&at) = way.last() else { continue };
+        if uses[at].writes.contains(last) {
+            out.push(way);
+            continue;
+        }
+        for next in (0..uses.len()).rev() {
+            let goes_on = uses[next].carries
+                && !way.contains(&next)
+                && uses[at]
+                    .writes
+                    .intersection(&uses[next].reads)
+                    .any(|it| it != first);
+            if goes_on {
+                open.push(way.iter().copied().chain([next]).collect());
+            }
+        }
+    }
+    let more = out.len() > WAYS || steps > STEPS;
+    out.truncate(WAYS);
+    (out, more)
+}

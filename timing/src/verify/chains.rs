@@ -1,0 +1,59 @@
+//! Checks of chains: how late the last datum reacts to the first, and how old it is (section 19).
+
+use super::Group;
+use super::checks::{ChainOf, Single};
+use crate::explore::{Measured, explore_chain, is_exact};
+use crate::report::{CheckReport, Report, Soundness, Verdict};
+use crate::system::flow::{self, Found};
+
+impl Group<'_> {
+    /// Answers a check of a chain, by exploring it with one token.
+    pub(super) fn chain(&self, check: &Single, of: ChainOf, report: &mut Report) -> CheckReport {
+        let mut out = self.blank(check);
+        let Ok(it) = flow::chain(self.names, self.settings, self.built, &of.asked()) else {
+            return out;
+        };
+        let system = &self.built.system;
+        let limit = self.ticks(of.bound);
+        let found = explore_chain(system, &it.chain, limit, self.limits, self.cancel);
+        report.effort(&found);
+        let measured: Option<Measured> = found.within.first().cloned().flatten();
+        let never = "the first datum is never written";
+        self.bounded(&measured, never, &found, &mut out);
+        if measured.is_some_and(|value| !is_exact(system, &it.chain, value.bound)) {
+            // So old that it was not counted any further: the value is a lower bound.
+            if out.verdict == Verdict::Proved {
+                out.verdict = Verdict::Unknown;
+            }
+            out.note = Some("the age is at least this, and was not counted any further".to_owned());
+        }
+        let ways = self.ways(&it);
+        out.note = Some(match out.note.take() {
+            Some(note) => format!("{note}; {ways}"),
+            None => ways,
+        });
+        // What is left of a codel when its core is taken away need not be a whole number of units.
+        if out.verdict == Verdict::Refuted && out.soundness == Soundness::WholeUnits {
+            out.soundness = Soundness::Exact;
+        }
+        out
+    }
+
+    /// The ways of the data, in words.
+    fn ways(&self, found: &Found) -> String {
+        let codels = &self.built.system.codels;
+        let one = |way: &Vec<usize>| {
+            let names: Vec<&str> = way.iter().map(|&it| &*codels[it].path).collect();
+            names.join(" → ")
+        };
+        let ways: Vec<String> = found.ways.iter().map(one).collect();
+        match (&ways[..], found.more) {
+            ([way], false) => format!("by {way}"),
+            _ => {
+                let more = if found.more { ", and more" } else { "" };
+                let all = ways.join("; ");
+                format!("by any of these ways{more} (`via` chooses): {all}")
+            }
+        }
+    }
+}
