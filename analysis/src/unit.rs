@@ -4,7 +4,7 @@
 //! did to it, both cut down to the macros the file mentions. Units in which a file looks the same
 //! share its key, and with it tree and item tree.
 
-mod walk;
+pub(crate) mod walk;
 
 use std::{
     hash::{Hash, Hasher},

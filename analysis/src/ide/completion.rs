@@ -9,6 +9,7 @@ mod directive;
 pub(super) mod initializer;
 mod keywords;
 pub(super) mod names;
+mod pattern;
 mod statement;
 
 use std::ops::Range;
@@ -17,7 +18,7 @@ use rustc_hash::FxHashSet;
 
 use super::{
     FileView, SymbolKind,
-    context::{Context, FrameKind, Place, place},
+    context::{Context, FrameKind, Place, Word, place},
     hover,
 };
 use crate::elab::DefId;
@@ -52,6 +53,8 @@ pub struct CompletionItem {
     pub snippet: bool,
     /// What is replaced.
     pub replace: Range<usize>,
+    /// What typed letters are compared with, where that is more than the label: `throws` for `throw`.
+    pub filter: Option<String>,
     /// Smaller comes first.
     pub rank: u8,
     /// Its definition, for [`CompletionDoc`].
@@ -118,10 +121,8 @@ pub(crate) fn completions(view: &FileView<'_>, at: usize) -> Vec<CompletionItem>
         return Vec::new();
     }
     let context = Context::new(view, at);
-    let mut out = Completions {
-        replace: context.word.clone(),
-        items: Vec::new(),
-    };
+    let mut out = Completions::empty();
+    out.replace = context.word.clone();
     match place(view, at) {
         Place::Dead => {}
         Place::Directive(index) => directive::complete(view, index, at, &mut out),
@@ -135,12 +136,20 @@ pub(crate) fn completions(view: &FileView<'_>, at: usize) -> Vec<CompletionItem>
                 }
             }
         }
+        // A directive has its line for itself.
+        Place::Code if line_behind(view, context.word.end.max(at)).starts_with('#') => {}
         Place::Code => {
             let names = Names::new(view, &context, at);
             code(&names, &context, &mut out);
         }
     }
     out.finish()
+}
+
+/// The rest of the cursor's line, without blanks.
+fn line_behind<'v>(view: &'v FileView<'_>, at: usize) -> &'v str {
+    let rest = view.text().get(at..).unwrap_or_default();
+    rest.lines().next().unwrap_or_default().trim()
 }
 
 /// Documentation of a proposal.
@@ -155,10 +164,35 @@ pub(crate) fn resolve(view: &FileView<'_>, definition: u32, name: &str) -> Optio
 }
 
 fn code(names: &Names<'_, '_>, context: &Context, out: &mut Completions) {
+    propose(names, context, out);
+    // No value in front of another one.
+    use dotgen_syntax::SyntaxKind::*;
+    let value = |it: &Word| matches!(it.kind, INT | FLOAT | STRING | CHAR);
+    if context.after.next().is_some_and(value) {
+        out.items.retain(|it| {
+            use SymbolKind::*;
+            !matches!(it.kind, CompletionKind::Symbol(Const | Enumerator | Macro))
+                && !["TRUE", "FALSE"].contains(&it.label.as_str())
+        });
+    }
+    // A path that goes on behind the cursor is replaced as a whole; in parameters `::` renames.
+    if !matches!(context.top().kind, FrameKind::Paren) {
+        let rest = &context.after.rest;
+        let path = rest
+            .iter()
+            .take_while(|it| it.is("::") || it.kind == dotgen_syntax::SyntaxKind::IDENT);
+        let path = path.count();
+        if rest.first().is_some_and(|it| it.is("::")) {
+            out.replaces_too(&rest[..path]);
+        }
+    }
+}
+
+fn propose(names: &Names<'_, '_>, context: &Context, out: &mut Completions) {
     match context.top().kind {
         FrameKind::Body(kind) => statement::complete(names, context, kind, out),
         FrameKind::Paren => codel::in_parentheses(names, context, out),
-        FrameKind::Bracket => names.constants(context.current(), None, out),
+        FrameKind::Bracket => names.numbers(context.current(), true, out),
         FrameKind::Initializers => initializer::complete(names, context, out),
     }
 }
@@ -170,6 +204,35 @@ pub(super) struct Completions {
 }
 
 impl Completions {
+    pub(super) fn empty() -> Completions {
+        Completions {
+            replace: 0..0,
+            items: Vec::new(),
+        }
+    }
+
+    /// What is behind the cursor and belongs to what is being written is replaced with it: the rest of a path, say.
+    fn replaces_too(&mut self, words: &[Word]) {
+        for it in words {
+            if it.range.start != self.replace.end {
+                break;
+            }
+            self.replace.end = it.range.end;
+        }
+        for item in &mut self.items {
+            item.replace = self.replace.clone();
+        }
+    }
+
+    /// Another element follows without a comma: proposals that are whole elements bring one.
+    fn with_comma(&mut self) {
+        for it in &mut self.items {
+            if !it.insert.ends_with("::") && !matches!(it.kind, CompletionKind::Keyword) {
+                it.insert.push_str(", ");
+            }
+        }
+    }
+
     /// Adds a proposal that is inserted as it is shown.
     fn add(
         &mut self,
@@ -183,6 +246,7 @@ impl Completions {
             label,
             kind,
             detail: None,
+            filter: None,
             snippet: false,
             replace: self.replace.clone(),
             rank,
@@ -211,14 +275,29 @@ impl Completions {
         }
     }
 
-    fn finish(mut self) -> Vec<CompletionItem> {
+    pub(super) fn finish(mut self) -> Vec<CompletionItem> {
         // A stable sort: what is of the same rank stays as it was declared.
         self.items.sort_by_key(|it| it.rank);
+        for it in self
+            .items
+            .iter_mut()
+            .filter(|it| it.kind == CompletionKind::Keyword)
+        {
+            it.filter = longer_spelling(&it.label);
+        }
         let mut seen = FxHashSet::default();
         self.items
             .retain(|it| seen.insert((it.label.clone(), it.insert.clone())));
         self.items
     }
+}
+
+/// The other spelling of a keyword, if it is the longer one: both begin alike, so typed letters of either find it.
+fn longer_spelling(word: &str) -> Option<String> {
+    use dotgen_syntax::SyntaxKind;
+    let longer = format!("{word}s");
+    let same = SyntaxKind::contextual(word)? == SyntaxKind::contextual(&longer)?;
+    same.then_some(longer)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //! written since the last `;`, `{` or `,` in each.
 //!
 //! Half-typed text seldom has a useful tree around the cursor, but the tokens before it nearly
-//! always say enough. What follows the cursor is not looked at.
+//! always say enough. What follows the cursor ([`After`]) only takes proposals away.
 
 use std::ops::Range;
 
@@ -11,6 +11,9 @@ use smol_str::SmolStr;
 
 use super::FileView;
 use crate::source_map::bytes;
+pub(crate) use after::After;
+
+mod after;
 
 /// A token before the cursor, macros expanded.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -79,6 +82,8 @@ pub(crate) struct Context {
     pub(crate) frames: Vec<Frame>,
     /// The word the cursor is in or behind; empty at the cursor if there is none.
     pub(crate) word: Range<usize>,
+    /// What follows the word.
+    pub(crate) after: After,
 }
 
 /// What sort of text the cursor is in.
@@ -157,10 +162,12 @@ impl Context {
             reader.token(i);
         }
         let frames = reader.frames;
+        let after = After::new(view, word.end.max(at));
         Context {
             tokens,
             frames,
             word,
+            after,
         }
     }
 
@@ -175,6 +182,15 @@ impl Context {
     /// The statement or list element before the cursor, without the word under it.
     pub(crate) fn current(&self) -> &[Word] {
         &self.tokens[self.top().start.min(self.tokens.len())..]
+    }
+
+    /// The elements behind the cursor in its list. The first of them is the one that the cursor is in, but where it
+    /// stands in front of another element.
+    pub(crate) fn elements_behind(&self) -> impl Iterator<Item = &[Word]> {
+        let next = self.after.next();
+        let in_front = self.word.is_empty() && next.is_some_and(|it| it.kind == SyntaxKind::IDENT);
+        let all = self.after.list().split(|it| it.is(","));
+        all.skip(usize::from(!in_front))
     }
 
     /// The tokens before a bracket, from the start of the statement or element it stands in.

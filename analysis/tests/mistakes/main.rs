@@ -4,6 +4,7 @@
 //! `MISTAKES=report cargo test -p dotgen-analysis --test mistakes -- --nocapture` prints each of them and
 //! the numbers in `docs/fixes.md`.
 
+mod complete;
 mod mutate;
 mod seed;
 

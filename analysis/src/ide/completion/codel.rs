@@ -6,6 +6,7 @@ use smol_str::SmolStr;
 use super::{
     CompletionKind, Completions, initializer,
     names::{Names, Wanted, qualifier},
+    pattern,
     statement::{after_simple_codel, quantity, type_or_nothing},
 };
 use crate::{
@@ -15,7 +16,7 @@ use crate::{
         context::{BodyKind, Context, FrameKind, Word},
         render,
     },
-    model::{Codel, ParamDir, PortDir, Service, TypeId},
+    model::{Codel, Component, ComponentKind, ParamDir, PortDir, Service, TypeId},
 };
 
 const DIRECTIONS: &[&str] = &["in", "out", "inout"];
@@ -28,6 +29,7 @@ pub(super) fn clause(
     rest: &[Word],
     out: &mut Completions,
 ) {
+    let timed = context.after.rest.iter().any(|it| it.is("wcet"));
     let yields = rest.iter().position(|it| it.is_any(&["yield", "yields"]));
     if let Some(yields) = yields.filter(|it| *it > 0) {
         let after = &rest[yields + 1..];
@@ -35,37 +37,79 @@ pub(super) fn clause(
             quantity(names, &after[wcet + 1..], &["s", "ms", "us"], out);
         } else if expects_state(after) {
             states(names, context, after, true, out);
-        } else {
-            out.snippet("wcet", "wcet ${1:1} ms", 1);
+        } else if !timed
+            && !context
+                .after
+                .next()
+                .is_some_and(|it| it.is_any(&[",", "::"]))
+        {
+            if after.last().is_some_and(|it| it.is("pause")) {
+                out.keywords(&["::"], 0);
+            } else {
+                out.snippet("wcet", "wcet ${1:1} ms", 1);
+            }
         }
         return;
     }
     let machine = matches!(context.body().0, BodyKind::Task | BodyKind::Activity);
     match rest {
         [] if machine => machine_snippets(names, context, out),
+        [] => name(names, context, None, out),
         [open, triggers @ ..] if open.is("<") && !triggers.iter().any(|it| it.is(">")) => {
             if expects_state(triggers) {
                 states(names, context, triggers, false, out);
             }
         }
+        [open, state, .., close] if open.is("<") && close.is(">") => {
+            name(names, context, Some(&state.text), out);
+        }
         [open, ..] if open.is("<") => {
             let done = rest.last().is_some_and(|it| it.is(")"));
             if done || rest.iter().any(|it| it.is("wcet")) {
-                if done {
-                    out.snippet("yield", "yield ${1:ether}", 0);
+                let yields = |it: &Word| it.is_any(&["yield", "yields"]);
+                if done && !context.after.rest.iter().any(yields) {
+                    match context.after.next() {
+                        Some(_) => out.keywords(&["yield"], 0),
+                        None => {
+                            out.snippet("yield", "yield ${1:ether}", 0);
+                        }
+                    }
                 }
-                after_simple_codel(names, rest, out);
+                after_simple_codel(names, context, rest, out);
             }
         }
-        _ => after_simple_codel(names, rest, out),
+        _ => after_simple_codel(names, context, rest, out),
     }
+}
+
+/// The name of a codel, as the others are named; with the rest of its declaration if nothing follows.
+pub(super) fn name(
+    names: &Names<'_, '_>,
+    context: &Context,
+    state: Option<&str>,
+    out: &mut Completions,
+) {
+    let name = pattern::codel_name(names, context, state);
+    let insert = match (context.after.rest.first(), state) {
+        (Some(next), _) if next.is("(") => name.clone(),
+        (Some(next), _) if context.after.same_line && !next.is_any(&["yield", "yields"]) => return,
+        (None, Some(_)) => format!("{name}($1)\n\tyield ${{2:ether}};$0"),
+        (None, None) => format!("{name}($1);$0"),
+        (Some(next), Some(_)) if next.is_any(&["codel", "async", "}"]) => {
+            format!("{name}($1)\n\tyield ${{2:ether}};$0")
+        }
+        (Some(next), None) if next.is_any(&["codel", "validate", "}"]) => format!("{name}($1);$0"),
+        _ => format!("{name}($1)"),
+    };
+    out.snippet(name, insert, 0).kind = CompletionKind::Symbol(SymbolKind::Codel);
 }
 
 fn expects_state(before: &[Word]) -> bool {
     before.last().is_none_or(|it| it.is(",") || it.is("::"))
 }
 
-/// The states known at the cursor, after `<` or `yield`.
+/// The states that may stand at the cursor, after `<` or `yield`: after `yield` those that have a codel, or
+/// that something leads to already; after `<` those that something leads to and that have none.
 fn states(
     names: &Names<'_, '_>,
     context: &Context,
@@ -74,64 +118,96 @@ fn states(
     out: &mut Completions,
 ) {
     let paused = before.last().is_some_and(|it| it.is("::"));
+    let next = context.after.next();
+    let state_follows =
+        next.is_some_and(|it| it.kind == dotgen_syntax::SyntaxKind::IDENT && !it.is("wcet"));
+    if state_follows && !context.word.is_empty() {
+        return;
+    }
+    let elements = |state: &str, paused: bool, it: &[Word]| match it {
+        [name] => !paused && name.is(state),
+        [.., colons, name] if colons.is("::") => paused && name.is(state),
+        [name, ..] => !paused && name.is(state),
+        [] => false,
+    };
+    let behind: Vec<&[Word]> = context.elements_behind().collect();
     let used = |state: &str, paused: bool| {
-        before.split(|it| it.is(",")).any(|it| match it {
-            [name] => !paused && name.is(state),
-            [.., name] => paused && name.is(state),
-            [] => false,
-        })
+        let mut all = before.split(|it| it.is(",")).chain(behind.iter().copied());
+        all.any(|it| elements(state, paused, it))
     };
     let machine = Machine::around(names, context);
     let wanted: Vec<&SmolStr> = machine.missing().collect();
     let mut known: Vec<&str> = Vec::new();
+    let here = machine.here.iter().map(SmolStr::as_str);
     if yields {
         known.extend(machine.states.iter().map(SmolStr::as_str));
-        known.extend(["start", "stop"]);
+        known.extend(here);
+        if machine.open {
+            known.extend(["start", "stop"]);
+        }
     } else {
         known.extend(wanted.iter().map(|it| it.as_str()));
         known.extend(["start", "stop"]);
-        known.extend(machine.states.iter().map(SmolStr::as_str));
+        // `stop` has to lead to the end.
+        let yields = context
+            .after
+            .rest
+            .iter()
+            .position(|it| it.is_any(&["yield", "yields"]));
+        let ends = yields.is_none_or(|at| context.after.rest[at..].iter().any(|it| it.is("ether")));
+        known.retain(|it| *it != "stop" || ends);
+        known.retain(|it| machine.open || !machine.implemented.iter().any(|other| other == it));
     }
-    let elsewhere: Vec<&str> = machine.elsewhere.iter().map(SmolStr::as_str).collect();
-    let own = known.len();
-    known.extend(elsewhere);
     let mut seen = FxHashSet::default();
-    for (i, state) in known.into_iter().enumerate() {
+    for state in known {
         if state == "ether" || !seen.insert(state) {
             continue;
         }
-        let has_codel = machine.implemented.iter().any(|it| it == state);
-        let rank = match (i < own, yields, has_codel) {
-            (false, ..) => 4,
-            (_, false, true) => 5,
-            _ => 0,
-        };
+        let has_codel = machine
+            .implemented
+            .iter()
+            .chain(&machine.here)
+            .any(|it| it == state);
         let kind = CompletionKind::Symbol(SymbolKind::State);
         let definition = names.state(state);
         if !used(state, paused) {
-            out.add(
-                state,
-                kind,
-                rank + u8::from(yields && !has_codel && !paused),
-            )
-            .definition = definition;
-        }
-        if yields && !paused && i < own && !used(state, true) {
-            out.add(format!("pause::{state}"), kind, rank + 2)
+            out.add(state, kind, u8::from(yields && !has_codel && !paused))
                 .definition = definition;
+        }
+        if yields && !paused && !used(state, true) {
+            out.add(format!("pause::{state}"), kind, 2).definition = definition;
         }
     }
     if yields && !paused && !used("ether", false) {
         out.add("ether", CompletionKind::Symbol(SymbolKind::State), 0)
             .detail = Some("ends the machine".into());
     }
-    if yields && !paused {
+    if yields && !paused && out.items.iter().any(|it| it.label.starts_with("pause::")) {
         out.add("pause::", CompletionKind::Keyword, 3);
     }
+    if state_follows {
+        out.with_comma();
+    }
+}
+
+/// The state that a new codel of the machine is most likely for: one that something leads to, else `start` or `stop`.
+pub(super) fn next_state(names: &Names<'_, '_>, context: &Context) -> Option<String> {
+    let machine = Machine::around(names, context);
+    let free = |it: &&str| !machine.implemented.iter().any(|other| other == *it);
+    let missing = machine.missing().next().map(ToString::to_string);
+    missing.or_else(|| {
+        ["start", "stop"]
+            .into_iter()
+            .find(free)
+            .map(ToOwned::to_owned)
+    })
 }
 
 /// A whole codel for each state that still needs one.
 pub(super) fn machine_snippets(names: &Names<'_, '_>, context: &Context, out: &mut Completions) {
+    if context.after.next().is_some_and(|it| it.is("<")) {
+        return;
+    }
     let machine = Machine::around(names, context);
     let prefix = match context.current().last() {
         Some(it) if it.is("codel") => "",
@@ -139,15 +215,17 @@ pub(super) fn machine_snippets(names: &Names<'_, '_>, context: &Context, out: &m
     };
     for state in machine.missing() {
         let label = format!("{prefix}<{state}>");
-        let insert = format!("{prefix}<{state}> ${{1:{state}}}($2)\n\tyield ${{3:ether}};$0");
+        let name = pattern::codel_name(names, context, Some(state));
+        let insert = format!("{prefix}<{state}> ${{1:{name}}}($2)\n\tyield ${{3:ether}};$0");
         out.snippet(label, insert, 0).detail = Some(format!("the codel of state `{state}`"));
     }
-    if !prefix.is_empty() {
+    let Some(state) = next_state(names, context).filter(|_| prefix.is_empty()) else {
         return;
-    }
+    };
+    let name = pattern::codel_name(names, context, Some(&state));
     out.snippet(
         "<…>",
-        "<${1:start}> ${2:name}($3)\n\tyield ${4:ether};$0",
+        format!("<${{1:{state}}}> ${{2:{name}}}($3)\n\tyield ${{4:ether}};$0"),
         1,
     );
 }
@@ -156,13 +234,15 @@ pub(super) fn machine_snippets(names: &Names<'_, '_>, context: &Context, out: &m
 struct Machine {
     /// Mentioned by it, in order.
     states: Vec<SmolStr>,
-    /// With a codel.
+    /// With a codel, but for the one that the cursor is in.
     implemented: Vec<SmolStr>,
+    /// Of the codel that the cursor is in.
+    here: Vec<SmolStr>,
     /// Led to from some codel.
     targets: Vec<SmolStr>,
-    /// Of the other machines of the component.
-    elsewhere: Vec<SmolStr>,
     activity: bool,
+    /// Of an interface: the component may have more codels.
+    open: bool,
 }
 
 impl Machine {
@@ -172,13 +252,15 @@ impl Machine {
         let mut machine = Machine {
             states: Vec::new(),
             implemented: Vec::new(),
+            here: written_triggers(context.current()),
             targets: Vec::new(),
-            elsewhere: Vec::new(),
             activity: body == BodyKind::Activity,
+            open: false,
         };
         let Some(component) = names.component() else {
             return machine;
         };
+        machine.open = component.kind == ComponentKind::Interface;
         let tasks = component
             .tasks
             .iter()
@@ -188,31 +270,31 @@ impl Machine {
             .iter()
             .map(|it| (BodyKind::Activity, &it.name, &it.codels));
         for (kind, name, codels) in tasks.chain(services) {
-            let own = kind == body && owner.as_ref() == Some(name);
-            for codel in codels {
-                machine.codel(codel, own);
+            if kind == body && owner.as_ref() == Some(name) {
+                for codel in codels {
+                    machine.codel(codel, names.is_around(codel.node));
+                }
             }
         }
         machine
     }
 
-    fn codel(&mut self, codel: &Codel, own: bool) {
-        for state in codel.triggers.iter().chain(&codel.yields) {
-            let to = if own {
-                &mut self.states
-            } else {
-                &mut self.elsewhere
-            };
-            if !to.contains(&state.name) {
-                to.push(state.name.clone());
+    /// Notes a codel; `here` if the cursor is in it.
+    fn codel(&mut self, codel: &Codel, here: bool) {
+        let triggers = codel.triggers.iter().map(|it| it.name.clone());
+        let yields = codel.yields.iter().map(|it| it.name.clone());
+        let mut mention = |it: SmolStr| {
+            if !self.states.contains(&it) {
+                self.states.push(it);
             }
+        };
+        // States that only the codel at the cursor speaks of are being written.
+        if !here {
+            triggers.clone().for_each(&mut mention);
+            yields.clone().for_each(&mut mention);
+            self.implemented.extend(triggers);
         }
-        if own {
-            self.implemented
-                .extend(codel.triggers.iter().map(|it| it.name.clone()));
-            self.targets
-                .extend(codel.yields.iter().map(|it| it.name.clone()));
-        }
+        self.targets.extend(yields);
     }
 
     /// States that need a codel and have none.
@@ -228,6 +310,28 @@ impl Machine {
     }
 }
 
+/// The states of the codel that is being written: between `<` and `>`.
+fn written_triggers(words: &[Word]) -> Vec<SmolStr> {
+    let open = words.iter().position(|it| it.is("<"));
+    let close = words.iter().position(|it| it.is(">"));
+    let (Some(open), Some(close)) = (open, close) else {
+        return Vec::new();
+    };
+    let between = words.get(open + 1..close).unwrap_or_default();
+    between
+        .iter()
+        .filter(|it| !it.is(","))
+        .map(|it| it.text.clone())
+        .collect()
+}
+
+/// Whether a component has codels that run beside the others.
+pub(super) fn has_async(component: &Component) -> bool {
+    component
+        .all_codels()
+        .any(|it| component.codel(it).is_async)
+}
+
 /// Between parentheses: of a codel, of a service, of a `switch`, of an expression.
 pub(super) fn in_parentheses(names: &Names<'_, '_>, context: &Context, out: &mut Completions) {
     let frame = context.top();
@@ -238,19 +342,45 @@ pub(super) fn in_parentheses(names: &Names<'_, '_>, context: &Context, out: &mut
         Some(List::Service) => service_param(names, context, words, out),
         None if context.head(frame).last().is_some_and(|it| it.is("switch")) => {
             out.items.clear();
-            names.scoped(words, Wanted::Types, 0, out);
-            for it in [
-                "long",
-                "unsigned long",
-                "short",
-                "unsigned short",
-                "char",
-                "boolean",
-            ] {
-                out.add(it, CompletionKind::BaseType, 1);
-            }
+            type_or_nothing(names, context, words, Wanted::SwitchTypes, out);
         }
-        None => names.constants(words, None, out),
+        None => names.numbers(words, false, out),
+    }
+    // Another parameter follows without a comma.
+    let next = context.after.next();
+    if context.word.is_empty()
+        && words.is_empty()
+        && list_kind(context, context.frames.len() - 1).is_some()
+        && next.is_some_and(|it| it.is_any(DIRECTIONS) || it.is_any(SOURCES))
+    {
+        out.with_comma();
+    }
+}
+
+/// What may stand where a parameter goes on behind the cursor: directions, if only they are missing.
+fn goes_on(context: &Context) -> bool {
+    let next = context.after.next();
+    next.is_some_and(|it| {
+        it.kind == dotgen_syntax::SyntaxKind::IDENT && !it.is_any(DIRECTIONS) && !it.is_any(SOURCES)
+            || it.is("::")
+    })
+}
+
+/// The rest of a path is replaced with its beginning.
+fn whole_path(context: &Context, out: &mut Completions) {
+    let mut depth = 0_i32;
+    let rest = context.after.list();
+    let end = rest.iter().position(|it| {
+        match it.text.as_str() {
+            "[" => depth += 1,
+            "]" => depth -= 1,
+            _ => {}
+        }
+        depth == 0 && it.is_any(&[",", "=", "::"])
+    });
+    let path = &rest[..end.unwrap_or(rest.len())];
+    if path.first().is_some_and(|it| it.is_any(&[".", "["])) {
+        out.replaces_too(path);
     }
 }
 
@@ -341,8 +471,8 @@ fn sources(names: &Names<'_, '_>, context: &Context, simple: bool) -> Vec<Source
             });
         }
     }
-    for (name, ty) in component
-        .ids
+    for (name, ty) in names
+        .ids()
         .map(|ids| names.members(ids))
         .unwrap_or_default()
     {
@@ -355,6 +485,7 @@ fn sources(names: &Names<'_, '_>, context: &Context, simple: bool) -> Vec<Source
             definition: names.definition_of(ty),
         });
     }
+    let known = |it: &Source| it.source == "local" || names.is_known(it.definition);
     if simple {
         return out;
     }
@@ -381,6 +512,7 @@ fn sources(names: &Names<'_, '_>, context: &Context, simple: bool) -> Vec<Source
             definition: names.definition_of(remote.ty),
         });
     }
+    out.retain(known);
     out
 }
 
@@ -391,13 +523,38 @@ fn codel_param(
     simple: bool,
     out: &mut Completions,
 ) {
-    let all = sources(names, context, simple);
+    let mut all = sources(names, context, simple);
     let used = used_names(context);
+    let whole_ids = all.iter().any(|it| it.source == "ids") && !used.iter().any(|it| it == "ids");
+    let shared = Shared::around(names, context);
+    all.retain(|it| !used.contains(&it.name) && !shared.forbids(it.source, &it.name));
+    let mut whole_ids = whole_ids && !shared.any;
+    // A codel that is used elsewhere has the same parameters everywhere.
+    if let Some(other) = elsewhere(names, context) {
+        all.retain_mut(|it| {
+            let same = other.params.iter().find(|param| param.name == it.name);
+            it.directions = match same.map(|it| it.dir) {
+                Some(ParamDir::In) => &["in"],
+                Some(ParamDir::Out) => &["out"],
+                Some(ParamDir::Inout) => &["inout"],
+                _ => &[],
+            };
+            !it.directions.is_empty()
+        });
+        whole_ids &= other
+            .params
+            .iter()
+            .any(|it| it.path.is_empty() && it.name == "ids");
+    }
     let source = words.first().filter(|it| it.is_any(SOURCES));
     let rest = &words[usize::from(source.is_some())..];
     let matching = |it: &&Source| source.is_none_or(|source| source.is(it.source));
     let Some((dir, path)) = rest.split_first().filter(|(dir, _)| dir.is_any(DIRECTIONS)) else {
         if !rest.is_empty() {
+            return;
+        }
+        if goes_on(context) {
+            out.keywords(DIRECTIONS, 0);
             return;
         }
         for it in all.iter().filter(matching) {
@@ -411,13 +568,11 @@ fn codel_param(
                 } else {
                     String::new()
                 };
-                let rank = i as u8 + if used.contains(&it.name) { 5 } else { 0 };
+                let rank = i as u8;
                 push(names, it, format!("{prefix}{dir} {}", it.name), rank, out);
             }
         }
-        if source.is_none_or(|it| it.is("ids"))
-            && names.component().is_some_and(|it| it.ids.is_some())
-        {
+        if source.is_none_or(|it| it.is("ids")) && whole_ids {
             for (i, dir) in DIRECTIONS.iter().enumerate() {
                 let item = out.add(
                     format!("{dir} ::ids"),
@@ -427,33 +582,43 @@ fn codel_param(
                 item.detail = Some("the whole ids".into());
             }
         }
-        out.keywords(DIRECTIONS, 4);
+        let directed = |dir: &&str| {
+            all.iter()
+                .filter(matching)
+                .any(|it| it.directions.contains(dir))
+        };
+        let directions: Vec<&str> = DIRECTIONS.iter().copied().filter(directed).collect();
+        out.keywords(&directions, 4);
         if source.is_none() {
-            out.keywords(if simple { &SOURCES[..2] } else { SOURCES }, 6);
+            let there = |it: &&str| all.iter().any(|source| source.source == *it);
+            let there: Vec<&str> = SOURCES.iter().copied().filter(there).collect();
+            out.keywords(&there, 6);
         }
+        whole_path(context, out);
         return;
     };
     match path {
+        [] if context
+            .after
+            .next()
+            .is_some_and(|it| it.kind == dotgen_syntax::SyntaxKind::IDENT) => {}
         [] => {
             for it in all.iter().filter(matching) {
                 let fits = it.directions.contains(&dir.text.as_str());
-                let rank = if used.contains(&it.name) {
-                    5
-                } else {
-                    u8::from(!fits) * 2
-                };
+                let rank = u8::from(!fits) * 2;
                 let ambiguous = source.is_none()
                     && all.iter().filter(|other| other.name == it.name).count() > 1;
-                if !(ambiguous || it.source == "port" && !fits) {
+                if !(ambiguous || matches!(it.source, "port" | "remote") && !fits) {
                     push(names, it, it.name.to_string(), rank, out);
                 }
             }
-            if source.is_none_or(|it| it.is("ids")) {
+            if source.is_none_or(|it| it.is("ids")) && whole_ids {
                 out.add("::ids", CompletionKind::Symbol(SymbolKind::Ids), 3)
                     .detail = Some("the whole ids".into());
             }
+            whole_path(context, out);
         }
-        [colons] if colons.is("::") => {
+        [colons] if colons.is("::") && whole_ids => {
             out.add("ids", CompletionKind::Symbol(SymbolKind::Ids), 0)
                 .detail = Some("the whole ids".into());
         }
@@ -464,6 +629,14 @@ fn codel_param(
         }
         _ => {}
     }
+}
+
+/// The same codel in another place of the component.
+fn elsewhere<'a>(names: &Names<'a, '_>, context: &Context) -> Option<&'a Codel> {
+    let name = context.head(context.top()).last()?;
+    let component = names.component()?;
+    let mut all = component.all_codels().map(|it| component.codel(it));
+    all.find(|it| it.name == name.text && !names.is_at(it.src, name.range.start))
 }
 
 fn push(names: &Names<'_, '_>, it: &Source, label: String, rank: u8, out: &mut Completions) {
@@ -478,33 +651,49 @@ fn attribute_param(
     words: &[Word],
     out: &mut Completions,
 ) {
-    let ids = names.component().and_then(|it| it.ids);
+    if words.iter().any(|it| it.is(":")) {
+        return;
+    }
+    let ids = names.ids();
     if let Some(eq) = words.iter().position(|it| it.is("=")) {
         let expected = parameter_type(names, context, context.frames.len() - 1, &words[..eq]);
         initializer::value(names, &words[eq + 1..], expected, out);
         return;
     }
     let used = used_names(context);
-    let all = ids.map(|it| names.members(it)).unwrap_or_default();
+    let all = ids.map(|it| names.carried(it)).unwrap_or_default();
     let member = |label: String, name: &SmolStr, ty: TypeId, rank: u8, out: &mut Completions| {
-        let rank = if used.contains(name) { rank + 5 } else { rank };
+        if used.contains(name) {
+            return;
+        }
         let item = out.add(label, CompletionKind::Symbol(SymbolKind::Member), rank);
         item.detail = Some(render::type_text(names.spec(), ty));
         item.definition = names.definition_of(ty);
     };
     match words {
+        [] if goes_on(context) => out.keywords(DIRECTIONS, 0),
+        [dir]
+            if dir.is_any(DIRECTIONS)
+                && context
+                    .after
+                    .next()
+                    .is_some_and(|it| it.kind == dotgen_syntax::SyntaxKind::IDENT) => {}
         [] => {
             for (name, ty) in &all {
                 for (rank, dir) in DIRECTIONS.iter().enumerate() {
                     member(format!("{dir} {name}"), name, *ty, rank as u8, out);
                 }
             }
-            out.keywords(DIRECTIONS, 4);
+            if !out.items.is_empty() {
+                out.keywords(DIRECTIONS, 4);
+            }
+            whole_path(context, out);
         }
         [dir] if dir.is_any(DIRECTIONS) => {
             for (name, ty) in &all {
                 member(name.to_string(), name, *ty, 0, out);
             }
+            whole_path(context, out);
         }
         [dir, steps @ .., dot] if dir.is_any(DIRECTIONS) && dot.is(".") => {
             let ty = ids.and_then(|ids| walk(names, ids, steps));
@@ -515,13 +704,28 @@ fn attribute_param(
 }
 
 fn service_param(names: &Names<'_, '_>, context: &Context, words: &[Word], out: &mut Completions) {
+    // Its description.
+    if words.iter().any(|it| it.is(":")) {
+        return;
+    }
     if let Some(eq) = words.iter().position(|it| it.is("=")) {
         let expected = parameter_type(names, context, context.frames.len() - 1, &words[..eq]);
         initializer::value(names, &words[eq + 1..], expected, out);
         return;
     }
     match words.split_first() {
-        Some((dir, rest)) if dir.is_any(DIRECTIONS) => type_or_nothing(names, rest, false, out),
+        Some((dir, rest)) if dir.is_any(DIRECTIONS) => {
+            type_or_nothing(names, context, rest, Wanted::PortTypes, out);
+            if rest.last().is_none_or(|it| !it.is("::")) && rest.is_empty() {
+                let follows = &context.after.rest;
+                let typed = matches!(follows.as_slice(), [a, b, ..]
+                    if a.kind == dotgen_syntax::SyntaxKind::IDENT
+                        && (b.kind == dotgen_syntax::SyntaxKind::IDENT || b.is_any(&["::", "<"])));
+                if !typed || !context.word.is_empty() {
+                    names.base_types(Wanted::Types, 0, out);
+                }
+            }
+        }
         Some(_) => {}
         None => out.keywords(DIRECTIONS, 0),
     }
@@ -551,16 +755,98 @@ fn walk(names: &Names<'_, '_>, mut ty: TypeId, steps: &[Word]) -> Option<TypeId>
     Some(ty)
 }
 
-/// Names of the parameters before the cursor in its list.
+/// Names of the other parameters of the list that the cursor is in.
 fn used_names(context: &Context) -> Vec<SmolStr> {
     let frame = context.top();
     let before = &context.tokens[frame.open + 1..frame.start];
-    let params = before.split(|it| it.is(","));
-    let named = params.filter_map(|param| {
-        let dir = param.iter().position(|it| it.is_any(DIRECTIONS))?;
-        Some(param.get(dir + 1)?.text.clone())
+    let params = before
+        .split(|it| it.is(","))
+        .chain(context.elements_behind());
+    params.filter_map(parameter_name).collect()
+}
+
+/// The name of a parameter: what it is renamed to, or the last member of its path.
+fn parameter_name(param: &[Word]) -> Option<SmolStr> {
+    let dir = param.iter().position(|it| it.is_any(DIRECTIONS))?;
+    let path = param.get(dir + 1..)?;
+    let end = path.iter().position(|it| it.is("=")).unwrap_or(path.len());
+    let mut depth = 0_i32;
+    let names = path[..end].iter().filter(|it| {
+        match it.text.as_str() {
+            "[" => depth += 1,
+            "]" => depth -= 1,
+            _ => {}
+        }
+        depth == 0 && it.kind == dotgen_syntax::SyntaxKind::IDENT
     });
-    named.collect()
+    names.last().map(|it| it.text.clone())
+}
+
+/// What the codel at the cursor must not touch, as an async codel runs at the same time, or is one itself.
+struct Shared {
+    /// Source and first name.
+    names: Vec<(&'static str, SmolStr)>,
+    /// Whether the whole ids are among it.
+    any: bool,
+}
+
+impl Shared {
+    fn around(names: &Names<'_, '_>, context: &Context) -> Shared {
+        let mut out = Shared {
+            names: Vec::new(),
+            any: false,
+        };
+        let Some(component) = names.component() else {
+            return out;
+        };
+        let own = context
+            .frames
+            .len()
+            .checked_sub(2)
+            .map(|it| &context.frames[it]);
+        let head = own.map_or(&[][..], |it| {
+            &context.tokens[it.start.min(context.tokens.len())..]
+        });
+        let is_async = head.first().is_some_and(|it| it.is("async"));
+        if !is_async && !has_async(component) {
+            return out;
+        }
+        out.any = true;
+        for at in component.all_codels() {
+            let codel = component.codel(at);
+            if (is_async || codel.is_async) && !names.is_around(codel.node) {
+                out.add(&codel.params);
+            }
+        }
+        if is_async {
+            for it in &component.services {
+                if it.kind == crate::model::ServiceKind::Attribute {
+                    out.add(&it.params);
+                }
+            }
+        }
+        out
+    }
+
+    fn add(&mut self, params: &[crate::model::Param]) {
+        use crate::model::{ParamSource, PathElement};
+        for it in params {
+            let source = match it.source {
+                ParamSource::Port(_) => "port",
+                ParamSource::Ids => "ids",
+                _ => continue,
+            };
+            let first = match it.path.first() {
+                Some(PathElement::Member(name)) if source == "ids" => name.clone(),
+                _ => it.name.clone(),
+            };
+            self.names.push((source, first));
+        }
+    }
+
+    fn forbids(&self, source: &str, name: &str) -> bool {
+        self.names.iter().any(|it| it.0 == source && it.1 == name)
+    }
 }
 
 /// The type of the parameter whose first words are given, in the parameter list of a service.
@@ -596,6 +882,12 @@ impl Names<'_, '_> {
     /// The named type before the name of what is declared with it: `m::t name`.
     pub(in crate::ide) fn type_before_name(&self, words: &[Word]) -> Option<TypeId> {
         let (name, path) = words.split_last()?;
+        // The bound of a string does not matter to its values.
+        let bound = path
+            .iter()
+            .position(|it| it.is("<"))
+            .filter(|_| path.last().is_some_and(|it| it.is(">")));
+        let path = &path[..bound.unwrap_or(path.len())];
         let last = path.last()?;
         if name.is("]") {
             return None;

@@ -22,16 +22,15 @@ const WORDS: &[(&str, &str)] = &[
     ("elif", "elif $0"),
     ("else", "else"),
     ("endif", "endif"),
-    ("error", "error $0"),
     ("warning", "warning $0"),
     ("pragma requires", "pragma requires \"$0\""),
     ("pragma provides", "pragma provides $0"),
-    (
-        "pragma masquerade",
-        "pragma masquerade ${1:template} ${2:type} ${3:data}",
-    ),
-    ("pragma wcet", "pragma wcet ${1:codel} ${2:1} ms"),
+    ("pragma masquerade", "pragma masquerade $0"),
+    ("pragma wcet", "pragma wcet $0"),
 ];
+
+/// Those that belong to a condition that began before.
+const CONDITIONAL: &[&str] = &["elif", "else", "endif"];
 
 pub(super) fn complete(view: &FileView<'_>, index: u32, at: usize, out: &mut Completions) {
     let Some(it) = view.pre().directives.get(index as usize) else {
@@ -50,8 +49,27 @@ pub(super) fn complete(view: &FileView<'_>, index: u32, at: usize, out: &mut Com
         // Blanks between `#` and the word stay.
         let blanks = line[hash..].len() - line[hash..].trim_start().len();
         out.replace.start += blanks;
+        // What stands behind the word stays.
+        let rest = super::line_behind(view, out.replace.end);
+        let bare = !rest.is_empty();
+        if bare
+            && it
+                .keyword
+                .as_ref()
+                .is_some_and(|it| usize::from(it.range.start()) >= at)
+        {
+            return;
+        }
+        let open = is_open(view, start);
         for (word, insert) in WORDS {
-            out.snippet(*word, *insert, 0).kind = CompletionKind::Keyword;
+            if CONDITIONAL.contains(word) && !open {
+                continue;
+            }
+            match bare {
+                true => out.add(*word, CompletionKind::Keyword, 0),
+                false => out.snippet(*word, *insert, 0),
+            }
+            .kind = CompletionKind::Keyword;
         }
         return;
     };
@@ -72,7 +90,23 @@ pub(super) fn complete(view: &FileView<'_>, index: u32, at: usize, out: &mut Com
     }
 }
 
+/// Whether a condition is open at an offset, with the possibility of another branch.
+fn is_open(view: &FileView<'_>, at: usize) -> bool {
+    let before = view.pre().directives.iter();
+    let before = before.filter(|it| usize::from(it.range.start()) < at);
+    let depth = before.fold(0_usize, |depth, it| match it.kind {
+        DirectiveKind::If(_) | DirectiveKind::Ifdef(_) | DirectiveKind::Ifndef(_) => depth + 1,
+        DirectiveKind::Endif(_) => depth.saturating_sub(1),
+        _ => depth,
+    });
+    depth > 0
+}
+
 fn pragma(view: &FileView<'_>, operand: &str, out: &mut Completions) {
+    let at = out.replace.end;
+    if out.replace.is_empty() && !super::line_behind(view, at).is_empty() {
+        return;
+    }
     let words: Vec<&str> = operand.split_whitespace().collect();
     let complete = operand.ends_with(char::is_whitespace);
     let before = if complete {
@@ -125,6 +159,32 @@ fn named(view: &FileView<'_>, kind: DefKind, out: &mut Completions) {
     }
 }
 
+/// Macros that stand for the beginning of a statement.
+pub(super) fn beginning(
+    view: &FileView<'_>,
+    at: usize,
+    rank: u8,
+    begins: &dyn Fn(&str) -> bool,
+    out: &mut Completions,
+) {
+    let mut all = defined(view, at);
+    all.retain(|(name, definition)| {
+        let body = definition
+            .strip_prefix("#define")
+            .unwrap_or(definition)
+            .trim();
+        let body = body
+            .strip_prefix(name.as_str())
+            .unwrap_or(body)
+            .trim_start();
+        let word = body
+            .split(|it: char| !it.is_ascii_alphanumeric() && !"_-".contains(it))
+            .next();
+        word.is_some_and(begins)
+    });
+    add(all, rank, out);
+}
+
 /// Names of packages.
 pub(super) fn packages(view: &FileView<'_>, out: &mut Completions) {
     for it in view.db.loader().package_names() {
@@ -134,16 +194,44 @@ pub(super) fn packages(view: &FileView<'_>, out: &mut Completions) {
 
 /// Macros defined at an offset.
 pub(super) fn macros(view: &FileView<'_>, at: usize, rank: u8, out: &mut Completions) {
-    add(defined(view, at), rank, out);
+    let mut all = defined(view, at);
+    let guards = guards(view);
+    all.retain(|it| !guards.contains(&it.0));
+    add(all, rank, out);
 }
 
-/// Macros that stand for something: not those that guard a file.
+/// Names that guard a file of the unit: it begins with `#ifndef` and `#define` of them.
+fn guards(view: &FileView<'_>) -> FxHashSet<String> {
+    let files = crate::unit::files(view.db, view.unit);
+    let guard = |file: crate::base::SourceFile| {
+        let text = crate::unit::walk::skeleton(view.db, file);
+        let mut lines = text.lines().filter(|it| !it.trim().is_empty());
+        let words = |line: &str| -> Vec<String> {
+            let line = line.trim().trim_start_matches('#').trim_start();
+            line.split_whitespace().map(ToOwned::to_owned).collect()
+        };
+        let (first, second) = (words(lines.next()?), words(lines.next()?));
+        let [condition, name, ..] = first.as_slice() else {
+            return None;
+        };
+        let defines =
+            second.first().is_some_and(|it| it == "define") && second.get(1) == Some(name);
+        (condition == "ifndef" && defines).then(|| name.clone())
+    };
+    files.into_iter().filter_map(guard).collect()
+}
+
+/// Macros that stand for a number.
 pub(super) fn values(view: &FileView<'_>, at: usize, rank: u8, out: &mut Completions) {
     let mut all = defined(view, at);
     all.retain(|(name, definition)| {
-        let body = definition.strip_prefix("#define").unwrap_or(definition);
-        let body = body.trim();
-        !body.is_empty() && body != name
+        let body = definition
+            .strip_prefix("#define")
+            .unwrap_or(definition)
+            .trim();
+        let body = body.strip_prefix(name.as_str()).unwrap_or(body);
+        body.trim_start()
+            .starts_with(|it: char| it.is_ascii_digit() || it == '(')
     });
     add(all, rank, out);
 }
@@ -205,6 +293,9 @@ fn defined(view: &FileView<'_>, at: usize) -> Vec<(String, String)> {
 fn include(view: &FileView<'_>, operand: &str, at: usize, out: &mut Completions) {
     let trimmed = operand.trim_start();
     let Some(delimiter) = trimmed.chars().next() else {
+        if !super::line_behind(view, at).is_empty() {
+            return;
+        }
         for (label, insert) in [("\"…\"", "\"$0\""), ("<…>", "<$0>")] {
             out.snippet(label, insert, 0);
         }
@@ -232,16 +323,31 @@ fn include(view: &FileView<'_>, operand: &str, at: usize, out: &mut Completions)
     let root = view.unit.inputs(view.db).first().unwrap_or(&view.file);
     let (searched, _) = view.db.workspace().reading(view.db, root.path(view.db));
     dirs.extend(searched.iter().cloned());
-    for visit in &walk_unit(view.db, view.unit).visits {
-        // Directories that other includes were found in: those of packages, too.
-        dirs.extend(
-            visit
-                .file
-                .path(view.db)
-                .parent()
-                .map(ToOwned::to_owned)
-                .filter(|_| visit.includer.is_some()),
-        );
+    // Directories of packages: those in which other includes were found, without the path that was written.
+    let walked = walk_unit(view.db, view.unit);
+    let mut open: Vec<Utf8PathBuf> = Vec::new();
+    for visit in &walked.visits {
+        let Some((by, _)) = visit.includer else {
+            continue;
+        };
+        let Some(by) = walked.visits.get(by as usize) else {
+            continue;
+        };
+        let (found, own) = (visit.file.path(view.db), by.file.path(view.db).parent());
+        if visit.file == view.file {
+            open.push(by.file.path(view.db).clone());
+        }
+        for written in crate::unit::walk::skeleton(view.db, by.file).lines() {
+            let written = written.split(['"', '<', '>']).nth(1).unwrap_or_default();
+            let root = found.as_str().strip_suffix(written);
+            let root = root
+                .and_then(|it| it.strip_suffix('/'))
+                .filter(|_| !written.is_empty());
+            dirs.extend(
+                root.map(Utf8PathBuf::from)
+                    .filter(|it| Some(it.as_path()) != own),
+            );
+        }
     }
     let mut seen = FxHashSet::default();
     for dir in dirs {
@@ -255,8 +361,10 @@ fn include(view: &FileView<'_>, operand: &str, at: usize, out: &mut Completions)
             if entry.name.starts_with('.') && !name.starts_with('.') {
                 continue;
             }
-            let own = dir.join(&entry.name) == *view.file.path(view.db);
-            let specification = ["gen", "idl", "h", "hh"]
+            let path = dir.join(&entry.name);
+            // What includes this file would include itself.
+            let own = path == *view.file.path(view.db) || open.contains(&path);
+            let specification = ["gen", "idl"]
                 .iter()
                 .any(|it| entry.name.ends_with(&format!(".{it}")));
             if entry.is_dir {

@@ -1,106 +1,158 @@
 //! What begins a statement, by body, with snippets for whole clauses.
+//!
+//! A clause is filled in with what there is, so that it is right as it stands: `@task` is a task of the component,
+//! `@main` a name like `main` that is free. A clause for which there is nothing yet is not offered.
 
-use super::Completions;
-use crate::ide::context::{BodyKind, Context};
+use super::{
+    Completions, codel,
+    names::{Names, Wanted},
+    pattern,
+};
+use crate::{
+    ide::context::{BodyKind, Context},
+    model::ComponentKind,
+};
 
 /// A keyword, and what it inserts. Spellings are those most published components use.
 type Statement = (&'static str, &'static str);
 
 const IDL: &[Statement] = &[
-    ("const", "const ${1:long} ${2:name} = ${3:0};"),
-    ("typedef", "typedef ${1:long} ${2:name};"),
-    ("struct", "struct ${1:name} {\n\t$0\n};"),
+    ("const", "const ${1:long} ${2:@name} = ${3:0};"),
+    ("typedef", "typedef ${1:long} ${2:@name};"),
+    (
+        "struct",
+        "struct ${1:@name} {\n\t${2:long} ${3:member};$0\n};",
+    ),
     (
         "union",
-        "union ${1:name} switch (${2:long}) {\n\tcase ${3:0}: $0\n};",
+        "union ${1:@name} switch (${2:long}) {\n\tcase ${3:0}: ${4:long} ${5:member};$0\n};",
     ),
-    ("enum", "enum ${1:name} {\n\t$0\n};"),
-    ("exception", "exception ${1:name};"),
-    ("native", "native ${1:name};"),
+    ("enum", "enum ${1:@name} {\n\t${2:@NAME}$0\n};"),
+    ("exception", "exception ${1:@e_name};"),
+    ("native", "native ${1:@name};"),
+];
+
+/// Types that are declared with a member of them.
+const NESTED: &[Statement] = &[
+    (
+        "struct",
+        "struct ${1:@name} {\n\t${2:long} ${3:member};$0\n} ${4:@entry};",
+    ),
+    (
+        "union",
+        "union ${1:@name} switch (${2:long}) {\n\tcase ${3:0}: ${4:long} ${5:member};$0\n} ${6:@entry};",
+    ),
+    ("enum", "enum ${1:@name} {\n\t${2:@NAME}$0\n} ${3:@entry};"),
 ];
 
 const SPECIFICATION: &[Statement] = &[
     (
         "component",
-        "component ${1:name} {\n\tversion \"${2:1.0}\";\n\tlang \"${3|c,c++|}\";\n\n\t$0\n};",
+        "component ${1:@name} {\n\tversion \"${2:1.0}\";\n\tlang \"${3|c,c++|}\";\n\n\t$0\n};",
     ),
-    ("interface", "interface ${1:name} {\n\t$0\n};"),
-    ("module", "module ${1:name} {\n\t$0\n};"),
+    ("interface", "interface ${1:@name} {\n\t$0\n};"),
+    (
+        "module",
+        "module ${1:@name} {\n\t${2:typedef long ${3:@t_name};}$0\n};",
+    ),
 ];
 
 const COMPONENT: &[Statement] = &[
-    ("port in", "port in ${1:type} ${2:name};"),
-    ("port out", "port out ${1:type} ${2:name};"),
-    ("port multiple in", "port multiple in ${1:type} ${2:name};"),
+    ("port in", "port in ${1:@port-type} ${2:@data};"),
+    ("port out", "port out ${1:@port-type} ${2:@data};"),
+    (
+        "port multiple in",
+        "port multiple in ${1:@port-type} ${2:@data};",
+    ),
     (
         "port multiple out",
-        "port multiple out ${1:type} ${2:name};",
+        "port multiple out ${1:@port-type} ${2:@data};",
     ),
-    ("ids", "ids {\n\t$0\n};"),
-    (
-        "task",
-        // Its machine begins, goes round and can be stopped, so that nothing is to be said of it.
-        "task ${1:main} {\n\tperiod ${2:10} ms;\n\n\tcodel<start> ${1}_start(${3:out ::ids})\n\t\tyield ${4:run};\n\t\
-         codel<${4}> ${1}_${4}($5)\n\t\tyield pause::${4}, stop;\n\tcodel<stop> ${1}_stop()\n\t\tyield ether;$0\n};",
-    ),
-    (
-        "task aperiodic",
-        "task ${1:main} {\n\tcodel<start> ${1}_start(${2:out ::ids})\n\t\tyield ether;$0\n};",
-    ),
-    ("attribute", "attribute ${1:name}(${2:in }$3);$0"),
-    (
-        "function",
-        "function ${1:name}($2) {\n\tdoc \"${3}\";\n\n\tcodel ${4:name}($5);$0\n};",
-    ),
-    (
-        "activity",
-        "activity ${1:name}($2) {\n\tdoc \"${3}\";\n\ttask ${4:main};\n\n\tcodel<start> ${5:name}($6)\n\t\tyield ${7:ether};$0\n};",
-    ),
+    ("ids", "ids {\n\t${1:long} ${2:@state};$0\n};"),
     ("doc", "doc \"$0\";"),
     ("version", "version \"${1:1.0}\";"),
     ("lang", "lang \"${1|c,c++|}\";"),
     ("email", "email \"$0\";"),
     ("require", "require \"$0\";"),
     ("codels-require", "codels-require \"$0\";"),
-    ("clock-rate", "clock-rate ${1:1} ms;"),
-    ("provides", "provides $0;"),
-    ("uses", "uses $0;"),
-    ("extends", "extends $0;"),
-    ("throw", "throw $0;"),
+    ("clock-rate", "clock-rate ${1:@rate};"),
+    ("provides", "provides ${1:@interface};"),
+    ("uses", "uses ${1:@interface};"),
+    ("extends", "extends ${1:@interface};"),
+    ("throw", "throw ${1:@exception};"),
+];
+
+/// Tasks and services, with codels.
+const IMPLEMENTED: &[Statement] = &[
+    (
+        "task",
+        // Its machine begins, goes round and can be stopped, so that nothing is to be said of it.
+        "task ${1:@main} {\n\tperiod ${2:@period};\n\n\tcodel<start> ${1}_start(${3:@ids})\n\t\tyield ${4:run};\n\t\
+         codel<${4}> ${1}_${4}($5)\n\t\tyield pause::${4}, stop;\n\tcodel<stop> ${1}_stop()\n\t\tyield ether;$0\n};",
+    ),
+    (
+        "task aperiodic",
+        "task ${1:@main} {\n\tcodel<start> ${1}_start(${2:@ids})\n\t\tyield ether;$0\n};",
+    ),
+    ("attribute", "attribute ${1:@name}(${2:in @member}$3);$0"),
+    (
+        "function",
+        "function ${1:@name}($2) {\n\tdoc \"${3}\";\n\n\tcodel ${4:@name_codel}($5);$0\n};",
+    ),
+    (
+        "activity",
+        "activity ${1:@name}($2) {\n\tdoc \"${3}\";\n\ttask ${4:@task};\n\n\tcodel<start> ${5:@name_start}($6)\n\t\t\
+         yield ${7:ether};$0\n};",
+    ),
+];
+
+/// The same in interfaces, whose components have the codels.
+const DECLARED: &[Statement] = &[
+    (
+        "function",
+        "function ${1:@name}($2) {\n\tdoc \"${3}\";$0\n};",
+    ),
+    (
+        "activity",
+        "activity ${1:@name}($2) {\n\tdoc \"${3}\";$0\n};",
+    ),
 ];
 
 const TASK: &[Statement] = &[
-    ("period", "period ${1:10} ms;"),
-    ("delay", "delay ${1:0} ms;"),
+    ("period", "period ${1:@period};"),
+    ("delay", "delay ${1:@delay};"),
     ("priority", "priority ${1:100};"),
     ("scheduling", "scheduling real-time;"),
     ("stack", "stack ${1:64} k;"),
 ];
 
 const SERVICE: &[Statement] = &[
-    ("interrupt", "interrupt $0;"),
-    ("before", "before $0;"),
-    ("after", "after $0;"),
-    ("validate", "validate ${1:name}($0);"),
+    ("interrupt", "interrupt ${1:@service};"),
+    ("before", "before ${1:@service};"),
+    ("after", "after ${1:@service};"),
+    ("validate", "validate ${1:@check_codel}($0);"),
 ];
 
 const MACHINE: &[Statement] = &[
     (
         "codel",
-        "codel<${1:start}> ${2:name}($3)\n\tyield ${4:ether};$0",
+        "codel<${1:@next-state}> ${2:@codel}($3)\n\tyield ${4:ether};$0",
     ),
     (
         "async codel",
-        "async codel<${1:start}> ${2:name}($3)\n\tyield ${4:ether};$0",
+        "async codel<${1:@next-state}> ${2:@codel}($3)\n\tyield ${4:ether};$0",
     ),
 ];
 
-const SIMPLE: &[Statement] = &[("codel", "codel ${1:name}($0);")];
-const TASK_OF: &[Statement] = &[("task", "task $0;")];
-const LOCAL: &[Statement] = &[("local", "local ${1:long} ${2:name};")];
+const SIMPLE: &[Statement] = &[("codel", "codel ${1:@codel}($0);")];
+const TASK_OF: &[Statement] = &[("task", "task ${1:@task};")];
+const LOCAL: &[Statement] = &[("local", "local ${1:long} ${2:@variable};")];
 const DOC: &[Statement] = &[("doc", "doc \"$0\";")];
-const THROW: &[Statement] = &[("throw", "throw $0;")];
-const CASES: &[Statement] = &[("case", "case ${1:0}: $0"), ("default", "default: $0")];
+const THROW: &[Statement] = &[("throw", "throw ${1:@exception};")];
+const CASES: &[Statement] = &[
+    ("case", "case ${1:0}: ${2:long} ${3:@member_name};$0"),
+    ("default", "default: ${1:long} ${2:@member_name};$0"),
+];
 
 /// Given once only, within one pair of braces (language reference, section 9).
 const ONCE: &[&str] = &[
@@ -117,15 +169,33 @@ const ONCE: &[&str] = &[
     "before",
     "after",
     "doc",
+    "ids",
+    "default",
 ];
 
-pub(super) fn statements(context: &Context, body: BodyKind, out: &mut Completions) {
+pub(super) fn statements(
+    names: &Names<'_, '_>,
+    context: &Context,
+    body: BodyKind,
+    out: &mut Completions,
+) {
     use BodyKind::*;
     let tables: &[(&[Statement], u8)] = match body {
         Specification => &[(SPECIFICATION, 0), (IDL, 1)],
         Module => &[(IDL, 0), (&SPECIFICATION[2..], 1)],
-        Component | Interface => &[(COMPONENT, 0), (IDL, 2)],
-        Members | Ids => &[(&IDL[2..5], 4)],
+        Component => &[
+            (&COMPONENT[..5], 0),
+            (IMPLEMENTED, 0),
+            (&COMPONENT[5..], 0),
+            (IDL, 2),
+        ],
+        Interface => &[
+            (&COMPONENT[..4], 0),
+            (DECLARED, 0),
+            (&COMPONENT[5..], 1),
+            (IDL, 2),
+        ],
+        Members | Ids => &[(NESTED, 4)],
         Cases => &[(CASES, 0)],
         Task => &[(MACHINE, 2), (TASK, 1), (DOC, 3), (THROW, 3)],
         Port => &[(DOC, 0)],
@@ -142,14 +212,149 @@ pub(super) fn statements(context: &Context, body: BodyKind, out: &mut Completion
         Enum | Unknown => &[],
     };
     let given = &context.top().given;
+    let behind = context.after.rest.first().map(|it| &it.text);
+    let given = |word: &str| {
+        let mut all = given.iter().chain(&context.after.later).chain(behind);
+        all.any(|it| it == word)
+    };
     let in_component = matches!(body, Component | Interface);
+    // The statement is there but for its first word: only that is inserted.
+    let first_words = |word: &str| {
+        let mut all = tables.iter().flat_map(|it| it.0.iter());
+        all.any(|it| it.0.split(' ').next() == Some(word))
+    };
+    let goes_on = context
+        .after
+        .next()
+        .is_some_and(|it| !it.is("}") && !first_words(&it.text));
     for (table, rank) in tables {
         for (word, insert) in *table {
             // In a component `task` declares.
             let once = ONCE.contains(word) && !(in_component && *word == "task");
-            let again = once && given.iter().any(|it| it == word);
-            let rank = if again { rank + 6 } else { *rank };
-            out.snippet(*word, *insert, rank).kind = super::CompletionKind::Keyword;
+            if once && given(word) {
+                continue;
+            }
+            let inserted = match goes_on {
+                true => Some((*word).to_owned()).filter(|_| *word != "task aperiodic"),
+                false => filled(names, context, body, word, insert, &given),
+            };
+            let Some(inserted) = inserted else { continue };
+            let item = out.snippet(*word, inserted, *rank);
+            item.kind = super::CompletionKind::Keyword;
+            item.snippet = !goes_on;
         }
+    }
+}
+
+/// A clause with what there is in the place of each `@word`; `None` if there is nothing of the kind.
+fn filled(
+    names: &Names<'_, '_>,
+    context: &Context,
+    body: BodyKind,
+    word: &str,
+    clause: &str,
+    given: &dyn Fn(&str) -> bool,
+) -> Option<String> {
+    if word == "delay" && !given("period") {
+        return None;
+    }
+    let mut out = String::with_capacity(clause.len());
+    let mut rest = clause;
+    while let Some((before, after)) = rest.split_once('@') {
+        out.push_str(before);
+        let end = after.find(|it: char| !it.is_ascii_alphanumeric() && !"_-".contains(it));
+        let (wanted, tail) = after.split_at(end.unwrap_or(after.len()));
+        out.push_str(&what(names, context, body, wanted)?);
+        rest = tail;
+    }
+    out.push_str(rest);
+    Some(out)
+}
+
+fn what(names: &Names<'_, '_>, context: &Context, body: BodyKind, wanted: &str) -> Option<String> {
+    let component = names.component();
+    let first = |fill: &dyn Fn(&mut Completions)| {
+        let mut found = Completions::empty();
+        fill(&mut found);
+        found.finish().into_iter().next().map(|it| it.label)
+    };
+    match wanted {
+        "port-type" => first(&|out| names.scoped(&[], Wanted::PortTypes, 0, out)),
+        "exception" => first(&|out| names.scoped(&[], Wanted::Exceptions, 0, out)),
+        "interface" => first(&|out| names.interfaces(&[], 0, out)),
+        "task" => {
+            let mut tasks = Completions::empty();
+            super::statement::tasks(names, &mut tasks);
+            tasks.finish().into_iter().next().map(|it| it.label)
+        }
+        "service" => {
+            let own = context.name_of(context.top());
+            let mut others = component?.services.iter().map(|it| &it.name);
+            let other = others.find(|it| Some(*it) != own.as_ref());
+            Some(other.map_or_else(|| "all".to_owned(), ToString::to_string))
+        }
+        "member" => Some(names.carried(names.ids()?).first()?.0.to_string()),
+        "ids" => {
+            let shared = names.ids().is_some() && !codel::has_async(component?);
+            Some(if shared { "out ::ids" } else { "" }.to_owned())
+        }
+        "next-state" => codel::next_state(names, context),
+        "codel" => Some(match body {
+            BodyKind::Task | BodyKind::Activity => {
+                pattern::codel_name(names, context, codel::next_state(names, context).as_deref())
+            }
+            _ => pattern::codel_name(names, context, None),
+        }),
+        "rate" => Some(time(clock(names).unwrap_or((1, 1000)))),
+        "delay" => Some(format!("0 {}", "ms")),
+        // A multiple of the clock, near 10 ms.
+        "period" => Some(match component.and_then(|it| it.clock_rate.as_ref()) {
+            Some(rate) if component.is_some_and(|it| it.kind == ComponentKind::Component) => {
+                let rate = rate.value;
+                let ten = crate::model::Seconds::new(1, 100);
+                let times = (ten / rate).floor().max(1.into());
+                let value = rate * times;
+                time((*value.numer(), *value.denom()))
+            }
+            _ => "10 ms".to_owned(),
+        }),
+        base => Some(names.free(base)),
+    }
+}
+
+/// The longest time that all periods and delays of the component are multiples of, up to a millisecond.
+fn clock(names: &Names<'_, '_>) -> Option<(i128, i128)> {
+    let tasks = &names.component()?.tasks;
+    let times = tasks
+        .iter()
+        .flat_map(|it| it.period.iter().chain(&it.delay));
+    let times: Vec<_> = times.map(|it| it.value).collect();
+    let fits = |rate: &&(i128, i128)| {
+        let rate = crate::model::Seconds::new(rate.0, rate.1);
+        times.iter().all(|it| (*it / rate).is_integer())
+    };
+    [
+        (1, 1000),
+        (1, 2000),
+        (1, 10_000),
+        (1, 100_000),
+        (1, 1_000_000),
+    ]
+    .iter()
+    .find(fits)
+    .copied()
+}
+
+/// A time as it is written, in the largest unit in which it is an integer.
+fn time((numerator, denominator): (i128, i128)) -> String {
+    let units = [(1, "s"), (1_000, "ms"), (1_000_000, "us")];
+    let whole = units.iter().rev().rfind(|it| {
+        numerator
+            .checked_mul(it.0)
+            .is_some_and(|product| product % denominator == 0)
+    });
+    match whole {
+        Some((scale, unit)) => format!("{} {unit}", numerator * scale / denominator),
+        None => "10 ms".to_owned(),
     }
 }

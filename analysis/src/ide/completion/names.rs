@@ -5,13 +5,14 @@ use smol_str::SmolStr;
 
 use super::{CompletionKind, Completions};
 use crate::{
+    elab::types::has_native,
     elab::{DefId, DefKind, Definition, Elaborated, Entity},
     ide::{
         FileView, SymbolKind,
         context::{BodyKind, Context, FrameKind, Word},
         render,
     },
-    model::{Component, Spec, TypeId, TypeKind},
+    model::{Component, Spec, TypeId, TypeKind, Value},
 };
 
 /// What is visible at the cursor.
@@ -23,16 +24,26 @@ pub(in crate::ide) struct Names<'a, 'db> {
     /// The component around the cursor: index into the spec.
     component: Option<u32>,
     at: usize,
+    /// Where the statement begins in which the cursor is, with the types around it: what is declared from here on is
+    /// not known yet at the cursor.
+    begins: usize,
     /// Definitions that live in scopes, by full path.
     paths: FxHashMap<Vec<SmolStr>, DefId>,
 }
+
+/// The rank of what is not proposed.
+const NEVER: u8 = u8::MAX;
 
 /// Which names of scopes are wanted.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Wanted {
     Types,
-    /// With a name, so a port may carry them.
+    /// What services and ports may carry: nothing native.
     PortTypes,
+    /// Of constants.
+    ConstTypes,
+    /// What a union may switch on.
+    SwitchTypes,
     Constants,
     Exceptions,
 }
@@ -96,6 +107,7 @@ impl<'a, 'db> Names<'a, 'db> {
             scope,
             component: component.and_then(by_name).map(|it| it as u32),
             at,
+            begins: begins(context, at),
             paths,
         }
     }
@@ -122,10 +134,55 @@ impl<'a, 'db> Names<'a, 'db> {
         Some(found.id.0)
     }
 
+    /// Whether what was found is declared before the cursor; what has no place is.
+    pub(super) fn is_known(&self, definition: Option<u32>) -> bool {
+        let found = definition.and_then(|it| self.elaborated.definitions.get(it as usize));
+        found.is_none_or(|it| self.is_before(it))
+    }
+
+    /// Whether a definition stands above the cursor.
+    pub(super) fn is_above(&self, definition: Option<u32>) -> bool {
+        let found = definition.and_then(|it| self.elaborated.definitions.get(it as usize));
+        found.is_none_or(|it| match self.view.place(it.src) {
+            Some((file, range)) if file == self.view.file => usize::from(range.start()) < self.at,
+            _ => true,
+        })
+    }
+
+    /// Members that a service may carry.
+    pub(super) fn carried(&self, ty: TypeId) -> Vec<(SmolStr, TypeId)> {
+        let mut all = self.members(ty);
+        all.retain(|it| !has_native(self.spec(), it.1));
+        all
+    }
+
+    /// The ids of the component, if they are declared before the cursor.
+    pub(super) fn ids(&self) -> Option<TypeId> {
+        let ids = self.component()?.ids?;
+        self.is_known(self.definition_of(ids)).then_some(ids)
+    }
+
     /// The declaration of a type object.
     pub(super) fn definition_of(&self, ty: TypeId) -> Option<u32> {
         let all = &self.elaborated.definitions;
         Some(all.iter().find(|it| it.ty == Some(ty))?.id.0)
+    }
+
+    /// Whether the cursor is in a declaration.
+    pub(super) fn is_around(&self, node: crate::model::Src) -> bool {
+        let found = self.view.place(node);
+        found.is_some_and(|(file, range)| {
+            let (start, end) = (usize::from(range.start()), usize::from(range.end()));
+            file == self.view.file && start <= self.at && self.at <= end
+        })
+    }
+
+    /// Whether something begins at an offset of the file.
+    pub(super) fn is_at(&self, src: crate::model::Src, offset: usize) -> bool {
+        let found = self.view.place(src);
+        found.is_some_and(|(file, range)| {
+            file == self.view.file && usize::from(range.start()) == offset
+        })
     }
 
     /// What a path means from the cursor (language reference, 5.4).
@@ -150,7 +207,9 @@ impl<'a, 'db> Names<'a, 'db> {
     /// Whether a declaration comes before the cursor, as far as that can be told.
     fn is_before(&self, it: &Definition) -> bool {
         match self.view.place(it.src) {
-            Some((file, range)) if file == self.view.file => usize::from(range.start()) < self.at,
+            Some((file, range)) if file == self.view.file => {
+                usize::from(range.start()) < self.begins
+            }
             _ => true,
         }
     }
@@ -216,51 +275,91 @@ impl<'a, 'db> Names<'a, 'db> {
 
     fn fits(&self, it: &Definition, wanted: Wanted) -> bool {
         match wanted {
-            Wanted::Types | Wanted::PortTypes => match it.kind {
-                DefKind::Typedef | DefKind::Struct | DefKind::Union | DefKind::Enum | DefKind::Ids => true,
-                DefKind::Native => wanted == Wanted::Types,
-                DefKind::Exception => it.ty.is_some_and(|ty| {
-                    matches!(&self.spec().ty(ty).kind, TypeKind::Exception { members } if !members.is_empty())
-                }),
-                _ => false,
-            },
+            Wanted::Types | Wanted::PortTypes => {
+                let carried = |ty| wanted == Wanted::Types || !has_native(self.spec(), ty);
+                matches!(
+                    it.kind,
+                    DefKind::Typedef
+                        | DefKind::Struct
+                        | DefKind::Union
+                        | DefKind::Enum
+                        | DefKind::Ids
+                        | DefKind::Native
+                ) && it.ty.is_none_or(carried)
+            }
+            Wanted::ConstTypes | Wanted::SwitchTypes => {
+                let kind = it
+                    .ty
+                    .map(|it| &self.spec().ty(self.spec().resolve_alias(it)).kind);
+                matches!(it.kind, DefKind::Typedef | DefKind::Enum)
+                    && kind.is_some_and(|it| has_values(it, wanted == Wanted::SwitchTypes))
+            }
             Wanted::Constants => matches!(it.kind, DefKind::Const | DefKind::Enumerator),
             Wanted::Exceptions => it.kind == DefKind::Exception,
         }
     }
 
     /// Everything that may begin a type.
-    pub(super) fn types(&self, before: &[Word], port: bool, rank: u8, out: &mut Completions) {
-        let wanted = if port {
-            Wanted::PortTypes
-        } else {
-            Wanted::Types
-        };
-        self.scoped(before, wanted, rank, out);
-        if port || before.last().is_some_and(|it| it.is("::")) {
+    pub(super) fn types(&self, before: &[Word], wanted: Wanted, rank: u8, out: &mut Completions) {
+        let named_only = wanted == Wanted::PortTypes;
+        self.scoped(before, wanted, rank + u8::from(!named_only), out);
+        if named_only || before.last().is_some_and(|it| it.is("::")) {
             return;
         }
+        self.base_types(wanted, rank, out);
+    }
+
+    /// The types of the language, those that are used most first.
+    pub(super) fn base_types(&self, wanted: Wanted, rank: u8, out: &mut Completions) {
         for it in [
-            "boolean",
-            "char",
             "double",
-            "float",
             "long",
-            "long long",
-            "octet",
-            "short",
-            "string",
             "unsigned long",
-            "unsigned long long",
+            "boolean",
+            "string",
+            "octet",
+            "float",
+            "short",
             "unsigned short",
+            "long long",
+            "unsigned long long",
+            "char",
             "any",
         ] {
-            out.add(it, CompletionKind::BaseType, rank + 1);
+            let fits = match wanted {
+                Wanted::SwitchTypes => {
+                    !matches!(it, "double" | "float" | "string" | "octet" | "any")
+                }
+                Wanted::ConstTypes => it != "any",
+                _ => true,
+            };
+            if fits {
+                out.add(it, CompletionKind::BaseType, rank);
+            }
+        }
+        if wanted != Wanted::Types {
+            return;
         }
         out.snippet("sequence<…>", "sequence<${1:long}>", rank + 1);
         out.snippet("sequence<…, n>", "sequence<${1:long}, ${2:8}>", rank + 1);
         out.snippet("optional<…>", "optional<${1:long}>", rank + 1);
         out.snippet("string<n>", "string<${1:64}>", rank + 1);
+    }
+
+    /// A name like this one that nothing has yet, and that begins no other name.
+    pub(super) fn free(&self, base: &str) -> String {
+        let all = &self.elaborated.definitions;
+        let taken = |name: &str| {
+            let begun = format!("{name}_");
+            all.iter()
+                .any(|it| it.name == name || it.name.starts_with(&begun))
+                || dotgen_syntax::SyntaxKind::contextual(name).is_some()
+        };
+        if !taken(base) {
+            return base.to_owned();
+        }
+        let mut numbered = (2_u32..).map(|it| format!("{base}{it}"));
+        numbered.find(|it| !taken(it)).unwrap_or_default()
     }
 
     /// Everything that may stand in an expression; what fits `expected` first.
@@ -270,6 +369,9 @@ impl<'a, 'db> Names<'a, 'db> {
         expected: Option<TypeId>,
         out: &mut Completions,
     ) {
+        if is_operand(before) {
+            return;
+        }
         let first = out.items.len();
         self.scoped(before, Wanted::Constants, 3, out);
         let spec = self.spec();
@@ -286,13 +388,12 @@ impl<'a, 'db> Names<'a, 'db> {
             };
             match (resolved, of) {
                 (Some(wanted), Some(of)) if self.same(wanted, of) => item.rank = 0,
-                // An enumerator is of no use where something else is wanted.
-                (Some(_), Some(of)) if matches!(spec.ty(of).kind, TypeKind::Enum { .. }) => {
-                    item.rank += 3
-                }
+                // Anything else does not convert.
+                (Some(_), Some(_)) => item.rank = NEVER,
                 _ => {}
             }
         }
+        out.items.retain(|it| it.rank != NEVER);
         if before.last().is_some_and(|it| it.is("::")) {
             return;
         }
@@ -300,6 +401,37 @@ impl<'a, 'db> Names<'a, 'db> {
         if boolean || resolved.is_none() {
             out.keywords(&["TRUE", "FALSE"], if boolean { 0 } else { 6 });
         }
+    }
+
+    /// Constants that are numbers; of `whole` ones, those that are not negative.
+    pub(super) fn numbers(&self, before: &[Word], whole: bool, out: &mut Completions) {
+        if is_operand(before) {
+            return;
+        }
+        let first = out.items.len();
+        self.scoped(before, Wanted::Constants, 3, out);
+        let spec = self.spec();
+        let fits = |item: &super::CompletionItem| {
+            let definition = item
+                .definition
+                .and_then(|it| self.elaborated.definitions.get(it as usize))?;
+            // What is only the beginning of a path.
+            let Some(TypeKind::Const { value, .. }) = definition.ty.map(|it| &spec.ty(it).kind)
+            else {
+                return Some(!matches!(definition.kind, DefKind::Enumerator));
+            };
+            Some(match value {
+                Value::Uint(_) => true,
+                Value::Int(it) => *it >= 0,
+                Value::Float(it) => !whole && *it >= 0.0,
+                _ => false,
+            })
+        };
+        let mut index = 0;
+        out.items.retain(|it| {
+            index += 1;
+            index <= first || fits(it).unwrap_or(true)
+        });
     }
 
     /// A type without aliases and optionals.
@@ -356,12 +488,44 @@ impl<'a, 'db> Names<'a, 'db> {
         }
     }
 
+    /// Whether nothing that an interface brings has the name of something that the component has.
+    fn has_room_for(&self, interface: &str) -> bool {
+        let Some(interface) = self
+            .spec()
+            .components
+            .iter()
+            .find(|it| it.name == interface)
+        else {
+            return false;
+        };
+        fn all(it: &Component) -> impl Iterator<Item = &SmolStr> {
+            let services = it.services.iter().map(|it| &it.name);
+            let ports = it.ports.iter().map(|it| &it.name);
+            services
+                .chain(ports)
+                .chain(it.tasks.iter().map(|it| &it.name))
+        }
+        let own = self.component();
+        !all(interface).any(|name| own.is_some_and(|own| all(own).any(|it| it == name)))
+    }
+
+    /// Whether the component provides, uses or extends an interface already.
+    fn lists(&self, interface: &str) -> bool {
+        let all = &self.spec().components;
+        let named = |it: &u32| all.get(*it as usize).is_some_and(|it| it.name == interface);
+        self.component().is_some_and(|it| {
+            let mut listed = it.provides.iter().chain(&it.uses).chain(&it.extends);
+            listed.any(named)
+        })
+    }
+
     /// Components and interfaces by kind, as the author declared them.
     pub(super) fn interfaces(&self, used: &[Word], rank: u8, out: &mut Completions) {
         for it in &self.elaborated.definitions {
             let own = self.component().is_some_and(|own| own.name == it.name);
-            let named = used.iter().any(|word| word.text == it.name);
-            if it.kind == DefKind::Interface && !own && !named && self.is_before(it) {
+            let named = used.iter().any(|word| word.text == it.name) || self.lists(&it.name);
+            let free = || self.has_room_for(&it.name);
+            if it.kind == DefKind::Interface && !own && !named && self.is_before(it) && free() {
                 self.push(it, it.name.to_string(), rank, out);
             }
         }
@@ -384,6 +548,58 @@ pub(in crate::ide) fn qualifier(words: &[Word]) -> (bool, Vec<SmolStr>) {
         }
     }
     (false, segments)
+}
+
+/// Whether an expression ends in an operand: an operator comes next, or nothing.
+fn is_operand(before: &[Word]) -> bool {
+    use dotgen_syntax::SyntaxKind::*;
+    let last = before.last().map(|it| it.kind);
+    matches!(
+        last,
+        Some(INT | FLOAT | STRING | CHAR | IDENT | R_PAREN | R_CURLY | R_BRACK)
+    )
+}
+
+/// Whether constants of a type are possible, or unions that switch on it.
+fn has_values(kind: &TypeKind, switch: bool) -> bool {
+    use TypeKind::*;
+    match kind {
+        Boolean
+        | Char
+        | Short
+        | UnsignedShort
+        | Long
+        | UnsignedLong
+        | LongLong
+        | UnsignedLongLong
+        | Enum { .. } => true,
+        Octet | Float | Double | String { .. } => !switch,
+        _ => false,
+    }
+}
+
+/// See [`Names::begins`].
+fn begins(context: &Context, at: usize) -> usize {
+    let outermost = context.frames.iter().find(|it| {
+        !matches!(
+            it.kind,
+            FrameKind::Body(
+                BodyKind::Specification
+                    | BodyKind::Module
+                    | BodyKind::Component
+                    | BodyKind::Interface
+                    | BodyKind::Ids
+            )
+        )
+    });
+    let first = match outermost {
+        Some(frame) if frame.head < frame.open => frame.head,
+        _ => context.top().start,
+    };
+    context
+        .tokens
+        .get(first)
+        .map_or(at, |it| it.range.start.min(at))
 }
 
 /// What the file is included in: modules and components, outermost first.

@@ -20,14 +20,22 @@ pub(super) fn complete(
 ) {
     let words = context.current();
     let Some(first) = words.first() else {
-        keywords::statements(context, body, out);
+        // Between `}` and its `;`.
+        if context.after.ends {
+            return;
+        }
+        keywords::statements(names, context, body, out);
         match body {
-            BodyKind::Members | BodyKind::Ids => names.types(words, false, 0, out),
+            BodyKind::Members | BodyKind::Ids => {
+                type_or_nothing(names, context, words, Wanted::Types, out);
+            }
             BodyKind::Task | BodyKind::Activity => codel::machine_snippets(names, context, out),
             _ => {}
         }
         if !matches!(body, BodyKind::Enum | BodyKind::Port) {
-            super::directive::macros(names.view, context.word.start, 8, out);
+            let known: Vec<String> = out.items.iter().map(|it| it.label.clone()).collect();
+            let begins = |word: &str| known.iter().any(|it| it.split(' ').next() == Some(word));
+            super::directive::beginning(names.view, context.word.start, 8, &begins, out);
         }
         return;
     };
@@ -38,30 +46,55 @@ pub(super) fn complete(
                 let expected = names.type_before_name(&rest[..eq]);
                 names.constants(&rest[eq + 1..], expected, out);
             }
-            None => type_or_nothing(names, rest, false, out),
+            None => type_or_nothing(names, context, rest, Wanted::ConstTypes, out),
         },
-        "typedef" => type_or_nothing(names, rest, false, out),
+        "typedef" => type_or_nothing(names, context, rest, Wanted::Types, out),
         "union" if rest.len() == 1 => {
-            out.snippet("switch", "switch (${1:long}) {\n\tcase ${2:0}: $0\n}", 0);
+            let clause = match context.after.next() {
+                Some(_) => "switch",
+                None => "switch (${1:long}) {\n\tcase ${2:0}: ${3:long} ${4:member};$0\n};",
+            };
+            out.snippet("switch", clause, 0);
         }
         "case" if !rest.iter().any(|it| it.is(":")) => names.constants(rest, None, out),
         "case" | "default" => {
             let colon = rest.iter().rposition(|it| it.is(":"));
-            type_or_nothing(names, &rest[colon.map_or(0, |it| it + 1)..], false, out);
+            let rest = &rest[colon.map_or(0, |it| it + 1)..];
+            type_or_nothing(names, context, rest, Wanted::Types, out);
         }
-        "port" => port(names, rest, out),
-        "local" => type_or_nothing(names, rest, false, out),
+        "port" => port(names, context, rest, out),
+        "local" => {
+            // As in the list of parameters.
+            let last = rest.split(|it| it.is(",")).next_back().unwrap_or_default();
+            type_or_nothing(names, context, last, Wanted::Types, out);
+        }
         "task" if in_service(body) && rest.is_empty() => {
             tasks(names, out);
         }
         "provides" | "provide" | "uses" | "use" | "extends" | "extend" if expects_name(rest) => {
             names.interfaces(rest, 0, out);
+            in_list(context, out);
         }
         "throws" | "throw" if rest.last().is_none_or(|it| it.is(",") || it.is("::")) => {
             names.scoped(rest, Wanted::Exceptions, 0, out);
+            let same = |it: &[Word], label: &str| {
+                it.iter().map(|it| it.text.as_str()).collect::<String>() == label
+            };
+            let before: Vec<&[Word]> = rest.split(|it| it.is(",")).collect();
+            let qualifier: String = match before.last() {
+                Some(it) => it.iter().map(|it| it.text.as_str()).collect(),
+                None => String::new(),
+            };
+            out.items.retain(|item| {
+                let label = format!("{qualifier}{}", item.label);
+                !before.iter().any(|it| same(it, &label))
+                    && !context.elements_behind().any(|it| same(it, &label))
+            });
+            in_list(context, out);
         }
         "interrupts" | "interrupt" | "before" | "after" if expects_name(rest) => {
-            services(names, rest, out);
+            services(names, rest, context, out);
+            in_list(context, out);
         }
         "scheduling" if rest.is_empty() => out.keywords(&["real-time"], 0),
         "period" | "delay" | "clock-rate" => quantity(names, rest, &["s", "ms", "us"], out),
@@ -69,13 +102,16 @@ pub(super) fn complete(
         "priority" => quantity(names, rest, &[], out),
         "async" if rest.is_empty() => {
             codel::machine_snippets(names, context, out);
-            out.keywords(&["codel"], 4);
+            if !context.after.next().is_some_and(|it| it.is("codel")) {
+                out.keywords(&["codel"], 4);
+            }
         }
         "async" => codel::clause(names, context, &rest[1..], out),
         "codel" => codel::clause(names, context, rest, out),
-        "validate" => after_simple_codel(names, rest, out),
+        "validate" if rest.is_empty() => codel::name(names, context, None, out),
+        "validate" => after_simple_codel(names, context, rest, out),
         _ if matches!(body, BodyKind::Members | BodyKind::Ids) => {
-            type_or_nothing(names, words, false, out);
+            type_or_nothing(names, context, words, Wanted::Types, out);
         }
         _ => {}
     }
@@ -105,29 +141,86 @@ fn expects_name(rest: &[Word]) -> bool {
     rest.last().is_none_or(|it| it.is(","))
 }
 
+/// In a list of names: another name that follows without a comma gets one.
+fn in_list(context: &Context, out: &mut Completions) {
+    let follows = context
+        .after
+        .next()
+        .is_some_and(|it| it.kind == dotgen_syntax::SyntaxKind::IDENT);
+    if follows && context.word.is_empty() {
+        out.with_comma();
+    } else if follows {
+        out.items.clear();
+    }
+}
+
 /// A type, unless one is already there and a name comes next.
 pub(super) fn type_or_nothing(
     names: &Names<'_, '_>,
+    context: &Context,
     words: &[Word],
-    port: bool,
+    wanted: Wanted,
     out: &mut Completions,
 ) {
+    let known = out.items.len();
+    type_at(names, words, wanted, out);
+    let rest = &context.after.rest;
+    let [next, then, ..] = rest.as_slice() else {
+        return;
+    };
+    // The words of a type of the language go together: `unsigned long`.
+    let part = |it: &Word| it.is_any(&["long", "short", "unsigned"]);
+    if !context.word.is_empty() && context.after.same_line && part(next) {
+        let parts = rest.iter().take_while(|it| part(it)).last();
+        let end = parts.map_or(out.replace.end, |it| it.range.end);
+        for item in &mut out.items[known..] {
+            item.replace.end = end;
+        }
+        return;
+    }
+    // A type is there already: another one does not fit before it.
+    let word = |it: &Word| it.kind == dotgen_syntax::SyntaxKind::IDENT;
+    let typed =
+        context.after.same_line && (word(next) && (word(then) || then.is_any(&["::", "<"])));
+    if typed {
+        out.items.truncate(known);
+    }
+    // What has angle brackets, in front of some.
+    if context.after.same_line && next.is("<") {
+        for item in out.items[known..].iter_mut().filter(|it| it.snippet) {
+            let bare = item.insert.split('<').next().unwrap_or_default().to_owned();
+            item.insert = bare;
+            item.snippet = false;
+        }
+        out.items
+            .retain(|it| it.kind != CompletionKind::BaseType || it.label == "string");
+    }
+}
+
+fn type_at(names: &Names<'_, '_>, words: &[Word], wanted: Wanted, out: &mut Completions) {
     let Some(last) = words.last() else {
-        names.types(words, port, 0, out);
+        names.types(words, wanted, 0, out);
         return;
     };
     let before_last = words.len().checked_sub(2).map(|it| &words[it]);
     match last.text.as_str() {
-        "::" => names.types(words, port, 0, out),
+        "::" => names.types(words, wanted, 0, out),
         "<" if before_last.is_some_and(|it| it.is_any(&["sequence", "optional"])) => {
-            names.types(&[], false, 0, out);
+            names.types(&[], Wanted::Types, 0, out);
         }
-        "<" if before_last.is_some_and(|it| it.is("string")) => names.constants(&[], None, out),
-        "," if in_angles(words) => names.constants(&[], None, out),
+        "<" if before_last.is_some_and(|it| it.is("string")) => sizes(names, out),
+        "," if in_angles(words) => sizes(names, out),
         "unsigned" => out.keywords(&["short", "long", "long long"], 0),
-        "long" if before_last.is_none_or(|it| !it.is("long")) => out.keywords(&["long"], 5),
+        "long" if before_last.is_none_or(|it| !it.is_any(&["long", "double"])) => {
+            out.keywords(&["long"], 5);
+        }
         _ => {}
     }
+}
+
+/// Constants that a size can be.
+pub(super) fn sizes(names: &Names<'_, '_>, out: &mut Completions) {
+    names.numbers(&[], true, out);
 }
 
 fn in_angles(words: &[Word]) -> bool {
@@ -142,12 +235,16 @@ fn in_angles(words: &[Word]) -> bool {
     depth > 0
 }
 
-fn port(names: &Names<'_, '_>, rest: &[Word], out: &mut Completions) {
+fn port(names: &Names<'_, '_>, context: &Context, rest: &[Word], out: &mut Completions) {
     let dir = rest.iter().position(|it| it.is_any(&["in", "out"]));
     match dir {
-        Some(dir) => type_or_nothing(names, &rest[dir + 1..], true, out),
+        Some(dir) => type_or_nothing(names, context, &rest[dir + 1..], Wanted::PortTypes, out),
         None => {
-            out.keywords(&["in", "out"], 0);
+            let next = context.after.next();
+            let directed = next.is_some_and(|it| it.is_any(&["in", "out"]));
+            if !directed && !next.is_some_and(|it| it.is("multiple")) {
+                out.keywords(&["in", "out"], 0);
+            }
             if rest.is_empty() {
                 out.keywords(&["multiple"], 1);
             }
@@ -155,12 +252,15 @@ fn port(names: &Names<'_, '_>, rest: &[Word], out: &mut Completions) {
     }
 }
 
-fn tasks(names: &Names<'_, '_>, out: &mut Completions) {
+pub(super) fn tasks(names: &Names<'_, '_>, out: &mut Completions) {
     let Some(component) = names.component() else {
         return;
     };
     for (i, task) in component.tasks.iter().enumerate() {
         let definition = names.part(|c| Entity::Task(c, i as u32));
+        if !names.is_above(definition) {
+            continue;
+        }
         let item = out.add(
             task.name.as_str(),
             CompletionKind::Symbol(SymbolKind::Task),
@@ -174,8 +274,10 @@ fn tasks(names: &Names<'_, '_>, out: &mut Completions) {
     }
 }
 
-fn services(names: &Names<'_, '_>, used: &[Word], out: &mut Completions) {
+fn services(names: &Names<'_, '_>, used: &[Word], context: &Context, out: &mut Completions) {
     let component = names.component();
+    let behind: Vec<Word> = context.elements_behind().flatten().cloned().collect();
+    let used = [used, &behind].concat();
     for (i, service) in component
         .into_iter()
         .flat_map(|it| it.services.iter().enumerate())
@@ -202,23 +304,30 @@ pub(super) fn quantity(
 ) {
     use dotgen_syntax::SyntaxKind::*;
     match rest.last().map(|it| it.kind) {
+        // The unit is there already.
+        Some(IDENT) if rest.len() > 1 && rest.last().is_some_and(|it| it.is_any(units)) => {}
         Some(INT | FLOAT | IDENT | R_PAREN) => {
             for it in units {
                 out.add(*it, CompletionKind::Unit, 0);
             }
         }
         _ => {
-            names.constants(rest, None, out);
-            out.items.retain(|it| it.kind != CompletionKind::Keyword);
+            names.numbers(rest, units.is_empty(), out);
             super::directive::values(names.view, names.at(), 4, out);
         }
     }
 }
 
-pub(super) fn after_simple_codel(names: &Names<'_, '_>, rest: &[Word], out: &mut Completions) {
+pub(super) fn after_simple_codel(
+    names: &Names<'_, '_>,
+    context: &Context,
+    rest: &[Word],
+    out: &mut Completions,
+) {
+    let timed = context.after.rest.iter().any(|it| it.is("wcet"));
     if let Some(wcet) = rest.iter().rposition(|it| it.is("wcet")) {
         quantity(names, &rest[wcet + 1..], &["s", "ms", "us"], out);
-    } else if rest.last().is_some_and(|it| it.is(")")) {
+    } else if rest.last().is_some_and(|it| it.is(")")) && !timed {
         out.snippet("wcet", "wcet ${1:1} ms", 1);
     }
 }

@@ -85,6 +85,7 @@ fn to_proto(
         label: it.label,
         kind: Some(kind(it.kind)),
         detail: it.detail,
+        filter_text: it.filter,
         sort_text: Some(format!("{:02}{order:05}", it.rank)),
         insert_text_format: Some(match it.snippet && snippets {
             true => InsertTextFormat::SNIPPET,

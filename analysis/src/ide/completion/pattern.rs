@@ -1,0 +1,146 @@
+//! Names of codels by the pattern that the component's other codels follow.
+
+use rustc_hash::FxHashMap;
+
+use super::names::Names;
+use crate::{
+    ide::context::{BodyKind, Context},
+    model::{CodelKind, Component},
+};
+
+/// A pattern: `{c}` is the component, `{o}` the task or service, `{s}` the state; in capitals where these are written
+/// in camel case.
+type Pattern = String;
+
+/// A name for a codel of the task or service around the cursor, for a state if it is a machine's; free in the component.
+pub(super) fn codel_name(names: &Names<'_, '_>, context: &Context, state: Option<&str>) -> String {
+    let (_, frame) = context.body();
+    let owner = context.name_of(frame).unwrap_or_default();
+    let fallback = match (owner.is_empty(), state) {
+        (true, _) => "codel".to_owned(),
+        (false, Some(_)) => "{o}_{s}".to_owned(),
+        (false, None) => "{o}_codel".to_owned(),
+    };
+    let component = names.component();
+    let pattern = component.and_then(|it| usual(it, state.is_some(), context.body().0));
+    let pattern = pattern.unwrap_or(fallback);
+    let own = component.map_or("", |it| it.name.as_str());
+    let state = state.unwrap_or_default();
+    let name = pattern
+        .replace("{c}", own)
+        .replace("{o}", &owner)
+        .replace("{s}", state)
+        .replace("{O}", &camel(&owner))
+        .replace("{S}", &camel(state));
+    names.free(&name)
+}
+
+/// The pattern that most codels of the component follow.
+fn usual(component: &Component, machine: bool, body: BodyKind) -> Option<Pattern> {
+    let mut counts: FxHashMap<Pattern, usize> = FxHashMap::default();
+    let tasks = component
+        .tasks
+        .iter()
+        .map(|it| (BodyKind::Task, &it.name, &it.codels));
+    let services = component
+        .services
+        .iter()
+        .map(|it| (BodyKind::Activity, &it.name, &it.codels));
+    for (kind, owner, codels) in tasks.chain(services) {
+        for codel in codels {
+            if machine != (codel.kind == CodelKind::Fsm) || machine && kind != body {
+                continue;
+            }
+            let state = codel.triggers.first().map_or("", |it| it.name.as_str());
+            if let Some(found) = pattern_of(&codel.name, &component.name, owner, state) {
+                *counts.entry(found).or_default() += 1;
+            }
+        }
+    }
+    // Of equally usual ones, the same each time.
+    let best = counts
+        .into_iter()
+        .max_by(|a, b| (a.1, &b.0).cmp(&(b.1, &a.0)));
+    best.map(|it| it.0)
+}
+
+/// The pattern of one name; `None` if it does not tell one codel from another.
+fn pattern_of(name: &str, component: &str, owner: &str, state: &str) -> Option<Pattern> {
+    let parts = [
+        (owner.to_owned(), "{o}"),
+        (camel(owner), "{O}"),
+        (state.to_owned(), "{s}"),
+        (camel(state), "{S}"),
+        (component.to_owned(), "{c}"),
+    ];
+    let mut parts: Vec<_> = parts.into_iter().filter(|it| !it.0.is_empty()).collect();
+    // A longer word may hold a shorter one.
+    parts.sort_by_key(|it| std::cmp::Reverse(it.0.len()));
+    let mut out = name.to_owned();
+    for (word, place) in parts {
+        if let Some(at) = whole(&out, &word) {
+            out.replace_range(at..at + word.len(), place);
+        }
+    }
+    let tells = |it: &str| out.contains(it);
+    let owner_told = tells("{o}") || tells("{O}");
+    let state_told = state.is_empty() || tells("{s}") || tells("{S}");
+    (owner_told && state_told).then_some(out)
+}
+
+/// Where a word stands in a name, bounded by `_`, a change of case, or a place that was found already.
+fn whole(name: &str, word: &str) -> Option<usize> {
+    let bytes = name.as_bytes();
+    let mut from = 0;
+    while let Some(found) = name.get(from..)?.find(word) {
+        let at = from + found;
+        let end = at + word.len();
+        let starts = at == 0
+            || matches!(bytes.get(at - 1), Some(b'_' | b'}'))
+            || bytes.get(at).is_some_and(u8::is_ascii_uppercase);
+        let ends = bytes
+            .get(end)
+            .is_none_or(|it| matches!(it, b'_' | b'{') || it.is_ascii_uppercase());
+        let inside = name
+            .get(..at)
+            .is_some_and(|it| it.matches('{').count() > it.matches('}').count());
+        if starts && ends && !inside {
+            return Some(at);
+        }
+        from = at + 1;
+    }
+    None
+}
+
+/// `set_color` as `SetColor`.
+fn camel(name: &str) -> String {
+    let mut out = String::with_capacity(name.len());
+    for part in name.split('_') {
+        let mut chars = part.chars();
+        out.extend(chars.next().map(|it| it.to_ascii_uppercase()));
+        out.push_str(chars.as_str());
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn patterns_name_component_owner_and_state() {
+        let of = |name, owner, state| pattern_of(name, "tank", owner, state);
+        assert_eq!(
+            of("tank_fill_start", "fill", "start").as_deref(),
+            Some("{c}_{o}_{s}")
+        );
+        assert_eq!(
+            of("SetColorStart", "set_color", "start").as_deref(),
+            Some("{O}{S}")
+        );
+        assert_eq!(of("fill", "fill", "").as_deref(), Some("{o}"));
+        // `all` is no part of `fallen`, and nothing tells two states apart.
+        assert_eq!(of("fallen", "all", ""), None);
+        assert_eq!(of("tank_fill", "fill", "start"), None);
+    }
+}

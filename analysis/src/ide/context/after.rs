@@ -1,0 +1,110 @@
+//! What follows the cursor: the rest of the list and statement around it, and the statements behind it.
+
+use dotgen_syntax::SyntaxKind;
+use smol_str::SmolStr;
+
+use super::Word;
+use crate::ide::FileView;
+
+/// Tokens that are looked at; longer bodies are seldom written.
+const MOST: usize = 4_000;
+
+/// See the module.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(crate) struct After {
+    /// The rest of the statement, brackets included, up to its `;`, to the end of the innermost body, or to a `{`.
+    pub(crate) rest: Vec<Word>,
+    /// Whether the first of these stands on the line of the cursor.
+    pub(crate) same_line: bool,
+    /// First words of the statements behind this one in the same body.
+    pub(crate) later: Vec<SmolStr>,
+    /// Whether the next thing is the `;` that ends the statement.
+    pub(crate) ends: bool,
+}
+
+impl After {
+    pub(super) fn new(view: &FileView<'_>, at: usize) -> After {
+        let (raw, text) = (view.raw(), view.text());
+        let mut out = After::default();
+        if raw.is_empty() || at >= text.len() {
+            return out;
+        }
+        let first = raw.token_at(at);
+        let mut rest_open = true;
+        let mut begins = false;
+        let mut line = true;
+        let mut directive = false;
+        let mut depth = 0_usize;
+        for i in (first..raw.len()).take(MOST) {
+            let (kind, range) = (raw.kind(i), raw.range(i));
+            if range.start < at {
+                continue;
+            }
+            let spelt = raw.text(text, i);
+            if kind.is_trivia() {
+                let breaks = spelt.contains('\n');
+                line &= !breaks;
+                directive &= !breaks;
+                continue;
+            }
+            directive |= spelt == "#";
+            if directive {
+                continue;
+            }
+            if out.rest.is_empty() && rest_open {
+                out.same_line = line;
+                out.ends = kind == SyntaxKind::SEMICOLON;
+            }
+            use SyntaxKind::*;
+            match kind {
+                // A bracket that is closed here was opened before the cursor, but for braces it ends a list only.
+                R_CURLY if depth == 0 => break,
+                R_CURLY => depth -= 1,
+                L_CURLY => {
+                    rest_open = false;
+                    depth += 1;
+                }
+                SEMICOLON if depth == 0 => {
+                    rest_open = false;
+                    begins = true;
+                    continue;
+                }
+                _ => {}
+            }
+            if begins && depth == 0 {
+                out.later.push(spelt.into());
+            }
+            begins = kind == R_CURLY && depth == 0;
+            if rest_open {
+                out.rest.push(Word {
+                    kind: match kind {
+                        it if it.is_keyword() => IDENT,
+                        it => it,
+                    },
+                    text: spelt.into(),
+                    range,
+                });
+            }
+        }
+        out
+    }
+
+    /// The next word or sign of the statement, if the cursor's line goes on with it.
+    pub(crate) fn next(&self) -> Option<&Word> {
+        self.rest.first().filter(|_| self.same_line)
+    }
+
+    /// The rest of the list around the cursor: up to the bracket that closes it, or to the end of the statement.
+    pub(crate) fn list(&self) -> &[Word] {
+        let mut depth = 0_i32;
+        let end = self.rest.iter().position(|it| {
+            match it.text.as_str() {
+                "(" | "[" | "<" => depth += 1,
+                ")" | "]" | ">" => depth -= 1,
+                _ => {}
+            }
+            depth < 0
+        });
+        &self.rest[..end.unwrap_or(self.rest.len())]
+    }
+}

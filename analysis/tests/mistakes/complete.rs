@@ -1,0 +1,280 @@
+//! What completion offers is legal: taking an item brings no error that was not there.
+//!
+//! A place is a boundary of tokens of a right text: in front of a token, or inside a word of which a few letters are
+//! typed. An item is illegal if the text has new errors with it however it goes on: with what follows, without the next
+//! tokens, without the rest of the element or statement, or with one more item behind it where the item is only the
+//! beginning of something (`port`, `in`, `pause::`).
+//!
+//! `COMPLETIONS=400` tries so many places with all their items, `COMPLETIONS=all` every place.
+
+use std::collections::BTreeMap;
+
+use dotgen_analysis::{
+    host::{Analysis, Change, Config},
+    ide::{CompletionItem, FilePosition, plain_snippet},
+};
+
+use super::{mutate::Random, *};
+
+/// Places tried in the suite, and items of each.
+const PLACES: usize = 260;
+const ITEMS: usize = 3;
+
+/// How many errors of each code.
+type Errors = BTreeMap<String, usize>;
+
+/// One component in an analysis whose text is changed again and again.
+struct Bench<'a> {
+    component: &'a Component,
+    host: AnalysisHost,
+    right: Errors,
+}
+
+impl<'a> Bench<'a> {
+    fn new(component: &'a Component) -> Bench<'a> {
+        let loader = Overlay {
+            path: component.path.clone(),
+            text: component.text.clone(),
+            packages: component.includes.clone(),
+        };
+        let mut host = AnalysisHost::new(Arc::new(loader));
+        host.apply(Change {
+            roots: Some(vec![component.path.clone()]),
+            config: Some(Config {
+                include_dirs: component.includes.clone(),
+                ..Config::default()
+            }),
+            ..Change::default()
+        });
+        let mut bench = Bench {
+            component,
+            host,
+            right: Errors::new(),
+        };
+        bench.right = bench.errors(&component.text);
+        bench
+    }
+
+    fn with(&mut self, text: &str) -> Analysis {
+        self.host.apply(Change {
+            files: vec![(self.component.path.clone(), Some(text.to_owned()))],
+            ..Change::default()
+        });
+        self.host.analysis()
+    }
+
+    fn errors(&mut self, text: &str) -> Errors {
+        let path = self.component.path.clone();
+        let all = self.with(text).root_diagnostics(&path).unwrap();
+        let mut out = Errors::new();
+        for it in all.iter().filter(|it| it.severity == Severity::Error) {
+            *out.entry(it.code.to_string()).or_default() += 1;
+        }
+        out
+    }
+
+    fn items(&mut self, text: &str, offset: usize) -> Vec<CompletionItem> {
+        let path = self.component.path.clone();
+        let at = FilePosition { path, offset };
+        self.with(text).completions(&at).unwrap()
+    }
+}
+
+/// Where something may be typed.
+struct Place {
+    /// Everything before the cursor, with the letters typed.
+    before: String,
+    /// How many letters.
+    typed: usize,
+    /// Where the right text goes on.
+    rest: usize,
+}
+
+/// A text after an item, and where its cursor is.
+fn taken(before: &str, item: &CompletionItem) -> String {
+    let mut out = before[..item.replace.start.min(before.len())].to_owned();
+    match item.snippet {
+        true => out.push_str(&plain_snippet(&item.insert)),
+        false => out.push_str(&item.insert),
+    }
+    out
+}
+
+/// Ends of what may be left out behind a place: nothing, some tokens, the statement.
+fn ends(tokens: &[(std::ops::Range<usize>, String)], from: usize) -> Vec<usize> {
+    let after: Vec<_> = tokens.iter().filter(|it| it.0.start >= from).collect();
+    let mut out = vec![from];
+    let mut depth = 0_i32;
+    for (i, (range, text)) in after.iter().enumerate() {
+        match text.as_str() {
+            "(" | "{" | "[" | "<" => depth += 1,
+            ")" | "}" | "]" | ">" => depth -= 1,
+            _ => {}
+        }
+        if depth < 0 && i > 0 {
+            out.push(range.start);
+            break;
+        }
+        if depth <= 0 && (text == "," || text == ";") {
+            out.push(range.start);
+        }
+        if i < 4 || depth == 0 && text == ";" {
+            out.push(range.end);
+        }
+        if depth <= 0 && text == ";" {
+            break;
+        }
+    }
+    out.dedup();
+    out
+}
+
+/// Whether a text goes on without a new error.
+fn goes_on(bench: &mut Bench<'_>, text: &str, rest: &[usize], allowed: &Errors) -> bool {
+    let right = bench.component.text.clone();
+    rest.iter().any(|&end| {
+        ["", ";", ",", " zz", " zz;"].iter().any(|glue| {
+            let errors = bench.errors(&format!("{text}{glue}{}", &right[end..]));
+            errors
+                .iter()
+                .all(|(code, count)| *count <= allowed.get(code).copied().unwrap_or_default())
+        })
+    })
+}
+
+fn is_legal(
+    bench: &mut Bench<'_>,
+    place: &Place,
+    item: &CompletionItem,
+    tokens: &[(std::ops::Range<usize>, String)],
+) -> bool {
+    let right = bench.component.text.clone();
+    // What is wrong anyway while somebody is typing here.
+    let hole = format!(
+        "{}{}",
+        &place.before[..place.before.len() - place.typed],
+        &right[place.rest..]
+    );
+    let mut allowed = bench.errors(&hole);
+    for (code, count) in &bench.right {
+        let known = allowed.entry(code.clone()).or_default();
+        *known = (*known).max(*count);
+    }
+    let rest = ends(tokens, place.rest);
+    let text = taken(&place.before, item);
+    if goes_on(bench, &text, &rest, &allowed) {
+        return true;
+    }
+    // The beginning of something: one of what is offered next has to be legal.
+    for joint in [" ", "::", ""] {
+        let begun = format!("{text}{joint}");
+        let next = bench.items(&format!("{begun}{}", &right[place.rest..]), begun.len());
+        for it in next.iter().take(8) {
+            if goes_on(bench, &taken(&begun, it), &rest, &allowed) {
+                return true;
+            }
+        }
+    }
+    false
+}
+
+/// The places of a text.
+fn places(text: &str, tokens: &[(std::ops::Range<usize>, String)]) -> Vec<Place> {
+    let mut out = Vec::new();
+    for (range, word) in tokens {
+        out.push(Place {
+            before: format!("{} ", text[..range.start].trim_end_matches(' ')),
+            typed: 0,
+            rest: range.start,
+        });
+        let is_word = word.starts_with(|it: char| it.is_ascii_alphabetic());
+        for typed in [0, 1, 3, word.len()] {
+            if is_word && typed <= word.len() {
+                out.push(Place {
+                    before: text[..range.start + typed].to_owned(),
+                    typed,
+                    rest: range.end,
+                });
+            }
+        }
+    }
+    out
+}
+
+fn tokens(text: &str) -> Vec<(std::ops::Range<usize>, String)> {
+    let root = dotgen_syntax::parse_text(text).syntax();
+    let all = root
+        .descendants_with_tokens()
+        .filter_map(|it| it.into_token());
+    let live = all.filter(|it| !it.kind().is_trivia() && !it.text_range().is_empty());
+    let ranges = live.map(|it| std::ops::Range::<usize>::from(it.text_range()));
+    ranges.map(|it| (it.clone(), text[it].to_owned())).collect()
+}
+
+#[test]
+fn what_is_offered_is_legal() {
+    let wanted = std::env::var("COMPLETIONS").ok();
+    let (count, items) = match wanted.as_deref() {
+        Some("all") => (usize::MAX, usize::MAX),
+        Some(it) => (it.parse().unwrap_or(PLACES), usize::MAX),
+        None => (PLACES, ITEMS),
+    };
+    let mut components = examples();
+    components.extend(super::components(
+        &root().join("analysis/tests/data/model"),
+        &[],
+    ));
+    components.extend(published());
+    let mut random = Random(0x2545_f491_4f6c_dd1d);
+    let (mut tried, mut visited) = (0, 0);
+    let mut bad: BTreeMap<String, (usize, String)> = BTreeMap::new();
+    for component in &components {
+        let mut bench = Bench::new(component);
+        let text = &component.text;
+        let tokens = tokens(text);
+        let all = places(text, &tokens);
+        let share = (count / components.len()).max(1);
+        let chosen: Vec<usize> = match share >= all.len() {
+            true => (0..all.len()).collect(),
+            false => (0..share).map(|_| random.below(all.len())).collect(),
+        };
+        for place in chosen.into_iter().map(|it| &all[it]) {
+            visited += 1;
+            let now = format!("{}{}", place.before, &text[place.rest..]);
+            let typed = place.before[place.before.len() - place.typed..].to_lowercase();
+            let mut offered = bench.items(&now, place.before.len());
+            offered.retain(|it| it.label.to_lowercase().starts_with(&typed));
+            while offered.len() > items {
+                offered.swap_remove(random.below(offered.len()));
+            }
+            for item in offered {
+                tried += 1;
+                if !is_legal(&mut bench, place, &item, &tokens) {
+                    let line = now[..place.before.len()]
+                        .rsplit('\n')
+                        .next()
+                        .unwrap_or_default();
+                    let after = now[place.before.len()..].lines().next().unwrap_or_default();
+                    let name = component.path.file_name().unwrap_or_default();
+                    let what = format!("{:?}: `{}`", item.kind, item.label);
+                    let taken = taken(&place.before, &item) + &text[place.rest..];
+                    let errors: Vec<String> = bench.errors(&taken).into_keys().collect();
+                    let example = format!("{name}: {} | {after} {errors:?}", line.trim_start());
+                    bad.entry(what).or_insert((0, example)).0 += 1;
+                }
+            }
+        }
+    }
+    println!("{tried} items at {visited} places");
+    let lines = bad
+        .iter()
+        .map(|(what, (times, example))| format!("{times} x {what} in {example}"));
+    let lines: Vec<String> = lines.collect();
+    assert!(
+        lines.is_empty(),
+        "{} of {tried} items:\n{}",
+        lines.len(),
+        lines.join("\n")
+    );
+    assert!(tried > PLACES, "only {tried} items");
+}
