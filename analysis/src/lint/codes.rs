@@ -86,6 +86,18 @@ pub const CODES: &[LintCode] = &[
         fix: "Declare a codel for one of the states, or yield `ether`.",
     },
     LintCode {
+        id: "fsm/codel-named-as-event",
+        severity: Severity::Warning,
+        on: true,
+        absence: false,
+        unnecessary: false,
+        meaning: "a codel with the name that the mapping gives to a state of the component",
+        why: "In C the mapping defines `COMPONENT_state` for every state, and `COMPONENT_pause_state` for every state \
+              that follows a `pause::`. A function of the same name cannot be compiled.",
+        example: "component c {\n  task t { period 5 ms;\n    codel<start> c_start() yield pause::start, ether;\n  };\n};\n",
+        fix: "Call the codel otherwise, after its task or service, say: `c_t_start`.",
+    },
+    LintCode {
         id: "fsm/missing-stop",
         severity: Severity::Hint,
         on: true,

@@ -5,7 +5,7 @@ use crate::finding::{
     lints::{Names, Noticing, Round},
 };
 use crate::model::fsm::Machine;
-use crate::model::{Component, Name, Owner, ParamDir, ParamSource, ServiceKind, State};
+use crate::model::{Component, Name, Owner, ParamDir, ParamSource, ServiceKind, Src, State};
 
 use super::Lint;
 
@@ -24,6 +24,40 @@ pub(super) fn check(lint: &mut Lint) {
         }
     }
     pause_in_aperiodic_task(lint);
+    names_of_events(lint);
+}
+
+/// `fsm/codel-named-as-event`: in C the mapping defines `COMPONENT_state` and `COMPONENT_pause_state`, so no function
+/// can have that name. In C++ they are in the component's name space.
+fn names_of_events(lint: &mut Lint) {
+    let component = lint.component;
+    if component.lang.as_deref().is_some_and(|it| it != "c") {
+        return;
+    }
+    let prefix = format!("{}_", component.name);
+    let codels = || component.all_codels().map(|it| component.codel(it));
+    let states = || codels().flat_map(|it| it.triggers.iter().chain(&it.yields));
+    let mut found: Vec<(Src, Name, Name)> = Vec::new();
+    for codel in codels() {
+        let Some(rest) = codel.name.strip_prefix(&prefix) else {
+            continue;
+        };
+        let (paused, state) = match rest.strip_prefix("pause_") {
+            Some(state) => (true, state),
+            None => (false, rest),
+        };
+        let same =
+            |it: &State| it.name == rest && !it.paused || paused && it.paused && it.name == state;
+        // Every machine ends in `ether`, written or not.
+        if let Some(it) = states().find(|it| same(it)) {
+            found.push((codel.src, codel.name.clone(), it.name.clone()));
+        } else if rest == "ether" {
+            found.push((codel.src, codel.name.clone(), rest.into()));
+        }
+    }
+    for (at, codel, state) in found {
+        lint.report(at, Noticing::NamedAsEvent { codel, state });
+    }
 }
 
 /// `fsm/busy-loop` and `fsm/no-termination`: cycles without `pause::`.

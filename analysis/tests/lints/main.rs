@@ -122,6 +122,10 @@ const NEAR_MISSES: &[(&str, &str)] = &[
         "component c { task t { period 1 s; codel<start> f() yield a, b; codel<a> g() yield ether; codel<b> h() yield ether; }; };",
     ),
     (
+        "fsm/codel-named-as-event",
+        "component c { task t { period 1 s; codel<start> c_t_start() yield pause::start, ether; }; };",
+    ),
+    (
         "fsm/missing-stop",
         "component c { ids { long speed; }; task t { period 5 ms; }; activity go() { task t; interrupts go; codel<start> f(out speed) yield pause::start, ether; codel<stop> g(out speed) yield ether; }; };",
     ),

@@ -67,8 +67,9 @@ pub struct SyncReport {
 /// Which repairs `sync` applies.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct SyncOptions {
-    /// Also take away yields that the code never returns.
-    pub hints: bool,
+    /// Yields to take away that the code never returns: name of the codel, and the state as it is written
+    /// (`main`, `pause::main`). No other yield is taken away, as somebody meant it.
+    pub remove_yields: Vec<(String, String)>,
     /// Only these kinds; all when empty.
     pub only: Vec<DriftCode>,
 }
@@ -179,14 +180,22 @@ fn round(
         let mut stubs: BTreeMap<u32, Vec<_>> = BTreeMap::new();
         for drift in &findings {
             let wanted = options.only.is_empty() || options.only.contains(&drift.code);
-            let hint = drift.code == DriftCode::NeverYielded;
-            let Some(repair) = drift
-                .repairs
-                .first()
-                .filter(|_| wanted && (options.hints || !hint))
-            else {
+            let Some(repair) = drift.repairs.first().filter(|_| wanted) else {
                 continue;
             };
+            if let Repair::RemoveYield { at, index } = repair {
+                let expected = all.iter().find(|it| it.component == drift.component);
+                let codel = expected.map(|it| it.component().codel(*at));
+                let state = codel.and_then(|it| Some((it, it.yields.get(*index)?)));
+                let named = state.is_some_and(|(codel, state)| {
+                    let state = super::expected::state_text(state);
+                    let mut all = options.remove_yields.iter();
+                    all.any(|it| it.0 == codel.name && it.1 == state)
+                });
+                if !named {
+                    continue;
+                }
+            }
             if let Repair::Stub { at } = repair {
                 stubs.entry(drift.component).or_default().push(*at);
                 continue;

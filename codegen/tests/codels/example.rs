@@ -35,7 +35,7 @@ fn fix_all_leaves_nothing_to_report_and_the_code_compiles() {
     let mut host = host(Vec::new());
     let mut project = Project::new(&mut host, &Disk, FilesConfig::default(), stubs());
     let options = SyncOptions {
-        hints: true,
+        remove_yields: vec![("tank_control_main".into(), "stop".into())],
         ..SyncOptions::default()
     };
     let report = sync(&mut project, &[root()], &options);

@@ -97,9 +97,9 @@ struct Sync {
     #[arg(long)]
     dry_run: bool,
 
-    /// Also take away yields that the code never returns
-    #[arg(long)]
-    hints: bool,
+    /// Take away this yield of this codel if the code never returns it; may be given several times
+    #[arg(long, value_name = "CODEL=STATE", value_parser = yield_of_codel)]
+    remove_yield: Vec<(String, String)>,
 
     #[command(flatten)]
     reading: Reading,
@@ -284,11 +284,19 @@ fn stub(arguments: &Stub) -> anyhow::Result<Outcome> {
     Ok(Outcome::Fine)
 }
 
+/// `CODEL=STATE`
+fn yield_of_codel(text: &str) -> Result<(String, String), String> {
+    let (codel, state) = text
+        .split_once('=')
+        .ok_or("write the codel and the state, as in `arm_move=pause::main`")?;
+    Ok((codel.trim().to_owned(), state.trim().to_owned()))
+}
+
 fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
     let (files, mut trouble) = session::specifications(&arguments.paths);
     has_place(&arguments.paths)?;
     let options = SyncOptions {
-        hints: arguments.hints,
+        remove_yields: arguments.remove_yield.clone(),
         ..SyncOptions::default()
     };
     let mut outcome = Outcome::Fine;

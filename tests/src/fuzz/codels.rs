@@ -58,7 +58,7 @@ pub(super) fn compare(input: &[u8]) {
     let mut project = Project::new(&mut host, &memory, config, StubOptions::default());
     let before = command::check(&mut project, std::slice::from_ref(&root));
     let options = SyncOptions {
-        hints: false,
+        remove_yields: Vec::new(),
         only: Vec::new(),
     };
     let report = command::sync(&mut project, std::slice::from_ref(&root), &options);
