@@ -17,6 +17,7 @@ mod release;
 mod report;
 mod run;
 mod session;
+mod trace;
 mod tree;
 mod verify;
 

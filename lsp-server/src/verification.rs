@@ -11,8 +11,10 @@ pub mod problem;
 pub(crate) mod quick;
 pub(crate) mod results;
 pub(crate) mod run;
+pub(crate) mod runs;
 pub mod summary;
 pub(crate) mod timeline;
+pub(crate) mod trace;
 pub(crate) mod view;
 pub(crate) mod what_if;
 

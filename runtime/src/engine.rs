@@ -32,6 +32,9 @@ pub trait Watch {
     /// Something was seen; the stepper is past it.
     fn see(&mut self, stepper: &Stepper, seen: &Seen);
 
+    /// Something is about to be done.
+    fn act(&mut self, now: u64, action: Action);
+
     /// Time has passed.
     fn moment(&mut self, stepper: &Stepper);
 
@@ -97,6 +100,7 @@ pub fn run(
             return End::Standstill;
         }
         let action = choose(actions, &works, decide, &mut outcomes);
+        watch.act(stepper.now(), action);
         stepper.perform(action, &mut seen);
     }
 }

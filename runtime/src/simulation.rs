@@ -2,7 +2,7 @@
 
 use std::io::Write;
 
-use dotgen_timing::explore::{Seen, Stepper};
+use dotgen_timing::explore::{Action, Run, Seen, Stepper};
 use dotgen_timing::system::{Ticks, TimedSystem};
 use dotgen_timing::verify::Prepared;
 
@@ -25,7 +25,12 @@ pub struct Plan {
     pub durations: Durations,
     /// End with the first violation.
     pub stop_at_violation: bool,
+    /// Keep what is done in the first run, to tell it.
+    pub record: bool,
 }
+
+/// Actions of a run that are kept, at most.
+const RECORDED: usize = 1_000_000;
 
 /// What came of it.
 #[derive(Debug)]
@@ -42,6 +47,9 @@ pub struct Outcome<'p> {
     pub time: u64,
     /// Services of which a request was refused because no activity more could be taken.
     pub refused: Vec<usize>,
+    /// The first run, if it was to be recorded. Its beginning, if it has too many actions: then it is marked as
+    /// [left out](Run::left_out).
+    pub recorded: Option<Run>,
 }
 
 /// Runs a system. `bounds` are those on the response times of its tasks, where they are known.
@@ -62,6 +70,8 @@ pub fn simulate<'p, W: Write>(
         profile,
         offset: 0,
         stop_at_violation: plan.stop_at_violation,
+        recorded: plan.record.then(Run::default),
+        first: true,
     };
     let mut end = End::Done;
     let mut runs = 0;
@@ -77,6 +87,13 @@ pub fn simulate<'p, W: Write>(
         );
         observer.tally.end(&stepper);
         observer.judge.end(&stepper, end);
+        if let Some(run) = observer.recorded.as_mut().filter(|_| observer.first) {
+            run.end = match run.left_out {
+                true => run.steps.last().map_or(0, |it| it.0),
+                false => stepper.now(),
+            };
+        }
+        observer.first = false;
         observer.offset += stepper.now();
         runs += 1;
         let violated = plan.stop_at_violation && observer.judge.has_violations();
@@ -91,6 +108,7 @@ pub fn simulate<'p, W: Write>(
         refused: (0..system.services.len())
             .filter(|&it| stepper.has_refused(it))
             .collect(),
+        recorded: observer.recorded,
         end,
         runs,
     }
@@ -104,6 +122,9 @@ struct Observer<'o, 'p, W> {
     /// What the runs before took.
     offset: u64,
     stop_at_violation: bool,
+    recorded: Option<Run>,
+    /// It is the first run that goes on.
+    first: bool,
 }
 
 impl<W: Write> Watch for Observer<'_, '_, W> {
@@ -113,6 +134,15 @@ impl<W: Write> Watch for Observer<'_, '_, W> {
         }
         self.tally.see(self.system, stepper, seen);
         self.judge.see(stepper, seen);
+    }
+
+    fn act(&mut self, now: u64, action: Action) {
+        if let Some(run) = self.recorded.as_mut().filter(|_| self.first) {
+            match run.steps.len() < RECORDED {
+                true => run.steps.push((now, action)),
+                false => run.left_out = true,
+            }
+        }
     }
 
     fn moment(&mut self, stepper: &Stepper) {

@@ -110,6 +110,7 @@ fn compare(seed: u64) -> Option<usize> {
             seed,
             durations,
             stop_at_violation: false,
+            record: false,
         };
         let none: Option<&mut dotgen_runtime::profile::Profile<Vec<u8>>> = None;
         let outcome = simulate(&prepared, vec![None; tasks], &plan, none, &|| false);

@@ -7,6 +7,7 @@
 //! merged and compared with all earlier nodes (see `explore::store`), and jump to their next moment.
 //! Where nothing is periodic and something lasts long, zones are tried beside (see `search::zones`).
 
+mod about;
 mod findings;
 mod liveness;
 mod measure;
@@ -21,6 +22,7 @@ mod store;
 mod token;
 mod watch;
 
+pub use about::{About, Blocker, Executing};
 pub use findings::{Bound, Findings, Found, Measured};
 pub use liveness::{Liveness, LivenessQuery, liveness};
 pub use reductions::{Activity, Kind, Kinds, Reason};

@@ -311,9 +311,52 @@ pub struct Event {
     /// The codel it is about: `component.owner.state`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub codel: Option<String>,
+    /// Who keeps that codel waiting from here on: those that execute, then those ahead in the queue.
+    #[serde(rename = "waits-for", skip_serializing_if = "Vec::is_empty")]
+    pub waits_for: Vec<Blocking>,
+    /// The client whose request is taken.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub client: Option<String>,
+    /// Whose activity a control task lets go on: `component.task`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub releases: Option<String>,
+    /// Who loses the core: `component.task`, or the component for its control task.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub preempts: Option<String>,
     /// Where that codel (or the task) is declared: number of the specification, and place.
     #[serde(skip)]
     pub src: Option<(usize, Src)>,
+}
+
+/// What keeps a codel waiting.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Blocking {
+    /// A codel: `component.owner.state`.
+    pub codel: String,
+    /// Who executes it: `component.task`, or the component for its control task.
+    pub by: String,
+    /// It waits as well, ahead in the queue of the component.
+    pub ahead: bool,
+}
+
+impl Event {
+    /// A line about a component or a client alone, at a time in the unit of the report.
+    pub fn of_component(time: f64, component: String, kind: MomentKind, what: String) -> Event {
+        Event {
+            time,
+            component,
+            task: None,
+            what,
+            kind,
+            for_core: false,
+            codel: None,
+            waits_for: Vec::new(),
+            client: None,
+            releases: None,
+            preempts: None,
+            src: None,
+        }
+    }
 }
 
 impl Report {

@@ -23,9 +23,10 @@ use num_rational::Ratio;
 
 use super::verify::told::Told;
 use super::verify::{Cores, PolicyName, SemanticsName, body, cores, interrupt, parsed, problems};
-use super::{Outcome, Reading};
+use super::{Outcome, Reading, trace};
 use crate::files::disk::Stream;
 use crate::verification::Problem;
+use crate::verification::timeline::Ending;
 
 /// Run components on a virtual clock, with the checks of a scenario watched
 ///
@@ -94,6 +95,10 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE")]
     profile: Option<Utf8PathBuf>,
 
+    /// Write the first run to this file, for the trace viewer (docs/trace.md)
+    #[arg(long, value_name = "FILE")]
+    trace: Option<Utf8PathBuf>,
+
     /// How to print what came of it
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
@@ -147,6 +152,8 @@ struct Answer {
     report: Report,
     /// What was written, if anything.
     profile: Option<(Utf8PathBuf, u64)>,
+    /// Likewise, and how many steps.
+    trace: Option<(Utf8PathBuf, usize)>,
 }
 
 /// A time with its unit.
@@ -184,6 +191,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let (all, mut trouble) = problems(&arguments.files, &arguments.reading);
     if arguments.profile.is_some() && all.len() > 1 {
         anyhow::bail!("`--profile` writes one file: run one scenario at a time");
+    }
+    if arguments.trace.is_some() && all.len() > 1 {
+        anyhow::bail!("`--trace` writes one file: run one scenario at a time");
     }
     let mut answers = Vec::new();
     for (session, problem) in all {
@@ -240,11 +250,30 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             }
             None => None,
         };
+        let trace = match (&arguments.trace, &outcome.recorded) {
+            (Some(path), Some(run)) => {
+                let recorded = trace::Recorded {
+                    title: format!("a run of {}, seed {}", report.scenario, arguments.seed),
+                    unit: &report.unit,
+                    events: &prepared.told(&input, run),
+                    ending: Ending::Fine,
+                    cycle: None,
+                    notes: match run.left_out {
+                        true => vec!["the run goes on, but not here: it is too long".to_owned()],
+                        false => Vec::new(),
+                    },
+                };
+                let steps = trace::write(path, recorded, &problem, &options)?;
+                Some((path.clone(), steps))
+            }
+            _ => None,
+        };
         drop(outcome);
         answers.push(Answer {
             options,
             report,
             profile,
+            trace,
             problem,
         });
     }
@@ -280,6 +309,7 @@ impl Arguments {
                 DurationsName::Best => decide::Durations::Best,
             },
             stop_at_violation: self.on_violation == OnViolation::Stop,
+            record: self.trace.is_some(),
         }
     }
 }

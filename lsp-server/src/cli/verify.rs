@@ -26,10 +26,11 @@ use dotgen_timing::verify::{Cancel, Options, settings};
 use self::progress::Doing;
 use self::told::Told;
 use super::session::{self, Session, SourceFile, Trouble};
-use super::{Outcome, Reading};
+use super::{Outcome, Reading, trace};
 use crate::files::vfs;
 use crate::verification::Problem;
 use crate::verification::first::{self, FirstAnswer};
+use crate::verification::runs;
 use crate::verification::view::View;
 
 /// Verify real-time properties: deadlines, response times, bounded responses
@@ -91,6 +92,11 @@ pub(super) struct Arguments {
     /// Tell which reductions of the exploration were used, and why others were not
     #[arg(long)]
     explain: bool,
+
+    /// Write the run of the first check that is refuted, or has one, to this file, for the trace viewer
+    /// (docs/trace.md)
+    #[arg(long, value_name = "FILE")]
+    trace: Option<Utf8PathBuf>,
 
     /// Switch off a reduction, to see what it brings: a name as `--explain` tells them
     #[arg(long, value_name = "REDUCTION", value_parser = reduction, hide = true)]
@@ -273,6 +279,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             sensitivity,
         });
     }
+    if let Some(path) = &arguments.trace {
+        write_trace(path, &answers)?;
+    }
     if !answers.is_empty() {
         match arguments.format {
             Format::Text => text::print(&answers, arguments.explain)?,
@@ -291,6 +300,25 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             Outcome::Fine
         }),
     )
+}
+
+/// Writes the run that shows most, of several scenarios that of the first which has one.
+fn write_trace(path: &Utf8Path, answers: &[Answer]) -> anyhow::Result<()> {
+    let with_run = |it: &'_ Answer| runs::chosen(&it.report, None);
+    let found = answers.iter().find_map(|it| Some((it, with_run(it)?)));
+    let Some((answer, number)) = found else {
+        bail!("`--trace`: no check has a run to be written");
+    };
+    let check = &answer.report.checks[number];
+    let recorded = trace::Recorded {
+        title: runs::title(check),
+        unit: &answer.report.unit,
+        events: check.run(),
+        ending: runs::ending(check),
+        cycle: check.cycle,
+        notes: check.note.iter().cloned().collect(),
+    };
+    trace::write(path, recorded, &answer.problem, &answer.options).map(drop)
 }
 
 /// One per scenario, and one for all specifications named. What cannot be used is told, and the others are there.

@@ -6,6 +6,7 @@ mod diagnostics;
 mod lens;
 pub(crate) mod problems;
 mod sensitivity;
+mod trace;
 
 use std::ops::Range;
 
@@ -25,6 +26,7 @@ pub(crate) use answer::{Question, VerificationParams, VerificationResult, prepar
 pub(crate) use diagnostics::{in_scenario, in_specification};
 pub(crate) use lens::{hover, lenses, scenario_lenses};
 pub(crate) use sensitivity::{SensitivityParams, SensitivityResult, ask, shown};
+pub(crate) use trace::{TraceShown, trace};
 
 /// A task of a document: its name and the place of it.
 struct TaskAt {

@@ -142,6 +142,27 @@ impl Backend {
             .await
     }
 
+    /// `dotgen/trace`
+    pub(crate) async fn trace(
+        &self,
+        params: verification::VerificationParams,
+    ) -> Result<Option<verification::TraceShown>> {
+        let uri = params.text_document.uri.clone();
+        let found = self
+            .dispatch
+            .document(uri.clone(), params.clone(), verification::prepare);
+        let Some(prepared) = found.await? else {
+            return Ok(None);
+        };
+        let question = verification::Question {
+            shown: prepared.answer().await,
+            params,
+        };
+        self.dispatch
+            .document(uri, question, verification::trace)
+            .await
+    }
+
     /// `dotgen/sensitivity`
     pub(crate) async fn sensitivity(
         &self,

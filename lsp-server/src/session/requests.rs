@@ -87,6 +87,7 @@ beyond_the_protocol! {
     methods {
         "dotgen/diagram" Backend::diagram;
         "dotgen/verification" Backend::verification;
+        "dotgen/trace" Backend::trace;
         "dotgen/sensitivity" Backend::sensitivity;
         "dotgen/codelHeaders" Backend::codel_headers;
         "dotgen/interfaces" Backend::interfaces;

@@ -96,15 +96,9 @@ mod tests {
     use dotgen_timing::explore::MomentKind;
 
     fn parts(text: &str, cycle: Option<usize>) -> Vec<Part> {
-        let event = |(i, what): (usize, char)| Event {
-            time: i as f64,
-            component: "c".to_owned(),
-            task: None,
-            what: what.to_string(),
-            kind: MomentKind::Begin,
-            for_core: false,
-            codel: None,
-            src: None,
+        let event = |(i, what): (usize, char)| {
+            let component = "c".to_owned();
+            Event::of_component(i as f64, component, MomentKind::Begin, what.to_string())
         };
         let events: Vec<Event> = text.chars().enumerate().map(event).collect();
         let parts = folded(&events, cycle);

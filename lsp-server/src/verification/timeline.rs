@@ -234,14 +234,9 @@ mod tests {
 
     fn event(time: f64, task: &str, kind: MomentKind, what: &str) -> Event {
         Event {
-            time,
-            component: "a".to_owned(),
             task: Some(task.to_owned()),
-            what: what.to_owned(),
-            kind,
             for_core: kind == MomentKind::Release,
-            codel: None,
-            src: None,
+            ..Event::of_component(time, "a".to_owned(), kind, what.to_owned())
         }
     }
 

@@ -3,6 +3,7 @@
 use rustc_hash::FxHashMap;
 
 use super::measure::Timing;
+use super::about::About;
 use super::observe::{self, Observer};
 use super::rules::{Action, Rules, with_rules};
 use super::state::State;
@@ -40,6 +41,8 @@ pub struct Moment {
     pub what: String,
     /// Its kind, for timelines.
     pub kind: MomentKind,
+    /// What else it is about.
+    pub about: About,
 }
 
 /// Kinds of [`Moment`].

@@ -1,11 +1,14 @@
 //! Runs as the events of a report.
 
+use dotgen_analysis::model::Seconds;
 use num_rational::Ratio;
 
 use super::Group;
 use super::units::to_f64;
-use crate::explore::{MomentKind, Run};
-use crate::report::{CheckReport, Event, Verdict};
+use crate::explore::{About, Blocker, Executing, Moment, MomentKind, Run};
+use crate::report::{Blocking, CheckReport, Event, Verdict};
+use crate::scn::names::Names;
+use crate::system::TimedSystem;
 
 impl Group<'_> {
     /// A check fails, as a run shows.
@@ -39,44 +42,61 @@ impl Group<'_> {
 
     /// A run in words and in the unit of the report.
     pub(super) fn events(&self, run: &Run) -> Vec<Event> {
-        let system = &self.built.system;
-        let factor = system.unit / self.unit;
-        let spec_of = |c: usize| self.names.components[c].spec_index;
-        run.moments(system)
-            .into_iter()
-            .map(|it| Event {
-                time: to_f64(factor * Ratio::from_integer(i128::from(it.time))),
-                src: match (it.codel, it.task) {
-                    (Some(codel), _) => {
-                        let codel = &system.codels[codel];
-                        codel.site.and_then(|(c, _)| Some((spec_of(c), codel.src?)))
-                    }
-                    (None, Some(task)) => system.tasks[task].src.map(|(c, src)| (spec_of(c), src)),
-                    (None, None) => None,
-                },
-                component: it.component,
-                task: it.task.map(|task| system.tasks[task].name.clone()),
-                what: it.what,
-                for_core: it.kind == MomentKind::Release
-                    && it.task.is_some_and(|task| system.needs_core(task)),
-                kind: it.kind,
-                codel: it.codel.map(|codel| system.codels[codel].path.clone()),
-            })
-            .collect()
+        told(self.names, &self.built.system, self.unit, run)
     }
 
     /// The end of a run that exceeds a limit.
     pub(super) fn excess_event(&self, end: u64, component: String, what: String) -> Event {
         let factor = self.built.system.unit / self.unit;
-        Event {
-            time: to_f64(factor * Ratio::from_integer(i128::from(end))),
-            component,
-            task: None,
-            what,
-            kind: MomentKind::Excess,
-            for_core: false,
-            codel: None,
-            src: None,
-        }
+        let time = to_f64(factor * Ratio::from_integer(i128::from(end)));
+        Event::of_component(time, component, MomentKind::Excess, what)
     }
+}
+
+/// A run of a system in words, with times in `unit`.
+pub(super) fn told(names: &Names, system: &TimedSystem, unit: Seconds, run: &Run) -> Vec<Event> {
+    let factor = system.unit / unit;
+    let spec_of = |c: usize| names.components[c].spec_index;
+    let path = |codel: usize| system.codels[codel].path.clone();
+    let name = |it: Executing| match it {
+        Executing::Task(task) => system.task_path(task),
+        Executing::Control(component) => system.components[component].name.clone(),
+    };
+    let event = |it: Moment| {
+        let src = match (it.codel, it.task) {
+            (Some(codel), _) => {
+                let codel = &system.codels[codel];
+                codel.site.and_then(|(c, _)| Some((spec_of(c), codel.src?)))
+            }
+            (None, Some(task)) => system.tasks[task].src.map(|(c, src)| (spec_of(c), src)),
+            (None, None) => None,
+        };
+        let time = to_f64(factor * Ratio::from_integer(i128::from(it.time)));
+        let mut event = Event {
+            task: it.task.map(|task| system.tasks[task].name.clone()),
+            for_core: it.kind == MomentKind::Release
+                && it.task.is_some_and(|task| system.needs_core(task)),
+            codel: it.codel.map(path),
+            src,
+            ..Event::of_component(time, it.component, it.kind, it.what)
+        };
+        match it.about {
+            About::Nothing => {}
+            About::Blocked(by) => {
+                let blocking = |it: Blocker| Blocking {
+                    codel: path(it.codel),
+                    by: name(it.by),
+                    ahead: it.ahead,
+                };
+                event.waits_for = by.into_iter().map(blocking).collect();
+            }
+            About::Requested { client, .. } => {
+                event.client = Some(system.clients[client].name.clone());
+            }
+            About::Released { task } => event.releases = Some(system.task_path(task)),
+            About::Preempted(it) => event.preempts = Some(name(it)),
+        }
+        event
+    };
+    run.moments(system).into_iter().map(event).collect()
 }

@@ -4,10 +4,10 @@ use num_rational::Ratio;
 
 use super::checks::{Single, What, expand};
 use super::units::to_f64;
-use super::{Cancel, Group, Options, SystemInput, rounding, settings};
-use crate::explore::Watched;
+use super::{Cancel, Group, Options, SystemInput, events, rounding, settings};
+use crate::explore::{Run, Watched};
 use crate::property::{Predicate, resolve};
-use crate::report::{CheckReport, Report};
+use crate::report::{CheckReport, Event, Report};
 use crate::scn::Diagnostic;
 use crate::scn::ast::{Pred, Scenario, Unit};
 use crate::scn::names::Names;
@@ -135,6 +135,12 @@ impl Group<'_> {
 }
 
 impl Prepared {
+    /// A run of the system in words, as counterexamples are told. `input` is what the system was made of.
+    pub fn told(&self, input: &SystemInput, run: &Run) -> Vec<Event> {
+        let names = Names::new(&input.specs);
+        events::told(&names, &self.built.system, self.unit, run)
+    }
+
     /// A time of the system in the unit of the report.
     pub fn time(&self, ticks: u64) -> f64 {
         to_f64(self.built.system.unit * Ratio::from_integer(i128::from(ticks)) / self.unit)

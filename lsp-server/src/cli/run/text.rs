@@ -70,6 +70,10 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
     for it in &report.notes {
         writeln!(out, "{TITLE}note{TITLE:#}: {it}")?;
     }
+    if let Some((path, steps)) = &answer.trace {
+        let path = terminal::name(path.as_str());
+        writeln!(out, "{TITLE}note{TITLE:#}: wrote {steps} steps to {path}")?;
+    }
     if let Some((path, lines)) = &answer.profile {
         let path = terminal::name(path.as_str());
         writeln!(out, "{TITLE}note{TITLE:#}: wrote {lines} lines to {path}")?;

@@ -7,9 +7,8 @@ use std::time::Duration;
 use dotgen_analysis::host::Cancellable;
 use dotgen_diagram::theme::Theme;
 use dotgen_diagram::timeline::{self, Timeline};
-use dotgen_timing::explore::MomentKind;
 use dotgen_timing::remark::together;
-use dotgen_timing::report::{CheckReport, Event, Verdict};
+use dotgen_timing::report::Event;
 use dotgen_timing::scn::Severity;
 use dotgen_timing::verify::{Cancel, Options, settings};
 use serde::{Deserialize, Serialize};
@@ -22,8 +21,9 @@ use crate::verification::blocking::{self, CodelAt};
 use crate::verification::folded::{Part, folded, words as again};
 use crate::verification::results::{Answer, Status};
 use crate::verification::run::{self, Found};
+use crate::verification::runs;
 use crate::verification::summary;
-use crate::verification::timeline::{Ending, first_shown, left_out, of_end};
+use crate::verification::timeline::{first_shown, left_out, of_end};
 use crate::verification::view::CheckView;
 use crate::verification::what_if::WhatIf;
 use crate::verification::{Problem, TaskBound};
@@ -55,6 +55,11 @@ impl VerificationParams {
             what_if,
             theme: Theme::default(),
         }
+    }
+
+    /// The check whose run is wanted.
+    pub(super) fn check(&self) -> Option<usize> {
+        self.check
     }
 }
 
@@ -238,6 +243,18 @@ pub(crate) struct Shown {
     prepared: Prepared,
     answer: Option<Arc<Answer>>,
     errors: Vec<String>,
+}
+
+impl Shown {
+    /// What was found.
+    pub(super) fn found(&self) -> Option<&Arc<Answer>> {
+        self.answer.as_ref()
+    }
+
+    /// Where its places are.
+    pub(super) fn places(&self) -> &Problem {
+        &self.prepared.places
+    }
 }
 
 /// Ends work that nobody waits for.
@@ -436,18 +453,7 @@ pub(crate) fn present(
     for check in &answer.view().checks {
         out.checks.push(shown_check(snapshot, prepared, check)?);
     }
-    let has_run = |it: &CheckReport| !it.run().is_empty();
-    let refuted = || {
-        let mut all = report.checks.iter();
-        all.position(|it| it.verdict == Verdict::Refuted && has_run(it))
-    };
-    let wanted = params
-        .check
-        .filter(|&it| report.checks.get(it).is_some_and(has_run));
-    let chosen = wanted
-        .or_else(refuted)
-        .or_else(|| report.checks.iter().position(has_run));
-    if let Some(chosen) = chosen {
+    if let Some(chosen) = runs::chosen(report, params.check) {
         out.timeline = Some(shown_run(snapshot, prepared, answer, chosen, params.theme)?);
     }
     Ok(Some(out))
@@ -534,25 +540,9 @@ fn shown_run(
 ) -> Cancellable<TimelineShown> {
     let check = &answer.report.checks[number];
     let events = check.run();
-    let refuted = check.verdict == Verdict::Refuted;
-    let what = match (refuted, check.kind.is_time()) {
-        _ if !check.possible_run.is_empty() => {
-            "a run with rounded durations; it may not be possible"
-        }
-        (true, _) => "a run that refutes it",
-        (false, true) => "the longest run found",
-        (false, false) => "a run that shows it",
-    };
-    let title = format!("{} {}: {what}", check.kind, check.of);
-    let says_so = events
-        .last()
-        .is_some_and(|it| it.kind == MomentKind::Excess);
-    let late = check.id.task.is_some();
-    let ending = match refuted && late && !says_so {
-        true => Ending::Miss(&check.of),
-        false => Ending::Fine,
-    };
+    let title = runs::title(check);
     let first = first_shown(events);
+    let ending = runs::ending(check);
     let picture = of_end(title.clone(), &answer.report.unit, events, first, ending);
     // Of what is not shown nothing can be clicked.
     let mut links = vec![None; first];

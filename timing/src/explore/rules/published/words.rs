@@ -2,6 +2,7 @@
 
 use super::Published;
 use super::layout::control;
+use crate::explore::about::{About, Blocker, Executing};
 use crate::explore::rules::Action;
 use crate::explore::run::{Moment, MomentKind};
 use crate::explore::state::{State, TaskStatus, phase};
@@ -44,6 +45,7 @@ impl Published<'_> {
             codel: None,
             what,
             kind,
+            about: About::Nothing,
         }
     }
 
@@ -57,13 +59,14 @@ impl Published<'_> {
     ) {
         let system = self.system;
         let l = &self.layout;
-        let of_component = |component: usize, what: String| Moment {
+        let of_component = |component: usize, what: String, about: About| Moment {
             time,
             component: system.components[component].name.clone(),
             task: None,
             codel: None,
             what,
             kind: MomentKind::Request,
+            about,
         };
         match action {
             Action::Tick { task } => {
@@ -120,6 +123,7 @@ impl Published<'_> {
                         codel: Some(codel),
                         what,
                         kind: MomentKind::End,
+                        about: About::Nothing,
                     });
                 }
             }
@@ -127,6 +131,7 @@ impl Published<'_> {
                 out.push(of_component(
                     component,
                     "reports ended activities".to_owned(),
+                    About::Nothing,
                 ));
             }
             Action::Request { client, .. } => {
@@ -140,6 +145,7 @@ impl Published<'_> {
                             system.service_path(service),
                             system.clients[client].name
                         ),
+                        About::Requested { client, service },
                     ));
                 }
             }
@@ -182,36 +188,39 @@ impl Published<'_> {
         let path = &system.codels[codel].path;
         // Locks that were free for a moment, and were taken by somebody else.
         let faster = match action {
-            Some(Action::Acquire { executor: it }) if it != executor => self.codel(after, it),
+            Some(Action::Acquire { executor: it }) if it != executor => self.blocker(after, it),
             _ => None,
         };
-        let faster = faster
-            .filter(|&it| now != phase::EXECUTING && system.codels[codel].conflicts.contains(it));
+        let conflicts = &system.codels[codel].conflicts;
+        let faster = faster.filter(|it| now != phase::EXECUTING && conflicts.contains(it.codel));
         if was == now && !again && faster.is_none() {
             return;
         }
-        let (kind, what) = if let Some(faster) = faster.filter(|_| was == now) {
-            let faster = &system.codels[faster].path;
+        let (kind, what, about) = if let Some(blocker) = faster.filter(|_| was == now) {
+            let faster = &system.codels[blocker.codel].path;
             (
                 MomentKind::Wait,
                 format!("{path} goes on waiting: {faster} was faster"),
+                About::Blocked(vec![blocker]),
             )
         } else if now == phase::EXECUTING {
-            (MomentKind::Begin, format!("{path} begins"))
+            (MomentKind::Begin, format!("{path} begins"), About::Nothing)
         } else {
             // Free locks are taken in a step of their own at the same moment: not worth a line.
-            let holders: Vec<&str> = (0..l.automata + l.components)
+            let holders: Vec<Blocker> = (0..l.automata + l.components)
                 .filter(|&e| self.layout.phase(after, e) & !phase::ASYNC == phase::EXECUTING)
-                .filter_map(|e| self.codel(after, e))
-                .filter(|&it| system.codels[codel].conflicts.contains(it))
-                .map(|it| system.codels[it].path.as_str())
+                .filter_map(|e| self.blocker(after, e))
+                .filter(|it| conflicts.contains(it.codel))
                 .collect();
             if holders.is_empty() {
                 return;
             }
+            let paths = holders.iter().map(|it| &*system.codels[it.codel].path);
+            let paths: Vec<&str> = paths.collect();
             (
                 MomentKind::Wait,
-                format!("{path} waits for {}", holders.join(", ")),
+                format!("{path} waits for {}", paths.join(", ")),
+                About::Blocked(holders),
             )
         };
         out.push(Moment {
@@ -223,6 +232,20 @@ impl Published<'_> {
             codel: Some(codel),
             what,
             kind,
+            about,
         });
+    }
+
+    /// What an executor executes, as what keeps somebody waiting.
+    fn blocker(&self, s: &State, executor: usize) -> Option<Blocker> {
+        let automata = self.layout.automata;
+        Some(Blocker {
+            codel: self.codel(s, executor)?,
+            by: match executor < automata {
+                true => Executing::Task(self.system.automata[executor].task),
+                false => Executing::Control(executor - automata),
+            },
+            ahead: false,
+        })
     }
 }

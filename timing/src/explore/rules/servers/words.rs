@@ -2,6 +2,7 @@
 
 use super::layout::{flag, slot, thread};
 use super::{Action, Servers};
+use crate::explore::about::{About, Blocker, Executing};
 use crate::explore::run::{Moment, MomentKind};
 use crate::explore::state::{State, phase};
 use crate::system::{ClientAction, Yield};
@@ -46,6 +47,7 @@ impl Servers<'_> {
             codel: None,
             what,
             kind,
+            about: About::Nothing,
         }
     }
 
@@ -57,6 +59,7 @@ impl Servers<'_> {
             codel: None,
             what,
             kind: MomentKind::Request,
+            about: About::Nothing,
         }
     }
 
@@ -76,6 +79,7 @@ impl Servers<'_> {
             codel: Some(codel),
             what,
             kind,
+            about: About::Nothing,
         }
     }
 
@@ -151,7 +155,10 @@ impl Servers<'_> {
                             false => ": rejected, because its task has no free slot",
                         });
                     }
-                    out.push(self.of_component(component, time, what));
+                    out.push(Moment {
+                        about: About::Requested { client: k, service },
+                        ..self.of_component(component, time, what)
+                    });
                 }
             }
             Action::Mark { .. } => {}
@@ -175,11 +182,14 @@ impl Servers<'_> {
                     false => self.system.components[it - l.tasks].name.clone(),
                 };
                 let what = format!("takes the core of {}", name(executor));
-                if by < l.tasks {
-                    out.push(self.of_task(by, MomentKind::Grant, time, what));
-                } else {
-                    out.push(self.of_component(by - l.tasks, time, what));
-                }
+                let moment = match by < l.tasks {
+                    true => self.of_task(by, MomentKind::Grant, time, what),
+                    false => self.of_component(by - l.tasks, time, what),
+                };
+                out.push(Moment {
+                    about: About::Preempted(self.executing(executor)),
+                    ..moment
+                });
             }
             Action::Shut { component } => {
                 let what = "shuts down".to_owned();
@@ -251,7 +261,11 @@ impl Servers<'_> {
                     out.push(self.of_component(component, time, format!("interrupts {}", name())));
                 }
                 if new & slot::START != 0 {
-                    out.push(self.of_component(component, time, format!("releases {}", name())));
+                    let what = format!("releases {}", name());
+                    out.push(Moment {
+                        about: About::Released { task },
+                        ..self.of_component(component, time, what)
+                    });
                 }
                 if was & slot::STATUS == slot::ETHER && now & slot::STATUS == slot::VOID {
                     out.push(self.of_component(component, time, format!("reports {}", name())));
@@ -326,25 +340,46 @@ impl Servers<'_> {
             return;
         }
         // Whoever need not wait leaves the queue in a step of its own at the same moment: not worth a line.
-        let holders = (l.executing(after))
-            .filter(|&it| self.holds_up(after, &self.system.codels[codel], it))
-            .filter_map(|it| self.codel(after, it));
-        let mut reasons: Vec<String> = holders
-            .map(|it| self.system.codels[it].path.clone())
-            .collect();
+        let blocker = |it: usize, ahead: bool| {
+            Some(Blocker {
+                codel: self.codel(after, it)?,
+                by: self.executing(it),
+                ahead,
+            })
+        };
+        let holders =
+            (l.executing(after)).filter(|&it| self.holds_up(after, &self.system.codels[codel], it));
+        let mut blockers: Vec<Blocker> = holders.filter_map(|it| blocker(it, false)).collect();
         if let Some(component) = self.component_of(executor) {
-            let ahead = l.lock_queue(after, component).iter();
-            let ahead = ahead
+            let queue = l.lock_queue(after, component).iter();
+            let queue = queue
                 .map(|&it| it as usize)
                 .take_while(|&it| it != executor);
-            let ahead = ahead.filter_map(|it| self.codel(after, it));
-            reasons.extend(
-                ahead.map(|it| format!("{} (ahead in the queue)", self.system.codels[it].path)),
-            );
+            blockers.extend(queue.filter_map(|it| blocker(it, true)));
         }
-        if !reasons.is_empty() {
-            let what = format!("{path} waits for {}", reasons.join(", "));
-            out.push(self.of_codel(codel, executor, time, MomentKind::Wait, what));
+        if !blockers.is_empty() {
+            let named = blockers.iter().map(|it| {
+                let queued = if it.ahead {
+                    " (ahead in the queue)"
+                } else {
+                    ""
+                };
+                format!("{}{queued}", self.system.codels[it.codel].path)
+            });
+            let named: Vec<String> = named.collect();
+            let what = format!("{path} waits for {}", named.join(", "));
+            out.push(Moment {
+                about: About::Blocked(blockers),
+                ..self.of_codel(codel, executor, time, MomentKind::Wait, what)
+            });
+        }
+    }
+
+    /// Who an executor is: a task, or a control task.
+    fn executing(&self, executor: usize) -> Executing {
+        match executor.checked_sub(self.layout.tasks) {
+            None => Executing::Task(executor),
+            Some(component) => Executing::Control(component),
         }
     }
 }

@@ -1,0 +1,30 @@
+// What the trace viewer and its page say to each other.
+import type { Trace } from './form';
+
+/** The state machine around a step, and the state in it. */
+export interface Machine {
+  title: string;
+  svg: string;
+  /** `data-id` of the state. */
+  node: string | null;
+}
+
+export type ToPage =
+  | { type: 'trace'; trace: Trace }
+  /** There is nothing to show, and why. */
+  | { type: 'nothing'; text: string }
+  /** Said above the picture; empty: nothing. */
+  | { type: 'notice'; text: string }
+  /** The answer for a step; null: it is about no state. */
+  | { type: 'machine'; step: number; machine: Machine | null };
+
+export type FromPage =
+  | { type: 'ready' }
+  /** This step is looked at. */
+  | { type: 'step'; step: number }
+  /** To its codel in the text. */
+  | { type: 'go'; step: number }
+  /** A recorded run is to be opened. */
+  | { type: 'open' }
+  /** The run of the present text is wanted. */
+  | { type: 'refresh' };

@@ -1,0 +1,190 @@
+// A trace made ready to be drawn and walked, and the window of time that is shown. No drawing here.
+import type { Arrow, Mark, Span, Trace } from '../../trace/form';
+
+/** The first of some in order of which `is` holds; their number if it holds of none. */
+export function first<T>(all: readonly T[], is: (it: T) => boolean): number {
+  let [low, high] = [0, all.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (is(all[middle] as T)) high = middle;
+    else low = middle + 1;
+  }
+  return low;
+}
+
+/** One row of a lane. Its spans are in order and do not overlap. */
+export interface Row {
+  lane: number;
+  /** Of the first of the lane. */
+  top: number;
+  spans: Span[];
+}
+
+export const ROW = 18;
+const PADDING = 7;
+
+export class Model {
+  readonly rows: Row[] = [];
+  /** Upper edge of each lane, and of the end. */
+  readonly tops: number[] = [];
+  readonly marks: Mark[][];
+  readonly arrows: Arrow[];
+  /** Steps of each lane, ascending. */
+  readonly ofLane: number[][];
+  /** Span that begins with a step, preferably where the step happened. */
+  private readonly spanOfStep = new Map<number, Span>();
+
+  constructor(readonly trace: Trace) {
+    let top = 0;
+    const firstRow: number[] = [];
+    for (const [lane, { rows }] of trace.lanes.entries()) {
+      this.tops.push(top);
+      firstRow.push(this.rows.length);
+      for (let row = 0; row < rows; row++) this.rows.push({ lane, top: top + PADDING + row * ROW, spans: [] });
+      top += rows * ROW + 2 * PADDING;
+    }
+    this.tops.push(top);
+    for (const span of trace.spans) {
+      this.rows[(firstRow[span.lane] ?? 0) + span.row]?.spans.push(span);
+      const known = this.spanOfStep.get(span.step);
+      const own = trace.steps[span.step]?.lane;
+      if (known === undefined || (known.lane !== own && span.lane === own)) this.spanOfStep.set(span.step, span);
+    }
+    const byTime = (a: { at: number }, b: { at: number }) => a.at - b.at;
+    for (const row of this.rows) row.spans.sort((a, b) => a.from - b.from || a.to - b.to);
+    this.marks = trace.lanes.map(() => []);
+    for (const mark of trace.marks) this.marks[mark.lane]?.push(mark);
+    for (const marks of this.marks) marks.sort(byTime);
+    this.arrows = [...trace.arrows].sort(byTime);
+    this.ofLane = trace.lanes.map(() => []);
+    for (const [i, step] of trace.steps.entries()) this.ofLane[step.lane]?.push(i);
+  }
+
+  get height(): number {
+    return this.tops[this.tops.length - 1] ?? 0;
+  }
+
+  middle(lane: number): number {
+    return ((this.tops[lane] ?? 0) + (this.tops[lane + 1] ?? 0)) / 2;
+  }
+
+  /** What lasts from a step on, or is told by it. */
+  span(step: number): Span | undefined {
+    return this.spanOfStep.get(step);
+  }
+
+  /** The spans of a row between two times. */
+  *within({ spans }: Row, from: number, to: number): Iterable<Span> {
+    for (let i = first(spans, (it) => it.to >= from); i < spans.length; i++) {
+      const span = spans[i] as Span;
+      if (span.from > to) return;
+      yield span;
+    }
+  }
+
+  /** The span at a time and a height; a little beside counts, since some last no time. */
+  at(time: number, y: number, slack: number): Span | undefined {
+    const row = this.rows.find((it) => y >= it.top && y < it.top + ROW);
+    if (row === undefined) return undefined;
+    const near = [...this.within(row, time - slack, time + slack)];
+    const distance = (it: Span) => Math.max(it.from - time, time - it.to, 0);
+    return near.sort((a, b) => distance(a) - distance(b) || a.to - a.from - (b.to - b.from))[0];
+  }
+
+  /** The mark there, if there is one. */
+  markAt(time: number, y: number, slack: number): Mark | undefined {
+    const lane = first(this.tops, (top) => top > y) - 1;
+    const marks = this.marks[lane] ?? [];
+    const near: Mark[] = [];
+    for (let i = first(marks, (it) => it.at >= time - slack); i < marks.length; i++) {
+      const mark = marks[i] as Mark;
+      if (mark.at > time + slack) break;
+      near.push(mark);
+    }
+    return near.sort((a, b) => Math.abs(a.at - time) - Math.abs(b.at - time))[0];
+  }
+
+  /** The step after or before one in the same lane. */
+  along(step: number, by: 1 | -1): number {
+    const all = this.ofLane[this.trace.steps[step]?.lane ?? 0] ?? [];
+    return all[all.indexOf(step) + by] ?? step;
+  }
+}
+
+/** The part of time that is shown. */
+export class Window {
+  constructor(
+    private readonly trace: Trace,
+    public from: number,
+    public to: number,
+  ) {}
+
+  get length(): number {
+    return this.to - this.from;
+  }
+
+  /** Zooms; `at`, a time, stays where it is. */
+  zoom(factor: number, at: number): void {
+    const whole = Math.max(this.trace.end - this.trace.start, 1e-6);
+    const length = Math.min(Math.max(this.length / factor, whole / 1e6), whole * 3);
+    const share = (at - this.from) / this.length;
+    this.from = at - share * length;
+    this.to = this.from + length;
+    this.keep();
+  }
+
+  pan(by: number): void {
+    this.from += by;
+    this.to += by;
+    this.keep();
+  }
+
+  centre(at: number): void {
+    this.pan(at - (this.from + this.to) / 2);
+  }
+
+  /** Moves no further than needed for a time to be seen, with some room. */
+  reveal(at: number): void {
+    const room = this.length * 0.08;
+    if (at < this.from + room || at > this.to - room) this.centre(at);
+  }
+
+  fit(): void {
+    const room = Math.max(this.trace.end - this.trace.start, 1e-6) * 0.03;
+    this.from = this.trace.start - room;
+    this.to = this.trace.end + room;
+  }
+
+  /** Something of the run stays in sight. */
+  private keep(): void {
+    const { start, end } = this.trace;
+    const by = Math.max(0, start - (this.from + this.to) / 2) - Math.max(0, (this.from + this.to) / 2 - end);
+    this.from += by;
+    this.to += by;
+  }
+}
+
+/** Steps before the one that is looked at first that are to be seen with it. */
+const BEFORE = 30;
+
+/** The window at the beginning: what is looked at first is in its middle. */
+export function opening(trace: Trace): Window {
+  const { at, step } = trace.focus;
+  const earliest = trace.steps[Math.max(0, (step ?? trace.steps.length - 1) - BEFORE)]?.at ?? trace.start;
+  const whole = Math.max(trace.end - trace.start, 1e-6);
+  const half = Math.max((at - earliest) * 1.1, whole / 2000, 1e-6);
+  return new Window(trace, at - half, at + half);
+}
+
+/** A distance between the lines of a scale: 1, 2 or 5 with zeros, at least as long as asked for. */
+export function stride(least: number): number {
+  const power = 10 ** Math.floor(Math.log10(least));
+  return [1, 2, 5, 10].map((it) => it * power).find((it) => it >= least * 0.999) ?? 10 * power;
+}
+
+/** A time in the unit of the trace, with as many digits as are told apart. */
+export function time(at: number, unit: string, apart = 1e-3): string {
+  const digits = Math.min(6, Math.max(0, -Math.floor(Math.log10(apart) + 1e-9)));
+  const text = at.toFixed(digits);
+  return `${digits > 0 ? text.replace(/\.?0+$/, '') : text} ${unit}`;
+}
