@@ -17,6 +17,7 @@ import { InlineDiagrams } from './preview/inline';
 import { DiagramPreview, type Target } from './preview/panel';
 import { ReleaseStatus } from './commands/release';
 import { statusItem } from './status';
+import { TraceViewer, type TraceTarget } from './trace/panel';
 import { VerificationPanel, type VerificationTarget } from './verification/panel';
 
 let server: Server | undefined;
@@ -31,6 +32,7 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
   const preview = new DiagramPreview(it, context.extensionUri);
   const inline = new InlineDiagrams(it, context.globalState);
   const verification = new VerificationPanel(it, context.extensionUri);
+  const traces = new TraceViewer(it, context.extensionUri);
   const headers = new CodelHeaders(it, context.workspaceState);
   const generate = new GenerateCommands(it);
   context.subscriptions.push(
@@ -47,6 +49,9 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
     inline,
     verification,
     vscode.commands.registerCommand('dotgen.showVerification', (target?: VerificationTarget) => verification.show(target)),
+    traces,
+    vscode.commands.registerCommand('dotgen.showTrace', (target?: TraceTarget) => traces.show(target)),
+    vscode.commands.registerCommand('dotgen.openTrace', (file?: vscode.Uri) => traces.open(file)),
     headers,
     vscode.commands.registerCommand('dotgen.writeCodelHeaders', () => headers.write()),
     vscode.commands.registerCommand('dotgen.showDiagram', (target?: Target) => preview.show('fsm', target)),

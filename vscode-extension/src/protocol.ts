@@ -1,5 +1,6 @@
 // What the server offers beyond the Language Server Protocol (docs/protocol.md).
 import { NotificationType, RequestType, type Position, type Range, type TextDocumentIdentifier } from 'vscode-languageclient/node';
+import type { Trace } from './trace/form';
 
 export const LANGUAGE = 'genom3';
 
@@ -248,6 +249,9 @@ export const verification = new RequestType<
   VerificationAnswer | null,
   void
 >('dotgen/verification');
+
+/** The run of a check as data (docs/trace.md); null when there is none. */
+export const trace = new RequestType<{ textDocument: TextDocumentIdentifier; check?: number; whatIf?: WhatIf }, Trace | null, void>('dotgen/trace');
 
 /** An interface of the workspace that a new component can provide or use. */
 export interface InterfaceInfo {

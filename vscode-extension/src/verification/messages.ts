@@ -28,6 +28,8 @@ export type FromPage =
   | { type: 'link'; index: number }
   | { type: 'place'; uri: string; line: number; character: number; endLine: number; endCharacter: number }
   | { type: 'check'; check: number }
+  /** Step through the run on show. */
+  | { type: 'trace' }
   | { type: 'dismiss' }
   | { type: 'writeOut' }
   | { type: 'findLimits' }

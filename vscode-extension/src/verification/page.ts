@@ -58,12 +58,12 @@ const BODY = `<header aria-label="Verification">
 <h2>Checks</h2>
 <table id="checks"></table>
 <section id="run" hidden>
-<div class="run-head"><h2 id="runTitle"></h2>${ZOOM_BUTTONS}<button id="dismiss" title="Close this run" hidden>Dismiss</button></div>
+<div class="run-head"><h2 id="runTitle"></h2>${ZOOM_BUTTONS}<button id="trace" title="Step through this run, below">Step Through</button><button id="dismiss" title="Close this run" hidden>Dismiss</button></div>
 <div id="view" tabindex="0" aria-label="Timeline"></div>
 <div class="legend"><span><i class="run"></i>executes</span><span><i class="lock"></i>waits for a lock</span><span><i class="core"></i>waits for a core</span><span>↑ period begins</span><span>↓ job ends</span><span>▾ request</span><span class="refuted">✕ too late</span></div>
 <details><summary>The run in words</summary><div id="events"></div></details>
 </section>
-<h2>What if</h2>
+<details id="variation"><summary>What if</summary>
 <form id="whatIf">
 <label>Cores <input type="text" class="cores" id="cores" aria-label="Number of cores, or free"></label>
 <label>Policy <select id="policy"><option>fifo</option><option>edf</option><option>any</option></select></label>
@@ -71,15 +71,18 @@ const BODY = `<header aria-label="Verification">
 <button type="submit">Verify</button><button type="button" id="reset" hidden>As written</button>
 </form>
 <table id="codels"></table>
+</details>
 <h2>Limits</h2>
 <p class="limits"><button id="findLimits" title="Look for the smallest number of cores, the largest WCET of each codel and the smallest period of each task with which every deadline is met">Find limits</button><button id="stopLimits" hidden>Stop</button>
 <progress id="limitsDone" max="100" value="0" aria-label="Progress of the search" hidden></progress>
 <span id="limitsText" class="faint" role="status" aria-live="polite"></span></p>
 <table id="limits"></table>
-<h2>Blocking</h2>
+<details id="blocked"><summary>Blocking</summary>
 <table id="blocking"></table>
-<h2>Assumptions</h2>
+</details>
+<details id="assumed"><summary>Assumptions</summary>
 <ul id="assumptions"></ul>
+</details>
 </main>`;
 
 export function page(webview: vscode.Webview, extension: vscode.Uri): string {

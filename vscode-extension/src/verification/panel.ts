@@ -7,6 +7,7 @@ import { notRunning } from '../commands/server';
 import { SidePanel } from '../panel/panel';
 import { reveal } from '../panel/reveal';
 import { LANGUAGE, SCENARIO, sensitivity, verification, type VerificationAnswer, type WhatIf } from '../protocol';
+import type { TraceTarget } from '../trace/panel';
 import type { FromPage, Limits, Subject, ToPage } from './messages';
 import { page } from './page';
 
@@ -112,6 +113,13 @@ export class VerificationPanel extends SidePanel<Subject, FromPage, ToPage> {
         this.subject = { ...this.subject, check: message.check };
         this.pinned = null;
         return this.ask(true);
+      case 'trace': {
+        const { uri, whatIf } = this.subject;
+        const check = (this.pinned ?? this.answer?.timeline)?.check;
+        const target: TraceTarget = { uri, ...(check === undefined ? {} : { check }), ...(whatIf === undefined ? {} : { whatIf: strip(whatIf) }) };
+        await vscode.commands.executeCommand('dotgen.showTrace', target);
+        return;
+      }
       case 'dismiss': {
         const { check: _, ...rest } = this.subject;
         this.subject = rest;

@@ -160,6 +160,8 @@ function follow(bar: SVGGElement): void {
 function showWhatIf(it: VerificationAnswer): void {
   const form = element<HTMLFormElement>('whatIf');
   element('reset').hidden = !it.whatIf;
+  // A variation that is on show can be seen.
+  if (it.whatIf) element<HTMLDetailsElement>('variation').open = true;
   // What is being typed is not overwritten.
   const typing = document.activeElement;
   if (typing instanceof HTMLInputElement && (form.contains(typing) || typing.classList.contains('wcet'))) return;
@@ -268,6 +270,7 @@ element('whatIf').addEventListener('submit', (event) => {
   host.postMessage({ type: 'whatIf', whatIf: changes() });
 });
 element('reset').addEventListener('click', () => host.postMessage({ type: 'whatIf', whatIf: undefined }));
+element('trace').addEventListener('click', () => host.postMessage({ type: 'trace' }));
 element('dismiss').addEventListener('click', () => host.postMessage({ type: 'dismiss' }));
 element('findLimits').addEventListener('click', () => host.postMessage({ type: 'findLimits' }));
 element('stopLimits').addEventListener('click', () => host.postMessage({ type: 'stopLimits' }));

@@ -222,7 +222,8 @@ export class Painter {
     const { context: c, theme } = this;
     const room = right - left - 8;
     if (room < 14) return;
-    const text = this.fitted(words(span), room);
+    const all = [words(span), ...shorter(span)];
+    const text = all.find((it) => this.width(it) <= room) ?? this.fitted(all[all.length - 1] ?? '', room);
     if (text === '') return;
     if (PATTERNS[span.kind] !== undefined) {
       // Stripes are no ground for text.
@@ -359,17 +360,21 @@ export class Painter {
     const { trace } = model;
     c.fillStyle = theme.line;
     c.fillRect(0, RULER - 1, width, 1);
+    const here = trace.steps[step]?.at;
     const apart = stride((window.length / width) * 90);
     c.fillStyle = theme.faint;
     for (let i = Math.ceil(window.from / apart); i * apart <= window.to; i++) {
       const at = i * apart;
       if (at < trace.start - 1e-9) continue;
       c.fillRect(Math.round(x(at)), RULER - 6, 1, 6);
-      c.fillText(time(at, trace.unit, apart), x(at) + 4, RULER / 2);
+      const text = time(at, trace.unit, apart);
+      // Beside the time of the step, not below it.
+      const free = here === undefined || x(at) + 8 + this.width(text) < x(here) - 36 || x(at) > x(here) + 36;
+      if (free) c.fillText(text, x(at) + 4, RULER / 2);
     }
     if (trace.focus.lane !== null) this.upright(x(trace.focus.at), height, theme.miss, []);
-    const at = trace.steps[step]?.at;
-    if (at !== undefined) {
+    if (here !== undefined) {
+      const at = here;
       this.upright(x(at), height, theme.select, [5, 3]);
       const text = time(at, trace.unit);
       const left = Math.min(Math.max(x(at) - this.width(text) / 2 - 5, 0), width - this.width(text) - 10);
@@ -392,6 +397,13 @@ export class Painter {
     c.stroke();
     c.setLineDash([]);
   }
+}
+
+/** What is written where there is less room. */
+function shorter(span: Span): string[] {
+  if (span.kind !== 'wait-lock' && span.kind !== 'wait-core') return [span.label.slice(span.label.indexOf('.') + 1)];
+  const names = [...new Set((span.by ?? []).map((it) => it.name))].join(', ');
+  return names === '' ? ['waits'] : [`waits: ${names}`, names];
 }
 
 /** What is written on a span. */

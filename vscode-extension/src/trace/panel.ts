@@ -1,0 +1,197 @@
+// The trace viewer, in the panel below the text: steps through a run, a counterexample or a recorded one, and shows each step
+// in the text and in its state machine.
+import * as vscode from 'vscode';
+import type { Server } from '../client';
+import { notRunning } from '../commands/server';
+import { range, reveal } from '../panel/reveal';
+import { diagram, LANGUAGE, SCENARIO, trace as traceRequest, type DiagramAnswer, type Place, type WhatIf } from '../protocol';
+import { parse, type Trace } from './form';
+import type { FromPage, Machine, ToPage } from './messages';
+import { page } from './page';
+
+const VIEW = 'dotgen.trace';
+const NOTHING = 'No run is shown. Open one from a verification, or a recorded one.';
+const OLD = 'The text has changed since: this run is of an earlier one.';
+
+/** Argument of the command. */
+export interface TraceTarget {
+  uri: string;
+  check?: number | null;
+  whatIf?: WhatIf;
+}
+
+export class TraceViewer implements vscode.Disposable, vscode.WebviewViewProvider {
+  private view: vscode.WebviewView | undefined;
+  private trace: Trace | undefined;
+  /** What the trace was asked with; undefined for a file. */
+  private target: TraceTarget | undefined;
+  private ready = false;
+  // Answers to older questions are dropped.
+  private asked = 0;
+  private readonly machines = new Map<string, Promise<DiagramAnswer | null>>();
+  private readonly mark = vscode.window.createTextEditorDecorationType({
+    backgroundColor: new vscode.ThemeColor('editor.rangeHighlightBackground'),
+    outlineColor: new vscode.ThemeColor('contrastActiveBorder'),
+    borderRadius: '2px',
+    border: '1px solid',
+    borderColor: new vscode.ThemeColor('focusBorder'),
+  });
+  private readonly subscriptions: vscode.Disposable;
+
+  constructor(
+    private readonly server: Server,
+    private readonly extension: vscode.Uri,
+  ) {
+    this.subscriptions = vscode.Disposable.from(
+      this.mark,
+      vscode.window.registerWebviewViewProvider(VIEW, this, { webviewOptions: { retainContextWhenHidden: true } }),
+      vscode.workspace.onDidChangeTextDocument(({ document, contentChanges }) => {
+        if (contentChanges.length === 0 || ![LANGUAGE, SCENARIO].includes(document.languageId)) return;
+        this.machines.clear();
+        const uri = document.uri.toString();
+        const concerned = this.trace?.places.some((it) => it?.uri === uri) ?? false;
+        if (concerned && this.target !== undefined) this.send({ type: 'notice', text: OLD });
+        if (concerned) this.highlight(undefined);
+      }),
+    );
+  }
+
+  dispose(): void {
+    this.subscriptions.dispose();
+  }
+
+  resolveWebviewView(view: vscode.WebviewView): void {
+    this.view = view;
+    this.ready = false;
+    view.webview.options = { enableScripts: true, localResourceRoots: [vscode.Uri.joinPath(this.extension, 'dist')] };
+    view.webview.onDidReceiveMessage((message: FromPage) => this.receive(message));
+    view.onDidChangeVisibility(() => !view.visible && this.highlight(undefined));
+    view.onDidDispose(() => {
+      this.view = undefined;
+      this.highlight(undefined);
+    });
+    view.webview.html = page(view.webview, this.extension);
+  }
+
+  /** Shows the run of a check: of what a lens or the verification names, or of the active document. */
+  async show(target?: TraceTarget): Promise<void> {
+    const editor = vscode.window.activeTextEditor;
+    const here = editor !== undefined && [LANGUAGE, SCENARIO].includes(editor.document.languageId) ? editor.document.uri.toString() : undefined;
+    const wanted = typeof target?.uri === 'string' ? target : here === undefined ? undefined : { uri: here };
+    if (wanted === undefined) {
+      void vscode.window.showInformationMessage('Open a specification (.gen) or a scenario (.scn) first.');
+      return;
+    }
+    const { running: client } = this.server;
+    if (client === undefined) {
+      await notRunning(this.server);
+      return;
+    }
+    const asked = ++this.asked;
+    await vscode.commands.executeCommand(`${VIEW}.focus`);
+    let trace: Trace | null;
+    try {
+      const { uri, check, whatIf } = wanted;
+      trace = await client.sendRequest(traceRequest, {
+        textDocument: { uri },
+        ...(typeof check === 'number' ? { check } : {}),
+        ...(whatIf === undefined ? {} : { whatIf }),
+      });
+    } catch {
+      void vscode.window.showWarningMessage('The text changed while the run was looked for. Ask for it again.');
+      return;
+    }
+    if (asked !== this.asked) return;
+    this.target = wanted;
+    this.present(trace ?? undefined, 'There is no run to show: no check of this document is refuted or has a longest run, or it is not verified yet.');
+  }
+
+  /** Shows a recorded run from a file. */
+  async open(file?: vscode.Uri): Promise<void> {
+    const [chosen] = file instanceof vscode.Uri ? [file] : ((await vscode.window.showOpenDialog({ title: 'Open Recorded Run', filters: { 'Recorded runs': ['json'] } })) ?? []);
+    if (chosen === undefined) return;
+    let trace: Trace;
+    try {
+      trace = parse(new TextDecoder().decode(await vscode.workspace.fs.readFile(chosen)));
+    } catch (error) {
+      void vscode.window.showErrorMessage(`${vscode.workspace.asRelativePath(chosen)}: ${error instanceof Error ? error.message : String(error)}`);
+      return;
+    }
+    this.asked++;
+    this.target = undefined;
+    await vscode.commands.executeCommand(`${VIEW}.focus`);
+    this.present(trace, NOTHING);
+  }
+
+  private present(trace: Trace | undefined, otherwise: string): void {
+    this.trace = trace;
+    this.machines.clear();
+    this.send({ type: 'notice', text: '' });
+    this.send(trace === undefined ? { type: 'nothing', text: otherwise } : { type: 'trace', trace });
+    if (trace === undefined) this.highlight(undefined);
+  }
+
+  private send(message: ToPage): void {
+    if (this.ready) void this.view?.webview.postMessage(message);
+  }
+
+  private async receive(message: FromPage): Promise<void> {
+    switch (message.type) {
+      case 'ready':
+        this.ready = true;
+        if (this.trace !== undefined) this.send({ type: 'trace', trace: this.trace });
+        return;
+      case 'open':
+        return this.open();
+      case 'refresh':
+        return this.target === undefined ? undefined : this.show(this.target);
+      case 'go': {
+        const place = this.place(message.step);
+        return place === undefined ? undefined : reveal(place.uri, place.range);
+      }
+      case 'step': {
+        const place = this.place(message.step);
+        this.highlight(place);
+        const machine = place === undefined ? null : await this.machine(place);
+        this.send({ type: 'machine', step: message.step, machine });
+      }
+    }
+  }
+
+  private place(step: number): Place | undefined {
+    const index = this.trace?.steps[step]?.place;
+    return index === undefined ? undefined : (this.trace?.places[index] ?? undefined);
+  }
+
+  /** Marks a codel wherever its text is open to be seen. The focus stays. */
+  private highlight(place: Place | undefined): void {
+    for (const editor of vscode.window.visibleTextEditors) {
+      const here = place !== undefined && editor.document.uri.toString() === place.uri ? [range(place.range)] : [];
+      editor.setDecorations(this.mark, here);
+      const [first] = here;
+      if (first !== undefined) editor.revealRange(first, vscode.TextEditorRevealType.InCenterIfOutsideViewport);
+    }
+  }
+
+  /** The state machine around a place, and the state that is there. */
+  private async machine({ uri, range: { start } }: Place): Promise<Machine | null> {
+    const { running: client } = this.server;
+    if (client === undefined) return null;
+    const key = `${uri} ${start.line}:${start.character}`;
+    let known = this.machines.get(key);
+    if (known === undefined) {
+      known = client.sendRequest(diagram, { textDocument: { uri }, position: start, kind: 'fsm', theme: 'editor' });
+      this.machines.set(key, known);
+    }
+    try {
+      const answer = await known;
+      if (answer === null) return null;
+      const inside = ({ place }: DiagramAnswer['nodes'][number]) => place !== null && range(place.range).contains(new vscode.Position(start.line, start.character));
+      return { title: answer.title, svg: answer.picture, node: answer.nodes.find(inside)?.id ?? null };
+    } catch {
+      // Overtaken by an edit.
+      this.machines.delete(key);
+      return null;
+    }
+  }
+}

@@ -1,0 +1,369 @@
+// The page of the trace viewer: draws the trace it is sent, steps through it, and tells which step is looked at.
+import type { Span, Trace } from '../trace/form';
+import type { FromPage, Machine, ToPage } from '../trace/messages';
+import { colours, Painter, RULER, words, type Scene, type Work } from './trace/draw';
+import { Model, opening, time, type Window } from './trace/model';
+
+declare function acquireVsCodeApi(): { postMessage(message: FromPage): void };
+
+const host = acquireVsCodeApi();
+const element = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
+const view = element('trace');
+const canvas = element<HTMLCanvasElement>('canvas');
+const names = element('names');
+const tip = element('tip');
+const context = canvas.getContext('2d') as CanvasRenderingContext2D;
+const painter = new Painter(context, colours());
+
+let model: Model | undefined;
+let shown: Window | undefined;
+let step = 0;
+let hovered: Span | undefined;
+let scheduled = false;
+let size = { width: 0, height: 0 };
+/** What was drawn, for tests. */
+const drawn: { frames: number; last: Work } = { frames: 0, last: { spans: 0, marks: 0, arrows: 0 } };
+Object.assign(window, { dotgenTrace: drawn });
+
+function redraw(): void {
+  if (scheduled) return;
+  scheduled = true;
+  requestAnimationFrame(() => {
+    scheduled = false;
+    if (model === undefined || shown === undefined || size.width === 0) return;
+    const scene: Scene = { model, window: shown, scroll: view.scrollTop, ...size, step, hovered, font: font() };
+    drawn.last = painter.draw(scene);
+    drawn.frames++;
+  });
+}
+
+let fontKnown = '';
+function font(): string {
+  if (fontKnown === '') fontKnown = `12px ${getComputedStyle(document.body).fontFamily}`;
+  return fontKnown;
+}
+
+function resize(): void {
+  const plane = element('plane');
+  const [width, height] = [plane.clientWidth, view.clientHeight];
+  const ratio = devicePixelRatio;
+  if (width !== size.width || height !== size.height || canvas.width !== Math.round(width * ratio)) {
+    size = { width, height };
+    canvas.width = Math.round(width * ratio);
+    canvas.height = Math.round(height * ratio);
+    canvas.style.width = `${width}px`;
+    canvas.style.height = `${height}px`;
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  }
+  redraw();
+}
+
+/** Text in which `this` is code. */
+function rich(text: string): (Node | string)[] {
+  return text.split('`').map((part, i) => {
+    if (i % 2 === 0) return part;
+    const code = document.createElement('code');
+    code.textContent = part;
+    return code;
+  });
+}
+
+function node<K extends keyof HTMLElementTagNameMap>(tag: K, content: (Node | string)[], className = ''): HTMLElementTagNameMap[K] {
+  const it = document.createElement(tag);
+  it.append(...content);
+  if (className !== '') it.className = className;
+  return it;
+}
+
+function show(trace: Trace): void {
+  model = new Model(trace);
+  shown = opening(trace);
+  hovered = undefined;
+  machineOf = -1;
+  element('main').hidden = false;
+  element('empty').hidden = true;
+  element('title').textContent = trace.title;
+  element('title').title = [trace.title, ...trace.notes].join('\n');
+  element('focus').textContent = trace.focus.lane === null ? 'End' : 'Failure';
+  const tops = model.tops;
+  names.replaceChildren(
+    ...trace.lanes.map((lane, i) => {
+      const it = node('li', [lane.name]);
+      it.style.height = `${(tops[i + 1] ?? 0) - (tops[i] ?? 0)}px`;
+      it.title = lane.name;
+      return it;
+    }),
+  );
+  for (const button of document.querySelectorAll<HTMLButtonElement>('header button')) button.disabled = false;
+  resize();
+  choose(trace.focus.step ?? Math.max(0, trace.steps.length - 1), false);
+  shown.centre(trace.focus.at);
+  redraw();
+}
+
+function nothing(text: string): void {
+  model = shown = undefined;
+  element('main').hidden = true;
+  element('empty').hidden = false;
+  element('why').textContent = text;
+  element('title').textContent = 'Trace';
+  element('position').textContent = '';
+  for (const button of document.querySelectorAll<HTMLButtonElement>('header button')) button.disabled = true;
+}
+
+/** Looks at a step: shows it, tells of it, and asks for what is beside it. */
+function choose(to: number, reveal = true): void {
+  const trace = model?.trace;
+  const it = trace?.steps[to];
+  if (model === undefined || trace === undefined || it === undefined) return;
+  step = to;
+  const lane = trace.lanes[it.lane]?.name ?? '';
+  element('position').textContent = `step ${to + 1} of ${trace.steps.length}`;
+  element('told').textContent = `${time(it.at, trace.unit)}, ${lane}: ${it.what}. Rule ${it.rule}.`;
+  for (const [i, name] of [...names.children].entries()) name.classList.toggle('current', i === it.lane);
+  const details = node('dl', []);
+  const row = (name: string, values: string[]) => {
+    if (values.length > 0) details.append(node('dt', [name]), node('dd', rich(values.join(', '))));
+  };
+  row('codel', it.codel === undefined ? [] : [`\`${it.codel}\``]);
+  row('shares', it.locks ?? []);
+  const span = model.span(to);
+  if (span !== undefined) row(span.kind === 'run' || span.kind === 'hold' ? 'lasts' : 'waits', [interval(span, trace)]);
+  row('for', (span?.by ?? []).map((by) => holder(by, trace)));
+  element('step').replaceChildren(
+    node('h2', [`${time(it.at, trace.unit)} · ${lane}`]),
+    node('p', rich(it.what)),
+    node('p', [node('strong', [it.rule]), ` ${trace.rules[it.rule] ?? ''}`], 'rule'),
+    details,
+  );
+  element<HTMLButtonElement>('go').disabled = place(to) === null;
+  if (reveal) {
+    shown?.reveal(it.at);
+    const [top, bottom] = [model.tops[it.lane] ?? 0, model.tops[it.lane + 1] ?? 0];
+    if (top < view.scrollTop) view.scrollTop = top;
+    else if (bottom + RULER > view.scrollTop + view.clientHeight) view.scrollTop = bottom + RULER - view.clientHeight;
+  }
+  host.postMessage({ type: 'step', step: to });
+  redraw();
+}
+
+function place(of: number): unknown {
+  const index = model?.trace.steps[of]?.place;
+  return index === undefined ? null : (model?.trace.places[index] ?? null);
+}
+
+function interval({ from, to }: { from: number; to: number }, { unit }: Trace): string {
+  return `${time(to - from, unit)}, ${time(from, unit)} to ${time(to, unit)}`;
+}
+
+function holder(by: NonNullable<Span['by']>[number], trace: Trace): string {
+  if (by.ahead === true) return `\`${by.name}\` ahead in the queue`;
+  const through = by.through === undefined || by.through.length === 0 ? '' : `, through ${by.through.join(' and ')}`;
+  const who = by.lane === null ? '' : ` of ${trace.lanes[by.lane]?.name ?? ''}`;
+  return `\`${by.name}\`${who} (${time(by.from, trace.unit)} to ${time(by.to, trace.unit)}${through})`;
+}
+
+let machineOf = -1;
+let machineShown = '';
+const sheet = new CSSStyleSheet();
+document.adoptedStyleSheets = [sheet];
+
+function showMachine(of: number, machine: Machine | null): void {
+  if (of !== step) return;
+  const section = element('machine');
+  section.hidden = machine === null;
+  if (machine === null) return;
+  if (machineShown !== machine.svg || machineOf < 0) {
+    machineShown = machine.svg;
+    const parsed = new DOMParser().parseFromString(machine.svg, 'image/svg+xml').documentElement;
+    // The page's policy allows no style elements but its own; a constructed sheet is not one.
+    const style = parsed.querySelector('style');
+    sheet.replaceSync(style?.textContent ?? '');
+    style?.remove();
+    section.replaceChildren(node('h2', [machine.title]), document.importNode(parsed, true));
+  }
+  machineOf = of;
+  for (const state of section.querySelectorAll<SVGGElement>('g.node')) {
+    const current = state.dataset['id'] === machine.node;
+    state.classList.toggle('current', current);
+    if (current) state.setAttribute('aria-current', 'step');
+    else state.removeAttribute('aria-current');
+  }
+}
+
+/** From the pointer to a time and a height among the lanes. */
+function under(event: MouseEvent): { at: number; y: number; apart: number } | undefined {
+  if (shown === undefined) return undefined;
+  const box = canvas.getBoundingClientRect();
+  const apart = shown.length / Math.max(size.width, 1);
+  return { at: shown.from + (event.clientX - box.left) * apart, y: event.clientY - box.top - RULER + view.scrollTop, apart };
+}
+
+function hover(event: MouseEvent): void {
+  const here = under(event);
+  const trace = model?.trace;
+  if (here === undefined || model === undefined || trace === undefined) return;
+  const mark = model.markAt(here.at, here.y, here.apart * 5);
+  const span = model.at(here.at, here.y, here.apart * 3);
+  const text = [];
+  if (span !== undefined) {
+    text.push(`${words(span)}\n${interval(span, trace)}`, ...(span.by ?? []).map((it) => holder(it, trace).replaceAll('`', '')));
+  }
+  const told = mark?.step === null || mark?.step === undefined ? undefined : trace.steps[mark.step];
+  if (told !== undefined) text.push(`${time(told.at, trace.unit)}: ${told.what}`);
+  else if (mark !== undefined) text.push('too late');
+  tip.hidden = text.length === 0;
+  tip.textContent = text.join('\n');
+  tip.style.left = `${Math.min(event.clientX + 12, innerWidth - tip.offsetWidth - 4)}px`;
+  tip.style.top = `${Math.min(event.clientY + 14, innerHeight - tip.offsetHeight - 4)}px`;
+  if (span !== hovered) {
+    hovered = span;
+    redraw();
+  }
+}
+
+function leave(): void {
+  tip.hidden = true;
+  if (hovered !== undefined) {
+    hovered = undefined;
+    redraw();
+  }
+}
+
+/** A click chooses the step; a drag moves time, and the lanes where they do not fit. */
+function press(down: PointerEvent): void {
+  if (down.button !== 0 || shown === undefined) return;
+  view.focus({ preventScroll: true });
+  canvas.setPointerCapture(down.pointerId);
+  let [x, y, moved] = [down.clientX, down.clientY, false];
+  const move = (event: PointerEvent) => {
+    moved ||= Math.abs(event.clientX - down.clientX) + Math.abs(event.clientY - down.clientY) > 3;
+    if (!moved || shown === undefined) return;
+    canvas.classList.add('pan');
+    leave();
+    shown.pan(((x - event.clientX) * shown.length) / size.width);
+    view.scrollTop += y - event.clientY;
+    [x, y] = [event.clientX, event.clientY];
+    redraw();
+  };
+  const up = (event: PointerEvent) => {
+    canvas.classList.remove('pan');
+    canvas.removeEventListener('pointermove', move);
+    const here = under(event);
+    if (moved || here === undefined || model === undefined) return;
+    const mark = model.markAt(here.at, here.y, here.apart * 5);
+    const chosen = model.at(here.at, here.y, here.apart * 3)?.step ?? mark?.step ?? undefined;
+    if (chosen !== undefined) choose(chosen, false);
+  };
+  canvas.addEventListener('pointermove', move);
+  canvas.addEventListener('pointerup', up, { once: true });
+}
+
+function wheel(event: WheelEvent): void {
+  if (shown === undefined) return;
+  event.preventDefault();
+  const by = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 20 : 1;
+  const aside = event.shiftKey && event.deltaX === 0 ? event.deltaY : event.deltaX;
+  if (Math.abs(aside) > Math.abs(event.shiftKey ? 0 : event.deltaY)) {
+    shown.pan((aside * by * shown.length) / size.width);
+  } else {
+    const here = under(event);
+    if (here !== undefined) shown.zoom(Math.exp((-event.deltaY * by) / 500), here.at);
+  }
+  leave();
+  redraw();
+}
+
+function zoom(factor: number): void {
+  const at = model?.trace.steps[step]?.at;
+  if (shown === undefined) return;
+  // Around the step, if it is in sight.
+  const middle = (shown.from + shown.to) / 2;
+  shown.zoom(factor, at !== undefined && at >= shown.from && at <= shown.to ? at : middle);
+  redraw();
+}
+
+const last = () => (model?.trace.steps.length ?? 1) - 1;
+const ACTIONS: Record<string, () => void> = {
+  first: () => choose(0),
+  previous: () => choose(Math.max(0, step - 1)),
+  next: () => choose(Math.min(last(), step + 1)),
+  last: () => choose(last()),
+  out: () => zoom(0.6),
+  in: () => zoom(1 / 0.6),
+  fit: () => {
+    shown?.fit();
+    redraw();
+  },
+  focus: () => {
+    const trace = model?.trace;
+    if (trace === undefined) return;
+    shown = opening(trace);
+    choose(trace.focus.step ?? last(), false);
+  },
+  go: () => {
+    if (place(step) !== null) host.postMessage({ type: 'go', step });
+  },
+};
+const KEYS: Record<string, string> = { ArrowLeft: 'previous', ArrowRight: 'next', Home: 'first', End: 'last', '-': 'out', '+': 'in', '=': 'in', '0': 'fit', f: 'focus', F: 'focus', Enter: 'go' };
+
+function key(event: KeyboardEvent): void {
+  if (event.ctrlKey || event.metaKey || event.altKey || model === undefined || shown === undefined) return;
+  // Buttons keep their own keys, and the side its scrolling.
+  const inside = event.target === view;
+  if (event.target instanceof HTMLButtonElement && (event.key === 'Enter' || event.key === ' ')) return;
+  if (event.target instanceof HTMLElement && event.target.tagName === 'ASIDE' && !event.key.startsWith('Arrow')) return;
+  if (event.shiftKey && (event.key === 'ArrowLeft' || event.key === 'ArrowRight')) {
+    shown.pan(shown.length * (event.key === 'ArrowLeft' ? -0.1 : 0.1));
+    redraw();
+  } else if (inside && (event.key === 'ArrowUp' || event.key === 'ArrowDown')) {
+    choose(model.along(step, event.key === 'ArrowUp' ? -1 : 1));
+  } else if (event.key === 'PageUp' || event.key === 'PageDown') {
+    choose(Math.min(last(), Math.max(0, step + (event.key === 'PageUp' ? -10 : 10))));
+  } else {
+    const action = ACTIONS[KEYS[event.key] ?? ''];
+    if (action === undefined) return;
+    action();
+  }
+  event.preventDefault();
+}
+
+window.addEventListener('message', ({ data }: MessageEvent<ToPage>) => {
+  switch (data.type) {
+    case 'trace':
+      return show(data.trace);
+    case 'nothing':
+      return nothing(data.text);
+    case 'notice': {
+      const notice = element('notice');
+      notice.hidden = data.text === '';
+      const [text] = notice.getElementsByTagName('span');
+      if (text !== undefined) text.textContent = data.text;
+      return resize();
+    }
+    case 'machine':
+      return showMachine(data.step, data.machine);
+  }
+});
+
+for (const [id, action] of Object.entries(ACTIONS)) element(id).addEventListener('click', action);
+for (const button of document.querySelectorAll<HTMLButtonElement>('header button')) button.disabled = true;
+element('open').addEventListener('click', () => host.postMessage({ type: 'open' }));
+element('refresh').addEventListener('click', () => host.postMessage({ type: 'refresh' }));
+document.addEventListener('keydown', key);
+canvas.addEventListener('wheel', wheel, { passive: false });
+canvas.addEventListener('pointerdown', press);
+canvas.addEventListener('pointermove', hover);
+canvas.addEventListener('pointerleave', leave);
+canvas.addEventListener('dblclick', () => ACTIONS['go']?.());
+view.addEventListener('scroll', redraw);
+new ResizeObserver(resize).observe(view);
+new ResizeObserver(resize).observe(element('plane'));
+// The theme of the editor stands in the classes and the style of the page.
+const themes = new MutationObserver(() => {
+  painter.colours = colours();
+  fontKnown = '';
+  redraw();
+});
+for (const it of [document.documentElement, document.body]) themes.observe(it, { attributes: true, attributeFilter: ['class', 'style'] });
+host.postMessage({ type: 'ready' });
