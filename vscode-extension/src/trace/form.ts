@@ -109,6 +109,13 @@ export function parse(text: string): Trace {
   check('marks', trace.marks.every((mark) => index(mark.lane, lanes) && maybe(mark.step, steps) && number(mark.at)));
   check('arrows', trace.arrows.every((arrow) => index(arrow.from, lanes) && index(arrow.to, lanes) && index(arrow.step, steps) && number(arrow.at)));
   check('steps', trace.steps.every((step) => index(step.lane, lanes) && maybe(step.place, trace.places.length) && number(step.at) && typeof step.what === 'string'));
+  const texts = (value: unknown) => value === undefined || (Array.isArray(value) && value.every((it) => typeof it === 'string'));
+  check('steps', trace.steps.every((step) => texts(step.locks) && typeof step.rule === 'string'));
+  const holder = (it: Holder) => typeof it?.name === 'string' && maybe(it.lane, lanes) && number(it.from) && number(it.to) && texts(it.through);
+  check('spans', trace.spans.every((span) => typeof span.label === 'string' && (span.by === undefined || (Array.isArray(span.by) && span.by.every(holder)))));
+  check('notes', texts(trace.notes) === true);
   check('focus', maybe(trace.focus.lane, lanes) && maybe(trace.focus.step, steps));
-  return { ...trace, title: String(trace.title), unit: String(trace.unit), rules: trace.rules ?? {}, repeats: trace.repeats ?? null };
+  // A file may lead to files, and to nothing else.
+  const places = trace.places.map((it) => (typeof it?.uri === 'string' && it.uri.startsWith('file:') && [it.range?.start, it.range?.end].every((at) => number(at?.line) && number(at?.character)) ? it : null));
+  return { ...trace, places, title: String(trace.title), unit: String(trace.unit), rules: trace.rules ?? {}, repeats: trace.repeats ?? null };
 }

@@ -12,6 +12,7 @@ header button { min-width: 26px; padding: 2px 6px; }
 #notice { display: flex; gap: 10px; align-items: center; }
 #notice span { flex: 1; }
 main { flex: 1; display: flex; min-height: 0; }
+#run { flex: 1; display: flex; min-width: 0; min-height: 0; }
 #trace { flex: 1; overflow-x: hidden; overflow-y: auto; min-width: 0; position: relative; outline: none; }
 #trace:focus-visible { box-shadow: inset 0 0 0 1px var(--vscode-focusBorder); }
 #sheet { display: flex; min-height: 100%; }
@@ -41,7 +42,6 @@ footer i { display: inline-block; width: 14px; height: 9px; margin-right: 4px; b
 .l-run { color: var(--vscode-charts-blue); } .l-lock { color: var(--vscode-charts-orange); } .l-core { color: var(--vscode-charts-yellow); } .l-hold { color: var(--vscode-charts-purple); }
 .l-run, .l-hold { background: color-mix(in srgb, currentColor 38%, transparent); }
 .l-lock { background: repeating-linear-gradient(135deg, currentColor 0 1px, transparent 1px 4px); } .l-core { background: repeating-linear-gradient(135deg, currentColor 0 1px, transparent 1px 2.5px); }
-.miss { color: var(--vscode-editorError-foreground); }
 .hidden { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
 #empty { padding: 20px; }
 #empty p { margin: 0 0 10px; }
@@ -58,14 +58,16 @@ const BODY = `<header aria-label="Trace">
 <span class="group"><button id="go" title="To the codel in the text (Enter)">Codel</button></span>
 </header>
 <div id="notice" role="status" aria-live="polite" hidden><span></span><button id="refresh">Show the present one</button></div>
-<main id="main" hidden>
+<main>
+<div id="run" hidden>
 <div id="trace" tabindex="0" role="application" aria-roledescription="trace" aria-label="Trace. Left and right arrows step through the run, up and down stay in the lane, plus and minus zoom, Shift with arrows pans." aria-describedby="told">
 <div id="sheet"><ul id="names" aria-label="Lanes"></ul><div id="plane"><canvas id="canvas" aria-hidden="true"></canvas></div></div>
 </div>
 <aside aria-label="Step" tabindex="0"><section id="step" aria-label="What happens"></section><section id="machine" aria-label="State machine" hidden></section></aside>
-</main>
+</div>
 <section id="empty" aria-label="Nothing to show"><p id="why">No run is shown. Open one from a verification, or a recorded one.</p><button id="open">Open Recorded Run…</button></section>
-<footer aria-label="Legend"><span><i class="l-run"></i>executes</span><span><i class="l-hold"></i>has its locks</span><span><i class="l-lock"></i>waits for a lock</span><span><i class="l-core"></i>waits for a core</span><span>↑ period begins</span><span>∨ job ends</span><span>▾ request</span><span class="miss">✕ too late</span></footer>
+</main>
+<footer aria-label="Legend"><span><i class="l-run"></i>executes</span><span><i class="l-hold"></i>has its locks</span><span><i class="l-lock"></i>waits for a lock</span><span><i class="l-core"></i>waits for a core</span><span>↑ period begins</span><span>∨ job ends</span><span>▾ request</span><span>✕ too late</span></footer>
 <div id="told" class="hidden" role="status" aria-live="polite"></div>
 <div id="tip" role="tooltip" hidden></div>`;
 

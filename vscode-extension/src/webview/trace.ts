@@ -22,7 +22,7 @@ let hovered: Span | undefined;
 let scheduled = false;
 let size = { width: 0, height: 0 };
 /** What was drawn, for tests. */
-const drawn: { frames: number; last: Work } = { frames: 0, last: { spans: 0, marks: 0, arrows: 0 } };
+const drawn: { frames: number; last: Work; window: { from: number; to: number } | undefined } = { frames: 0, last: { spans: 0, marks: 0, arrows: 0 }, window: undefined };
 Object.assign(window, { dotgenTrace: drawn });
 
 function redraw(): void {
@@ -34,6 +34,7 @@ function redraw(): void {
     const scene: Scene = { model, window: shown, scroll: view.scrollTop, ...size, step, hovered, font: font() };
     drawn.last = painter.draw(scene);
     drawn.frames++;
+    drawn.window = shown;
   });
 }
 
@@ -80,7 +81,7 @@ function show(trace: Trace): void {
   shown = opening(trace);
   hovered = undefined;
   machineOf = -1;
-  element('main').hidden = false;
+  element('run').hidden = false;
   element('empty').hidden = true;
   element('title').textContent = trace.title;
   element('title').title = [trace.title, ...trace.notes].join('\n');
@@ -103,7 +104,7 @@ function show(trace: Trace): void {
 
 function nothing(text: string): void {
   model = shown = undefined;
-  element('main').hidden = true;
+  element('run').hidden = true;
   element('empty').hidden = false;
   element('why').textContent = text;
   element('title').textContent = 'Trace';

@@ -58,6 +58,11 @@ export interface Work {
   arrows: number;
 }
 
+/** Spans of less than so many pixels have no border and no name. */
+const THIN = 4;
+/** Pixels between marks of a kind. */
+const APART = 6;
+
 const PATTERNS: Partial<Record<SpanKind, number>> = { 'wait-lock': 6, 'wait-core': 3 };
 
 export class Painter {
@@ -101,14 +106,34 @@ export class Painter {
     for (const row of model.rows) {
       if (row.top + ROW < visible.from || row.top > visible.to) continue;
       let filled = -1;
+      // Thin ones of a kind beside each other are one.
+      let thin: { kind: SpanKind; left: number; right: number } | undefined;
+      const flush = () => {
+        if (thin === undefined) return;
+        c.fillStyle = this.colour(thin.kind);
+        c.fillRect(thin.left, row.top + 1, thin.right - thin.left, ROW - 2);
+        thin = undefined;
+        work.spans++;
+      };
       const { spans } = row;
       let i = first(spans, (it) => it.to >= window.from);
       while (i < spans.length) {
         const span = spans[i] as Span;
         if (span.from > window.to) break;
         const [left, right] = [Math.max(x(span.from), -4), Math.min(x(span.to), width + 4)];
-        this.span(span, row.top, left, Math.max(right, left + 2), span === current || span === scene.hovered);
-        work.spans++;
+        const chosen = span === current || span === scene.hovered;
+        if (right - left < THIN && !chosen) {
+          const to = Math.max(right, left + 1.5);
+          if (thin?.kind === span.kind && left <= thin.right + 1) thin.right = to;
+          else {
+            flush();
+            thin = { kind: span.kind, left, right: to };
+          }
+        } else {
+          flush();
+          this.span(span, row.top, left, Math.max(right, left + 2), chosen);
+          work.spans++;
+        }
         filled = Math.max(filled, right, left + 1);
         i++;
         const next = spans[i];
@@ -118,19 +143,22 @@ export class Painter {
           i = first(spans, (it) => it.to >= until);
         }
       }
+      flush();
     }
     if (shown?.by !== undefined) this.holders(scene, shown, x);
     for (const [lane, marks] of model.marks.entries()) {
       const [top, bottom] = [model.tops[lane] ?? 0, model.tops[lane + 1] ?? 0];
       if (bottom < visible.from || top > visible.to) continue;
-      // One of a kind on a pixel.
+      // One of a kind where there is room for one.
       const last: Partial<Record<MarkKind, number>> = {};
       let i = first(marks, (it) => it.at >= window.from);
       for (let mark = marks[i]; mark !== undefined && mark.at <= window.to; mark = marks[++i]) {
         const at = Math.round(x(mark.at));
-        if (last[mark.kind] === at) {
-          // Far from enough room for each: on to the next pixel.
-          if (mark.kind !== 'miss') i = Math.max(i, first(marks, (it) => x(it.at) >= at + 1) - 2);
+        const before = last[mark.kind];
+        if (before !== undefined && at - before < APART) {
+          // Much of what has no room is jumped over at once, as long as all kinds have had theirs.
+          const free = Math.min(...Object.values(last)) + APART;
+          if (at < free) i = Math.max(i, first(marks, (it) => x(it.at) >= free - 1) - 1);
           continue;
         }
         last[mark.kind] = at;
@@ -142,7 +170,7 @@ export class Painter {
     let i = first(model.arrows, (it) => it.at >= window.from);
     for (let arrow = model.arrows[i]; arrow !== undefined && arrow.at <= window.to; arrow = model.arrows[++i]) {
       const at = x(arrow.at);
-      if (at - before < 2 && arrow.step !== scene.step) continue;
+      if (at - before < APART && arrow.step !== scene.step) continue;
       before = at;
       this.arrow(at, model.middle(arrow.from), model.middle(arrow.to), arrow.step === scene.step);
       work.arrows++;

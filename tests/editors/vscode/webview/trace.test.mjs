@@ -1,0 +1,187 @@
+// The trace viewer in Chromium: what it shows, the keyboard, screen readers, data that would like to be more, and how much it
+// draws of very long runs.
+import assert from 'node:assert/strict';
+import { createRequire } from 'node:module';
+import { readFileSync } from 'node:fs';
+import { after, before, test } from 'node:test';
+import { opener, THEMES } from './page.mjs';
+import { MACHINE, trace } from './traces.mjs';
+
+const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+let pages;
+before(async () => (pages = await opener('src/trace/page.ts', 'src/webview/trace.ts')));
+after(() => pages.close());
+
+const position = (it) => it.page.locator('#position').textContent();
+const drawn = (it) => it.page.evaluate(() => ({ ...window.dotgenTrace.last, from: window.dotgenTrace.window.from, to: window.dotgenTrace.window.to }));
+async function key(it, name, times = 1) {
+  for (let i = 0; i < times; i++) await it.page.keyboard.press(name);
+  await it.frame();
+}
+
+for (const theme of Object.keys(THEMES)) {
+  test(`names and roles for screen readers: ${theme}`, async () => {
+    const it = await pages.open({ theme });
+    const violations = async () => {
+      await it.page.evaluate(axe);
+      const { violations: all } = await it.page.evaluate(() => window.axe.run(document));
+      return all.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(' ')}`);
+    };
+    assert.deepEqual(await violations(), [], 'empty');
+    await it.send({ type: 'trace', trace: trace(40) });
+    const { step } = (await it.said()).at(-1);
+    await it.send({ type: 'machine', step, machine: MACHINE });
+    await it.send({ type: 'notice', text: 'The text has changed.' });
+    assert.deepEqual(await violations(), [], 'with a run');
+    await it.page.close();
+  });
+}
+
+test('it opens where the run fails, in the middle', async () => {
+  const it = await pages.open();
+  const run = trace(400);
+  await it.send({ type: 'trace', trace: run });
+  const { from, to } = await drawn(it);
+  assert.ok(Math.abs((from + to) / 2 - run.focus.at) < (to - from) / 100, `${from} ${to} ${run.focus.at}`);
+  assert.equal(await position(it), `step ${run.steps.length} of ${run.steps.length}`);
+  await it.page.close();
+});
+
+test('the keyboard reaches every step, all of time, and every button', async () => {
+  const it = await pages.open();
+  const run = trace(200);
+  await it.send({ type: 'trace', trace: run });
+  await it.page.locator('#trace').focus();
+  await key(it, 'ArrowLeft', 3);
+  assert.equal(await position(it), `step ${run.steps.length - 3} of ${run.steps.length}`);
+  const { at, lane, what } = run.steps.at(-4);
+  const told = await it.page.locator('#told').textContent();
+  assert.ok(told.includes(`${at} ms`) && told.includes(run.lanes[lane].name) && told.includes(what), told);
+  assert.equal(await it.page.locator('#names .current').textContent(), run.lanes[lane].name);
+  assert.deepEqual((await it.said()).at(-1), { type: 'step', step: run.steps.length - 4 });
+  // In the same lane.
+  await key(it, 'ArrowUp');
+  const before = run.steps.map((step, i) => [step.lane, i]).filter(([of, i]) => of === lane && i < run.steps.length - 4).at(-1)[1];
+  assert.equal(await position(it), `step ${before + 1} of ${run.steps.length}`);
+  await key(it, 'Home');
+  assert.equal(await position(it), `step 1 of ${run.steps.length}`);
+  const window = await drawn(it);
+  assert.ok(window.from <= run.steps[0].at && run.steps[0].at <= window.to, 'the step is in sight');
+  await key(it, '+');
+  const near = await drawn(it);
+  assert.ok(near.to - near.from < window.to - window.from);
+  await key(it, 'Shift+ArrowRight');
+  assert.ok((await drawn(it)).from > near.from);
+  await key(it, '0');
+  const whole = await drawn(it);
+  assert.ok(whole.from < run.start && whole.to > run.end);
+  await key(it, 'f');
+  assert.equal(await position(it), `step ${run.steps.length} of ${run.steps.length}`);
+  await key(it, 'Enter');
+  assert.deepEqual((await it.said()).at(-1), { type: 'go', step: run.steps.length - 1 });
+  // With Tab alone, from the beginning.
+  await it.page.locator('h1').evaluate((title) => { title.tabIndex = -1; title.focus(); });
+  const seen = new Set();
+  for (let i = 0; i < 20; i++) {
+    await it.page.keyboard.press('Tab');
+    seen.add(await it.page.evaluate(() => document.activeElement?.id || document.activeElement?.tagName));
+  }
+  const buttons = await it.page.locator('button:visible').evaluateAll((all) => all.map((button) => button.id));
+  assert.ok(buttons.length >= 9, buttons.join(' '));
+  assert.deepEqual([...buttons, 'trace', 'ASIDE'].filter((id) => !seen.has(id)), []);
+  await it.page.close();
+});
+
+test('a wait names who has the lock, and the rule that acted', async () => {
+  const it = await pages.open();
+  const run = trace(60);
+  await it.send({ type: 'trace', trace: run });
+  await it.page.locator('#trace').focus();
+  const wait = run.steps.findLastIndex((step) => step.rule === 'wait');
+  await key(it, 'ArrowLeft', run.steps.length - 1 - wait);
+  const text = await it.page.locator('#step').textContent();
+  const [holder] = run.spans.find((span) => span.step === wait).by;
+  assert.ok(text.includes(holder.name) && text.includes(run.lanes[holder.lane].name) && text.includes('of the ids'), text);
+  assert.ok(text.includes(run.rules.wait), text);
+  await it.page.close();
+});
+
+test('the mouse: a click chooses, the wheel zooms at the pointer, a drag moves time', async () => {
+  const it = await pages.open();
+  const run = trace(60);
+  await it.send({ type: 'trace', trace: run });
+  await key(it, '0');
+  const box = await it.page.locator('canvas').boundingBox();
+  const whole = await drawn(it);
+  const x = (at) => box.x + ((at - whole.from) / (whole.to - whole.from)) * box.width;
+  const span = run.spans.filter((one) => one.lane === 2 && one.kind === 'run')[1];
+  // The first task is the third lane; lanes of one row are 32 pixels high, below a scale of 24.
+  const y = box.y + 24 + 2 * 32 + 16;
+  await it.page.mouse.click(x((span.from + span.to) / 2), y);
+  assert.deepEqual((await it.said()).at(-1), { type: 'step', step: span.step });
+  const at = (span.from + span.to) / 2;
+  await it.page.mouse.move(x(at), y);
+  await it.page.mouse.wheel(0, -300);
+  await it.frame();
+  const near = await drawn(it);
+  assert.ok(near.to - near.from < (whole.to - whole.from) / 1.5);
+  const share = (window) => (at - window.from) / (window.to - window.from);
+  assert.ok(Math.abs(share(near) - share(whole)) < 0.01);
+  await it.page.mouse.down();
+  await it.page.mouse.move(x(at) + 100, y, { steps: 4 });
+  await it.page.mouse.up();
+  await it.frame();
+  const moved = await drawn(it);
+  assert.ok(Math.abs(near.from - moved.from - (100 / box.width) * (near.to - near.from)) < (near.to - near.from) / 200);
+  assert.deepEqual(it.errors, []);
+  await it.page.close();
+});
+
+test('the state of a step is marked in its machine, and an answer for another step is dropped', async () => {
+  const it = await pages.open();
+  await it.send({ type: 'trace', trace: trace(40) });
+  const { step } = (await it.said()).at(-1);
+  await it.send({ type: 'machine', step: step - 1, machine: MACHINE });
+  assert.ok(await it.page.locator('#machine').isHidden());
+  await it.send({ type: 'machine', step, machine: MACHINE });
+  assert.equal(await it.page.locator('#machine .current').getAttribute('data-id'), 'main');
+  await it.page.close();
+});
+
+test('names are text, whatever they look like', async () => {
+  const it = await pages.open();
+  const evil = '<img src=x onerror="window.evil=1"><script>window.evil=1</script>';
+  const run = trace(40, { names: () => evil });
+  run.title = evil;
+  for (const step of run.steps) Object.assign(step, { what: `${evil} \`${evil}\``, codel: evil, locks: [evil] });
+  for (const span of run.spans) span.label = evil;
+  run.rules = { tick: evil, wait: evil, begin: evil, end: evil };
+  await it.send({ type: 'trace', trace: run });
+  await it.page.mouse.move(700, 120);
+  await it.send({ type: 'machine', step: (await it.said()).at(-1).step, machine: { title: evil, node: null, svg: `<svg xmlns="http://www.w3.org/2000/svg"><script>window.evil=1</script><text onclick="1">x</text></svg>` } });
+  assert.equal(await it.page.evaluate(() => window.evil), undefined);
+  assert.equal(await it.page.locator('img').count(), 0);
+  assert.ok((await it.page.locator('#names').textContent()).includes(evil));
+  await it.page.close();
+});
+
+test('what is drawn is held to what the screen can show, however long the run is', async () => {
+  const it = await pages.open();
+  const rows = trace(10).lanes.reduce((sum, lane) => sum + lane.rows, 0);
+  const work = [];
+  for (const steps of [10_000, 100_000]) {
+    await it.send({ type: 'trace', trace: trace(steps) });
+    await key(it, '0');
+    const all = await drawn(it);
+    const { width } = await it.page.locator('canvas').boundingBox();
+    assert.ok(all.spans <= (rows * width) / 1.5, `${all.spans} spans in ${rows} rows of ${width} pixels`);
+    await key(it, 'f');
+    const near = await drawn(it);
+    // Thirty steps on the left, and nothing on the right.
+    assert.ok(near.spans < 120 && near.marks < 60, JSON.stringify(near));
+    work.push({ all: all.spans, near: near.spans });
+  }
+  const [short, long] = work;
+  assert.ok(long.near <= short.near * 1.5 && long.all <= short.all * 3, JSON.stringify(work));
+  await it.page.close();
+});
