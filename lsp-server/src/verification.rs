@@ -17,6 +17,7 @@ pub(crate) mod timeline;
 pub(crate) mod trace;
 pub(crate) mod view;
 pub(crate) mod what_if;
+pub(crate) mod why;
 
 pub use problem::Problem;
 pub(crate) use quick::{TaskBound, quick_bounds};

@@ -5,6 +5,8 @@
 //! intervals, as a larger upper bound only adds behaviour; smallest periods and fixed durations are
 //! not monotonic, and the result says so.
 
+mod remedy;
+
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError, RwLock};
 
@@ -23,6 +25,7 @@ use crate::system::build::{build, not_a};
 use crate::system::settings::Settings;
 use crate::system::{FOREVER, TimedSystem};
 use crate::verify::{Cancel, Options, SystemInput, settings, to_f64};
+pub use remedy::{Remedy, remedy};
 
 /// The answer to "how many cores?".
 #[derive(Debug, Clone, Serialize)]
@@ -40,7 +43,10 @@ pub struct Extreme {
     pub of: String,
     /// Its value now, in the unit of the report.
     pub now: Value,
-    /// The extreme value found: largest WCET or smallest period. `None`: even the value now fails.
+    /// The value now fails: the extreme is what would hold instead.
+    #[serde(rename = "fails-now", skip_serializing_if = "std::ops::Not::not")]
+    pub fails_now: bool,
+    /// The extreme value found: largest WCET or smallest period. `None`: none that was tried holds.
     /// [`Value::Unbounded`]: no bound was found up to the longest period.
     pub extreme: Option<Value>,
     /// Whether values beyond it are known to fail.
@@ -345,6 +351,7 @@ impl<'a> Asked<'a> {
             } else {
                 value(upper)
             },
+            fails_now: false,
             extreme: None,
             exact: settings(self.scenario, self.options).durations != Durations::Fixed,
             incomplete: false,
@@ -357,7 +364,23 @@ impl<'a> Asked<'a> {
         match holds(start) {
             Verdict::Proved => {}
             verdict => {
+                out.fails_now = true;
                 out.incomplete = verdict == Verdict::Unknown;
+                // Downwards: no less than its least time, and no codel takes none.
+                let least = match out.exact {
+                    true => current.lower.max(1),
+                    false => 1,
+                };
+                if verdict == Verdict::Refuted && least < start {
+                    match holds(least) {
+                        Verdict::Proved => {
+                            let last = bisect(least, start, holds, &mut out.incomplete);
+                            out.extreme = Some(value(last));
+                            out.exact &= !out.incomplete;
+                        }
+                        verdict => out.incomplete = verdict == Verdict::Unknown,
+                    }
+                }
                 return Ok(out);
             }
         }
@@ -404,6 +427,7 @@ impl<'a> Asked<'a> {
         let mut out = Extreme {
             of: task.text(),
             now: value(period),
+            fails_now: false,
             extreme: None,
             exact: false,
             incomplete: false,
@@ -411,7 +435,11 @@ impl<'a> Asked<'a> {
         match holds(period) {
             Verdict::Proved => {}
             verdict => {
+                out.fails_now = true;
                 out.incomplete = verdict == Verdict::Unknown;
+                if verdict == Verdict::Refuted {
+                    out.extreme = slower(period, holds, &mut out.incomplete).map(value);
+                }
                 return Ok(out);
             }
         }
@@ -419,6 +447,24 @@ impl<'a> Asked<'a> {
         out.extreme = Some(value(last));
         Ok(out)
     }
+}
+
+/// A longer period that holds, next to one that does not: up to eight times as long.
+fn slower(
+    period: u32,
+    mut holds: impl FnMut(u32) -> Verdict,
+    incomplete: &mut bool,
+) -> Option<u32> {
+    let mut fails = period;
+    for times in [2, 4, 8] {
+        let longer = period.checked_mul(times)?;
+        match holds(longer) {
+            Verdict::Proved => return Some(bisect(longer, fails, holds, incomplete)),
+            verdict => *incomplete |= verdict == Verdict::Unknown,
+        }
+        fails = longer;
+    }
+    None
 }
 
 /// The last value that holds on the way from one that does to one that does not.

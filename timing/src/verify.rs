@@ -101,7 +101,7 @@ pub fn settings(scenario: &Scenario, options: &Options) -> Settings {
     settings
 }
 
-fn verify_settings(
+pub(crate) fn verify_settings(
     names: &Names,
     settings: &Settings,
     limits: Limits,

@@ -180,6 +180,9 @@ export interface VerificationCheck {
   limit: string | null;
   slack: string | null;
   note: string | null;
+  /** Why it fails in one sentence, and what would make it hold. */
+  cause: string | null;
+  remedy: string | null;
   /** Why a job is late, a sentence for each wait. */
   reason: string[];
   hasRun: boolean;

@@ -7,6 +7,7 @@
 mod convert_wcet;
 mod designate_initializers;
 mod document_parameters;
+mod execution_time;
 mod extract_struct;
 mod generate_interface;
 mod implement_interface;
@@ -16,6 +17,8 @@ mod organize_includes;
 mod split_codel;
 
 use std::ops::Range;
+
+pub(crate) use execution_time::execution_time;
 
 use dotgen_syntax::{SyntaxElement, SyntaxKind, SyntaxNode, ast::AstNode};
 use smol_str::SmolStr;

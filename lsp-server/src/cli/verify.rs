@@ -32,6 +32,7 @@ use crate::verification::Problem;
 use crate::verification::first::{self, FirstAnswer};
 use crate::verification::runs;
 use crate::verification::view::View;
+use crate::verification::why::{self, Why};
 
 /// Verify real-time properties: deadlines, response times, bounded responses
 ///
@@ -183,6 +184,8 @@ struct Answer {
     problem: Problem,
     options: Options,
     report: Report,
+    /// By check: why it fails, and what would help.
+    why: Vec<Option<Why>>,
     /// What holds with fewer requests, where no scenario is written.
     first: Vec<FirstAnswer>,
     /// What was said beside it, for programs.
@@ -270,7 +273,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             }),
             false => None,
         };
+        let why = why::of_report(&problem, &options, &report, Some(&cancel));
         answers.push(Answer {
+            why,
             problem,
             options,
             report,
@@ -450,7 +455,7 @@ impl Answer {
     }
 
     fn view(&self) -> View<'_> {
-        View::new(&self.problem, &self.options, &self.report)
+        View::new(&self.problem, &self.options, &self.report, &self.why)
     }
 
     fn file(&self) -> String {

@@ -5,6 +5,7 @@ mod answer;
 mod diagnostics;
 mod lens;
 pub(crate) mod problems;
+mod remedy;
 mod sensitivity;
 mod trace;
 
@@ -78,6 +79,14 @@ pub(crate) fn actions(
         for (uri, found) in diagnostics::at(snapshot, &subject.path, range)? {
             let diagnostic =
                 crate::features::convert::diagnostic::to_proto(snapshot, &found.diagnostic)?;
+            if let Some(remedy) = &found.remedy {
+                out.extend(remedy::action(
+                    snapshot,
+                    subject,
+                    remedy,
+                    diagnostic.clone(),
+                )?);
+            }
             let arguments = Some(vec![argument(&uri, Some(found.check))]);
             out.push(CodeAction {
                 title: "Show the timeline of the run".to_owned(),

@@ -34,6 +34,8 @@ pub(crate) struct Blocker {
 pub(crate) struct CodelAt {
     /// `component.owner.state`
     pub(crate) path: String,
+    /// The function that it is; of an attribute, the path.
+    pub(crate) function: String,
     /// Longest time it executes, in the unit of the report; `None`: without end.
     pub(crate) upper: Option<f64>,
     /// The same in microseconds, for what-if fields.
@@ -58,6 +60,10 @@ pub(crate) fn table(problem: &Problem, options: &Options) -> Vec<Row> {
         let finite = codel.upper != FOREVER;
         CodelAt {
             path: codel.path.clone(),
+            function: match codel.site {
+                Some((c, it)) => names.components[c].component.codel(it).name.to_string(),
+                None => codel.path.clone(),
+            },
             upper: finite.then(|| scale.from_seconds(time)),
             micros: finite.then(|| *time.numer() as f64 * 1e6 / *time.denom() as f64),
             src: codel

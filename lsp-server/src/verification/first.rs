@@ -56,7 +56,7 @@ pub(crate) fn answers(problem: &Problem, options: &Options, cancel: &Cancel) -> 
 }
 
 fn answer(assuming: String, problem: &Problem, options: &Options, report: &Report) -> FirstAnswer {
-    let view = View::new(problem, options, report);
+    let view = View::new(problem, options, report, &[]);
     let open = |it: &Outcome| !matches!(it, Outcome::Proved | Outcome::Bounded);
     let worst = [
         Outcome::Refuted,

@@ -10,6 +10,7 @@ use dotgen_timing::verify::{Cancel, Options};
 use serde::{Deserialize, Serialize};
 
 use super::view::View;
+use super::why::Why;
 use super::{Problem, TaskBound};
 
 /// Answers by the document they are about.
@@ -81,6 +82,8 @@ pub(crate) struct Answer {
     pub(crate) options: Options,
     pub(crate) report: Report,
     pub(crate) bounds: Arc<Vec<TaskBound>>,
+    /// By check: why it fails, and later what helps.
+    pub(crate) why: Vec<Option<Why>>,
     /// Found last, if at all.
     pub(crate) cores: Option<MinimumCores>,
 }
@@ -88,7 +91,7 @@ pub(crate) struct Answer {
 impl Answer {
     /// What people look at.
     pub(crate) fn view(&self) -> View<'_> {
-        View::new(&self.problem, &self.options, &self.report)
+        View::new(&self.problem, &self.options, &self.report, &self.why)
     }
 
     /// What it amounts to.

@@ -9,7 +9,7 @@ use dotgen_timing::report::Verdict;
 use dotgen_timing::verify::{Cancel, Options, SystemInput};
 
 use super::results::Answer;
-use super::{Problem, TaskBound, quick_bounds};
+use super::{Problem, TaskBound, quick_bounds, why};
 
 /// The number of cores is only asked for when the verification itself took at most so long: every
 /// number is a verification of its own.
@@ -24,7 +24,7 @@ pub(crate) enum Found {
     Bounds(Arc<Vec<TaskBound>>),
     /// What is known of the exact answer.
     SoFar(Arc<Answer>),
-    /// The exact answer; again when the number of cores has come.
+    /// The exact answer; again when the number of cores has come, or what helps.
     Answer(Arc<Answer>),
 }
 
@@ -43,22 +43,33 @@ pub(crate) fn run(
     cancel.limit(limit);
     let bounds = Arc::new(quick_bounds(&problem, &options));
     tell(Found::Bounds(bounds.clone()));
-    let answer = |report, cores| {
+    let answer = |report, why, cores| {
         Arc::new(Answer {
             problem: problem.clone(),
             options: options.clone(),
             report,
+            why,
             bounds: bounds.clone(),
             cores,
         })
     };
     let report = problem.verify(&options, cancel, &|so_far| {
-        tell(Found::SoFar(answer(so_far.clone(), None)));
+        let why = why::of_report(&problem, &options, so_far, None);
+        tell(Found::SoFar(answer(so_far.clone(), why, None)));
     });
     if cancel.is_abandoned() {
         return;
     }
-    tell(Found::Answer(answer(report.clone(), None)));
+    let why = why::of_report(&problem, &options, &report, None);
+    tell(Found::Answer(answer(report.clone(), why, None)));
+    if report.refuted() && !cancel.is_over() {
+        let why = why::of_report(&problem, &options, &report, Some(cancel));
+        let helps = why.iter().flatten().any(|it| it.remedy.is_some());
+        if helps && !cancel.is_abandoned() {
+            tell(Found::Answer(answer(report.clone(), why, None)));
+        }
+        return;
+    }
     let deadlines = || {
         report
             .checks
@@ -79,7 +90,7 @@ pub(crate) fn run(
         if let Some(cores) = cores.ok().filter(decided)
             && !cancel.is_abandoned()
         {
-            tell(Found::Answer(answer(report, Some(cores))));
+            tell(Found::Answer(answer(report, Vec::new(), Some(cores))));
         }
     }
 }

@@ -63,9 +63,20 @@ pub fn platform(settings: &Settings) -> String {
     format!("{cores}, durations {durations}, semantics {semantics}")
 }
 
+/// On which side of an extreme that holds, where the value now does not, the others are.
+fn side(it: &Extreme) -> &'static str {
+    match (it.extreme, it.now) {
+        (Some(Value::Time(extreme)), Value::Time(now)) if extreme > now => "from",
+        _ => "up to",
+    }
+}
+
 /// How far a value can go, in words, and what that is worth if it is not exact.
 pub(crate) fn extreme(it: &Extreme, scale: Scale) -> (String, &'static str) {
     let extreme = match it.extreme {
+        Some(extreme) if it.fails_now => {
+            format!("holds {} {}", side(it), scale.show_value(extreme))
+        }
         Some(extreme) => scale.show_value(extreme),
         None => "missed already".to_owned(),
     };

@@ -11,6 +11,7 @@ use dotgen_timing::verify::{Options, settings};
 
 use super::Problem;
 use super::summary::{Scale, percent};
+use super::why::Why;
 
 /// What an answer amounts to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -105,6 +106,12 @@ pub(crate) struct CheckView<'r> {
     pub(crate) worth: Option<&'static str>,
     /// Why a job is late, a sentence for each wait.
     pub(crate) reason: Vec<String>,
+    /// Why it fails in one sentence, for a task.
+    pub(crate) cause: Option<String>,
+    /// What would make it hold, if that is known.
+    pub(crate) remedy: Option<String>,
+    /// Both as data.
+    pub(crate) why: Option<&'r Why>,
     /// Where the check is written, in the scenario.
     pub(crate) written: Option<Range<usize>>,
     /// It is one of several answers to a check of all tasks.
@@ -119,15 +126,21 @@ pub(crate) struct View<'r> {
 
 impl<'r> View<'r> {
     /// Of the report of a problem.
-    pub(crate) fn new(problem: &Problem, options: &Options, report: &'r Report) -> View<'r> {
+    pub(crate) fn new(
+        problem: &Problem,
+        options: &Options,
+        report: &'r Report,
+        why: &'r [Option<Why>],
+    ) -> View<'r> {
         let scale = Scale::of(&settings(&problem.scenario, options));
         // Checks of the command line stand in no scenario.
         let written = options.checks.is_empty() && problem.is_written();
         let scenario = written.then_some(&problem.scenario);
-        let checks = report.checks.iter();
+        let checks = report.checks.iter().enumerate();
+        let why = |i: usize| why.get(i).and_then(Option::as_ref);
         View {
             checks: checks
-                .map(|it| CheckView::new(it, scale, scenario))
+                .map(|(i, it)| CheckView::new(it, scale, scenario, why(i)))
                 .collect(),
         }
     }
@@ -140,7 +153,12 @@ impl<'r> View<'r> {
 }
 
 impl<'r> CheckView<'r> {
-    fn new(report: &'r CheckReport, scale: Scale, scenario: Option<&Scenario>) -> CheckView<'r> {
+    fn new(
+        report: &'r CheckReport,
+        scale: Scale,
+        scenario: Option<&Scenario>,
+        why: Option<&'r Why>,
+    ) -> CheckView<'r> {
         let outcome = Outcome::of(report);
         let bound = report.rounded || report.soundness == Soundness::UpperBound;
         let (sign, least) = match report.verdict {
@@ -169,6 +187,9 @@ impl<'r> CheckView<'r> {
                 Soundness::Neither => Some("for worst-case durations only, indicative"),
             },
             reason: report.reason.iter().map(|it| sentence(it, scale)).collect(),
+            cause: why.map(|it| it.cause_in_words(scale)),
+            remedy: why.and_then(|it| it.remedy_in_words(scale)),
+            why,
             written: written.map(|it| it.range.clone()),
             is_one_of_all: written.is_some_and(is_of_all),
         }

@@ -117,7 +117,7 @@ function showChecks(it: VerificationAnswer): void {
   const rows = it.checks.flatMap((check, i) => {
     const title = check.name === null ? `${check.check} ${check.of}` : `${check.name}: ${check.check} ${check.of}`;
     const run: Node | string = check.hasRun ? link(check.verdict === 'refuted' ? 'show why' : 'show run', null, () => host.postMessage({ type: 'check', check: i }), `run ${i}`) : '';
-    const notes = [check.worth, check.note, ...check.reason].filter((note) => note !== null).join('; ');
+    const notes = [check.cause, check.remedy, check.worth, check.note, ...check.reason].filter((note) => note !== null).join('; ');
     const verdict = node('span', check.verdict === 'open' ? 'verifying …' : check.verdict, CLASSES[check.verdict]);
     const lines = [row([verdict, link(title, check.location, undefined, `check ${i}`), ...columns.map((name) => check[name] ?? ''), run], columns.map((_, at) => at + 2))];
     if (notes !== '') {

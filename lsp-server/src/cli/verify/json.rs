@@ -28,7 +28,8 @@ fn document(answer: &Answer) -> anyhow::Result<Json> {
     document["file"] = json!(answer.file());
     document["format"] = json!(FORMAT);
     let checks = document["checks"].as_array_mut().into_iter().flatten();
-    for (json, check) in checks.zip(&answer.report.checks) {
+    let answered = answer.report.checks.iter().zip(&answer.why);
+    for (json, (check, why)) in checks.zip(answered) {
         if json.get("counterexample").is_none() {
             json["counterexample"] = json!([]);
         }
@@ -37,6 +38,9 @@ fn document(answer: &Answer) -> anyhow::Result<Json> {
         }
         if let Some(slack) = check.slack() {
             json["slack"] = json!((slack * 1000.0).round() / 1000.0);
+        }
+        if let Some(why) = why {
+            json["why"] = serde_json::to_value(why)?;
         }
         if check.exceeds() {
             json["exceeded"] = json!(true);

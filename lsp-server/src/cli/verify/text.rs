@@ -82,6 +82,12 @@ fn print_one(out: &mut impl Write, answer: &Answer, explained: bool) -> anyhow::
                 requests.join(", then ")
             )?;
         }
+        if let Some(cause) = &it.cause {
+            writeln!(out, "  {TITLE}cause{TITLE:#} {cause}")?;
+        }
+        if let Some(remedy) = &it.remedy {
+            writeln!(out, "  {TITLE}help{TITLE:#} {remedy}")?;
+        }
         for it in &it.reason {
             writeln!(out, "  {TITLE}because{TITLE:#} {it}")?;
         }

@@ -126,6 +126,10 @@ struct CheckShown {
     limit: Option<String>,
     slack: Option<String>,
     note: Option<String>,
+    /// Why it fails in one sentence, for a task.
+    cause: Option<String>,
+    /// What would make it hold, if that is known.
+    remedy: Option<String>,
     /// Why a job is late.
     reason: Vec<String>,
     has_run: bool,
@@ -491,6 +495,8 @@ fn shown_check(
         limit: view.limit.clone(),
         slack: view.slack.clone(),
         note: check.note.clone(),
+        cause: view.cause.clone(),
+        remedy: view.remedy.clone(),
         reason: view.reason.clone(),
         has_run: !check.run().is_empty(),
         location,

@@ -6,6 +6,7 @@ use camino::Utf8Path;
 use dotgen_analysis::codes;
 use dotgen_analysis::diagnostic::{Diagnostic, Related, Severity};
 use dotgen_analysis::host::Cancellable;
+use dotgen_timing::derive::Remedy;
 use dotgen_timing::explore::MomentKind;
 use dotgen_timing::property::PropertyKind;
 use dotgen_timing::remark::together;
@@ -33,6 +34,8 @@ const RELATED: usize = 8;
 
 /// A diagnostic and the check it is about.
 pub(super) struct Found {
+    /// What would help, if it is known.
+    pub(super) remedy: Option<Remedy>,
     pub(super) diagnostic: Diagnostic,
     pub(super) check: usize,
 }
@@ -100,7 +103,11 @@ fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Fou
             };
             if asked && it.report.verdict == Verdict::Refuted {
                 let found = diagnostic(snapshot, entry, answer, it, path, &task.range);
-                out.extend(found.map(|diagnostic| Found { diagnostic, check }));
+                out.extend(found.map(|diagnostic| Found {
+                    remedy: it.why.and_then(|it| it.remedy.clone()),
+                    diagnostic,
+                    check,
+                }));
             }
         }
     }
@@ -149,7 +156,11 @@ fn scenario(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Found> {
             continue;
         };
         let found = diagnostic(snapshot, entry, answer, it, path, written);
-        out.extend(found.map(|diagnostic| Found { diagnostic, check }));
+        out.extend(found.map(|diagnostic| Found {
+            remedy: it.why.and_then(|it| it.remedy.clone()),
+            diagnostic,
+            check,
+        }));
     }
     out
 }
@@ -200,7 +211,9 @@ fn diagnostic(
         }
         (_, kind) => (FAILED, format!("`{kind} {of}` does not hold")),
     };
-    if let Some(why) = view.reason.last() {
+    if let Some(why) = view.why {
+        message += &format!("; {}", why.in_words(scale));
+    } else if let Some(why) = view.reason.last() {
         message += &format!("; {why}");
     }
     if view.outcome == Outcome::PossiblyRefuted {

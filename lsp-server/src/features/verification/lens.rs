@@ -304,9 +304,10 @@ fn details(entry: &Entry, task: TaskId) -> Vec<String> {
     let mut out: Vec<String> = of_task(entry, task).into_iter().collect();
     if let Some(answer) = entry.known() {
         let view = answer.view();
-        let reasons = view
-            .of_task(task)
-            .flat_map(|it| it.1.reason.iter().cloned());
+        let reasons = view.of_task(task).flat_map(|(_, it)| {
+            let first = [&it.cause, &it.remedy].into_iter().flatten();
+            first.chain(&it.reason).cloned()
+        });
         for it in reasons {
             if !out.contains(&it) {
                 out.push(it);

@@ -117,6 +117,7 @@ export function checks(wb) {
       await frame.locator('#fit').click();
     }],
     ['what would be enough: a variation, and back', async () => {
+      await frame.locator('#variation summary').click();
       await frame.locator('#cores').fill('2');
       await frame.locator('#cores').press('Enter');
       await frame.locator('#notice', { hasText: 'a variation' }).waitFor();
@@ -132,6 +133,7 @@ export function checks(wb) {
       wb.folderSettings({ 'workbench.colorTheme': 'Default Light Modern' });
       await page.locator('.monaco-workbench.vs').waitFor();
       await wb.shot('66-timeline-light.png');
+      await frame.locator('#blocked summary').click();
       await frame.locator('#blocking').scrollIntoViewIfNeeded();
       await wb.shot('67-blocking-light.png');
       wb.folderSettings({});
@@ -186,6 +188,7 @@ export function checks(wb) {
       await wb.squiggles('warning').first().waitFor();
       await wb.command('dotgen: Show Verification');
       const assumed = frame.locator('#assumptions a');
+      await frame.locator('#assumed summary').click();
       await assumed.filter({ hasText: 'have no wcet' }).waitFor();
       await frame.locator('#assumptions').scrollIntoViewIfNeeded();
       await wb.shot('69-assumed.png');

@@ -1,0 +1,170 @@
+//! Why a deadline is missed, and what would help: data of a report, and a sentence for each.
+
+use dotgen_timing::derive::{Remedy, remedy};
+use dotgen_timing::report::{Awaited, CheckReport, Delay, Holder, Report, Verdict};
+use dotgen_timing::verify::{Cancel, Options, SystemInput};
+use serde::Serialize;
+
+use super::Problem;
+use super::blocking::{self, Row};
+use super::summary::Scale;
+
+/// Hints are looked for when the verification itself took at most so long: each is some verifications.
+const QUICK_SECONDS: f64 = 1.0;
+
+/// Why a check of a task fails, and what would help.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct Why {
+    /// What the job at the end of the run waited for longest.
+    pub(crate) cause: Cause,
+    /// What makes the check hold, if something plain does. Verified.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) remedy: Option<Remedy>,
+    /// The function of the codel that the remedy is about.
+    #[serde(skip)]
+    function: Option<String>,
+}
+
+/// See [`Why::cause`].
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct Cause {
+    /// The task that is late: `component.task`.
+    pub(crate) task: String,
+    /// What it waited for; nothing, if it only took its own time.
+    #[serde(rename = "waits-for", skip_serializing_if = "Option::is_none")]
+    pub(crate) awaited: Option<Awaited>,
+    /// For how long, in the unit of the report.
+    pub(crate) time: f64,
+    /// What is shared, in words.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) through: Vec<String>,
+    /// Who had it: a codel, or a task.
+    #[serde(rename = "held-by", skip_serializing_if = "Option::is_none")]
+    pub(crate) held_by: Option<String>,
+    /// Likewise, by the name that people gave it: the function of a codel.
+    #[serde(skip)]
+    holder: Option<String>,
+}
+
+/// The causes of all checks of a report that fail for a task, and with `remedies` what helps.
+pub(crate) fn of_report(
+    problem: &Problem,
+    options: &Options,
+    report: &Report,
+    remedies: Option<&Cancel>,
+) -> Vec<Option<Why>> {
+    let refuted = |it: &&CheckReport| it.verdict == Verdict::Refuted && it.id.task.is_some();
+    if !report.checks.iter().any(|it| refuted(&it)) {
+        return vec![None; report.checks.len()];
+    }
+    let table = blocking::table(problem, options);
+    let input = SystemInput {
+        specs: problem.specs(),
+    };
+    let remedies = remedies.filter(|_| report.seconds <= QUICK_SECONDS);
+    let why = |check: &CheckReport| {
+        refuted(&check).then(|| {
+            let remedy = remedies.and_then(|cancel| {
+                remedy(&input, &problem.scenario, options, (report, check), cancel)
+            });
+            let function = match &remedy {
+                Some(Remedy::Wcet { codel, .. }) => Some(function(&table, codel)),
+                _ => None,
+            };
+            Why {
+                cause: cause(check, &table),
+                remedy,
+                function,
+            }
+        })
+    };
+    report.checks.iter().map(why).collect()
+}
+
+fn function(table: &[Row], codel: &str) -> String {
+    let row = table.iter().find(|it| it.codel.path == codel);
+    row.map_or(codel, |it| &it.codel.function).to_owned()
+}
+
+fn cause(check: &CheckReport, table: &[Row]) -> Cause {
+    let mut out = Cause {
+        task: check.of.clone(),
+        awaited: None,
+        time: 0.0,
+        through: Vec::new(),
+        held_by: None,
+        holder: None,
+    };
+    let length = |it: &Delay| it.until - it.from;
+    let longest = check.reason.iter();
+    let Some(longest) = longest.max_by(|a, b| length(a).total_cmp(&length(b))) else {
+        return out;
+    };
+    out.awaited = Some(longest.awaited);
+    out.time = length(longest);
+    let had = |it: &Holder| it.until - it.from;
+    let holders = longest.held.iter();
+    let Some(holder) = holders.max_by(|a, b| had(a).total_cmp(&had(b))) else {
+        return out;
+    };
+    out.held_by = Some(holder.codel.clone().unwrap_or_else(|| holder.by.clone()));
+    out.holder = Some(match &holder.codel {
+        Some(codel) => function(table, codel),
+        None => own_name(&holder.by).to_owned(),
+    });
+    if let (Some(waiting), Some(codel)) = (&longest.codel, &holder.codel) {
+        let row = table.iter().find(|it| it.codel.path == *waiting);
+        let by = row.and_then(|it| it.by.iter().find(|it| it.codel.path == *codel));
+        out.through = by.map(|it| it.through.clone()).unwrap_or_default();
+    }
+    out
+}
+
+/// Of `component.task` the task.
+fn own_name(path: &str) -> &str {
+    path.rsplit('.').next().unwrap_or(path)
+}
+
+impl Why {
+    /// `` `control` waits 6 ms for `level` of the ids, held by `report_start` ``
+    pub(crate) fn cause_in_words(&self, scale: Scale) -> String {
+        let it = &self.cause;
+        let task = own_name(&it.task);
+        let time = scale.show(it.time);
+        let what = match (it.awaited, &it.through[..]) {
+            (None, _) => return format!("`{task}` waits for nobody: its own codels take so long"),
+            (Some(Awaited::Core), _) => "a core".to_owned(),
+            (Some(Awaited::Lock), []) => "a lock".to_owned(),
+            (Some(Awaited::Lock), all) => all.join(" and "),
+        };
+        let held = it.holder.as_ref();
+        let held = held.map_or(String::new(), |it| format!(", held by `{it}`"));
+        format!("`{task}` waits {time} for {what}{held}")
+    }
+
+    /// `` it holds if `report_start` takes at most 4 ms ``
+    pub(crate) fn remedy_in_words(&self, scale: Scale) -> Option<String> {
+        Some(match self.remedy.as_ref()? {
+            Remedy::Wcet {
+                codel,
+                at_most,
+                or_less,
+                ..
+            } => {
+                let name = self.function.as_ref().unwrap_or(codel);
+                let most = if *or_less { "at most " } else { "" };
+                format!("it holds if `{name}` takes {most}{}", scale.show(*at_most))
+            }
+            Remedy::Cores { needed, .. } => format!("it holds with {needed} cores"),
+        })
+    }
+
+    /// Both.
+    pub(crate) fn in_words(&self, scale: Scale) -> String {
+        let cause = self.cause_in_words(scale);
+        match self.remedy_in_words(scale) {
+            Some(remedy) => format!("{cause}; {remedy}"),
+            None => cause,
+        }
+    }
+}
