@@ -19,6 +19,7 @@ mod scenario;
 mod system;
 mod templates;
 mod verification;
+mod why;
 
 use dotgen_analysis::host::Cancellable;
 use tower_lsp::LspServiceBuilder;

@@ -28,7 +28,7 @@ aside { flex: 0 0 min(340px, 36%); display: flex; flex-direction: column; min-wi
 #step { padding: 8px 12px; }
 #step h2 { font-size: 1em; margin: 0 0 2px; font-weight: 600; overflow-wrap: anywhere; }
 #step p { margin: 2px 0; }
-#step .rule { color: var(--vscode-descriptionForeground); }
+#step .what-rule { color: var(--vscode-descriptionForeground); }
 #step dl { display: grid; grid-template-columns: max-content 1fr; gap: 1px 10px; margin: 6px 0 0; }
 #step dt { color: var(--vscode-descriptionForeground); }
 #step dd { margin: 0; overflow-wrap: anywhere; }

@@ -134,7 +134,7 @@ function choose(to: number, reveal = true): void {
   element('step').replaceChildren(
     node('h2', [`${time(it.at, trace.unit)} · ${lane}`]),
     node('p', rich(it.what)),
-    node('p', [node('strong', [it.rule]), ` ${trace.rules[it.rule] ?? ''}`], 'rule'),
+    node('p', [node('strong', [it.rule]), ` ${trace.rules[it.rule] ?? ''}`], 'what-rule'),
     details,
   );
   element<HTMLButtonElement>('go').disabled = place(to) === null;

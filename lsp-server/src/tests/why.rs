@@ -1,0 +1,143 @@
+//! Why a deadline is missed, what would help, and the run step by step, as a client sees them.
+
+use serde_json::{Value, json};
+
+use super::client::{Client, Folder, document, pulling};
+
+const STATUS: &str = "dotgen/verificationStatus";
+
+const LIFT: &str = "component lift {
+  ids { double level; };
+  task control { period 10 ms;
+    codel<start> steer(inout level) yield pause::start wcet 3 ms;
+  };
+  task report { period 20 ms;
+    codel<start> tell(in level) yield pause::start wcet 8 ms;
+  };
+};
+";
+
+const SCENARIO: &str = "scenario ride {
+  use \"lift.gen\"; semantics published;
+  cores 2;
+  check schedulable *;
+}
+";
+
+/// The server with both open, once it has found what helps.
+async fn start() -> (Client, Folder, String) {
+    let folder = Folder::new(&[("lift.gen", LIFT), ("ride.scn", SCENARIO)]);
+    let mut params = folder.params(pulling());
+    params["initializationOptions"] = json!({ "verificationStatus": true });
+    params["capabilities"]["workspace"]["workspaceEdit"] = json!({ "documentChanges": true });
+    let mut client = Client::start(params).await;
+    let uri = folder.uri("lift.gen");
+    client.open(&uri, LIFT).await;
+    client.open(&folder.uri("ride.scn"), SCENARIO).await;
+    loop {
+        let it = client.notification(STATUS).await;
+        if it["status"] == "refuted" {
+            break;
+        }
+    }
+    (client, folder, uri)
+}
+
+/// The problem of `control`, once it says what helps: that is found after the answer.
+async fn problem(client: &mut Client, uri: &str) -> Value {
+    loop {
+        let report = client.ok("textDocument/diagnostic", document(uri)).await;
+        let all = report["items"].as_array().cloned().unwrap_or_default();
+        let missed = |it: &&Value| it["code"] == "timing/deadline-miss";
+        let found = all.iter().find(missed).cloned().unwrap_or_default();
+        let helps = found["message"].as_str().unwrap_or_default();
+        if helps.contains("it holds if") {
+            return found;
+        }
+        client.notification(STATUS).await;
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_missed_deadline_says_why_and_what_would_help_and_the_fix_makes_it_hold() {
+    let (mut client, _folder, uri) = start().await;
+    let problem = problem(&mut client, &uri).await;
+    let message = problem["message"].as_str().expect("text");
+    let (cause, remedy) = (
+        "`control` waits 8 ms for `level` of the ids, held by `tell`",
+        "it holds if `tell` takes at most 7 ms",
+    );
+    assert!(
+        message.contains(cause) && message.contains(remedy),
+        "{message}"
+    );
+    let answer = client.ok("dotgen/verification", document(&uri)).await;
+    assert_eq!(answer["checks"][0]["cause"], cause);
+    assert_eq!(answer["checks"][0]["remedy"], remedy);
+
+    let mut params = document(&uri);
+    params["range"] = problem["range"].clone();
+    params["context"] = json!({ "diagnostics": [], "only": ["quickfix"] });
+    let actions = client.ok("textDocument/codeAction", params).await;
+    let of_remedy = |it: &&Value| {
+        let title = it["title"].as_str().unwrap_or_default();
+        title == "Set the execution time of `lift.report.start` to 7 ms, with which this holds"
+    };
+    let found = actions.as_array().into_iter().flatten().find(of_remedy);
+    let action = found.unwrap_or_else(|| panic!("{actions}"));
+    let edit = &action["edit"]["documentChanges"][0]["edits"][0];
+    assert_eq!(edit["newText"], "7 ms");
+    assert_eq!(edit["range"]["start"]["line"], 6);
+    client.change(&uri, 2, json!([edit_of(edit)])).await;
+    loop {
+        let it = client.notification(STATUS).await;
+        if it["status"] == "proved" {
+            break;
+        }
+        assert!(it["status"] != "gave-up", "{it}");
+    }
+    client.finish_ignoring(STATUS).await;
+}
+
+fn edit_of(edit: &Value) -> Value {
+    json!({ "range": edit["range"], "text": edit["newText"] })
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_run_comes_as_data_with_its_places() {
+    let (mut client, _folder, uri) = start().await;
+    let trace = client.ok("dotgen/trace", document(&uri)).await;
+    assert_eq!(
+        (&trace["format"], &trace["unit"]),
+        (&json!(1), &json!("ms"))
+    );
+    let names = trace["lanes"].as_array().into_iter().flatten();
+    let names: Vec<&str> = names.filter_map(|it| it["name"].as_str()).collect();
+    assert!(
+        names.ends_with(&["lift.control", "lift.report", "lift locks"]),
+        "{names:?}"
+    );
+    let spans = trace["spans"].as_array().expect("a list");
+    let wait = spans.iter().find(|it| it["kind"] == "wait-lock");
+    let wait = wait.unwrap_or_else(|| panic!("{trace}"));
+    let holder = &wait["by"][0];
+    assert_eq!(holder["name"], "report.start");
+    assert_eq!(holder["through"], json!(["`level` of the ids"]));
+    let step = &trace["steps"][wait["step"].as_u64().expect("a step") as usize];
+    assert_eq!(step["rule"], "wait");
+    assert!(
+        trace["rules"]["wait"]
+            .as_str()
+            .is_some_and(|it| it.contains("excludes"))
+    );
+    let place = &trace["places"][step["place"].as_u64().expect("a place") as usize];
+    assert_eq!(place["uri"], uri.as_str());
+    assert_eq!(place["range"]["start"]["line"], 3);
+    // What is too late is at the end, in the lane of the task.
+    assert_eq!(trace["focus"]["at"], trace["end"]);
+    assert_eq!(
+        trace["lanes"][trace["focus"]["lane"].as_u64().expect("a lane") as usize]["name"],
+        "lift.control"
+    );
+    client.finish_ignoring(STATUS).await;
+}

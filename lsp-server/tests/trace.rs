@@ -1,0 +1,214 @@
+//! `--trace` of `dotgen verify` and `dotgen run`: runs for the trace viewer, and what the JSON of a verification says of
+//! causes and remedies.
+
+use serde_json::Value;
+
+#[path = "support/directory.rs"]
+mod directory;
+
+use directory::{Directory, status, stderr, stdout};
+
+const LIFT: &str = "\
+component lift {
+  ids { double level; };
+  task control { period 10 ms;
+    codel<start> steer(inout level) yield pause::start wcet 3 ms;
+  };
+  task report { period 20 ms;
+    codel<start> tell(in level) yield pause::start wcet 8 ms;
+  };
+  activity rise() { task control;
+    codel<start> up(inout level) yield ether wcet 1 ms;
+  };
+};
+";
+
+const SCENARIO: &str = "\
+scenario ride {
+  use \"lift.gen\"; semantics SEMANTICS; cores CORES; durations fixed;
+  client user { delay [30, 30] ms; send lift.rise; }
+  check schedulable *;
+}
+";
+
+fn lift(semantics: &str, cores: &str) -> Directory {
+    let scenario = SCENARIO.replace("SEMANTICS", semantics);
+    Directory::new(&[
+        ("lift.gen", LIFT),
+        ("ride.scn", &scenario.replace("CORES", cores)),
+    ])
+}
+
+fn trace(folder: &Directory) -> Value {
+    let text = std::fs::read_to_string(folder.path().join("out.json")).expect("it was written");
+    serde_json::from_str(&text).expect("JSON")
+}
+
+/// Whatever an entry refers to is there, times are in order, and what overlaps has rows of its own.
+fn consistent(trace: &Value) {
+    let list = |name: &str| trace[name].as_array().cloned().expect("a list");
+    let (lanes, spans, steps) = (list("lanes"), list("spans"), list("steps"));
+    let number = |it: &Value| it.as_f64().expect("a number");
+    let index = |it: &Value| it.as_u64().expect("an index") as usize;
+    let mut ends = std::collections::BTreeMap::new();
+    for it in &spans {
+        let key = (index(&it["lane"]), index(&it["row"]));
+        assert!(key.1 < index(&lanes[key.0]["rows"]), "{it}");
+        assert!(number(&it["from"]) <= number(&it["to"]) && index(&it["step"]) < steps.len());
+        let before = ends.insert(key, number(&it["to"]));
+        assert!(
+            before.is_none_or(|before| before <= number(&it["from"])),
+            "{it}"
+        );
+        for holder in it["by"].as_array().into_iter().flatten() {
+            assert!(number(&holder["from"]) < number(&it["to"]), "{it}");
+        }
+    }
+    for it in steps.windows(2) {
+        assert!(number(&it[0]["at"]) <= number(&it[1]["at"]));
+    }
+    for it in &steps {
+        assert!(trace["rules"][it["rule"].as_str().expect("a word")].is_string());
+        assert!(index(&it["lane"]) < lanes.len());
+        assert!(
+            it.get("place")
+                .is_none_or(|place| trace["places"][index(place)]["uri"].is_string())
+        );
+    }
+    for name in ["marks", "arrows"] {
+        for it in list(name) {
+            assert!(it["step"].is_null() || index(&it["step"]) < steps.len());
+        }
+    }
+}
+
+fn kinds<'t>(trace: &'t Value, of: &str) -> Vec<&'t str> {
+    let all = trace[of].as_array().into_iter().flatten();
+    all.filter_map(|it| it["kind"].as_str()).collect()
+}
+
+#[test]
+fn a_counterexample_is_written_with_waits_and_the_moment_of_failure() {
+    for (semantics, cores) in [
+        ("published", "2"),
+        ("published", "1"),
+        ("servers", "2"),
+        ("servers", "1"),
+    ] {
+        let folder = lift(semantics, cores);
+        let out = folder.run(&["verify", "ride.scn", "--trace", "out.json"]);
+        assert_eq!(status(&out), 1, "{}", stderr(&out));
+        let trace = trace(&folder);
+        consistent(&trace);
+        let spans = kinds(&trace, "spans");
+        let waits = if cores == "1" {
+            "wait-core"
+        } else {
+            "wait-lock"
+        };
+        assert!(
+            spans.contains(&waits) && spans.contains(&"hold"),
+            "{semantics} {cores} {spans:?}"
+        );
+        assert!(kinds(&trace, "marks").contains(&"miss"));
+        let all = trace["spans"].as_array().into_iter().flatten();
+        let named = all
+            .filter(|it| it["kind"] == waits)
+            .all(|it| it["by"][0]["name"].is_string());
+        assert!(named, "{trace}");
+    }
+}
+
+#[test]
+fn a_recorded_run_has_the_same_form() {
+    let folder = lift("servers", "2");
+    let arguments = ["run", "ride.scn", "--until", "100ms", "--trace", "out.json"];
+    let out = folder.run(&arguments);
+    assert!(
+        stdout(&out).contains("steps to out.json"),
+        "{}",
+        stdout(&out)
+    );
+    let trace = trace(&folder);
+    consistent(&trace);
+    assert_eq!(trace["end"].as_f64().map(|it| it > 60.0), Some(true));
+    // The request goes from the client to the control task, and from there to the task.
+    let lanes = |arrow: &Value, end: &str| {
+        let lane = arrow[end].as_u64().expect("a lane") as usize;
+        trace["lanes"][lane]["kind"]
+            .as_str()
+            .expect("a word")
+            .to_owned()
+    };
+    let arrows = trace["arrows"].as_array().into_iter().flatten();
+    let arrows: Vec<_> = arrows
+        .map(|it| (lanes(it, "from"), lanes(it, "to")))
+        .collect();
+    let wanted = [("client", "control"), ("control", "task")];
+    for (from, to) in wanted {
+        assert!(
+            arrows.contains(&(from.to_owned(), to.to_owned())),
+            "{arrows:?}"
+        );
+    }
+}
+
+#[test]
+fn without_a_run_nothing_is_written() {
+    let folder = lift("servers", "2");
+    let check = [
+        "verify",
+        "ride.scn",
+        "--check",
+        "always not lift.rise.start.exec",
+        "--durations",
+        "fixed",
+    ];
+    let out = folder.run(
+        &[
+            &check[..],
+            &["--cores", "free", "--trace", "/nowhere/out.json"],
+        ]
+        .concat(),
+    );
+    assert_eq!(status(&out), 2, "{}", stderr(&out));
+    let fine = Directory::new(&[
+        (
+            "a.gen",
+            "component a { task t { period 5 ms; codel<start> f() yield pause::start wcet 1 ms; }; };\n",
+        ),
+        (
+            "a.scn",
+            "scenario a { use \"a.gen\"; check schedulable *; }\n",
+        ),
+    ]);
+    let out = fine.run(&["verify", "a.scn", "--trace", "out.json"]);
+    assert_eq!(status(&out), 2);
+    assert!(
+        stderr(&out).contains("no check has a run"),
+        "{}",
+        stderr(&out)
+    );
+    assert!(!fine.path().join("out.json").exists());
+}
+
+#[test]
+fn json_has_cause_and_remedy_and_the_remedy_holds() {
+    let folder = lift("published", "2");
+    let ask = || {
+        let out = folder.run(&["verify", "ride.scn", "--format", "json"]);
+        serde_json::from_str::<Value>(&stdout(&out)).expect("JSON")
+    };
+    let answer = ask();
+    let why = &answer["checks"][0]["why"];
+    assert_eq!(why["cause"]["waits-for"], "lock");
+    assert_eq!(why["cause"]["held-by"], "lift.report.start");
+    assert_eq!(why["remedy"]["codel"], "lift.report.start", "{why}");
+    let most = why["remedy"]["at-most"].as_f64().expect("a time");
+    // With fixed durations the time itself was verified, and the next one was not.
+    for (time, verdict) in [(most, "proved"), (most + 1.0, "refuted")] {
+        let text = LIFT.replace("wcet 8 ms", &format!("wcet {time} ms"));
+        std::fs::write(folder.path().join("lift.gen"), text).expect("it can be written");
+        assert_eq!(ask()["checks"][0]["verdict"], verdict, "{time}");
+    }
+}
