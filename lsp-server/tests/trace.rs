@@ -212,3 +212,24 @@ fn json_has_cause_and_remedy_and_the_remedy_holds() {
         assert_eq!(ask()["checks"][0]["verdict"], verdict, "{time}");
     }
 }
+
+#[test]
+fn limits_are_looked_for_downwards_where_deadlines_are_missed() {
+    let folder = lift("published", "2");
+    let out = folder.run(&["verify", "ride.scn", "--sensitivity"]);
+    let text = stdout(&out);
+    let line = |what: &str| {
+        let found = text.lines().find(|it| it.contains(what));
+        found.unwrap_or_else(|| panic!("{what}: {text}")).to_owned()
+    };
+    assert!(line("largest WCET    lift.report.start").contains("holds up to 7 ms (now 8 ms"));
+    assert!(line("smallest period lift.control").contains("holds from 1"));
+    assert!(
+        text.contains("cause `control` waits 8 ms for `level` of the ids, held by `tell`"),
+        "{text}"
+    );
+    assert!(
+        text.contains("help it holds if `tell` takes 7 ms"),
+        "{text}"
+    );
+}

@@ -10,6 +10,16 @@ input[type=search] { width: 8em; }
 .node { cursor: pointer; }
 .current .shape { stroke-width: 2.6px !important; stroke: var(--vscode-focusBorder) !important; fill: var(--vscode-editor-selectionHighlightBackground, none) !important; }
 .missed { opacity: .3; }
+#legend { display: flex; flex-wrap: wrap; gap: 2px 16px; padding: 4px 10px; font-size: .9em; color: var(--vscode-descriptionForeground); border-top: 1px solid var(--vscode-panel-border, var(--vscode-contrastBorder, transparent)); }
+#legend i { display: inline-block; box-sizing: border-box; width: 16px; height: 11px; margin-right: 5px; vertical-align: -1px; border: 1px solid currentColor; border-radius: 2px; }
+#legend .disc, #legend .ring { width: 11px; border-radius: 50%; }
+#legend .disc { background: currentColor; }
+#legend .ring { border-width: 2px; }
+#legend .end { border: 3px double currentColor; }
+#legend .async { border-style: dashed; }
+#legend .missing { border-color: var(--vscode-editorError-foreground); }
+#legend .pause { height: 0; border-width: 0 0 2px; border-style: dashed; border-color: var(--vscode-charts-blue, var(--vscode-textLink-foreground)); border-radius: 0; vertical-align: 3px; }
+#legend .faint { opacity: .5; }
 #details { max-height: 35vh; overflow: auto; padding: 8px 12px; border-top: 1px solid var(--vscode-panel-border, var(--vscode-contrastBorder, transparent)); }
 #details h2 { font-size: 1em; margin: 0 0 4px; }
 #details dl { display: grid; grid-template-columns: max-content 1fr; gap: 1px 12px; margin: 0; }
@@ -29,6 +39,7 @@ const BODY = `<header role="toolbar" aria-label="Diagram">
 </header>
 <div id="notice" role="status" aria-live="polite" hidden></div>
 <main id="view" aria-label="Picture"></main>
+<footer id="legend" aria-label="Legend"><span><i class="disc"></i>begins</span><span><i class="ring"></i>goes on here when interrupted</span><span><i class="end"></i>ether, the end</span><span><i class="pause"></i>in the next period</span><span><i class="async"></i>async</span><span><i class="missing"></i>no codel</span><span><i class="faint"></i>never reached</span><span>warm colour: share of the period</span></footer>
 <section id="details" aria-live="polite" aria-label="Details" hidden></section>`;
 
 export function page(webview: vscode.Webview, extension: vscode.Uri): string {

@@ -49,6 +49,7 @@ function draw(next: Shown): void {
   for (const name of OPTIONS) element<HTMLInputElement>(name).checked = next.subject.options[name] ?? name === 'wcet';
   for (const label of document.querySelectorAll<HTMLElement>('label.fsm')) label.hidden = next.subject.kind !== 'fsm';
   for (const label of document.querySelectorAll<HTMLElement>('label.system')) label.hidden = next.subject.kind !== 'system';
+  element('legend').hidden = next.subject.kind !== 'fsm';
   mark();
   find();
 }

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::markdown;
+use dotgen_timing::explore::Stop;
 use dotgen_timing::property::PropertyKind;
 use dotgen_timing::report::{Awaited, Delay, TaskId, Verdict};
 use dotgen_timing::verify::settings;
@@ -14,6 +15,7 @@ use super::problems::about;
 use super::{TaskAt, argument, tasks};
 use crate::features::commands::SHOW_VERIFICATION;
 use crate::protocol::types::{CodeLens, CodeLensParams, Command};
+use crate::verification::advice;
 use crate::verification::results::{Answer, Entry, Status};
 use crate::verification::summary::Scale;
 use crate::verification::view::{CheckView, Outcome};
@@ -257,8 +259,8 @@ fn verdict(entry: &Entry, task: TaskId) -> Option<(Mark, String)> {
     if first(Outcome::Exceeds).is_some() {
         return say(Mark::Fails, &and_measured("later than its period"));
     }
-    if first(Outcome::GaveUp).is_some() {
-        return say(Mark::Unsettled, &and_measured("not settled"));
+    if let Some(open) = first(Outcome::GaveUp) {
+        return say(Mark::Unsettled, &and_measured(&unsettled(answer, open)));
     }
     if first(Outcome::Open).is_some() {
         return say(Mark::Open, "verifying");
@@ -267,6 +269,21 @@ fn verdict(entry: &Entry, task: TaskId) -> Option<(Mark, String)> {
         return say(Mark::Unsettled, &and_measured("perhaps late"));
     }
     say(Mark::Holds, measured.as_deref().unwrap_or("holds"))
+}
+
+/// `not settled in 10 s, any client`: what people can do something about, not how far the search came.
+fn unsettled(answer: &Answer, check: &CheckView) -> String {
+    let mut text = "not settled".to_owned();
+    if let Some(seconds) = check.report.gave_up.and_then(|it| match it.reason {
+        Stop::Time => it.seconds,
+        _ => None,
+    }) {
+        text += &format!(" in {seconds} s");
+    }
+    if !answer.problem.is_written() {
+        text += ", any client";
+    }
+    text
 }
 
 /// `8 of 10 ms`: the unit once, if it is the same.
@@ -312,6 +329,11 @@ fn details(entry: &Entry, task: TaskId) -> Vec<String> {
             if !out.contains(&it) {
                 out.push(it);
             }
+        }
+        let given_up = view.of_task(task).filter_map(|it| it.1.report.gave_up);
+        let stops: Vec<Stop> = given_up.map(|it| it.reason).collect();
+        if let Some(advice) = advice::of(stops, &answer.problem, advice::Names::Settings) {
+            out.push(format!("To settle it, {advice}."));
         }
     }
     out
