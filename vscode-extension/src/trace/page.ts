@@ -46,6 +46,7 @@ footer i { display: inline-block; width: 14px; height: 9px; margin-right: 4px; b
 #empty { padding: 20px; }
 #empty p { margin: 0 0 10px; }
 @media (max-width: 760px) { header h1 { min-width: 3em; } footer { display: none; } aside { flex-basis: 38%; } .wide { display: none; } }
+@media (max-width: 560px) { header { flex-wrap: wrap; } header h1 { flex-basis: 100%; } #run { flex-direction: column; } aside { flex: 0 0 38%; border-left: 0; border-top: 1px solid var(--vscode-panel-border, var(--vscode-contrastBorder, transparent)); } #names { max-width: 42%; } #machine { display: none; } }
 `;
 
 const BODY = `<header aria-label="Trace">

@@ -84,7 +84,7 @@ export function checks(wb) {
       const frame = await viewer();
       await frame.locator('#notice', { hasText: 'of an earlier one' }).waitFor();
       await page.keyboard.press('Backspace');
-      await page.locator('.contentWidgets .codelens-decoration a', { hasText: '✗ can be late' }).first().waitFor();
+      await page.locator('.contentWidgets .codelens-decoration a', { hasText: '✗ can be late' }).first().waitFor({ state: 'attached' });
       await frame.locator('#refresh').click();
       await frame.locator('#notice').waitFor({ state: 'hidden' });
     }],
