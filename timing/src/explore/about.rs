@@ -6,6 +6,8 @@ pub enum About {
     /// Nothing else.
     #[default]
     Nothing,
+    /// A task waits for a core from here on.
+    AwaitsCore,
     /// A codel waits for these: those that execute first, then those ahead of it in the queue.
     Blocked(Vec<Blocker>),
     /// A request of a client is taken.

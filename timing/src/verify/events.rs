@@ -74,14 +74,13 @@ pub(super) fn told(names: &Names, system: &TimedSystem, unit: Seconds, run: &Run
         let time = to_f64(factor * Ratio::from_integer(i128::from(it.time)));
         let mut event = Event {
             task: it.task.map(|task| system.tasks[task].name.clone()),
-            for_core: it.kind == MomentKind::Release
-                && it.task.is_some_and(|task| system.needs_core(task)),
+            for_core: it.about == About::AwaitsCore,
             codel: it.codel.map(path),
             src,
             ..Event::of_component(time, it.component, it.kind, it.what)
         };
         match it.about {
-            About::Nothing => {}
+            About::Nothing | About::AwaitsCore => {}
             About::Blocked(by) => {
                 let blocking = |it: Blocker| Blocking {
                     codel: path(it.codel),

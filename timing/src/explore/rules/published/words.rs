@@ -79,12 +79,14 @@ impl Published<'_> {
                 out.push(self.of_task(task, MomentKind::Tick, time, what.to_owned()));
             }
             Action::Release { task } => {
-                let what = if l.status(after, task) == TaskStatus::Waiting {
-                    "released, asks for a core"
-                } else {
-                    "released"
+                let (what, about) = match l.status(after, task) {
+                    TaskStatus::Waiting => ("released, asks for a core", About::AwaitsCore),
+                    _ => ("released", About::Nothing),
                 };
-                out.push(self.of_task(task, MomentKind::Release, time, what.to_owned()));
+                out.push(Moment {
+                    about,
+                    ..self.of_task(task, MomentKind::Release, time, what.to_owned())
+                });
             }
             Action::Grant { task } => {
                 out.push(self.of_task(task, MomentKind::Grant, time, "gets a core".to_owned()));

@@ -112,7 +112,10 @@ impl Servers<'_> {
             }
             Action::Release { task } => {
                 let what = "released, asks for a core".to_owned();
-                out.push(self.of_task(task, MomentKind::Release, time, what));
+                out.push(Moment {
+                    about: About::AwaitsCore,
+                    ..self.of_task(task, MomentKind::Release, time, what)
+                });
             }
             Action::Grant { task } => {
                 let what = "gets a core".to_owned();
