@@ -3,7 +3,8 @@
 //! Data flows one way: `source` reads one C or C++ text, `files` says which texts belong to a component,
 //! `folder` which components share them, `expected` says what the specification wants, `drift` compares the
 //! two, `repair` turns a finding into text edits, `stub` writes missing functions, `headers` writes what a
-//! C compiler needs beside them, `build` plans how they are compiled. `command` holds what the command line
+//! C compiler needs beside them, `build` plans how they are compiled, `glue` and `hosted`
+//! how they come to run, and `value` reads what crosses. `command` holds what the command line
 //! does. Everything but `command` is a pure function of texts and models.
 
 pub mod allow;
@@ -16,10 +17,13 @@ pub mod edit;
 pub mod expected;
 pub mod files;
 pub mod folder;
+pub mod glue;
 pub mod headers;
+pub mod hosted;
 pub mod links;
 pub mod rename;
 pub mod repair;
 pub mod source;
 pub mod stub;
 pub mod trust;
+pub mod value;

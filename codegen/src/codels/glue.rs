@@ -1,0 +1,150 @@
+//! The glue between the codels of a component and a host that runs them: one source in the language of the
+//! codels, compiled with them into one shared object.
+//!
+//! It holds what a server would hold (the ids, the parameters of the activities, the data of the ports) and
+//! calls the codels as their prototypes want it. A host calls five C functions, told by [`ENTRIES`];
+//! services, codels and ports have the numbers they have in the model. How values cross says the head of
+//! `glue/prelude.h`; [`value`](super::value) reads and writes the same bytes.
+
+mod calls;
+mod ports;
+mod types;
+
+use dotgen_analysis::model::{Name, Param, ParamSource, TypeId, TypeKind};
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::expected::Expected;
+use super::stub::types_header;
+use crate::lang::{LangError, LangResult, Language, Mapper, param_types};
+
+const PRELUDE: &str = include_str!("glue/prelude.h");
+const PRELUDE_C: &str = include_str!("glue/prelude_c.h");
+
+/// Names of the functions that a host calls:
+///
+/// - `int make(service, instance, bytes, size)`: an activity or a request begins, with these inputs; not 0
+///   when the bytes are not such inputs;
+/// - `void run(codel, instance, struct { bytes, size, room } *)`: runs a codel and adds what came of it;
+/// - `void end(service, instance, buffer)`: adds the outputs, and forgets them;
+/// - `void feed(port, id, bytes, size)`: new data for an input port;
+/// - `void drop(buffer)`: forgets the bytes of a buffer.
+///
+/// All numbers are `uint32_t`, sizes `size_t`.
+pub const ENTRIES: [&str; 5] = [
+    "dotgen_glue_make",
+    "dotgen_glue_run",
+    "dotgen_glue_end",
+    "dotgen_glue_feed",
+    "dotgen_glue_drop",
+];
+
+/// The source. Codels of the functions that are `missing` are not called: whoever hosts the component must
+/// not run them.
+///
+/// # Errors
+/// Something of the component has no mapping to the language.
+pub fn source(expected: &Expected<'_>, missing: &FxHashSet<Name>) -> LangResult {
+    let mut glue = Glue {
+        missing,
+        mapper: expected.mapper(),
+        expected,
+        numbers: FxHashMap::default(),
+        order: Vec::new(),
+    };
+    let component = expected.component();
+    if let Some(ids) = component.ids {
+        glue.number(ids);
+    }
+    for service in &component.services {
+        for param in &service.params {
+            glue.number(param.ty);
+        }
+    }
+    for port in &component.ports {
+        glue.number(port.data);
+    }
+    for ty in 0..expected.spec.types.len() as u32 {
+        if let TypeKind::Exception { members } = &expected.spec.ty(TypeId(ty)).kind {
+            members.iter().for_each(|&it| _ = glue.number(it));
+        }
+    }
+    let mut out = format!("#include \"{}\"\n\n{PRELUDE}", types_header(expected));
+    if !glue.is_cxx() {
+        out += PRELUDE_C;
+    }
+    out += &glue.types()?;
+    out += &glue.ports()?;
+    out += &glue.services()?;
+    out += &glue.codels()?;
+    out += &glue.entries();
+    Ok(out)
+}
+
+struct Glue<'a, 'e> {
+    mapper: Mapper<'a>,
+    expected: &'e Expected<'a>,
+    missing: &'e FxHashSet<Name>,
+    /// Numbers of the types that cross, by type without aliases.
+    numbers: FxHashMap<TypeId, usize>,
+    /// Those types; a type stands before what it is made of.
+    order: Vec<TypeId>,
+}
+
+impl<'a> Glue<'a, '_> {
+    fn is_cxx(&self) -> bool {
+        self.mapper.language == Language::Cxx
+    }
+
+    fn kind(&self, ty: TypeId) -> &'a TypeKind {
+        self.mapper.final_kind(ty)
+    }
+
+    /// The number of a type, with those of all that it is made of.
+    fn number(&mut self, ty: TypeId) -> usize {
+        let ty = self.expected.spec.resolve_alias(ty);
+        if let Some(&known) = self.numbers.get(&ty) {
+            return known;
+        }
+        let number = self.order.len();
+        self.numbers.insert(ty, number);
+        self.order.push(ty);
+        match &self.expected.spec.ty(ty).kind {
+            TypeKind::Struct { members } | TypeKind::Exception { members } => {
+                members.iter().for_each(|&it| _ = self.number(it));
+            }
+            TypeKind::Union { switch, members } => {
+                self.number(*switch);
+                members.iter().for_each(|&it| _ = self.number(it));
+            }
+            TypeKind::Array { element, .. }
+            | TypeKind::Sequence { element, .. }
+            | TypeKind::Optional { element } => _ = self.number(*element),
+            _ => {}
+        }
+        number
+    }
+
+    /// The number of a type that has one.
+    fn known(&self, ty: TypeId) -> Result<usize, LangError> {
+        let ty = self.expected.spec.resolve_alias(ty);
+        let known = self.numbers.get(&ty).copied();
+        known.ok_or_else(|| LangError::error("a type has no place in the glue"))
+    }
+
+    /// What a parameter of a codel refers to, as a variable.
+    fn variable(&self, param: &Param) -> LangResult {
+        let (base, _) = param_types(self.expected.spec, self.expected.component, param);
+        let member = || self.mapper.member_path(base, &param.path);
+        Ok(match param.source {
+            ParamSource::Ids => format!("glue_ids{}", member()?),
+            ParamSource::Local(Some(at)) => format!("glue_p->v{at}{}", member()?),
+            ParamSource::Port(at) => format!("glue_port_{at}"),
+            ParamSource::Remote(at) => format!("glue_remote_{at}"),
+            ParamSource::Local(None) | ParamSource::Opaque => {
+                let name = &param.name;
+                let why = format!("`{name}` stands for something that is not declared");
+                return Err(LangError::error(why));
+            }
+        })
+    }
+}

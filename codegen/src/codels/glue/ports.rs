@@ -1,0 +1,226 @@
+//! Ports: what codels get as `port`, and where its data is. Remote services, which answer with an error.
+
+use dotgen_analysis::model::{ParamDir, Port, PortDir, Remote, TypeKind};
+use std::fmt::Write as _;
+
+use super::Glue;
+use crate::lang::{LangResult, Passing};
+
+impl Glue<'_, '_> {
+    pub(super) fn ports(&self) -> LangResult {
+        let component = self.expected.component();
+        let mut out = String::new();
+        for (at, port) in component.ports.iter().enumerate() {
+            out += &self.port_data(at, port)?;
+            out += &match self.is_cxx() {
+                true => self.port_cxx(at, port)?,
+                false => self.port_c(at, port)?,
+            };
+        }
+        for (at, remote) in component.remotes.iter().enumerate() {
+            out += &self.remote(at, remote)?;
+        }
+        out += "\nGLUE_C GLUE_EXPORT void\n\
+                dotgen_glue_feed(uint32_t port, const char *id, const void *data, size_t size)\n{\n\
+                \x20 (void)id; (void)data; (void)size;\n  pthread_mutex_lock(&glue_mutex);\n\
+                \x20 switch (port) {\n";
+        for (at, port) in component.ports.iter().enumerate() {
+            if port.dir == PortDir::In {
+                _ = writeln!(
+                    out,
+                    "  case {at}: {{\n\
+                     \x20   struct glue_inst_{at} *it = glue_find_{at}(id, 1);\n\
+                     \x20   it->news.size = 0;\n    glue_put(&it->news, data, size);\n\
+                     \x20   it->fresh = 1;\n    break;\n  }}"
+                );
+            }
+        }
+        out += "  }\n  pthread_mutex_unlock(&glue_mutex);\n}\n";
+        Ok(out)
+    }
+
+    /// The data of a port, and of each of its instances by name.
+    fn port_data(&self, at: usize, port: &Port) -> LangResult {
+        let ty = self.known(port.data)?;
+        let make = match self.is_cxx() {
+            true => format!("new glue_inst_{at}()"),
+            false => format!("(struct glue_inst_{at} *)calloc(1, sizeof(struct glue_inst_{at}))"),
+        };
+        Ok(format!(
+            "\nstruct glue_inst_{at} {{\n  struct glue_inst_{at} *next;\n  char *id;\n\
+             \x20 glue_t{ty} value;\n  int known, fresh, closed;\n  struct glue_buffer news;\n}};\n\
+             static struct glue_inst_{at} *glue_first_{at};\n\n\
+             static struct glue_inst_{at} *\nglue_find_{at}(const char *id, int make)\n{{\n\
+             \x20 struct glue_inst_{at} *it;\n\
+             \x20 for (it = glue_first_{at}; it != NULL; it = it->next)\n\
+             \x20   if (!strcmp(it->id, id)) return it;\n\
+             \x20 if (!make) return NULL;\n  it = {make};\n  if (it == NULL) abort();\n\
+             \x20 it->id = strdup(id);\n  it->next = glue_first_{at};\n  glue_first_{at} = it;\n\
+             \x20 return it;\n}}\n"
+        ))
+    }
+
+    /// What reads the newest data of an input; what tells that an output was written.
+    fn moves(&self, at: usize, port: &Port) -> LangResult {
+        let ty = self.known(port.data)?;
+        Ok(match port.dir {
+            PortDir::In => format!(
+                "\nstatic void\nglue_read_{at}(const char *id)\n{{\n\
+                 \x20 struct glue_inst_{at} *it;\n  pthread_mutex_lock(&glue_mutex);\n\
+                 \x20 it = glue_find_{at}(id, 0);\n  if (it != NULL && it->fresh) {{\n\
+                 \x20   struct glue_reader r = {{ it->news.bytes, it->news.size, 0 }};\n\
+                 \x20   glue_load_{ty}(&r, &it->value);\n    it->known = 1;\n    it->fresh = 0;\n\
+                 \x20 }}\n  pthread_mutex_unlock(&glue_mutex);\n}}\n"
+            ),
+            PortDir::Out => format!(
+                "\nstatic int\nglue_write_{at}(const char *id)\n{{\n\
+                 \x20 struct glue_inst_{at} *it = glue_find_{at}(id, {make});\n  size_t from;\n\
+                 \x20 if (it == NULL || it->closed) return 0;\n\
+                 \x20 glue_tell_port({at}, id, 0);\n\
+                 \x20 from = glue_begin_block(&glue_written);\n\
+                 \x20 glue_save_{ty}(&glue_written, &it->value);\n\
+                 \x20 glue_end_block(&glue_written, from);\n  return 1;\n}}\n\n\
+                 static inline void\nglue_open_{at}(const char *id)\n{{\n\
+                 \x20 pthread_mutex_lock(&glue_mutex);\n  glue_find_{at}(id, 1)->closed = 0;\n\
+                 \x20 pthread_mutex_unlock(&glue_mutex);\n  glue_tell_port({at}, id, 1);\n}}\n\n\
+                 static inline int\nglue_close_{at}(const char *id)\n{{\n\
+                 \x20 struct glue_inst_{at} *it = glue_find_{at}(id, 0);\n\
+                 \x20 if (it == NULL || it->closed) return 0;\n  it->closed = 1;\n\
+                 \x20 glue_tell_port({at}, id, 2);\n  return 1;\n}}\n",
+                make = u8::from(!port.multiple),
+            ),
+        })
+    }
+
+    fn port_c(&self, at: usize, port: &Port) -> LangResult {
+        let name = self.mapper.declarator(port.ty, "")?;
+        let (arguments, id) = match port.multiple {
+            true => ("const char *id, genom_context self", "id"),
+            false => ("genom_context self", "\"\""),
+        };
+        let decays = matches!(
+            self.kind(port.data),
+            TypeKind::Array { .. } | TypeKind::String { bound: Some(_) }
+        );
+        let address = if decays { "it->value" } else { "&it->value" };
+        // An output can be filled at once; an input has nothing before it was read.
+        let (make, seen) = match (port.dir, port.multiple) {
+            (PortDir::Out, false) => (1, "it == NULL"),
+            (PortDir::Out, true) => (0, "it == NULL || it->closed"),
+            (PortDir::In, _) => (0, "it == NULL || !it->known"),
+        };
+        let result = match port.multiple {
+            true => format!("__typeof__((({name} *)0)->data(NULL, NULL))"),
+            false => format!("__typeof__((({name} *)0)->data(NULL))"),
+        };
+        let mut out = self.moves(at, port)?;
+        _ = write!(
+            out,
+            "\nstatic {result}\nglue_data_{at}({arguments})\n{{\n\
+             \x20 struct glue_inst_{at} *it;\n  (void)self;\n  pthread_mutex_lock(&glue_mutex);\n\
+             \x20 it = glue_find_{at}({id}, {make});\n  pthread_mutex_unlock(&glue_mutex);\n\
+             \x20 if ({seen}) return NULL;\n  return {address};\n}}\n"
+        );
+        let fails = "{ genom_syserr_detail d = { ENOENT }; return genom_syserr(&d, self); }";
+        let calls: &[(&str, String)] = &match port.dir {
+            PortDir::In => vec![("read", format!("glue_read_{at}({id});"))],
+            PortDir::Out if !port.multiple => vec![("write", format!("glue_write_{at}({id});"))],
+            PortDir::Out => vec![
+                ("write", format!("if (!glue_write_{at}({id})) {fails}")),
+                ("open", format!("glue_open_{at}({id});")),
+                ("close", format!("if (!glue_close_{at}({id})) {fails}")),
+            ],
+        };
+        let mut members = vec![format!("glue_data_{at}")];
+        for (call, body) in calls {
+            _ = write!(
+                out,
+                "\nstatic genom_event\nglue_c_{call}_{at}({arguments})\n{{\n  (void)self;\n  {body}\n\
+                 \x20 return genom_ok;\n}}\n"
+            );
+            members.push(format!("glue_c_{call}_{at}"));
+        }
+        let members = members.join(", ");
+        _ = writeln!(out, "static {name} glue_port_{at} = {{ {members} }};");
+        Ok(out)
+    }
+
+    fn port_cxx(&self, at: usize, port: &Port) -> LangResult {
+        let name = self.mapper.type_cname(port.ty)?;
+        let data = self
+            .mapper
+            .return_value(port.data, Passing::Reference, "")?;
+        let (arguments, id) = match port.multiple {
+            true => ("const char *id", "id"),
+            false => ("void", "\"\""),
+        };
+        let constant = match port.dir {
+            PortDir::In => "const ",
+            PortDir::Out => "",
+        };
+        let missing = match (port.dir, port.multiple) {
+            (PortDir::Out, true) => {
+                "    if (it == NULL || it->closed) {\n\
+                 \x20     genom::syserr e; e.detail.code = ENOENT; throw e;\n    }\n"
+            }
+            _ => "",
+        };
+        let make = u8::from(!(port.dir == PortDir::Out && port.multiple));
+        let mut out = self.moves(at, port)?;
+        _ = write!(
+            out,
+            "\nstruct glue_class_{at} : public {name} {{\n\
+             \x20 {constant}{data} data({arguments}) const {{\n\
+             \x20   pthread_mutex_lock(&glue_mutex);\n\
+             \x20   glue_inst_{at} *it = glue_find_{at}({id}, {make});\n\
+             \x20   pthread_mutex_unlock(&glue_mutex);\n{missing}    return it->value;\n  }}\n"
+        );
+        let fails = "{ genom::syserr e; e.detail.code = ENOENT; throw e; }";
+        let calls: &[(&str, String)] = &match port.dir {
+            PortDir::In => vec![("read", format!("glue_read_{at}({id});"))],
+            PortDir::Out if !port.multiple => vec![("write", format!("glue_write_{at}({id});"))],
+            PortDir::Out => vec![
+                ("write", format!("if (!glue_write_{at}({id})) {fails}")),
+                ("open", format!("glue_open_{at}({id});")),
+                ("close", format!("if (!glue_close_{at}({id})) {fails}")),
+            ],
+        };
+        for (call, body) in calls {
+            _ = writeln!(out, "  void {call}({arguments}) {{ {body} }}");
+        }
+        _ = writeln!(out, "}};\nstatic glue_class_{at} glue_port_{at};");
+        Ok(out)
+    }
+
+    /// A call of another component from inside a codel cannot be answered while the codel holds its locks.
+    fn remote(&self, at: usize, remote: &Remote) -> LangResult {
+        let name = self.mapper.declarator(remote.ty, "")?;
+        let mut arguments = Vec::new();
+        for param in &remote.params {
+            let passing = match param.dir {
+                ParamDir::In => Passing::Value,
+                ParamDir::Out | ParamDir::Inout => Passing::Reference,
+                ParamDir::Local => continue,
+            };
+            arguments.push(self.mapper.argument(param.ty, passing, &param.name)?);
+        }
+        if self.is_cxx() {
+            if arguments.is_empty() {
+                arguments.push("void".into());
+            }
+            return Ok(format!(
+                "\nstruct glue_remote_class_{at} : public {name} {{\n\
+                 \x20 void call({}) {{ genom::syserr e; e.detail.code = ENOSYS; throw e; }}\n}};\n\
+                 static glue_remote_class_{at} glue_remote_{at};\n",
+                arguments.join(", ")
+            ));
+        }
+        arguments.push("genom_context self".into());
+        Ok(format!(
+            "\nstatic genom_event\nglue_call_{at}({})\n{{\n\
+             \x20 genom_syserr_detail d = {{ ENOSYS }};\n  return genom_syserr(&d, self);\n}}\n\
+             static {name} glue_remote_{at} = {{ glue_call_{at} }};\n",
+            arguments.join(", ")
+        ))
+    }
+}

@@ -1,0 +1,121 @@
+/* What stands between codels and whoever runs them. Written by dotgen.
+ *
+ * Values cross as bytes: numbers as the machine has them, a string as its length (32 bits) and its
+ * bytes, a sequence as its length and its elements, an optional as a byte and its value, a union as its
+ * discriminator and the member that it chooses, an enumeration as 32 bits, and structures and arrays as
+ * what they hold, in order. */
+#include <errno.h>
+#include <pthread.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define GLUE_EXPORT __attribute__((visibility("default")))
+#ifdef __cplusplus
+# define GLUE_C extern "C"
+#else
+# define GLUE_C
+#endif
+
+/* Bytes that grow. */
+struct glue_buffer {
+  unsigned char *bytes;
+  size_t size, room;
+};
+
+/* Bytes that are read. */
+struct glue_reader {
+  const unsigned char *bytes;
+  size_t left;
+  int bad;
+};
+
+/* Values are loaded by one thread at a time. */
+static pthread_mutex_t glue_mutex = PTHREAD_MUTEX_INITIALIZER;
+
+static inline void
+glue_put(struct glue_buffer *b, const void *data, size_t size)
+{
+  if (b->size + size > b->room) {
+    size_t room = (b->size + size) * 2 + 64;
+    void *bytes = realloc(b->bytes, room);
+    if (bytes == NULL) abort();
+    b->bytes = (unsigned char *)bytes;
+    b->room = room;
+  }
+  if (size > 0) memcpy(b->bytes + b->size, data, size);
+  b->size += size;
+}
+
+static inline void
+glue_put_number(struct glue_buffer *b, uint32_t number)
+{
+  glue_put(b, &number, sizeof(number));
+}
+
+static inline void
+glue_put_text(struct glue_buffer *b, const char *text, size_t size)
+{
+  glue_put_number(b, (uint32_t)size);
+  glue_put(b, text, size);
+}
+
+static inline void
+glue_get(struct glue_reader *r, void *data, size_t size)
+{
+  if (size > r->left) {
+    r->bad = 1;
+    memset(data, 0, size);
+    return;
+  }
+  memcpy(data, r->bytes, size);
+  r->bytes += size;
+  r->left -= size;
+}
+
+/* A length: never more than there are bytes, as whatever it counts has one at least. */
+static inline uint32_t
+glue_get_length(struct glue_reader *r)
+{
+  uint32_t length;
+
+  glue_get(r, &length, sizeof(length));
+  if (length > r->left) {
+    r->bad = 1;
+    return 0;
+  }
+  return length;
+}
+
+/* What a codel has done to a port: kind 0 write, 1 open, 2 close. Told when the codel has ended. */
+static __thread struct glue_buffer glue_written;
+static __thread uint32_t glue_writes;
+
+static inline void
+glue_tell_port(uint32_t port, const char *id, uint32_t kind)
+{
+  glue_put_number(&glue_written, port);
+  glue_put_text(&glue_written, id, strlen(id));
+  glue_put_number(&glue_written, kind);
+  glue_writes++;
+}
+
+/* Puts the size of what is written between two calls in front of it. */
+static inline size_t
+glue_begin_block(struct glue_buffer *b)
+{
+  glue_put_number(b, 0);
+  return b->size;
+}
+
+static inline void
+glue_end_block(struct glue_buffer *b, size_t from)
+{
+  uint32_t size = (uint32_t)(b->size - from);
+  memcpy(b->bytes + from - sizeof(size), &size, sizeof(size));
+}
+
+/* How a codel has ended. */
+#define GLUE_EVENT 0     /* an event, or nothing at all */
+#define GLUE_EXCEPTION 1 /* an exception that the specification declares */
+#define GLUE_OTHER 2     /* something that is neither */

@@ -1,0 +1,243 @@
+//! Types: a `typedef glue_tN` for each, and two functions, `glue_save_N` and `glue_load_N`.
+
+use dotgen_analysis::model::{Label, TypeId, TypeKind, Value};
+use std::fmt::Write as _;
+
+use super::Glue;
+use crate::lang::{LangResult, value_text};
+
+impl Glue<'_, '_> {
+    /// Definitions of all types that cross.
+    pub(super) fn types(&self) -> LangResult {
+        let mut out = String::new();
+        for (number, &ty) in self.order.iter().enumerate() {
+            let declared = self.mapper.declarator(ty, &format!("glue_t{number}"))?;
+            _ = writeln!(
+                out,
+                "\ntypedef {declared};\n\
+                 static void glue_save_{number}(struct glue_buffer *b, glue_t{number} *x);\n\
+                 static void glue_load_{number}(struct glue_reader *r, glue_t{number} *x);"
+            );
+        }
+        for (number, &ty) in self.order.iter().enumerate() {
+            let (save, load) = self.copying(ty)?;
+            _ = writeln!(
+                out,
+                "\nstatic void\n\
+                 glue_save_{number}(struct glue_buffer *b, glue_t{number} *x)\n\
+                 {{\n  (void)b; (void)x;\n{save}}}\n\n\
+                 static void\n\
+                 glue_load_{number}(struct glue_reader *r, glue_t{number} *x)\n\
+                 {{\n  (void)r; (void)x;\n{load}}}"
+            );
+        }
+        Ok(out)
+    }
+
+    /// Bodies that save and load.
+    fn copying(&self, ty: TypeId) -> Result<(String, String), crate::lang::LangError> {
+        let cxx = self.is_cxx();
+        Ok(match self.kind(ty) {
+            TypeKind::Boolean => (
+                "  uint8_t v = *x ? 1 : 0;\n  glue_put(b, &v, 1);\n".into(),
+                "  uint8_t v;\n  glue_get(r, &v, 1);\n  *x = v != 0;\n".into(),
+            ),
+            TypeKind::Octet
+            | TypeKind::Char
+            | TypeKind::Short
+            | TypeKind::UnsignedShort
+            | TypeKind::Long
+            | TypeKind::UnsignedLong
+            | TypeKind::LongLong
+            | TypeKind::UnsignedLongLong
+            | TypeKind::Float
+            | TypeKind::Double => (
+                "  glue_put(b, x, sizeof(*x));\n".into(),
+                "  glue_get(r, x, sizeof(*x));\n".into(),
+            ),
+            TypeKind::Enum { .. } => {
+                let number = self.known(ty)?;
+                (
+                    "  glue_put_number(b, (uint32_t)*x);\n".into(),
+                    format!(
+                        "  uint32_t v;\n  glue_get(r, &v, sizeof(v));\n  *x = (glue_t{number})v;\n"
+                    ),
+                )
+            }
+            TypeKind::String { bound: Some(_) } => (
+                "  glue_put_text(b, *x, strnlen(*x, sizeof(*x)));\n".into(),
+                "  uint32_t n = glue_get_length(r);\n\
+                 \x20 memset(*x, 0, sizeof(*x));\n\
+                 \x20 if (n > sizeof(*x)) { r->bad = 1; return; }\n\
+                 \x20 glue_get(r, *x, n);\n"
+                    .into(),
+            ),
+            TypeKind::String { bound: None } if cxx => (
+                "  glue_put_text(b, x->data(), x->size());\n".into(),
+                "  uint32_t n = glue_get_length(r);\n\
+                 \x20 x->resize(n);\n\
+                 \x20 if (n > 0) glue_get(r, &(*x)[0], n);\n"
+                    .into(),
+            ),
+            TypeKind::String { bound: None } => (
+                "  glue_put_text(b, *x != NULL ? *x : \"\", *x != NULL ? strlen(*x) : 0);\n".into(),
+                "  char *old = *x;\n\
+                 \x20 *x = glue_string_make(r);\n\
+                 \x20 if (old != NULL) glue_string_free(old);\n"
+                    .into(),
+            ),
+            TypeKind::Array { element, length } => {
+                let element = self.known(*element)?;
+                let text = |it: &str, verb: &str| {
+                    format!(
+                        "  uint32_t i;\n  for (i = 0; i < {length}u; i++) \
+                         glue_{verb}_{element}({it}, &(*x)[i]);\n"
+                    )
+                };
+                (text("b", "save"), text("r", "load"))
+            }
+            TypeKind::Sequence { element, bound } => self.sequence(*element, *bound)?,
+            TypeKind::Optional { element } => {
+                let element = self.known(*element)?;
+                (
+                    format!(
+                        "  uint8_t v = x->_present ? 1 : 0;\n  glue_put(b, &v, 1);\n\
+                         \x20 if (v) glue_save_{element}(b, &x->_value);\n"
+                    ),
+                    format!(
+                        "  uint8_t v;\n  glue_get(r, &v, 1);\n  x->_present = v != 0;\n\
+                         \x20 if (v) glue_load_{element}(r, &x->_value);\n"
+                    ),
+                )
+            }
+            TypeKind::Struct { members } => {
+                let (mut save, mut load) = (String::new(), String::new());
+                for &member in members {
+                    let name = self.member_name(member)?;
+                    let of = self.known(member)?;
+                    _ = writeln!(save, "  glue_save_{of}(b, &x->{name});");
+                    _ = writeln!(load, "  glue_load_{of}(r, &x->{name});");
+                }
+                (save, load)
+            }
+            TypeKind::Union { switch, members } => self.union(*switch, members)?,
+            // What is behind a pointer that only the codels know stays with them.
+            _ => (
+                "  uint8_t v = 0;\n  glue_put(b, &v, 1);\n".into(),
+                "  uint8_t v;\n  glue_get(r, &v, 1);\n".into(),
+            ),
+        })
+    }
+
+    fn member_name(&self, member: TypeId) -> LangResult {
+        let name = self.mapper.short_name(member)?;
+        Ok(match self.is_cxx() {
+            true => name.to_string(),
+            false => crate::lang::text::c_name(name),
+        })
+    }
+
+    fn sequence(
+        &self,
+        element: TypeId,
+        bound: Option<u64>,
+    ) -> Result<(String, String), crate::lang::LangError> {
+        let of = self.known(element)?;
+        if !self.is_cxx() {
+            let save = format!(
+                "  uint32_t i;\n  glue_put_number(b, x->_length);\n\
+                 \x20 for (i = 0; i < x->_length; i++) glue_save_{of}(b, &x->_buffer[i]);\n"
+            );
+            let room = match bound {
+                Some(bound) => format!(
+                    "  if (n > {bound}u) {{ r->bad = 1; n = 0; }}\n\
+                     \x20 *(uint32_t *)&x->_maximum = {bound}u;\n"
+                ),
+                None => "  if (n > x->_maximum && genom_sequence_reserve(x, n) != 0) abort();\n\
+                         \x20 if (n > x->_length)\n\
+                         \x20   memset(&x->_buffer[x->_length], 0, \
+                         (n - x->_length) * sizeof(x->_buffer[0]));\n"
+                    .to_owned(),
+            };
+            let load = format!(
+                "  uint32_t i, n = glue_get_length(r);\n{room}  x->_length = n;\n\
+                 \x20 for (i = 0; i < n; i++) glue_load_{of}(r, &x->_buffer[i]);\n"
+            );
+            return Ok((save, load));
+        }
+        let (head, resize) = match bound {
+            Some(bound) => (
+                format!("  if (n > {bound}u) {{ r->bad = 1; n = 0; }}\n"),
+                "  x->n = n;\n",
+            ),
+            None => (String::new(), "  x->resize(n);\n"),
+        };
+        // The elements of a vector of booleans have no address.
+        let bits = bound.is_none() && matches!(self.kind(element), TypeKind::Boolean);
+        let (save, load) = match bits {
+            true => (
+                format!("{{ glue_t{of} v = (*x)[i]; glue_save_{of}(b, &v); }}"),
+                format!("{{ glue_t{of} v; glue_load_{of}(r, &v); (*x)[i] = v; }}"),
+            ),
+            false => (
+                format!("glue_save_{of}(b, &(*x)[i]);"),
+                format!("glue_load_{of}(r, &(*x)[i]);"),
+            ),
+        };
+        Ok((
+            format!(
+                "  glue_put_number(b, (uint32_t)x->size());\n\
+                 \x20 for (size_t i = 0; i < x->size(); i++) {save}\n"
+            ),
+            format!(
+                "  uint32_t n = glue_get_length(r);\n{head}{resize}\
+                 \x20 for (size_t i = 0; i < n; i++) {load}\n"
+            ),
+        ))
+    }
+
+    fn union(
+        &self,
+        switch: TypeId,
+        members: &[TypeId],
+    ) -> Result<(String, String), crate::lang::LangError> {
+        let of = self.known(switch)?;
+        let mut cases = String::new();
+        let mut has_default = false;
+        for &member in members {
+            let TypeKind::UnionMember { labels, .. } = &self.expected.spec.ty(member).kind else {
+                continue;
+            };
+            for label in labels {
+                match label {
+                    Label::Default => {
+                        has_default = true;
+                        cases += "  default:\n";
+                    }
+                    Label::Case(value) => {
+                        _ = writeln!(cases, "  case (long long)({}):", self.label(value)?);
+                    }
+                }
+            }
+            let (name, number) = (self.member_name(member)?, self.known(member)?);
+            _ = writeln!(cases, "    VERB_{number}(TO, &x->_u.{name});\n    break;");
+        }
+        if !has_default {
+            cases += "  default: break;\n";
+        }
+        let text = |verb: &str, to: &str| {
+            let cases = cases.replace("VERB", verb).replace("TO", to);
+            format!("  {verb}_{of}({to}, &x->_d);\n  switch ((long long)x->_d) {{\n{cases}  }}\n")
+        };
+        Ok((text("glue_save", "b"), text("glue_load", "r")))
+    }
+
+    fn label(&self, value: &Value) -> LangResult {
+        let text = value_text(self.expected.spec, value);
+        Ok(match value {
+            Value::Enum(_) => self.mapper.cname(&text)?,
+            Value::Char(_) => format!("'{text}'"),
+            _ => text,
+        })
+    }
+}

@@ -1,0 +1,102 @@
+//! Shared objects that a host can run: the codels of a component with their [`glue`](super::glue).
+
+use camino::Utf8Path;
+use dotgen_analysis::model::Name;
+use rustc_hash::FxHashSet;
+
+use super::build::{Packages, Plan, Step, Tools};
+use super::folder::Folder;
+use super::links::implementations;
+use super::stub::NewFile;
+use super::{glue, headers};
+use crate::lang::Language;
+
+/// The shared object of one component.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Hosted {
+    /// The component, among those of the specification.
+    pub component: u32,
+    /// The glue, by absolute path.
+    pub glue: NewFile,
+    /// Compiles the glue.
+    pub compile: Step,
+    /// After this and all steps of the plan.
+    pub link: Step,
+    /// Codels that it does not have: no source defines their functions.
+    pub missing: FxHashSet<Name>,
+}
+
+/// What is to be built besides a plan, for each component of its folder.
+///
+/// # Errors
+/// Something of a component has no mapping to its language.
+pub fn hosted(
+    folder: &Folder,
+    plan: &Plan,
+    place: &Utf8Path,
+    tools: &Tools,
+    packages: &Packages,
+) -> Result<Vec<Hosted>, String> {
+    let all = folder.expected();
+    let all = all.iter().map(|expected| {
+        let functions = expected.functions.iter().map(|it| &it.name);
+        let absent = |it: &&Name| implementations(&folder.sources, it).is_empty();
+        let missing: FxHashSet<Name> = functions.filter(absent).cloned().collect();
+        let text = glue::source(expected, &missing).map_err(|it| it.message)?;
+        let name = &expected.component().name;
+        let is_cxx = expected.language == Language::Cxx;
+        let (compiler, extension) = match is_cxx {
+            true => (&tools.cxx, "cc"),
+            false => (&tools.c, "c"),
+        };
+        let path = place.join(format!("{name}-glue.{extension}"));
+        let object = place.join("objects").join(format!("{name}-glue.o"));
+        let codels = &folder.sources.folder;
+        let mut command = compiler.clone();
+        // What there is to say about the glue is nothing that its user could mend.
+        let flags = ["-c", "-fPIC", "-g", "-O1", "-w", "-MMD", "-MF"];
+        command.extend(flags.map(str::to_owned));
+        command.push(format!("{object}.d"));
+        command.extend(headers::include_flags(place, codels));
+        command.extend(packages.compile.iter().cloned());
+        command.extend(["-o".to_owned(), object.to_string(), path.to_string()]);
+        let compile = Step {
+            source: Some(path.clone()),
+            inputs: vec![path.clone()],
+            output: object.clone(),
+            command,
+        };
+        let output = place.join(format!("{name}-run.so"));
+        let mut inputs = plan.link.inputs.clone();
+        inputs.push(object);
+        let linker = match is_cxx {
+            true => tools.cxx.clone(),
+            // The linker of the plan knows whether there is C++ among the sources.
+            false => {
+                let words = plan.link.command.iter();
+                words
+                    .take_while(|it| *it != "-shared")
+                    .cloned()
+                    .collect()
+            }
+        };
+        let mut command: Vec<String> = linker;
+        command.extend(["-shared", "-o", output.as_str()].map(str::to_owned));
+        command.extend(inputs.iter().map(|it| it.to_string()));
+        command.extend(packages.link.iter().cloned());
+        command.extend(["-lm", "-lpthread"].map(str::to_owned));
+        Ok(Hosted {
+            component: expected.component,
+            glue: NewFile { path, text },
+            link: Step {
+                source: None,
+                output,
+                command,
+                inputs,
+            },
+            compile,
+            missing,
+        })
+    });
+    all.collect()
+}

@@ -1,0 +1,488 @@
+//! Values as bytes, the way the [`glue`](super::glue) has them, and as JSON.
+//!
+//! | IDL | JSON |
+//! | --- | --- |
+//! | numbers, `boolean` | numbers, `true` and `false`; a float that is none is `null` |
+//! | `octet`, `char` | a number |
+//! | `string` | a string |
+//! | enumeration | the name of the enumerator; a number is read too |
+//! | `sequence`, array | a list |
+//! | `optional` | `null` or the value |
+//! | structure | an object with all members; what is not given is zero |
+//! | union | an object with `_d` and the member that it chooses |
+
+use dotgen_analysis::model::{
+    InitValue, Initializer, Label, Param, ParamDir, PathElement, Service, Spec, TypeId, TypeKind,
+    Value as Constant,
+};
+use serde_json::{Map, Value};
+
+/// Levels of types within types before a value is refused.
+const DEPTH: usize = 64;
+
+/// What is wrong with a value.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Wrong {
+    /// Where in the value: `.pos[2].x`.
+    pub at: String,
+    /// What is wanted there.
+    pub wanted: String,
+}
+
+impl std::fmt::Display for Wrong {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.at.is_empty() {
+            true => write!(f, "{} is wanted", self.wanted),
+            false => write!(f, "{} is wanted at `{}`", self.wanted, self.at),
+        }
+    }
+}
+
+impl std::error::Error for Wrong {}
+
+fn wrong<T>(at: &str, wanted: impl Into<String>) -> Result<T, Wrong> {
+    Err(Wrong {
+        at: at.to_owned(),
+        wanted: wanted.into(),
+    })
+}
+
+/// Values of one specification.
+#[derive(Debug, Clone, Copy)]
+pub struct Values<'s> {
+    spec: &'s Spec,
+}
+
+impl<'s> Values<'s> {
+    /// Of the types of a specification.
+    pub fn new(spec: &'s Spec) -> Self {
+        Values { spec }
+    }
+
+    /// The inputs of a service, from an object by the names of its parameters. What is not given has its
+    /// default, or is zero.
+    ///
+    /// # Errors
+    /// A value does not fit its parameter, or there is no such parameter.
+    pub fn inputs(&self, service: &Service, given: &Map<String, Value>) -> Result<Vec<u8>, Wrong> {
+        let inputs = || service.params.iter().filter(|it| goes_in(it));
+        if let Some(unknown) = given.keys().find(|key| !inputs().any(|it| it.name == key.as_str())) {
+            let known: Vec<&str> = inputs().map(|it| it.name.as_str()).collect();
+            let wanted = match known.is_empty() {
+                true => "nothing: the service has no inputs, which".to_owned(),
+                false => format!("one of {}", known.join(", ")),
+            };
+            return wrong(unknown, wanted);
+        }
+        let mut out = Vec::new();
+        for param in inputs() {
+            let default = self.default_of(param);
+            let value = given.get(param.name.as_str()).or(default.as_ref());
+            let value = value.unwrap_or(&Value::Null);
+            self.write(param.ty, value, param.name.as_str(), DEPTH, &mut out)?;
+        }
+        Ok(out)
+    }
+
+    /// The outputs of a service, as an object.
+    ///
+    /// # Errors
+    /// The bytes are no such outputs.
+    pub fn outputs(&self, service: &Service, bytes: &[u8]) -> Result<Value, Wrong> {
+        let mut reader = Reader { bytes };
+        let mut out = Map::new();
+        let outputs = service.params.iter().filter(|it| goes_out(it));
+        for param in outputs {
+            let value = self.read(param.ty, &mut reader, DEPTH)?;
+            out.insert(param.name.to_string(), value);
+        }
+        Ok(Value::Object(out))
+    }
+
+    /// The value of a type.
+    ///
+    /// # Errors
+    /// The bytes are no such value.
+    pub fn decode(&self, ty: TypeId, bytes: &[u8]) -> Result<Value, Wrong> {
+        self.read(ty, &mut Reader { bytes }, DEPTH)
+    }
+
+    /// The bytes of a value.
+    ///
+    /// # Errors
+    /// The value is none of the type.
+    pub fn encode(&self, ty: TypeId, value: &Value) -> Result<Vec<u8>, Wrong> {
+        let mut out = Vec::new();
+        self.write(ty, value, "", DEPTH, &mut out)?;
+        Ok(out)
+    }
+
+    /// The default of a parameter, as far as the specification has one.
+    pub fn default_of(&self, param: &Param) -> Option<Value> {
+        let init = param.init.as_ref()?;
+        self.initial(init)
+    }
+
+    fn initial(&self, init: &Initializer) -> Option<Value> {
+        match &init.value {
+            InitValue::Void => None,
+            InitValue::Scalar(value) => Some(self.constant(value)),
+            InitValue::Compound(members) => {
+                let kind = self.kind(init.ty);
+                if let TypeKind::Struct { .. } | TypeKind::Union { .. } = kind {
+                    let members = members.iter().filter_map(|it| match &it.member {
+                        Some(PathElement::Member(name)) => {
+                            Some((name.to_string(), self.initial(it)?))
+                        }
+                        _ => None,
+                    });
+                    return Some(Value::Object(members.collect()));
+                }
+                let mut out = Vec::new();
+                for it in members {
+                    let at = match it.member {
+                        Some(PathElement::Index(at)) => usize::try_from(at).ok()?,
+                        _ => out.len(),
+                    };
+                    if at > 1 << 20 {
+                        return None;
+                    }
+                    out.resize(out.len().max(at + 1), Value::Null);
+                    out[at] = self.initial(it).unwrap_or(Value::Null);
+                }
+                Some(Value::Array(out))
+            }
+        }
+    }
+
+    fn constant(&self, value: &Constant) -> Value {
+        match value {
+            Constant::Bool(it) => (*it).into(),
+            Constant::Uint(it) => (*it).into(),
+            Constant::Int(it) => (*it).into(),
+            Constant::Float(it) => (*it).into(),
+            Constant::Char(it) => it.bytes().next().unwrap_or(0).into(),
+            Constant::String(it) => it.clone().into(),
+            Constant::Enum(it) => self.name(*it).into(),
+        }
+    }
+
+    fn kind(&self, ty: TypeId) -> &'s TypeKind {
+        &self.spec.ty(self.spec.resolve_alias(ty)).kind
+    }
+
+    fn name(&self, ty: TypeId) -> String {
+        let name = self.spec.ty(ty).name.as_ref();
+        name.map(|it| it.to_string()).unwrap_or_default()
+    }
+
+    /// The member of a union that a discriminator chooses.
+    fn chosen(&self, members: &[TypeId], number: i64) -> Option<TypeId> {
+        let labels = |it: &TypeId| match &self.spec.ty(*it).kind {
+            TypeKind::UnionMember { labels, .. } => labels.as_slice(),
+            _ => &[],
+        };
+        let case = |it: &&TypeId| {
+            let mut labels = labels(it).iter();
+            labels.any(|it| matches!(it, Label::Case(value) if self.number_of(value) == number))
+        };
+        let default = |it: &&TypeId| labels(it).contains(&Label::Default);
+        let found = members.iter().find(case);
+        found.or_else(|| members.iter().find(default)).copied()
+    }
+
+    fn number_of(&self, value: &Constant) -> i64 {
+        match value {
+            Constant::Bool(it) => i64::from(*it),
+            Constant::Uint(it) => i64::try_from(*it).unwrap_or(i64::MAX),
+            Constant::Int(it) => *it,
+            Constant::Float(_) | Constant::String(_) => 0,
+            Constant::Char(it) => it.bytes().next().map_or(0, i64::from),
+            Constant::Enum(it) => match self.spec.ty(*it).kind {
+                TypeKind::Enumerator { value, .. } => i64::from(value),
+                _ => 0,
+            },
+        }
+    }
+
+    /// The number of a discriminator.
+    fn discriminator(&self, switch: TypeId, value: &Value) -> i64 {
+        match (self.kind(switch), value) {
+            (TypeKind::Enum { enumerators }, Value::String(name)) => {
+                let mut all = enumerators.iter();
+                let at = all.position(|&it| self.name(it) == *name);
+                at.map_or(0, |it| i64::try_from(it).unwrap_or(0))
+            }
+            (_, Value::Bool(it)) => i64::from(*it),
+            (_, it) => it.as_i64().unwrap_or(0),
+        }
+    }
+
+    fn read(&self, ty: TypeId, from: &mut Reader<'_>, depth: usize) -> Result<Value, Wrong> {
+        let Some(depth) = depth.checked_sub(1) else {
+            return wrong("", "a value that is less deep");
+        };
+        Ok(match self.kind(ty) {
+            TypeKind::Boolean => (from.take::<1>()?[0] != 0).into(),
+            TypeKind::Octet => from.take::<1>()?[0].into(),
+            TypeKind::Char => i8::from_ne_bytes(from.take()?).into(),
+            TypeKind::Short => i16::from_ne_bytes(from.take()?).into(),
+            TypeKind::UnsignedShort => u16::from_ne_bytes(from.take()?).into(),
+            TypeKind::Long => i32::from_ne_bytes(from.take()?).into(),
+            TypeKind::UnsignedLong => u32::from_ne_bytes(from.take()?).into(),
+            TypeKind::LongLong => i64::from_ne_bytes(from.take()?).into(),
+            TypeKind::UnsignedLongLong => u64::from_ne_bytes(from.take()?).into(),
+            // As it is written, not with the digits that a double has more.
+            TypeKind::Float => match f32::from_ne_bytes(from.take()?).to_string().parse::<f64>() {
+                Ok(it) => it.into(),
+                Err(_) => Value::Null,
+            },
+            TypeKind::Double => f64::from_ne_bytes(from.take()?).into(),
+            TypeKind::Enum { enumerators } => {
+                let number = u32::from_ne_bytes(from.take()?);
+                match enumerators.get(number as usize) {
+                    Some(&it) => self.name(it).into(),
+                    None => number.into(),
+                }
+            }
+            TypeKind::String { .. } => {
+                let length = u32::from_ne_bytes(from.take()?);
+                String::from_utf8_lossy(from.some(length as usize)?).into()
+            }
+            TypeKind::Array { element, length } => {
+                let all = (0..*length).map(|_| self.read(*element, from, depth));
+                Value::Array(all.collect::<Result<_, _>>()?)
+            }
+            TypeKind::Sequence { element, .. } => {
+                let length = u32::from_ne_bytes(from.take()?);
+                let all = (0..length).map(|_| self.read(*element, from, depth));
+                Value::Array(all.collect::<Result<_, _>>()?)
+            }
+            TypeKind::Optional { element } => match from.take::<1>()?[0] {
+                0 => Value::Null,
+                _ => self.read(*element, from, depth)?,
+            },
+            TypeKind::Struct { members } | TypeKind::Exception { members } => {
+                let mut out = Map::new();
+                for &member in members {
+                    out.insert(self.name(member), self.read(member, from, depth)?);
+                }
+                Value::Object(out)
+            }
+            TypeKind::Union { switch, members } => {
+                let chooses = self.read(*switch, from, depth)?;
+                let number = self.discriminator(*switch, &chooses);
+                let mut out = Map::from_iter([("_d".to_owned(), chooses)]);
+                if let Some(member) = self.chosen(members, number) {
+                    out.insert(self.name(member), self.read(member, from, depth)?);
+                }
+                Value::Object(out)
+            }
+            _ => {
+                from.take::<1>()?;
+                Value::Null
+            }
+        })
+    }
+
+    fn write(
+        &self,
+        ty: TypeId,
+        value: &Value,
+        at: &str,
+        depth: usize,
+        out: &mut Vec<u8>,
+    ) -> Result<(), Wrong> {
+        let Some(depth) = depth.checked_sub(1) else {
+            return wrong(at, "a value that is less deep");
+        };
+        let kind = self.kind(ty);
+        match kind {
+            TypeKind::Boolean => match value {
+                Value::Null => out.push(0),
+                Value::Bool(it) => out.push(u8::from(*it)),
+                _ => return wrong(at, "true or false"),
+            },
+            TypeKind::Octet => out.push(whole(value, at, "0 to 255")?),
+            TypeKind::Char => out.extend(whole::<i8>(value, at, "-128 to 127")?.to_ne_bytes()),
+            TypeKind::Short => {
+                out.extend(whole::<i16>(value, at, "-32768 to 32767")?.to_ne_bytes())
+            }
+            TypeKind::UnsignedShort => {
+                out.extend(whole::<u16>(value, at, "0 to 65535")?.to_ne_bytes())
+            }
+            TypeKind::Long => out.extend(whole::<i32>(value, at, "32 bits")?.to_ne_bytes()),
+            TypeKind::UnsignedLong => {
+                out.extend(whole::<u32>(value, at, "32 bits, not negative")?.to_ne_bytes())
+            }
+            TypeKind::LongLong => out.extend(whole::<i64>(value, at, "64 bits")?.to_ne_bytes()),
+            TypeKind::UnsignedLongLong => {
+                out.extend(whole::<u64>(value, at, "64 bits, not negative")?.to_ne_bytes())
+            }
+            TypeKind::Float => out.extend((number(value, at)? as f32).to_ne_bytes()),
+            TypeKind::Double => out.extend(number(value, at)?.to_ne_bytes()),
+            TypeKind::Enum { enumerators } => {
+                let named = |name: &str| enumerators.iter().position(|&it| self.name(it) == name);
+                let found = match value {
+                    Value::Null => Some(0),
+                    Value::String(name) => named(name.rsplit("::").next().unwrap_or(name)),
+                    it => it
+                        .as_u64()
+                        .and_then(|it| usize::try_from(it).ok())
+                        .filter(|&it| it < enumerators.len()),
+                };
+                let Some(found) = found.and_then(|it| u32::try_from(it).ok()) else {
+                    let names: Vec<String> = enumerators.iter().map(|&it| self.name(it)).collect();
+                    return wrong(at, format!("one of {}", names.join(", ")));
+                };
+                out.extend(found.to_ne_bytes());
+            }
+            TypeKind::String { bound } => {
+                let text = match value {
+                    Value::Null => "",
+                    Value::String(it) => it.as_str(),
+                    _ => return wrong(at, "a string"),
+                };
+                if let Some(bound) = bound
+                    && text.len() as u64 > *bound
+                {
+                    return wrong(at, format!("a string of at most {bound} bytes"));
+                }
+                length(text.len(), at, out)?;
+                out.extend(text.as_bytes());
+            }
+            TypeKind::Array { element, length } => {
+                let given = list(value, at)?;
+                if !given.is_empty() && given.len() as u64 != *length {
+                    return wrong(at, format!("a list of {length}"));
+                }
+                for i in 0..usize::try_from(*length).unwrap_or(0) {
+                    let it = given.get(i).unwrap_or(&Value::Null);
+                    self.write(*element, it, &format!("{at}[{i}]"), depth, out)?;
+                }
+            }
+            TypeKind::Sequence { element, bound } => {
+                let given = list(value, at)?;
+                if let Some(bound) = bound
+                    && given.len() as u64 > *bound
+                {
+                    return wrong(at, format!("a list of at most {bound}"));
+                }
+                length(given.len(), at, out)?;
+                for (i, it) in given.iter().enumerate() {
+                    self.write(*element, it, &format!("{at}[{i}]"), depth, out)?;
+                }
+            }
+            TypeKind::Optional { element } => match value {
+                Value::Null => out.push(0),
+                it => {
+                    out.push(1);
+                    self.write(*element, it, at, depth, out)?;
+                }
+            },
+            TypeKind::Struct { members } | TypeKind::Exception { members } => {
+                let given = object(value, at)?;
+                let known = |key: &&String| members.iter().any(|&it| self.name(it) == **key);
+                if let Some(unknown) = given.and_then(|it| it.keys().find(|it| !known(it))) {
+                    let names: Vec<String> = members.iter().map(|&it| self.name(it)).collect();
+                    return wrong(
+                        &format!("{at}.{unknown}"),
+                        format!("one of {}", names.join(", ")),
+                    );
+                }
+                for &member in members {
+                    let name = self.name(member);
+                    let it = given.and_then(|it| it.get(&name)).unwrap_or(&Value::Null);
+                    self.write(member, it, &format!("{at}.{name}"), depth, out)?;
+                }
+            }
+            TypeKind::Union { switch, members } => {
+                let given = object(value, at)?;
+                let chooses = given.and_then(|it| it.get("_d")).unwrap_or(&Value::Null);
+                self.write(*switch, chooses, &format!("{at}._d"), depth, out)?;
+                let number = self.discriminator(*switch, chooses);
+                if let Some(member) = self.chosen(members, number) {
+                    let name = self.name(member);
+                    let it = given.and_then(|it| it.get(&name)).unwrap_or(&Value::Null);
+                    self.write(member, it, &format!("{at}.{name}"), depth, out)?;
+                }
+            }
+            _ => out.push(0),
+        }
+        Ok(())
+    }
+}
+
+/// Whether a request has a value for a parameter.
+pub fn goes_in(param: &Param) -> bool {
+    matches!(param.dir, ParamDir::In | ParamDir::Inout)
+}
+
+/// Whether an answer has a value for a parameter.
+pub fn goes_out(param: &Param) -> bool {
+    matches!(param.dir, ParamDir::Out | ParamDir::Inout)
+}
+
+fn length(count: usize, at: &str, out: &mut Vec<u8>) -> Result<(), Wrong> {
+    match u32::try_from(count) {
+        Ok(count) => out.extend(count.to_ne_bytes()),
+        Err(_) => return wrong(at, "something shorter"),
+    }
+    Ok(())
+}
+
+fn whole<T: TryFrom<i128> + Default>(value: &Value, at: &str, range: &str) -> Result<T, Wrong> {
+    let number = match value {
+        Value::Null => return Ok(T::default()),
+        it => it.as_i64().map(i128::from).or(it.as_u64().map(i128::from)),
+    };
+    let number = number.and_then(|it| T::try_from(it).ok());
+    match number {
+        Some(it) => Ok(it),
+        None => wrong(at, format!("a whole number of {range}")),
+    }
+}
+
+fn number(value: &Value, at: &str) -> Result<f64, Wrong> {
+    match value {
+        Value::Null => Ok(0.),
+        it => it.as_f64().map_or_else(|| wrong(at, "a number"), Ok),
+    }
+}
+
+fn list<'v>(value: &'v Value, at: &str) -> Result<&'v [Value], Wrong> {
+    match value {
+        Value::Null => Ok(&[]),
+        Value::Array(it) => Ok(it),
+        _ => wrong(at, "a list"),
+    }
+}
+
+fn object<'v>(value: &'v Value, at: &str) -> Result<Option<&'v Map<String, Value>>, Wrong> {
+    match value {
+        Value::Null => Ok(None),
+        Value::Object(it) => Ok(Some(it)),
+        _ => wrong(at, "an object"),
+    }
+}
+
+struct Reader<'b> {
+    bytes: &'b [u8],
+}
+
+impl<'b> Reader<'b> {
+    fn some(&mut self, count: usize) -> Result<&'b [u8], Wrong> {
+        match self.bytes.split_at_checked(count) {
+            Some((taken, rest)) => {
+                self.bytes = rest;
+                Ok(taken)
+            }
+            None => wrong("", "a value that does not break off"),
+        }
+    }
+
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], Wrong> {
+        let bytes = self.some(N)?;
+        bytes.try_into().or_else(|_| wrong("", "a value"))
+    }
+}
