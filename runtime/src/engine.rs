@@ -1,12 +1,13 @@
-//! The loop of a run on the virtual clock: discrete events, no waiting.
+//! The loop of a run on the virtual clock: discrete events, no waiting but for codels that are executed.
 
 use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Work};
 
 use crate::decide::Decide;
+use crate::live::{Broken, Live};
 
 /// Actions at one moment after which time is taken to stand still. A system has some for each task, codel
 /// and client.
-const CROWDED: u64 = 1_000_000;
+pub(crate) const CROWDED: u64 = 1_000_000;
 
 /// Steps between two looks at what may end a run.
 const LOOKS: u64 = 256;
@@ -25,6 +26,8 @@ pub enum End {
     Stopped,
     /// It was interrupted.
     Interrupted,
+    /// A component could not be started.
+    NotStarted,
 }
 
 /// Whoever watches a run.
@@ -38,16 +41,20 @@ pub trait Watch {
     /// Time has passed.
     fn moment(&mut self, stepper: &Stepper);
 
+    /// A codel that is executed did what it must not.
+    fn broke(&mut self, stepper: &Stepper, broken: Broken);
+
     /// Whether to end the run.
     fn is_over(&self) -> bool;
 }
 
-/// Runs a system from time 0 until a time, in base units.
+/// Runs a system from time 0 until a time, in base units. What is `live` is executed; all else is decided.
 pub fn run(
     stepper: &mut Stepper,
     decide: &mut dyn Decide,
     until: u64,
     watch: &mut dyn Watch,
+    mut live: Option<&mut Live<'_>>,
     interrupted: &dyn Fn() -> bool,
 ) -> End {
     let mut possible = Possible::default();
@@ -56,7 +63,15 @@ pub fn run(
     let mut works: Vec<Option<Work>> = Vec::new();
     let (mut steps, mut at_once) = (0u64, 0u64);
     stepper.begin(&mut seen);
+    if let Some(live) = live.as_deref_mut()
+        && live.begin(stepper).is_err()
+    {
+        return End::NotStarted;
+    }
     loop {
+        if let Some(live) = live.as_deref_mut() {
+            live.step(stepper, &seen);
+        }
         for it in &seen {
             if let Seen::Begun {
                 executor,
@@ -64,13 +79,13 @@ pub fn run(
                 time: (least, greatest),
             } = *it
             {
-                if works.len() <= executor {
-                    works.resize(executor + 1, None);
-                }
-                works[executor] = Some(work);
+                note(&mut works, executor, work);
                 stepper.decide(executor, decide.time(&work, least, greatest));
             }
             watch.see(stepper, it);
+        }
+        if let Some(live) = live.as_deref_mut() {
+            tell_broken(stepper, live, watch);
         }
         seen.clear();
         if watch.is_over() {
@@ -99,9 +114,24 @@ pub fn run(
         if actions.is_empty() || at_once > CROWDED {
             return End::Standstill;
         }
-        let action = choose(actions, &works, decide, &mut outcomes);
+        let action = choose(actions, &works, decide, live.as_deref_mut(), &mut outcomes);
         watch.act(stepper.now(), action);
         stepper.perform(action, &mut seen);
+    }
+}
+
+/// Remembers what an executor does.
+pub(crate) fn note(works: &mut Vec<Option<Work>>, executor: usize, work: Work) {
+    if works.len() <= executor {
+        works.resize(executor + 1, None);
+    }
+    works[executor] = Some(work);
+}
+
+/// Passes on what codels did that they must not.
+pub(crate) fn tell_broken(stepper: &Stepper, live: &mut Live<'_>, watch: &mut dyn Watch) {
+    for it in live.take_broken() {
+        watch.broke(stepper, it);
     }
 }
 
@@ -116,17 +146,18 @@ fn chooser(action: &Action) -> Option<(u8, usize)> {
 }
 
 /// First who is next, then what: who has more ways to go on is not next more often.
-fn choose(
+pub(crate) fn choose(
     actions: &[Action],
     works: &[Option<Work>],
     decide: &mut dyn Decide,
+    live: Option<&mut Live<'_>>,
     outcomes: &mut Vec<usize>,
 ) -> Action {
     let same = |a: &Action, b: &Action| chooser(a).is_some() && chooser(a) == chooser(b);
     let groups = actions.chunk_by(same).count();
     let chosen = decide.order(groups);
     let group = actions.chunk_by(same).nth(chosen).unwrap_or(actions);
-    let Action::Finish { executor, .. } = group[0] else {
+    let Some(&Action::Finish { executor, .. }) = group.first() else {
         return group[decide.order(group.len())];
     };
     let Some(work) = works.get(executor).copied().flatten() else {
@@ -137,5 +168,7 @@ fn choose(
         Action::Finish { outcome, .. } => Some(outcome),
         _ => None,
     }));
-    group[decide.outcome(&work, outcomes).min(group.len() - 1)]
+    let executed = live.and_then(|it| it.outcome(executor, outcomes));
+    let place = executed.unwrap_or_else(|| decide.outcome(&work, outcomes));
+    group[place.min(group.len() - 1)]
 }

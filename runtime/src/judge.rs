@@ -5,6 +5,7 @@ use dotgen_timing::system::Ticks;
 use dotgen_timing::verify::{Prepared, Question};
 
 use crate::engine::End;
+use crate::live::Broken;
 
 /// What a run says about a check. No run proves that a check holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
@@ -58,6 +59,8 @@ pub enum Violation {
         /// The bound.
         bound: Ticks,
     },
+    /// A codel did what it must not: see [`Judge::broken`].
+    Broken(usize),
 }
 
 /// Watches runs.
@@ -72,8 +75,12 @@ pub struct Judge<'p> {
     pub answers: Vec<Answer>,
     /// The first violation of each kind, with its moment.
     pub violations: Vec<(Moment, Violation)>,
+    /// What codels did that they must not, each once; the greatest of overruns.
+    pub broken: Vec<Broken>,
     /// All of them.
     pub count: u64,
+    /// Tasks of components that are gone: the model goes on, but nobody is there.
+    gone: Vec<bool>,
     run: u64,
     /// Checks whose limit is exceeded by what goes on now.
     exceeded: Vec<bool>,
@@ -103,6 +110,8 @@ impl<'p> Judge<'p> {
             beyond: vec![false; bounds.len()],
             reached: vec![false; prepared.checks.len()],
             violations: Vec::new(),
+            broken: Vec::new(),
+            gone: vec![false; bounds.len()],
             count: 0,
             run: 0,
             prepared,
@@ -118,6 +127,8 @@ impl<'p> Judge<'p> {
             time: stepper.now(),
         };
         match *seen {
+            Seen::Missed { task } | Seen::Overdue { task } | Seen::Job { task, .. }
+                if self.gone[task] => {}
             Seen::Missed { task } => self.each(
                 now,
                 |it| matches!(it, Question::Schedulable(of) if *of == task),
@@ -147,6 +158,35 @@ impl<'p> Judge<'p> {
         }
     }
 
+    /// A codel did what it must not.
+    pub fn broke(&mut self, stepper: &Stepper, it: Broken) {
+        let now = Moment {
+            run: self.run,
+            time: stepper.now(),
+        };
+        if let Broken::Lost { component, .. } = &it {
+            let system = &self.prepared.built.system;
+            for (task, gone) in self.gone.iter_mut().enumerate() {
+                *gone |= system.components[system.tasks[task].component].name == *component;
+            }
+        }
+        let known = self.broken.iter_mut().position(|known| match (known, &it) {
+            (Broken::Overrun { codel: a, took, .. }, Broken::Overrun { codel: b, took: new, .. }) => {
+                let same = *a == *b;
+                if same {
+                    *took = (*took).max(*new);
+                }
+                same
+            }
+            (a, b) => *a == *b,
+        });
+        let place = known.unwrap_or_else(|| {
+            self.broken.push(it);
+            self.broken.len() - 1
+        });
+        self.note(now, Violation::Broken(place));
+    }
+
     /// Time has passed: what goes on lasts longer.
     pub fn moment(&mut self, stepper: &Stepper) {
         let now = Moment {
@@ -154,6 +194,9 @@ impl<'p> Judge<'p> {
             time: stepper.now(),
         };
         for task in 0..self.bounds.len() {
+            if self.gone[task] {
+                continue;
+            }
             if let Some(so_far) = stepper.job(task) {
                 self.lasts_job(now, task, so_far);
             }
@@ -191,6 +234,7 @@ impl<'p> Judge<'p> {
         }
         self.exceeded.fill(false);
         self.beyond.fill(false);
+        self.gone.fill(false);
         self.reached.fill(false);
         self.run += 1;
     }

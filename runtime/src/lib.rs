@@ -4,11 +4,18 @@
 //! can happen is known there and nowhere else. Here it is chosen ([`decide`]), done ([`engine`]), counted
 //! ([`tally`]) and held to the checks of the scenario and to proved bounds ([`judge`]). [`simulation`] puts
 //! these together.
+//!
+//! Where components have codels, [`live`] has them executed: by [`hosts`], which this crate knows as a trait
+//! only. On the real clock ([`paced`]) the rules are the same, with times as they really are ([`refine`]).
 
 pub mod decide;
 pub mod engine;
+pub mod hosts;
 pub mod judge;
+pub mod live;
+pub mod paced;
 pub mod profile;
+pub mod refine;
 pub mod report;
 pub mod simulation;
 pub mod tally;

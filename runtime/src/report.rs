@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::decide::Durations;
 use crate::engine::End;
+use crate::live::Broken;
 use crate::judge::{Moment, Verdict, Violation};
 use crate::simulation::{Outcome, Plan};
 use crate::tally::Times;
@@ -198,6 +199,39 @@ pub enum Violated {
         /// The bound.
         bound: Value,
     },
+    /// A codel ended with something that it does not declare.
+    Undeclared {
+        /// `component.owner.state`
+        codel: String,
+        /// The function.
+        function: String,
+        /// Full name of the event; empty where it is none at all.
+        event: String,
+    },
+    /// A component is gone.
+    Lost {
+        /// The component.
+        component: String,
+        /// The codel that it executed.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        codel: Option<String>,
+        /// Its function.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        function: Option<String>,
+        /// How it ended.
+        why: String,
+    },
+    /// A codel took longer than it states.
+    Overrun {
+        /// `component.owner.state`
+        codel: String,
+        /// The function.
+        function: String,
+        /// The greatest time that it took.
+        took: Value,
+        /// What it states.
+        limit: Value,
+    },
 }
 
 impl Report {
@@ -281,6 +315,11 @@ impl Maker<'_> {
         Value::Time(self.prepared.time(u64::from(ticks)))
     }
 
+    fn nanos(&self, nanos: u64) -> Value {
+        let unit = *self.prepared.unit.numer() as f64 / *self.prepared.unit.denom() as f64;
+        Value::Time(nanos as f64 / 1e9 / unit)
+    }
+
     fn mean(&self, times: &Times) -> Option<Value> {
         let all = self.prepared.time(times.total);
         (times.count > 0).then(|| Value::Time(all / times.count as f64))
@@ -351,6 +390,38 @@ impl Maker<'_> {
                     task: system.task_path(task),
                     response: self.value(response),
                     bound: self.value(bound),
+                },
+                Violation::Broken(at) => match &outcome.judge.broken[at] {
+                    Broken::Undeclared {
+                        codel,
+                        function,
+                        event,
+                    } => Violated::Undeclared {
+                        codel: codel.clone(),
+                        function: function.clone(),
+                        event: event.clone(),
+                    },
+                    Broken::Lost {
+                        component,
+                        codel,
+                        why,
+                    } => Violated::Lost {
+                        component: component.clone(),
+                        codel: codel.as_ref().map(|it| it.0.clone()),
+                        function: codel.as_ref().map(|it| it.1.clone()),
+                        why: why.clone(),
+                    },
+                    Broken::Overrun {
+                        codel,
+                        function,
+                        took,
+                        limit,
+                    } => Violated::Overrun {
+                        codel: codel.clone(),
+                        function: function.clone(),
+                        took: self.nanos(*took),
+                        limit: self.nanos(*limit),
+                    },
                 },
             },
         });

@@ -1,4 +1,4 @@
-//! Runs of a whole system on the virtual clock, without its codels: durations and yields are drawn.
+//! Runs of a whole system. What has no codels is simulated: durations and yields are drawn.
 
 use std::io::Write;
 
@@ -9,6 +9,8 @@ use dotgen_timing::verify::Prepared;
 use crate::decide::{Drawn, Durations};
 use crate::engine::{self, End, Watch};
 use crate::judge::Judge;
+use crate::live::{Broken, Live};
+use crate::paced::{self, Pace};
 use crate::profile::Profile;
 use crate::tally::Tally;
 
@@ -52,12 +54,21 @@ pub struct Outcome<'p> {
     pub recorded: Option<Run>,
 }
 
+/// How codels are executed.
+pub struct Execution<'l, 'p> {
+    /// Those that are.
+    pub live: &'l mut Live<'p>,
+    /// On the real clock; `None`: on the virtual one.
+    pub pace: Option<Pace>,
+}
+
 /// Runs a system. `bounds` are those on the response times of its tasks, where they are known.
 pub fn simulate<'p, W: Write>(
     prepared: &'p Prepared,
     bounds: Vec<Option<Ticks>>,
     plan: &Plan,
     profile: Option<&mut Profile<'p, W>>,
+    mut execution: Option<Execution<'_, 'p>>,
     interrupted: &dyn Fn() -> bool,
 ) -> Outcome<'p> {
     let system = &prepared.built.system;
@@ -78,13 +89,16 @@ pub fn simulate<'p, W: Write>(
     while runs < plan.runs {
         let seed = plan.seed.wrapping_add(runs);
         let mut dice = Drawn::new(system, plan.durations, seed);
-        end = engine::run(
-            &mut stepper,
-            &mut dice,
-            plan.until,
-            &mut observer,
-            interrupted,
-        );
+        let until = plan.until;
+        end = match &mut execution {
+            Some(Execution { live, pace: Some(pace) }) => paced::run(
+                &mut stepper, &mut dice, until, &mut observer, live, *pace, interrupted,
+            ),
+            other => {
+                let live = other.as_mut().map(|it| &mut *it.live);
+                engine::run(&mut stepper, &mut dice, until, &mut observer, live, interrupted)
+            }
+        };
         observer.tally.end(&stepper);
         observer.judge.end(&stepper, end);
         if let Some(run) = observer.recorded.as_mut().filter(|_| observer.first) {
@@ -97,7 +111,7 @@ pub fn simulate<'p, W: Write>(
         observer.offset += stepper.now();
         runs += 1;
         let violated = plan.stop_at_violation && observer.judge.has_violations();
-        if violated || matches!(end, End::Stopped | End::Interrupted | End::Standstill) {
+        if violated || matches!(end, End::Stopped | End::Interrupted | End::Standstill | End::NotStarted) {
             break;
         }
     }
@@ -147,6 +161,10 @@ impl<W: Write> Watch for Observer<'_, '_, W> {
 
     fn moment(&mut self, stepper: &Stepper) {
         self.judge.moment(stepper);
+    }
+
+    fn broke(&mut self, stepper: &Stepper, broken: Broken) {
+        self.judge.broke(stepper, broken);
     }
 
     fn is_over(&self) -> bool {

@@ -19,7 +19,7 @@ use dotgen_analysis::model::{CodelRef, Seconds, Src};
 
 use crate::scn::semantics::Semantics;
 
-pub use locks::SharedPorts;
+pub use locks::{SharedPorts, sources};
 pub use loops::{loop_contradictions, pauseless_cycles};
 
 /// A number of base units.

@@ -117,6 +117,66 @@ impl<'s> Values<'s> {
         Ok(out)
     }
 
+    /// How the bytes of a type are to be read: equal for types of different specifications exactly if they
+    /// hold the same.
+    pub fn layout(&self, ty: TypeId) -> String {
+        let mut out = String::new();
+        self.lay_out(ty, &mut Vec::new(), &mut out);
+        out
+    }
+
+    fn lay_out(&self, ty: TypeId, around: &mut Vec<TypeId>, out: &mut String) {
+        let ty = self.spec.resolve_alias(ty);
+        if let Some(level) = around.iter().position(|&it| it == ty) {
+            *out += &format!("^{level}");
+            return;
+        }
+        around.push(ty);
+        let kind = self.kind(ty);
+        *out += kind.word();
+        match kind {
+            TypeKind::String { bound: Some(it) } => *out += &it.to_string(),
+            TypeKind::Array { element, length } => {
+                *out += &format!("[{length}]");
+                self.lay_out(*element, around, out);
+            }
+            TypeKind::Sequence { element, .. } | TypeKind::Optional { element } => {
+                out.push('<');
+                self.lay_out(*element, around, out);
+                out.push('>');
+            }
+            TypeKind::Enum { enumerators } => *out += &enumerators.len().to_string(),
+            TypeKind::Struct { members } => {
+                out.push('{');
+                for &it in members {
+                    *out += &format!("{}:", self.name(it));
+                    self.lay_out(it, around, out);
+                }
+                out.push('}');
+            }
+            TypeKind::Union { switch, members } => {
+                out.push('(');
+                self.lay_out(*switch, around, out);
+                for &it in members {
+                    if let TypeKind::UnionMember { labels, .. } = &self.spec.ty(it).kind {
+                        for label in labels {
+                            *out += &match label {
+                                Label::Default => " default".to_owned(),
+                                Label::Case(value) => format!(" {}", self.number_of(value)),
+                            };
+                        }
+                    }
+                    out.push(':');
+                    self.lay_out(it, around, out);
+                }
+                out.push(')');
+            }
+            _ => {}
+        }
+        out.push(';');
+        around.pop();
+    }
+
     /// The default of a parameter, as far as the specification has one.
     pub fn default_of(&self, param: &Param) -> Option<Value> {
         let init = param.init.as_ref()?;

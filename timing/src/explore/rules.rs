@@ -258,6 +258,19 @@ pub(crate) trait Rules: Sized {
     /// The step a client is at; [`Client::done`](crate::system::Client::done) after the last, one more before the first.
     fn position(&self, s: &State, client: usize) -> usize;
 
+    /// How many places for activities there are, those of permanent activities included. They are numbered as in
+    /// [`Work::State`].
+    fn places(&self) -> usize;
+
+    /// The automaton of the activity that has a place: accepted, running, or ended and not yet reported.
+    fn activity(&self, s: &State, place: usize) -> Option<usize>;
+
+    /// Interrupts the activity that has a place, as a service that interrupts it would.
+    fn interrupt_activity(&self, s: &mut State, place: usize);
+
+    /// The service whose request a control task is handling, and whether it is already refused.
+    fn handling(&self, s: &State, component: usize) -> Option<(usize, bool)>;
+
     /// An action in words: what it did to the first state, to become the second. `None`: the initial state.
     fn tell(
         &self,

@@ -202,6 +202,28 @@ impl<'s> Stepper<'s> {
         self.walk.awaited(within)
     }
 
+    /// How many places for activities there are. They are numbered as in [`Work::State`].
+    pub fn places(&self) -> usize {
+        self.walk.places()
+    }
+
+    /// The automaton of the activity that has a place: accepted, running, or ended and not yet reported.
+    pub fn activity(&self, place: usize) -> Option<usize> {
+        self.walk.activity(place)
+    }
+
+    /// Interrupts the activity that has a place, as a service that interrupts it would: nothing of the system
+    /// does that, but whoever runs it may.
+    pub fn interrupt(&mut self, place: usize) {
+        self.walk.interrupt(place);
+    }
+
+    /// The service whose request the control task of a component is handling, and whether it is already
+    /// refused. (Under the published semantics only the end of a codel that validates tells that.)
+    pub fn handling(&self, component: usize) -> Option<(usize, bool)> {
+        self.walk.handling(component)
+    }
+
     /// Whether a request for a service was ever refused for want of a slot.
     pub fn has_refused(&self, service: usize) -> bool {
         self.walk.has_refused(service)
@@ -227,6 +249,10 @@ trait Walk {
     fn pass(&mut self, time: Ticks, seen: &mut Vec<Seen>);
     fn job(&self, task: usize) -> Option<Ticks>;
     fn awaited(&self, within: usize) -> Option<Ticks>;
+    fn places(&self) -> usize;
+    fn activity(&self, place: usize) -> Option<usize>;
+    fn interrupt(&mut self, place: usize);
+    fn handling(&self, component: usize) -> Option<(usize, bool)>;
     fn has_refused(&self, service: usize) -> bool;
 }
 
@@ -430,6 +456,22 @@ impl<R: Rules> Walk for Walker<R> {
         let l = self.rules.frame();
         let clock = l.observer_clock(&self.s, within)?;
         l.is_open(&self.s, within).then(|| self.s.t[clock])
+    }
+
+    fn places(&self) -> usize {
+        self.rules.places()
+    }
+
+    fn activity(&self, place: usize) -> Option<usize> {
+        self.rules.activity(&self.s, place)
+    }
+
+    fn interrupt(&mut self, place: usize) {
+        self.rules.interrupt_activity(&mut self.s, place);
+    }
+
+    fn handling(&self, component: usize) -> Option<(usize, bool)> {
+        self.rules.handling(&self.s, component)
     }
 
     fn has_refused(&self, service: usize) -> bool {

@@ -319,6 +319,13 @@ pub(super) fn connections(
     out
 }
 
+/// The output ports that feed an input port: component (as in [`Names::components`]) and index. The same rule tells
+/// which locks using it takes.
+pub fn sources(names: &Names, settings: &Settings, port: (usize, u32)) -> Vec<(usize, u32)> {
+    let connections = connections(names, settings, &mut Vec::new());
+    locks_of(names, &connections, port)
+}
+
 /// The locks that using a port takes: the port itself if it is an output, else the outputs it is
 /// connected to, by the scenario or by equal name.
 pub(super) fn locks_of(names: &Names, connections: &Connections, (c, p): Port) -> Vec<Port> {

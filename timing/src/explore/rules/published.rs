@@ -234,6 +234,27 @@ impl Rules for Published<'_> {
         self.layout.position(s, client) as usize
     }
 
+    fn places(&self) -> usize {
+        self.layout.automata
+    }
+
+    fn activity(&self, s: &State, place: usize) -> Option<usize> {
+        (self.layout.mode(s, place) != layout::slot::VOID).then_some(place)
+    }
+
+    fn interrupt_activity(&self, s: &mut State, place: usize) {
+        self.interrupt_one(s, place);
+    }
+
+    fn handling(&self, s: &State, component: usize) -> Option<(usize, bool)> {
+        let l = &self.layout;
+        let handles = matches!(
+            l.control(s, component),
+            layout::control::VALIDATE | layout::control::SIMPLE
+        );
+        handles.then(|| (l.handled(s, component) as usize, false))
+    }
+
     fn tell(
         &self,
         (before, after): (&State, &State),

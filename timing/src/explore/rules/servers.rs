@@ -332,6 +332,31 @@ impl Rules for Servers<'_> {
         self.layout.position(s, client) as usize
     }
 
+    fn places(&self) -> usize {
+        self.layout.first_slot.last().copied().unwrap_or(0)
+    }
+
+    fn activity(&self, s: &State, place: usize) -> Option<usize> {
+        let l = &self.layout;
+        match l.status(s, place) {
+            layout::slot::VOID => None,
+            _ => (l.automaton(s, place) as usize).checked_sub(1),
+        }
+    }
+
+    fn interrupt_activity(&self, s: &mut State, place: usize) {
+        let l = &self.layout;
+        if let Some(task) = (0..l.tasks).find(|&it| l.slots(it).contains(&place)) {
+            self.mark(s, task, place);
+        }
+    }
+
+    fn handling(&self, s: &State, component: usize) -> Option<(usize, bool)> {
+        let l = &self.layout;
+        let handled = (l.handled(s, component) as usize, l.refused(s, component) != 0);
+        (l.sender(s, component) != 0).then_some(handled)
+    }
+
     fn tell(
         &self,
         change: (&State, &State),

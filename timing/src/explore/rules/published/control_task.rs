@@ -98,18 +98,21 @@ impl Published<'_> {
     }
 
     fn interrupt(&self, s: &mut State, service: usize, except: Option<usize>) {
-        let l = &self.layout;
         for &interrupted in &self.system.services[service].interrupts {
             for &a in &self.system.services[interrupted].slots {
                 if Some(a) == except {
                     continue;
                 }
-                match l.mode(s, a) {
-                    slot::WAIT => self.end_slot(s, a),
-                    slot::RUN => l.set_mode(s, a, slot::STOP),
-                    _ => {}
-                }
+                self.interrupt_one(s, a);
             }
+        }
+    }
+
+    pub(super) fn interrupt_one(&self, s: &mut State, a: usize) {
+        match self.layout.mode(s, a) {
+            slot::WAIT => self.end_slot(s, a),
+            slot::RUN => self.layout.set_mode(s, a, slot::STOP),
+            _ => {}
         }
     }
 

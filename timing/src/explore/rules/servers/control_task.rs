@@ -160,20 +160,27 @@ impl Servers<'_> {
                 if other == itself || l.status(s, other) == slot::VOID || !listed() {
                     continue;
                 }
-                let mode = l.mode(s, other);
-                match mode & slot::STATUS {
-                    slot::INIT => l.set_mode(s, other, mode | slot::MARK),
-                    slot::RUN => {
-                        l.set_mode(s, other, mode | slot::MARK);
-                        self.make_runnable(s, task);
-                        delay = true;
-                    }
-                    slot::STOP => delay = true,
-                    _ => {}
-                }
+                delay |= self.mark(s, task, other);
             }
         }
         delay
+    }
+
+    /// Marks an instance of a task as interrupted; whether it still runs.
+    pub(super) fn mark(&self, s: &mut State, task: usize, it: usize) -> bool {
+        let l = &self.layout;
+        let mode = l.mode(s, it);
+        match mode & slot::STATUS {
+            slot::INIT => l.set_mode(s, it, mode | slot::MARK),
+            slot::RUN => {
+                l.set_mode(s, it, mode | slot::MARK);
+                self.make_runnable(s, task);
+                return true;
+            }
+            slot::STOP => return true,
+            _ => {}
+        }
+        false
     }
 
     /// Reports the activities that have ended, and releases those that have nothing to wait for any more.

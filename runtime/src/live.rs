@@ -1,0 +1,626 @@
+//! Components whose own codels run: what the engine decides is done in their hosts, and what their codels
+//! yield is what happens.
+//!
+//! A codel is executed when the model begins it; what it has written to ports is seen by others when the
+//! model ends it. Between the two nobody else may look, because its locks are held.
+
+mod parts;
+
+use std::collections::VecDeque;
+
+use dotgen_timing::explore::{Seen, Stepper, Work};
+use dotgen_timing::system::{TimedSystem, Yield};
+
+use crate::hosts::{Answer, Call, Hosts, How, Message, Ran, Wanted};
+pub use parts::{Feed, Part, Parts};
+
+/// Something that codels did and must not.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Broken {
+    /// A codel ended with something that it does not declare.
+    Undeclared {
+        /// `component.owner.state`
+        codel: String,
+        /// The function.
+        function: String,
+        /// Full name of the event; empty where it is none at all.
+        event: String,
+    },
+    /// A component is gone, with its codel.
+    Lost {
+        /// The component.
+        component: String,
+        /// What it executed: the codel and its function.
+        codel: Option<(String, String)>,
+        /// How it ended.
+        why: String,
+    },
+    /// A codel took longer than it states.
+    Overrun {
+        /// `component.owner.state`
+        codel: String,
+        /// The function.
+        function: String,
+        /// Nanoseconds that it took.
+        took: u64,
+        /// Nanoseconds that it states.
+        limit: u64,
+    },
+}
+
+/// A request that is being worked on.
+#[derive(Debug)]
+struct Instance {
+    number: u32,
+    service: usize,
+    /// Who wants it, if that is somebody outside.
+    wanted: Option<u64>,
+    /// The exception that ended it, with its detail.
+    failed: Option<(String, Vec<u8>)>,
+    /// It has come to its end by itself.
+    ended: bool,
+    refused: bool,
+}
+
+/// What an executor executes.
+#[derive(Debug)]
+struct Running {
+    work: Work,
+    /// Whether it runs in a host.
+    real: bool,
+    ran: Option<Ran>,
+}
+
+/// How long a codel may take on the virtual clock before its component counts as blocked.
+const BLOCKED: u64 = 10_000_000_000;
+
+/// See the [module](self).
+pub struct Live<'p> {
+    system: &'p TimedSystem,
+    parts: &'p Parts<'p>,
+    hosts: &'p mut dyn Hosts,
+    /// On the virtual clock the engine waits for every codel.
+    waits: bool,
+    /// An activity ends whose codel takes too long.
+    stops_activities: bool,
+    alive: Vec<bool>,
+    running: Vec<Option<Running>>,
+    /// Requests that control tasks handle, by component.
+    pending: Vec<Option<Instance>>,
+    /// Activities, by place.
+    places: Vec<Option<Instance>>,
+    next_instance: u32,
+    /// Not told yet.
+    broken: Vec<Broken>,
+    /// Requests from outside, by component.
+    wanted: Vec<VecDeque<Wanted>>,
+    /// Requests from outside that are to end.
+    aborts: Vec<u64>,
+}
+
+impl<'p> Live<'p> {
+    /// For runs of a system.
+    pub fn new(
+        system: &'p TimedSystem,
+        parts: &'p Parts<'p>,
+        hosts: &'p mut dyn Hosts,
+        waits: bool,
+        stops_activities: bool,
+    ) -> Self {
+        let components = system.components.len();
+        Live {
+            alive: vec![true; components],
+            running: Vec::new(),
+            pending: (0..components).map(|_| None).collect(),
+            places: Vec::new(),
+            next_instance: 1,
+            broken: Vec::new(),
+            wanted: (0..components).map(|_| VecDeque::new()).collect(),
+            aborts: Vec::new(),
+            system,
+            parts,
+            hosts,
+            waits,
+            stops_activities,
+        }
+    }
+
+    /// Begins a run.
+    ///
+    /// # Errors
+    /// A component cannot be started.
+    pub fn begin(&mut self, stepper: &Stepper) -> Result<(), String> {
+        self.alive.fill(true);
+        self.running.clear();
+        self.pending.iter_mut().for_each(|it| *it = None);
+        self.places = (0..stepper.places()).map(|_| None).collect();
+        self.hosts.start()
+    }
+
+    /// The hosts.
+    pub fn hosts(&mut self) -> &mut dyn Hosts {
+        self.hosts
+    }
+
+    /// What was broken since this was asked last.
+    pub fn take_broken(&mut self) -> Vec<Broken> {
+        std::mem::take(&mut self.broken)
+    }
+
+    /// Whether a component is there.
+    pub fn is_alive(&self, component: usize) -> bool {
+        self.alive.get(component).copied().unwrap_or(false)
+    }
+
+    /// Whether a codel is executed by a host.
+    pub fn is_real(&self, codel: usize) -> bool {
+        let component = self.system.codels.get(codel).map(|it| it.component);
+        self.parts.codel(codel).is_some() && component.is_some_and(|it| self.is_alive(it))
+    }
+
+    /// Does in the hosts what was seen in a step.
+    pub fn step(&mut self, stepper: &Stepper, seen: &[Seen]) {
+        for it in seen {
+            match *it {
+                Seen::Ended { executor, work, outcome } => self.ended(executor, &work, outcome),
+                Seen::Requested { client, service } => self.requested(client, service),
+                _ => {}
+            }
+        }
+        self.look(stepper);
+        for it in seen {
+            if let Seen::Begun { executor, work, .. } = *it {
+                self.begun(executor, work);
+            }
+        }
+    }
+
+    /// The activities that have begun and ended, and the requests that are handled.
+    fn look(&mut self, stepper: &Stepper) {
+        for place in 0..self.places.len() {
+            let service = stepper.activity(place);
+            let service = service.and_then(|it| self.system.automata[it].service);
+            let component = service.map(|it| self.system.services[it].component);
+            match (&self.places[place], component) {
+                (Some(_), None) => {
+                    if let Some(it) = self.places[place].take() {
+                        self.finish(it);
+                    }
+                }
+                (None, Some(component)) => self.places[place] = self.pending[component].take(),
+                _ => {}
+            }
+        }
+        for component in 0..self.pending.len() {
+            match stepper.handling(component) {
+                Some((service, refused)) => {
+                    // An activity may have its place before it is accepted; it is the youngest of its service.
+                    let places = self.places.iter_mut().flatten();
+                    let youngest = places
+                        .filter(|it| it.service == service && self.system.services[service].activity)
+                        .max_by_key(|it| it.number);
+                    if let Some(it) = self.pending[component].as_mut().or(youngest) {
+                        it.refused |= refused;
+                    }
+                }
+                None => {
+                    if let Some(it) = self.pending[component].take() {
+                        self.finish(it);
+                    }
+                }
+            }
+        }
+    }
+
+    fn requested(&mut self, client: usize, service: usize) {
+        let component = self.system.services[service].component;
+        let number = self.next_instance;
+        self.next_instance += 1;
+        // The clients that stand for somebody outside come after those of the scenario.
+        let outside = self.parts.outside(client) == Some(component);
+        let wanted = match outside {
+            // What was wanted may have been given up meanwhile.
+            true => self.wanted[component].pop_front_if(|it| it.service == service),
+            false => None,
+        };
+        let (_, index) = self.parts.services[service];
+        let inputs = match &wanted {
+            Some(it) => it.inputs.as_slice(),
+            None => self.parts.inputs[service].as_slice(),
+        };
+        if self.alive[component] && self.parts.of(component).is_some() {
+            self.hosts.make(component, index, number, inputs);
+        }
+        self.pending[component] = Some(Instance {
+            wanted: wanted.map(|it| it.id),
+            failed: None,
+            ended: false,
+            refused: false,
+            number,
+            service,
+        });
+    }
+
+    /// The instance that a piece of work is about.
+    fn instance(&mut self, work: &Work) -> Option<&mut Instance> {
+        match *work {
+            Work::State { slot, automaton, .. } => {
+                self.system.automata[automaton].service?;
+                self.places.get_mut(slot)?.as_mut()
+            }
+            Work::Control { service, .. } => {
+                let component = self.system.services[service].component;
+                let activity = self.system.services[service].activity;
+                match &self.pending[component] {
+                    Some(_) => self.pending[component].as_mut(),
+                    // An activity has its place already; it is the youngest of its service.
+                    None if activity => {
+                        let all = self.places.iter_mut().flatten();
+                        all.filter(|it| it.service == service).max_by_key(|it| it.number)
+                    }
+                    None => None,
+                }
+            }
+            Work::Delay { .. } => None,
+        }
+    }
+
+    fn begun(&mut self, executor: usize, work: Work) {
+        if self.running.len() <= executor {
+            self.running.resize_with(executor + 1, || None);
+        }
+        let codel = work.codel();
+        let real = codel.is_some_and(|it| self.is_real(it));
+        self.running[executor] = Some(Running { work, real, ran: None });
+        let (Some(codel), true) = (codel, real) else { return };
+        let Some(number) = self.parts.codel(codel) else { return };
+        let component = self.system.codels[codel].component;
+        let instance = self.instance(&work).map_or(0, |it| it.number);
+        self.hosts.run(&Call {
+            lane: match work {
+                Work::State { task, .. } => u32::try_from(task).unwrap_or(u32::MAX - 1),
+                _ => u32::MAX,
+            },
+            ticket: u32::try_from(executor).unwrap_or(u32::MAX),
+            codel: number,
+            component,
+            instance,
+        });
+        if !self.waits {
+            return;
+        }
+        let until = self.hosts.now() + BLOCKED;
+        while self.is_running(executor) {
+            match self.hosts.wait(until) {
+                Some(message) => self.message(message),
+                None => {
+                    self.hosts.kill(component);
+                    let why = "did not end within 10 s".to_owned();
+                    self.message(Message::Lost { component, why });
+                }
+            }
+        }
+    }
+
+    /// Whether a host executes something for an executor.
+    pub fn is_running(&self, executor: usize) -> bool {
+        let it = self.running.get(executor).and_then(Option::as_ref);
+        it.is_some_and(|it| it.real && it.ran.is_none())
+    }
+
+    /// A host tells something.
+    pub fn message(&mut self, message: Message) {
+        match message {
+            Message::Ran(component, ran) => {
+                if !self.is_alive(component) {
+                    return;
+                }
+                let executor = ran.ticket as usize;
+                if let Some(Some(it)) = self.running.get_mut(executor) {
+                    it.ran = Some(ran);
+                }
+                self.measure(executor);
+            }
+            Message::Lost { component, why } => self.lost(component, why),
+            Message::Wanted(it) => {
+                let component = self.system.services[it.service].component;
+                if self.is_alive(component) {
+                    self.wanted[component].push_back(it);
+                } else {
+                    self.answer_failed(it.id, "::dotgen::lost");
+                }
+            }
+            Message::Abort(id) => self.aborts.push(id),
+        }
+    }
+
+    fn answer_failed(&mut self, id: u64, exception: &str) {
+        let answer = Answer::Failed {
+            exception: exception.to_owned(),
+            detail: Vec::new(),
+        };
+        self.hosts.answer(id, answer);
+    }
+
+    /// A codel that has ended is compared with what it states; on the virtual clock it takes what it states.
+    fn measure(&mut self, executor: usize) {
+        let Some(Some(running)) = self.running.get(executor) else { return };
+        let (Some(codel), Some(ran)) = (running.work.codel(), &running.ran) else { return };
+        let limit = match self.parts.limit(codel) {
+            Some(limit) if !self.waits && ran.nanos > limit => limit,
+            _ => return,
+        };
+        let took = ran.nanos;
+        self.broken.push(Broken::Overrun {
+            codel: self.system.codels[codel].path.clone(),
+            function: self.parts.function(codel),
+            took,
+            limit,
+        });
+        if self.stops_activities
+            && let Some(Some(running)) = self.running.get_mut(executor)
+            && let Some(ran) = &mut running.ran
+            && matches!(running.work, Work::State { automaton, .. }
+                if self.system.automata[automaton].service.is_some())
+        {
+            ran.how = How::Exception;
+            ran.name = "::dotgen::overrun".to_owned();
+            ran.detail.clear();
+        }
+    }
+
+    fn lost(&mut self, component: usize, why: String) {
+        if !std::mem::replace(&mut self.alive[component], false) {
+            return;
+        }
+        let mut culprit = None;
+        for it in self.running.iter_mut().flatten() {
+            let codel = it.work.codel();
+            let Some(codel) = codel.filter(|&it| self.system.codels[it].component == component)
+            else {
+                continue;
+            };
+            if it.real && it.ran.is_none() {
+                let path = self.system.codels[codel].path.clone();
+                culprit.get_or_insert((path, self.parts.function(codel)));
+                it.real = false;
+            }
+        }
+        self.broken.push(Broken::Lost {
+            component: self.system.components[component].name.clone(),
+            codel: culprit,
+            why,
+        });
+        let places = self.places.iter_mut().flatten();
+        let pending = self.pending[component].iter_mut();
+        let all = places.chain(pending);
+        let of = all.filter(|it| self.system.services[it.service].component == component);
+        let mut gone: Vec<u64> = of.filter_map(|it| it.wanted.take()).collect();
+        gone.extend(self.wanted[component].drain(..).map(|it| it.id));
+        for id in gone {
+            self.answer_failed(id, "::dotgen::lost");
+        }
+    }
+
+    /// How a codel has ended that a host has executed: a place in a list of possible outcomes. `None`: that
+    /// is to be drawn.
+    pub fn outcome(&mut self, executor: usize, outcomes: &[usize]) -> Option<usize> {
+        let running = self.running.get(executor)?.as_ref()?;
+        if !running.real {
+            return None;
+        }
+        let (work, ran) = (running.work, running.ran.as_ref()?);
+        let wanted = self.meaning(&work, ran);
+        let Some(wanted) = wanted else {
+            let codel = work.codel()?;
+            self.broken.push(Broken::Undeclared {
+                codel: self.system.codels[codel].path.clone(),
+                function: self.parts.function(codel),
+                event: ran.name.clone(),
+            });
+            // As with an exception, servers end what has yielded something else.
+            return Some(self.exceptional(&work, outcomes));
+        };
+        match outcomes.iter().position(|&it| it == wanted) {
+            Some(place) => Some(place),
+            None => Some(self.exceptional(&work, outcomes)),
+        }
+    }
+
+    /// The place of an exception among outcomes; where it makes no difference, that of the end.
+    fn exceptional(&self, work: &Work, outcomes: &[usize]) -> usize {
+        let Work::State { automaton, state, .. } = *work else {
+            return outcomes.iter().position(|&it| it == 1).unwrap_or(0);
+        };
+        let yields = &self.system.machine_of(automaton).states[state].yields;
+        let exception = outcomes.iter().position(|&it| it == yields.len());
+        let end = || outcomes.iter().position(|&it| yields.get(it) == Some(&Yield::End));
+        exception.or_else(end).unwrap_or(0)
+    }
+
+    /// The outcome that an event stands for; `None` if it is not declared.
+    fn meaning(&self, work: &Work, ran: &Ran) -> Option<usize> {
+        let codel = work.codel()?;
+        match (*work, ran.how) {
+            (_, How::Other) => None,
+            (Work::Control { .. }, How::Event) => ran.name.is_empty().then_some(0),
+            (Work::Control { .. }, How::Exception) => Some(1),
+            (Work::State { automaton, state, .. }, how) => {
+                let machine = self.system.machine_of(automaton);
+                let yields = &machine.states.get(state)?.yields;
+                if how == How::Exception {
+                    return Some(yields.len());
+                }
+                if !self.parts.declares(codel, &ran.name) {
+                    return None;
+                }
+                let mut words = ran.name.rsplit("::");
+                let name = words.next()?;
+                let paused = words.next() == Some("pause");
+                let to = machine.states.iter().position(|it| it.name == name);
+                let wanted = match to {
+                    Some(to) if paused => Yield::Pause(to),
+                    Some(to) => Yield::Next(to),
+                    None => Yield::End,
+                };
+                yields.iter().position(|it| *it == wanted)
+            }
+            (Work::Delay { .. }, _) => None,
+        }
+    }
+
+    fn ended(&mut self, executor: usize, work: &Work, outcome: usize) {
+        let Some(running) = self.running.get_mut(executor).and_then(Option::take) else {
+            return;
+        };
+        let usual = match *work {
+            Work::State { automaton, state, .. } => {
+                let yields = &self.system.machine_of(automaton).states[state].yields;
+                let ends = yields.get(outcome).is_none_or(|it| *it == Yield::End);
+                if let (true, Some(it)) = (ends, self.instance(work)) {
+                    it.ended = true;
+                }
+                outcome < yields.len()
+            }
+            _ => outcome == 0,
+        };
+        let Some(ran) = running.ran else { return };
+        let failed = ran.how == How::Exception || !usual;
+        if failed && let Some(it) = self.instance(work) {
+            let name = match ran.how {
+                How::Exception => ran.name.clone(),
+                _ => "::genom::bad_transition".to_owned(),
+            };
+            it.failed = Some((name, ran.detail.clone()));
+        }
+        let Some(component) = work.codel().map(|it| self.system.codels[it].component) else {
+            return;
+        };
+        for it in ran.written {
+            if let Some(data) = it.data {
+                self.publish(component, it.port, &it.id, &data);
+            }
+        }
+    }
+
+    fn publish(&mut self, component: usize, port: u32, id: &str, data: &[u8]) {
+        self.hosts.published(component, port, id, data);
+        for feed in &self.parts.feeds {
+            if feed.from != (component, port) || !self.alive[feed.to.0] {
+                continue;
+            }
+            let name = match (feed.multiple, id) {
+                (false, _) => "",
+                (true, "") => &self.system.components[component].name,
+                (true, id) => id,
+            };
+            self.hosts.feed(feed.to.0, feed.to.1, name, data);
+        }
+    }
+
+    /// A request is over.
+    fn finish(&mut self, it: Instance) {
+        let service = &self.system.services[it.service];
+        let component = service.component;
+        let (_, index) = self.parts.services[it.service];
+        let hosted = self.alive[component] && self.parts.of(component).is_some();
+        let well = !it.refused && it.failed.is_none() && (!service.activity || it.ended);
+        let mut outputs = Vec::new();
+        if hosted {
+            if let (true, Some(copies)) = (well, self.parts.copies[it.service]) {
+                self.copy(component, copies, it.number);
+            }
+            outputs = self.hosts.end(component, index, it.number).unwrap_or_default();
+        }
+        let Some(id) = it.wanted else { return };
+        let answer = match it.failed {
+            _ if well => Answer::Done(outputs),
+            Some((exception, detail)) => Answer::Failed { exception, detail },
+            None if it.refused => Answer::Failed {
+                exception: "::genom::disallowed".to_owned(),
+                detail: Vec::new(),
+            },
+            None => Answer::Failed {
+                exception: "::genom::interrupted".to_owned(),
+                detail: Vec::new(),
+            },
+        };
+        self.hosts.answer(id, answer);
+    }
+
+    /// The values of an attribute are copied.
+    fn copy(&mut self, component: usize, codel: u32, instance: u32) {
+        let ticket = u32::MAX;
+        self.hosts.run(&Call {
+            lane: u32::MAX,
+            component,
+            ticket,
+            codel,
+            instance,
+        });
+        let until = self.hosts.now() + BLOCKED;
+        while let Some(message) = self.hosts.wait(until) {
+            match message {
+                Message::Ran(of, ran) if of == component && ran.ticket == ticket => return,
+                Message::Lost { component: of, why } => {
+                    self.lost(of, why);
+                    if of == component {
+                        return;
+                    }
+                }
+                other => self.message(other),
+            }
+        }
+    }
+
+    /// Whether it is the delay of a client that stands for somebody outside.
+    pub fn is_outside(&self, work: &Work) -> bool {
+        matches!(work, Work::Delay { client } if self.parts.outside(*client).is_some())
+    }
+
+    /// Whether a client may go on to a step after a delay: one that stands for somebody outside waits for him.
+    pub fn may_proceed(&self, client: usize, step: usize) -> bool {
+        let Some(component) = self.parts.outside(client) else {
+            return true;
+        };
+        let wanted = self.wanted.get(component).and_then(|it| it.front());
+        let steps = &self.system.clients[client].steps;
+        let requests = steps.get(step).and_then(|it| it.requests());
+        wanted.is_some_and(|it| requests == Some(it.service))
+    }
+
+    /// Interrupts what somebody outside wants no more.
+    pub fn abort(&mut self, stepper: &mut Stepper) {
+        for id in std::mem::take(&mut self.aborts) {
+            let of = |it: &Option<Instance>| it.as_ref().is_some_and(|it| it.wanted == Some(id));
+            if let Some(place) = self.places.iter().position(of) {
+                stepper.interrupt(place);
+            }
+            let mut waiting = None;
+            for all in &mut self.wanted {
+                if let Some(at) = all.iter().position(|it| it.id == id) {
+                    waiting = all.remove(at);
+                }
+            }
+            if waiting.is_some() {
+                self.answer_failed(id, "::genom::interrupted");
+            }
+        }
+    }
+
+    /// Tells that activities were accepted: to be asked after each step.
+    pub fn accept(&mut self, stepper: &Stepper, told: &mut Vec<u32>) {
+        for it in self.places.iter().flatten() {
+            let component = self.system.services[it.service].component;
+            let handled = stepper.handling(component).is_some();
+            if let (Some(id), false) = (it.wanted, handled)
+                && !told.contains(&it.number)
+            {
+                told.push(it.number);
+                self.hosts.answer(id, Answer::Accepted);
+            }
+        }
+        told.retain(|number| self.places.iter().flatten().any(|it| it.number == *number));
+    }
+}

@@ -1,0 +1,201 @@
+//! What of a system has codels that can run.
+
+use dotgen_analysis::model::{Name, PortDir, ServiceKind};
+use dotgen_codegen::codels::value::Values;
+use dotgen_timing::scn::names::{Member, Names};
+use dotgen_timing::system::settings::Settings;
+use dotgen_timing::system::{FOREVER, TimedSystem, sources};
+use dotgen_timing::verify::Prepared;
+use num_rational::Ratio;
+use std::collections::HashSet;
+
+/// A component that a host runs.
+#[derive(Debug, Clone)]
+pub struct Part<'s> {
+    /// The component, and its specification.
+    pub member: Member<'s>,
+    /// Functions of codels that it does not have.
+    pub missing: HashSet<Name>,
+}
+
+/// Data of an output port that goes to an input port.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Feed {
+    /// Component of the system, and port.
+    pub from: (usize, u32),
+    /// Likewise.
+    pub to: (usize, u32),
+    /// The input tells its sources apart by their names.
+    pub multiple: bool,
+}
+
+/// All of them, and how they hang together. By component, codel or service of the system.
+#[derive(Debug)]
+pub struct Parts<'s> {
+    components: Vec<Option<Part<'s>>>,
+    codels: Vec<Option<u32>>,
+    functions: Vec<String>,
+    /// Full names of the events that codels declare.
+    declared: Vec<Vec<String>>,
+    /// Nanoseconds that codels state at most.
+    limits: Vec<Option<u64>>,
+    /// Component and service, as in [`Names::components`].
+    pub(super) services: Vec<(usize, u32)>,
+    /// The codels that copy the values of attributes.
+    pub(super) copies: Vec<Option<u32>>,
+    /// What requests of clients of the scenario send.
+    pub(super) inputs: Vec<Vec<u8>>,
+    /// Which outputs feed which inputs.
+    pub feeds: Vec<Feed>,
+    /// Inputs that are not fed because their types hold something else.
+    pub unlike: Vec<String>,
+    /// The client that stands for somebody outside, by component.
+    first_outside: Option<usize>,
+}
+
+impl<'s> Parts<'s> {
+    /// `parts` are the components that have hosts, by number in [`Names::components`]; `inputs` what is sent
+    /// to a service, by `component.service`.
+    pub fn new(
+        prepared: &Prepared,
+        names: &Names<'s>,
+        settings: &Settings,
+        mut parts: Vec<Option<Part<'s>>>,
+        inputs: &dyn Fn(&str) -> Option<Vec<u8>>,
+    ) -> Self {
+        let built = &prepared.built;
+        let system = &built.system;
+        let mut out = Parts {
+            components: (0..system.components.len()).map(|_| None).collect(),
+            codels: vec![None; system.codels.len()],
+            functions: vec![String::new(); system.codels.len()],
+            declared: vec![Vec::new(); system.codels.len()],
+            limits: vec![None; system.codels.len()],
+            services: vec![(0, 0); system.services.len()],
+            copies: vec![None; system.services.len()],
+            inputs: vec![Vec::new(); system.services.len()],
+            feeds: Vec::new(),
+            unlike: Vec::new(),
+            first_outside: None,
+        };
+        for (&name, &component) in &built.components {
+            out.components[component] = parts.get_mut(name).and_then(Option::take);
+        }
+        let nanos = system.unit * Ratio::from_integer(1_000_000_000);
+        for (at, codel) in system.codels.iter().enumerate() {
+            let Some((name, site)) = codel.site else { continue };
+            let member = &names.components[name];
+            let it = member.component.codel(site);
+            out.functions[at] = it.name.to_string();
+            let events = it.yields.iter();
+            out.declared[at] = events
+                .filter_map(|it| member.spec.full_name(it.event))
+                .collect();
+            if codel.upper != FOREVER && it.wcet.is_some() {
+                let limit = (nanos * Ratio::from_integer(i128::from(codel.upper))).to_integer();
+                out.limits[at] = u64::try_from(limit).ok();
+            }
+            let part = out.components[codel.component].as_ref();
+            if part.is_some_and(|part| !part.missing.contains(&it.name)) {
+                let number = member.component.all_codels().position(|it| it == site);
+                out.codels[at] = number.and_then(|it| u32::try_from(it).ok());
+            }
+        }
+        for (&(name, index), &service) in &built.services {
+            let component = names.components[name].component;
+            out.services[service] = (name, index);
+            let it = &component.services[index as usize];
+            if it.kind == ServiceKind::Attribute {
+                let number = component.all_codels().count() + index as usize;
+                out.copies[service] = u32::try_from(number).ok();
+            }
+            let values = Values::new(names.components[name].spec);
+            let given = inputs(&system.service_path(service));
+            out.inputs[service] = given.unwrap_or_else(|| {
+                let defaults = values.inputs(it, &serde_json::Map::new());
+                defaults.unwrap_or_default()
+            });
+        }
+        out.connect(prepared, names, settings);
+        out
+    }
+
+    fn connect(&mut self, prepared: &Prepared, names: &Names<'s>, settings: &Settings) {
+        let number = |name: usize| prepared.built.components.get(&name).copied();
+        for (name, member) in names.components.iter().enumerate() {
+            let Some(reader) = number(name) else { continue };
+            for (index, port) in (0u32..).zip(&member.component.ports) {
+                if port.dir == PortDir::Out {
+                    continue;
+                }
+                for (other, source) in sources(names, settings, (name, index)) {
+                    let Some(writer) = number(other) else { continue };
+                    let from = &names.components[other];
+                    let output = &from.component.ports[source as usize];
+                    let written = Values::new(from.spec).layout(output.data);
+                    if written != Values::new(member.spec).layout(port.data) {
+                        self.unlike.push(format!(
+                            "`{}.{}` is not fed by `{}.{}`: their types hold something else",
+                            member.component.name, port.name, from.component.name, output.name
+                        ));
+                        continue;
+                    }
+                    self.feeds.push(Feed {
+                        from: (writer, source),
+                        to: (reader, index),
+                        multiple: port.multiple,
+                    });
+                }
+            }
+        }
+    }
+
+    /// Whether somebody outside sends requests, by clients that stand after those of the scenario: see
+    /// [`refine`](crate::refine).
+    pub fn with_outside(mut self, first: usize) -> Self {
+        self.first_outside = Some(first);
+        self
+    }
+
+    /// The component whose requests a client brings from outside.
+    pub fn outside(&self, client: usize) -> Option<usize> {
+        client.checked_sub(self.first_outside?)
+    }
+
+    /// The client that brings the requests for a component.
+    pub fn client_of(&self, component: usize) -> Option<usize> {
+        Some(self.first_outside? + component)
+    }
+
+    /// A component that has a host.
+    pub fn of(&self, component: usize) -> Option<&Part<'s>> {
+        self.components.get(component)?.as_ref()
+    }
+
+    /// The number by which a host knows a codel; `None` if it is simulated.
+    pub fn codel(&self, codel: usize) -> Option<u32> {
+        self.codels.get(codel).copied().flatten()
+    }
+
+    /// The function of a codel.
+    pub fn function(&self, codel: usize) -> String {
+        self.functions.get(codel).cloned().unwrap_or_default()
+    }
+
+    /// Whether a codel may end with an event of this full name.
+    pub fn declares(&self, codel: usize, event: &str) -> bool {
+        let declared = self.declared.get(codel);
+        declared.is_some_and(|it| it.iter().any(|it| it == event))
+    }
+
+    /// The nanoseconds that a codel states at most.
+    pub fn limit(&self, codel: usize) -> Option<u64> {
+        self.limits.get(codel).copied().flatten()
+    }
+
+    /// How many codels run, and how many are simulated.
+    pub fn counts(&self, system: &TimedSystem) -> (usize, usize) {
+        let real = self.codels.iter().flatten().count();
+        (real, system.codels.len() - real)
+    }
+}

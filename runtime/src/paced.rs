@@ -1,0 +1,122 @@
+//! The loop of a run on the real clock.
+//!
+//! The rules decide what may run, as on the virtual clock; but time is that of the hosts, and a codel ends when
+//! it ends. The model is never ahead of the clock, and goes through every moment that it has missed.
+
+use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Work};
+
+use crate::decide::Decide;
+use crate::engine::{self, CROWDED, End, Watch};
+use crate::live::Live;
+
+/// How the clock is counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Pace {
+    /// Nanoseconds of a base unit.
+    pub nanos: u64,
+}
+
+/// Longest wait for something to happen, in nanoseconds: an interruption is noticed after it.
+const PATIENCE: u64 = 50_000_000;
+
+/// Runs a system from time 0 until a time, in base units.
+pub fn run(
+    stepper: &mut Stepper,
+    decide: &mut dyn Decide,
+    until: u64,
+    watch: &mut dyn Watch,
+    live: &mut Live<'_>,
+    pace: Pace,
+    interrupted: &dyn Fn() -> bool,
+) -> End {
+    let mut possible = Possible::default();
+    let (mut allowed, mut outcomes, mut told) = (Vec::new(), Vec::new(), Vec::new());
+    let mut seen = Vec::new();
+    let mut works: Vec<Option<Work>> = Vec::new();
+    let mut at_once = 0u64;
+    stepper.begin(&mut seen);
+    if live.begin(stepper).is_err() {
+        return End::NotStarted;
+    }
+    let start = live.hosts().now();
+    let ticks = |nanos: u64| nanos.saturating_sub(start) / pace.nanos.max(1);
+    loop {
+        live.step(stepper, &seen);
+        for it in &seen {
+            if let Seen::Begun {
+                executor,
+                work,
+                time: (least, greatest),
+            } = *it
+            {
+                engine::note(&mut works, executor, work);
+                // What is executed takes what it takes, and who is outside comes when he comes.
+                if !live.is_running(executor) && !live.is_outside(&work) {
+                    stepper.decide(executor, decide.time(&work, least, greatest));
+                }
+            }
+            watch.see(stepper, it);
+        }
+        seen.clear();
+        live.accept(stepper, &mut told);
+        live.abort(stepper);
+        engine::tell_broken(stepper, live, watch);
+        if watch.is_over() {
+            return End::Stopped;
+        }
+        stepper.possible(&mut possible);
+        allowed.clear();
+        let actions = possible.actions().iter().copied();
+        allowed.extend(actions.filter(|it| may_happen(it, &works, live)));
+        if !allowed.is_empty() && !(possible.may_wait() && only_drawn(&allowed) && decide.waits()) {
+            at_once += 1;
+            if at_once > CROWDED {
+                return End::Standstill;
+            }
+            let action = engine::choose(&allowed, &works, decide, Some(live), &mut outcomes);
+            stepper.perform(action, &mut seen);
+            continue;
+        }
+        let now = ticks(live.hosts().now());
+        let left = until.saturating_sub(stepper.now());
+        if left == 0 {
+            return End::Done;
+        }
+        let next = stepper.next_moment().map_or(u64::MAX, u64::from);
+        let passed = now.saturating_sub(stepper.now()).min(left).min(next);
+        if passed > 0 {
+            at_once = 0;
+            stepper.pass(u32::try_from(passed).unwrap_or(u32::MAX), &mut seen);
+            watch.moment(stepper);
+            continue;
+        }
+        if interrupted() {
+            return End::Interrupted;
+        }
+        let deadline = stepper.now().saturating_add(next.min(left));
+        let deadline = start.saturating_add(deadline.saturating_mul(pace.nanos));
+        let patience = live.hosts().now().saturating_add(PATIENCE);
+        if let Some(message) = live.hosts().wait(deadline.min(patience)) {
+            live.message(message);
+        }
+    }
+}
+
+/// Of `fair`: all that could happen is that threads lose their cores.
+fn only_drawn(actions: &[Action]) -> bool {
+    actions.iter().all(|it| matches!(it, Action::Preempt { .. }))
+}
+
+/// Whether something that is possible has come: a codel that is executed has ended, somebody outside wants something.
+fn may_happen(action: &Action, works: &[Option<Work>], live: &Live<'_>) -> bool {
+    let Action::Finish { executor, outcome } = *action else {
+        return true;
+    };
+    if live.is_running(executor) {
+        return false;
+    }
+    match works.get(executor).copied().flatten() {
+        Some(Work::Delay { client }) => live.may_proceed(client, outcome),
+        _ => true,
+    }
+}
