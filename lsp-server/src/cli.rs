@@ -127,6 +127,10 @@ pub fn main() -> ExitCode {
     if let Some(status) = process::launch::intercept() {
         return status;
     }
+    #[cfg(unix)]
+    if let Some(status) = crate::hosting::host::intercept() {
+        return status;
+    }
     process::is_dotgen();
     if let Some(status) = generate::intercept() {
         return status;

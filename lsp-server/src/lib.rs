@@ -7,6 +7,7 @@
 //! | --- | --- |
 //! | `process` | programs that are started, how they end and what confines them |
 //! | `files` | files: read for analysis, written for users, packages |
+//! | `hosting` | components that run: their hosts, and who asks something of them |
 //! | `verification` | real-time verification: problems, answers, and how they are shown |
 //! | `protocol` | the types of LSP, messages beyond it, the client, conversions |
 //! | `config` | settings and what they amount to |
@@ -24,6 +25,8 @@ pub mod cli;
 pub mod config;
 mod features;
 pub mod files;
+#[cfg(unix)]
+mod hosting;
 mod panic;
 mod process;
 pub mod protocol;

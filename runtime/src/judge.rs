@@ -171,7 +171,14 @@ impl<'p> Judge<'p> {
             }
         }
         let known = self.broken.iter_mut().position(|known| match (known, &it) {
-            (Broken::Overrun { codel: a, took, .. }, Broken::Overrun { codel: b, took: new, .. }) => {
+            (
+                Broken::Overrun { codel: a, took, .. },
+                Broken::Overrun {
+                    codel: b,
+                    took: new,
+                    ..
+                },
+            ) => {
                 let same = *a == *b;
                 if same {
                     *took = (*took).max(*new);

@@ -91,6 +91,7 @@ pub struct Live<'p> {
     /// Activities, by place.
     places: Vec<Option<Instance>>,
     next_instance: u32,
+    fault: Option<String>,
     /// Not told yet.
     broken: Vec<Broken>,
     /// Requests from outside, by component.
@@ -115,6 +116,7 @@ impl<'p> Live<'p> {
             pending: (0..components).map(|_| None).collect(),
             places: Vec::new(),
             next_instance: 1,
+            fault: None,
             broken: Vec::new(),
             wanted: (0..components).map(|_| VecDeque::new()).collect(),
             aborts: Vec::new(),
@@ -129,13 +131,22 @@ impl<'p> Live<'p> {
     /// Begins a run.
     ///
     /// # Errors
-    /// A component cannot be started.
-    pub fn begin(&mut self, stepper: &Stepper) -> Result<(), String> {
+    /// A component cannot be started: [`Live::fault`] says why.
+    pub fn begin(&mut self, stepper: &Stepper) -> Result<(), ()> {
         self.alive.fill(true);
         self.running.clear();
         self.pending.iter_mut().for_each(|it| *it = None);
         self.places = (0..stepper.places()).map(|_| None).collect();
-        self.hosts.start()
+        self.fault = self.hosts.start().err();
+        match self.fault {
+            None => Ok(()),
+            Some(_) => Err(()),
+        }
+    }
+
+    /// Why a component could not be started.
+    pub fn fault(&self) -> Option<&str> {
+        self.fault.as_deref()
     }
 
     /// The hosts.
@@ -163,7 +174,11 @@ impl<'p> Live<'p> {
     pub fn step(&mut self, stepper: &Stepper, seen: &[Seen]) {
         for it in seen {
             match *it {
-                Seen::Ended { executor, work, outcome } => self.ended(executor, &work, outcome),
+                Seen::Ended {
+                    executor,
+                    work,
+                    outcome,
+                } => self.ended(executor, &work, outcome),
                 Seen::Requested { client, service } => self.requested(client, service),
                 _ => {}
             }
@@ -198,7 +213,9 @@ impl<'p> Live<'p> {
                     // An activity may have its place before it is accepted; it is the youngest of its service.
                     let places = self.places.iter_mut().flatten();
                     let youngest = places
-                        .filter(|it| it.service == service && self.system.services[service].activity)
+                        .filter(|it| {
+                            it.service == service && self.system.services[service].activity
+                        })
                         .max_by_key(|it| it.number);
                     if let Some(it) = self.pending[component].as_mut().or(youngest) {
                         it.refused |= refused;
@@ -245,7 +262,9 @@ impl<'p> Live<'p> {
     /// The instance that a piece of work is about.
     fn instance(&mut self, work: &Work) -> Option<&mut Instance> {
         match *work {
-            Work::State { slot, automaton, .. } => {
+            Work::State {
+                slot, automaton, ..
+            } => {
                 self.system.automata[automaton].service?;
                 self.places.get_mut(slot)?.as_mut()
             }
@@ -257,7 +276,8 @@ impl<'p> Live<'p> {
                     // An activity has its place already; it is the youngest of its service.
                     None if activity => {
                         let all = self.places.iter_mut().flatten();
-                        all.filter(|it| it.service == service).max_by_key(|it| it.number)
+                        all.filter(|it| it.service == service)
+                            .max_by_key(|it| it.number)
                     }
                     None => None,
                 }
@@ -272,9 +292,17 @@ impl<'p> Live<'p> {
         }
         let codel = work.codel();
         let real = codel.is_some_and(|it| self.is_real(it));
-        self.running[executor] = Some(Running { work, real, ran: None });
-        let (Some(codel), true) = (codel, real) else { return };
-        let Some(number) = self.parts.codel(codel) else { return };
+        self.running[executor] = Some(Running {
+            work,
+            real,
+            ran: None,
+        });
+        let (Some(codel), true) = (codel, real) else {
+            return;
+        };
+        let Some(number) = self.parts.codel(codel) else {
+            return;
+        };
         let component = self.system.codels[codel].component;
         let instance = self.instance(&work).map_or(0, |it| it.number);
         self.hosts.run(&Call {
@@ -345,8 +373,12 @@ impl<'p> Live<'p> {
 
     /// A codel that has ended is compared with what it states; on the virtual clock it takes what it states.
     fn measure(&mut self, executor: usize) {
-        let Some(Some(running)) = self.running.get(executor) else { return };
-        let (Some(codel), Some(ran)) = (running.work.codel(), &running.ran) else { return };
+        let Some(Some(running)) = self.running.get(executor) else {
+            return;
+        };
+        let (Some(codel), Some(ran)) = (running.work.codel(), &running.ran) else {
+            return;
+        };
         let limit = match self.parts.limit(codel) {
             Some(limit) if !self.waits && ran.nanos > limit => limit,
             _ => return,
@@ -430,12 +462,19 @@ impl<'p> Live<'p> {
 
     /// The place of an exception among outcomes; where it makes no difference, that of the end.
     fn exceptional(&self, work: &Work, outcomes: &[usize]) -> usize {
-        let Work::State { automaton, state, .. } = *work else {
+        let Work::State {
+            automaton, state, ..
+        } = *work
+        else {
             return outcomes.iter().position(|&it| it == 1).unwrap_or(0);
         };
         let yields = &self.system.machine_of(automaton).states[state].yields;
         let exception = outcomes.iter().position(|&it| it == yields.len());
-        let end = || outcomes.iter().position(|&it| yields.get(it) == Some(&Yield::End));
+        let end = || {
+            outcomes
+                .iter()
+                .position(|&it| yields.get(it) == Some(&Yield::End))
+        };
         exception.or_else(end).unwrap_or(0)
     }
 
@@ -446,7 +485,12 @@ impl<'p> Live<'p> {
             (_, How::Other) => None,
             (Work::Control { .. }, How::Event) => ran.name.is_empty().then_some(0),
             (Work::Control { .. }, How::Exception) => Some(1),
-            (Work::State { automaton, state, .. }, how) => {
+            (
+                Work::State {
+                    automaton, state, ..
+                },
+                how,
+            ) => {
                 let machine = self.system.machine_of(automaton);
                 let yields = &machine.states.get(state)?.yields;
                 if how == How::Exception {
@@ -475,7 +519,9 @@ impl<'p> Live<'p> {
             return;
         };
         let usual = match *work {
-            Work::State { automaton, state, .. } => {
+            Work::State {
+                automaton, state, ..
+            } => {
                 let yields = &self.system.machine_of(automaton).states[state].yields;
                 let ends = yields.get(outcome).is_none_or(|it| *it == Yield::End);
                 if let (true, Some(it)) = (ends, self.instance(work)) {
@@ -531,7 +577,10 @@ impl<'p> Live<'p> {
             if let (true, Some(copies)) = (well, self.parts.copies[it.service]) {
                 self.copy(component, copies, it.number);
             }
-            outputs = self.hosts.end(component, index, it.number).unwrap_or_default();
+            outputs = self
+                .hosts
+                .end(component, index, it.number)
+                .unwrap_or_default();
         }
         let Some(id) = it.wanted else { return };
         let answer = match it.failed {

@@ -104,7 +104,9 @@ pub fn run(
 
 /// Of `fair`: all that could happen is that threads lose their cores.
 fn only_drawn(actions: &[Action]) -> bool {
-    actions.iter().all(|it| matches!(it, Action::Preempt { .. }))
+    actions
+        .iter()
+        .all(|it| matches!(it, Action::Preempt { .. }))
 }
 
 /// Whether something that is possible has come: a codel that is executed has ended, somebody outside wants something.

@@ -1,8 +1,6 @@
 //! The system that runs with real codels: the same rules, with room for what real codels do.
 
-use dotgen_timing::system::{
-    Client, ClientAction, ClientStep, FOREVER, Ticks, TimedSystem,
-};
+use dotgen_timing::system::{Client, ClientAction, ClientStep, FOREVER, Ticks, TimedSystem};
 use dotgen_timing::verify::{Prepared, Question};
 use num_rational::Ratio;
 

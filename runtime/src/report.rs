@@ -8,8 +8,8 @@ use serde::Serialize;
 
 use crate::decide::Durations;
 use crate::engine::End;
-use crate::live::Broken;
 use crate::judge::{Moment, Verdict, Violation};
+use crate::live::Broken;
 use crate::simulation::{Outcome, Plan};
 use crate::tally::Times;
 

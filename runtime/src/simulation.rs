@@ -91,12 +91,28 @@ pub fn simulate<'p, W: Write>(
         let mut dice = Drawn::new(system, plan.durations, seed);
         let until = plan.until;
         end = match &mut execution {
-            Some(Execution { live, pace: Some(pace) }) => paced::run(
-                &mut stepper, &mut dice, until, &mut observer, live, *pace, interrupted,
+            Some(Execution {
+                live,
+                pace: Some(pace),
+            }) => paced::run(
+                &mut stepper,
+                &mut dice,
+                until,
+                &mut observer,
+                live,
+                *pace,
+                interrupted,
             ),
             other => {
                 let live = other.as_mut().map(|it| &mut *it.live);
-                engine::run(&mut stepper, &mut dice, until, &mut observer, live, interrupted)
+                engine::run(
+                    &mut stepper,
+                    &mut dice,
+                    until,
+                    &mut observer,
+                    live,
+                    interrupted,
+                )
             }
         };
         observer.tally.end(&stepper);
@@ -111,7 +127,12 @@ pub fn simulate<'p, W: Write>(
         observer.offset += stepper.now();
         runs += 1;
         let violated = plan.stop_at_violation && observer.judge.has_violations();
-        if violated || matches!(end, End::Stopped | End::Interrupted | End::Standstill | End::NotStarted) {
+        if violated
+            || matches!(
+                end,
+                End::Stopped | End::Interrupted | End::Standstill | End::NotStarted
+            )
+        {
             break;
         }
     }

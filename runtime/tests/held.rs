@@ -113,7 +113,7 @@ fn compare(seed: u64) -> Option<usize> {
             record: false,
         };
         let none: Option<&mut dotgen_runtime::profile::Profile<Vec<u8>>> = None;
-        let outcome = simulate(&prepared, vec![None; tasks], &plan, none, &|| false);
+        let outcome = simulate(&prepared, vec![None; tasks], &plan, none, None, &|| false);
         assert!(
             matches!(outcome.end, End::Done | End::NothingLeft | End::Standstill),
             "{:?}",

@@ -74,10 +74,7 @@ pub fn hosted(
             // The linker of the plan knows whether there is C++ among the sources.
             false => {
                 let words = plan.link.command.iter();
-                words
-                    .take_while(|it| *it != "-shared")
-                    .cloned()
-                    .collect()
+                words.take_while(|it| *it != "-shared").cloned().collect()
             }
         };
         let mut command: Vec<String> = linker;

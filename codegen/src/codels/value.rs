@@ -66,7 +66,10 @@ impl<'s> Values<'s> {
     /// A value does not fit its parameter, or there is no such parameter.
     pub fn inputs(&self, service: &Service, given: &Map<String, Value>) -> Result<Vec<u8>, Wrong> {
         let inputs = || service.params.iter().filter(|it| goes_in(it));
-        if let Some(unknown) = given.keys().find(|key| !inputs().any(|it| it.name == key.as_str())) {
+        if let Some(unknown) = given
+            .keys()
+            .find(|key| !inputs().any(|it| it.name == key.as_str()))
+        {
             let known: Vec<&str> = inputs().map(|it| it.name.as_str()).collect();
             let wanted = match known.is_empty() {
                 true => "nothing: the service has no inputs, which".to_owned(),

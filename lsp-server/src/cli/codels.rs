@@ -1,6 +1,6 @@
 //! `dotgen codels`: specifications and their C/C++ codels, compared and kept in step.
 
-mod build;
+pub(super) mod build;
 
 use anyhow::{Context, bail};
 use camino::{Utf8Path, Utf8PathBuf};
@@ -132,7 +132,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
 }
 
-fn project(session: &mut Session) -> Project<'_> {
+pub(super) fn project(session: &mut Session) -> Project<'_> {
     let files = session.codels();
     let stubs = StubOptions {
         use_parameters: true,

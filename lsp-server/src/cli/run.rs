@@ -1,6 +1,11 @@
 //! `dotgen run`
 
 mod bounds;
+mod execute;
+#[cfg(unix)]
+mod hosted;
+#[cfg(unix)]
+mod serve;
 mod text;
 
 use std::io::Write;
@@ -11,9 +16,8 @@ use clap::{Args, ValueEnum};
 use dotgen_analysis::model::Seconds;
 use dotgen_runtime::decide;
 use dotgen_runtime::engine::End;
-use dotgen_runtime::profile::{Profile, functions};
 use dotgen_runtime::report::Report;
-use dotgen_runtime::simulation::{Plan, simulate};
+use dotgen_runtime::simulation::Plan;
 use dotgen_timing::remark::together;
 use dotgen_timing::scn;
 use dotgen_timing::scn::ast::Unit;
@@ -28,15 +32,17 @@ use crate::files::disk::Stream;
 use crate::verification::Problem;
 use crate::verification::timeline::Ending;
 
-/// Run components on a virtual clock, with the checks of a scenario watched
+/// Run components, with the checks of a scenario watched
 ///
 /// A FILE.scn is a scenario: it names its specifications, platform, clients and checks. FILE.gen files are
-/// run together as one system, with a client that may send any request at any time. Whatever happens is a
-/// run of the model that `dotgen verify` verifies; no codel is executed: how long each takes and what it
-/// yields is drawn, always alike for the same seed.
+/// run together as one system; on the virtual clock with a client that may send any request at any time.
+/// Codels that have sources are compiled and executed, each component in a process of its own; how long
+/// others take and what they yield is drawn, always alike for the same seed. Whatever happens is a run of
+/// the model that `dotgen verify` verifies, or is told as a violation.
 ///
-/// Exit status: 0 if nothing was violated, 1 if a check or a proved bound was, 3 if the run ended before
-/// its time, 2 if nothing could be run (wrong usage, a file that cannot be read or has errors).
+/// Exit status: 0 if nothing was violated, 1 if a check, a proved bound or a codel was, 3 if the run ended
+/// before its time, 2 if nothing could be run (wrong usage, a file that cannot be read or has errors,
+/// codels that do not compile).
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// Scenarios (.scn) and specifications (.gen)
@@ -47,13 +53,22 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value_t = Clock::Virtual)]
     clock: Clock,
 
-    /// For which codels durations and yields are drawn
-    #[arg(long, value_enum, default_value_t = Simulate::All)]
+    /// Which codels are not executed: what they yield is drawn
+    #[arg(long, value_enum, default_value_t = Simulate::Missing)]
     simulate: Simulate,
 
-    /// How long to run: a number with a unit (us, ms, s, min, h)
-    #[arg(long, value_name = "TIME", default_value = "10s", value_parser = time)]
-    until: Seconds,
+    /// How long to run: a number with a unit (us, ms, s, min, h) [default: 10s; on the real clock until
+    /// Ctrl-C]
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    until: Option<Seconds>,
+
+    /// What requests of the scenario's clients send: pump.fill={"height": 2}
+    #[arg(long = "input", value_name = "SERVICE=JSON", action = clap::ArgAction::Append)]
+    inputs: Vec<String>,
+
+    /// Where to listen for `dotgen call`, with --clock real [default: NAME.sock in a folder of this user]
+    #[arg(long, value_name = "PATH")]
+    socket: Option<Utf8PathBuf>,
 
     /// Run so many times from the start; each run has the next seed
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
@@ -111,11 +126,24 @@ pub(super) struct Arguments {
 enum Clock {
     /// That of the model: discrete events, no waiting
     Virtual,
+    /// That of this machine
+    Real,
+}
+
+impl Clock {
+    fn word(self) -> &'static str {
+        match self {
+            Clock::Virtual => "virtual",
+            Clock::Real => "real",
+        }
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Simulate {
-    /// For all of them
+    /// Those that have no function in the sources
+    Missing,
+    /// All of them
     All,
 }
 
@@ -133,6 +161,8 @@ enum DurationsName {
 enum OnViolation {
     /// Tell of it in the end
     Report,
+    /// Also end the activity whose codel took too long
+    StopActivity,
     /// End the run
     Stop,
 }
@@ -150,6 +180,9 @@ struct Answer {
     problem: Problem,
     options: Options,
     report: Report,
+    clock: Clock,
+    /// How many codels were executed, of how many.
+    executed: (usize, usize),
     /// What was written, if anything.
     profile: Option<(Utf8PathBuf, u64)>,
     /// Likewise, and how many steps.
@@ -187,7 +220,11 @@ fn exact(text: &str) -> Option<Seconds> {
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let checks: Vec<&str> = arguments.checks.iter().map(|it| body(it)).collect();
-    let interrupt = interrupt::on_terminal();
+    let interrupt = match arguments.clock {
+        Clock::Virtual => interrupt::on_terminal(),
+        // What runs for ever is ended from outside, and ends what it has begun.
+        Clock::Real => interrupt::on_signals(),
+    };
     let (all, mut trouble) = problems(&arguments.files, &arguments.reading);
     if arguments.profile.is_some() && all.len() > 1 {
         anyhow::bail!("`--profile` writes one file: run one scenario at a time");
@@ -222,40 +259,49 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             continue;
         }
         let bounds = bounds::of_tasks(arguments.bounds, &problem, &options, &prepared, &interrupt);
-        let plan = arguments.plan(&prepared);
+        let names = Names::new(&input.specs);
         let mut profile = match &arguments.profile {
             Some(path) => {
                 let stream = Stream::create(path.as_std_path());
-                let stream = stream.with_context(|| format!("cannot write `{path}`"))?;
-                let system = &prepared.built.system;
-                let functions = functions(system, &Names::new(&input.specs));
-                Some((path, Profile::new(system, functions, stream)))
+                Some((
+                    path,
+                    stream.with_context(|| format!("cannot write `{path}`"))?,
+                ))
             }
             None => None,
         };
-        let outcome = simulate(
-            &prepared,
-            bounds.clone(),
-            &plan,
-            profile.as_mut().map(|it| &mut it.1),
-            &|| interrupt.is_raised(),
-        );
-        let report = Report::new(&prepared, &plan, &outcome, &bounds);
+        let context = execute::Context {
+            session: &session,
+            problem: &problem,
+            names: &names,
+            options: &options,
+            bounds,
+            interrupt: &interrupt,
+        };
+        let stream = profile.as_mut().map(|it| &mut it.1);
+        let Some(run) = context.run(arguments, prepared, stream)? else {
+            return Ok(Outcome::Unusable);
+        };
+        let execute::Run {
+            report,
+            executed,
+            lines,
+            told,
+        } = run;
         let profile = match profile {
-            Some((path, profile)) => {
+            Some((path, stream)) => {
                 let wrong = || format!("cannot write `{path}`");
-                let (stream, lines) = profile.finish().with_context(wrong)?;
                 stream.finish().with_context(wrong)?;
                 Some((path.clone(), lines))
             }
             None => None,
         };
-        let trace = match (&arguments.trace, &outcome.recorded) {
+        let trace = match (&arguments.trace, told) {
             (Some(path), Some(run)) => {
                 let recorded = trace::Recorded {
                     title: format!("a run of {}, seed {}", report.scenario, arguments.seed),
                     unit: &report.unit,
-                    events: &prepared.told(&input, run),
+                    events: &run.events,
                     ending: Ending::Fine,
                     cycle: None,
                     notes: match run.left_out {
@@ -268,8 +314,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             }
             _ => None,
         };
-        drop(outcome);
         answers.push(Answer {
+            clock: arguments.clock,
+            executed,
             options,
             report,
             profile,
@@ -297,10 +344,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
 
 impl Arguments {
     fn plan(&self, prepared: &Prepared) -> Plan {
-        // There is one of each so far; another one is a decision to be made here.
-        let (Clock::Virtual, Simulate::All) = (self.clock, self.simulate);
+        let ten_seconds = Ratio::from_integer(10);
         Plan {
-            until: prepared.ticks(self.until),
+            until: match (self.until, self.clock) {
+                (Some(it), _) => prepared.ticks(it),
+                (None, Clock::Virtual) => prepared.ticks(ten_seconds),
+                (None, Clock::Real) => u64::MAX,
+            },
             runs: self.runs,
             seed: self.seed,
             durations: match self.durations {
@@ -320,6 +370,9 @@ fn print_json(answers: &[Answer]) -> anyhow::Result<()> {
     for it in answers {
         let mut document = serde_json::to_value(&it.report)?;
         document["file"] = super::session::display(&it.problem.path).into();
+        document["clock"] = it.clock.word().into();
+        document["executed-codels"] = it.executed.0.into();
+        document["simulated-codels"] = it.executed.1.into();
         documents.push(document);
     }
     let document = match documents.len() {

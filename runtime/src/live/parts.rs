@@ -83,7 +83,9 @@ impl<'s> Parts<'s> {
         }
         let nanos = system.unit * Ratio::from_integer(1_000_000_000);
         for (at, codel) in system.codels.iter().enumerate() {
-            let Some((name, site)) = codel.site else { continue };
+            let Some((name, site)) = codel.site else {
+                continue;
+            };
             let member = &names.components[name];
             let it = member.component.codel(site);
             out.functions[at] = it.name.to_string();
@@ -129,7 +131,9 @@ impl<'s> Parts<'s> {
                     continue;
                 }
                 for (other, source) in sources(names, settings, (name, index)) {
-                    let Some(writer) = number(other) else { continue };
+                    let Some(writer) = number(other) else {
+                        continue;
+                    };
                     let from = &names.components[other];
                     let output = &from.component.ports[source as usize];
                     let written = Values::new(from.spec).layout(output.data);

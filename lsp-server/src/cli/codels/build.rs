@@ -13,6 +13,7 @@ use dotgen_analysis::source_map::Locations as _;
 use dotgen_codegen::codels::build::{self, Packages, Plan, Said, Step, Tools, Weight};
 use dotgen_codegen::codels::files::Files as _;
 use dotgen_codegen::codels::folder::Folder;
+use dotgen_codegen::codels::hosted::{Hosted, hosted};
 use dotgen_codegen::codels::links::codel_functions;
 use dotgen_codegen::disk::{Disk as _, NewContent};
 
@@ -138,25 +139,72 @@ struct Built {
     whole: bool,
 }
 
+/// The shared objects of a folder, for hosts.
+pub(in crate::cli) struct BuiltHosts {
+    /// By component; those whose objects are whole.
+    pub(in crate::cli) hosted: Vec<Hosted>,
+    /// What compilers said.
+    pub(in crate::cli) diagnostics: Vec<Diagnostic>,
+    /// Something does not compile.
+    pub(in crate::cli) failed: bool,
+}
+
+/// Builds what hosts run, of a folder that has sources.
+pub(in crate::cli) fn hosts(
+    folder: &Folder,
+    packages: &PackageConfig,
+) -> anyhow::Result<BuiltHosts> {
+    let builder = Builder {
+        folder,
+        tools: &tools()?,
+        packages,
+        jobs: None,
+    };
+    builder.hosts()
+}
+
+/// What is to be done for a folder.
+struct Planned {
+    plan: Plan,
+    packages: Packages,
+    place: Utf8PathBuf,
+}
+
 impl Builder<'_> {
-    fn build(&self) -> anyhow::Result<Built> {
+    fn hosts(&self) -> anyhow::Result<BuiltHosts> {
+        let Planned {
+            plan,
+            packages,
+            place,
+        } = self.plan()?;
+        let shown = session::display(&self.folder.specification);
+        let hosted = hosted(self.folder, &plan, &place, self.tools, &packages);
+        let hosted = hosted
+            .map_err(anyhow::Error::msg)
+            .with_context(|| format!("`{shown}` cannot be run with its codels"))?;
+        let glue = hosted.iter().map(|it| &it.glue);
+        let glue = glue.map(|it| report::new_content(&it.path, &it.text));
+        write_changed(glue.collect())?;
+        let compile = plan
+            .compile
+            .iter()
+            .chain(hosted.iter().map(|it| &it.compile));
+        let links: Vec<&Step> = hosted.iter().map(|it| &it.link).collect();
+        let (said, other) = self.compile(&compile.collect::<Vec<_>>(), &links)?;
+        let diagnostics = self.diagnostics(&said);
+        for it in &other {
+            report::note(it);
+        }
+        Ok(BuiltHosts {
+            failed: !links.iter().all(|it| it.is_fresh(&SystemDisk)),
+            diagnostics,
+            hosted,
+        })
+    }
+
+    fn plan(&self) -> anyhow::Result<Planned> {
         let specification = &self.folder.specification;
         let shown = session::display(specification);
-        let codels = &self.folder.sources.folder;
-        if !self.folder.unit.accepted() {
-            // A model with errors has gaps that a compiler would report as something else.
-            bail!("`{shown}` is not compiled: it has errors; `dotgen check {shown}` shows them");
-        }
-        if self.folder.sources.sources.is_empty() {
-            report::note(&format!(
-                "`{shown}` has no sources in `{}`; `dotgen codels stub {shown}` writes them",
-                session::display(codels)
-            ));
-            return Ok(Built {
-                diagnostics: Vec::new(),
-                whole: false,
-            });
-        }
         let wanted = build::packages(self.folder);
         let words = |question| {
             let words = vfs::words(self.packages, question, &wanted);
@@ -175,14 +223,41 @@ impl Builder<'_> {
         let plan = plan
             .map_err(anyhow::Error::msg)
             .with_context(|| format!("`{shown}` is not compiled"))?;
+        write_headers(&plan, &beside.join(FOLDER))?;
+        Ok(Planned {
+            plan,
+            packages,
+            place,
+        })
+    }
+
+    fn build(&self) -> anyhow::Result<Built> {
+        let specification = &self.folder.specification;
+        let shown = session::display(specification);
+        let codels = &self.folder.sources.folder;
+        if !self.folder.unit.accepted() {
+            // A model with errors has gaps that a compiler would report as something else.
+            bail!("`{shown}` is not compiled: it has errors; `dotgen check {shown}` shows them");
+        }
+        if self.folder.sources.sources.is_empty() {
+            report::note(&format!(
+                "`{shown}` has no sources in `{}`; `dotgen codels stub {shown}` writes them",
+                session::display(codels)
+            ));
+            return Ok(Built {
+                diagnostics: Vec::new(),
+                whole: false,
+            });
+        }
+        let plan = self.plan()?.plan;
         if !plan.missing.is_empty() {
             report::note(&format!(
                 "`{shown}` has codels without a function: {}; `dotgen codels stub {shown}` writes them",
                 plan.missing.join(", ")
             ));
         }
-        write_headers(&plan, &beside.join(FOLDER))?;
-        let (said, other) = self.compile(&plan)?;
+        let steps: Vec<&Step> = plan.compile.iter().collect();
+        let (said, other) = self.compile(&steps, &[&plan.link])?;
         let diagnostics = self.diagnostics(&said);
         for it in &other {
             report::note(it);
@@ -206,8 +281,12 @@ impl Builder<'_> {
     }
 
     /// Runs what has to be run; what was said about places, and what else went wrong.
-    fn compile(&self, plan: &Plan) -> anyhow::Result<(Vec<Said>, Vec<String>)> {
-        let todo: Vec<&Step> = (plan.compile.iter())
+    fn compile(
+        &self,
+        steps: &[&Step],
+        links: &[&Step],
+    ) -> anyhow::Result<(Vec<Said>, Vec<String>)> {
+        let todo: Vec<&Step> = (steps.iter().copied())
             .filter(|it| !it.is_fresh(&SystemDisk))
             .collect();
         let jobs = self
@@ -237,8 +316,11 @@ impl Builder<'_> {
             said.extend(places);
             other.extend(rest);
         }
-        if !failed && !plan.link.is_fresh(&SystemDisk) {
-            let (_, printed) = perform(&plan.link)?;
+        for link in links {
+            if failed || link.is_fresh(&SystemDisk) {
+                continue;
+            }
+            let (_, printed) = perform(link)?;
             let (places, rest) = build::said(&printed);
             said.extend(places);
             other.extend(rest);
@@ -299,6 +381,10 @@ fn write_headers(plan: &Plan, folder: &Utf8Path) -> anyhow::Result<()> {
         .map(|it| report::new_content(&it.path, &it.text))
         .collect();
     files.push(report::new_content(&folder.join(".gitignore"), IGNORED));
+    write_changed(files)
+}
+
+fn write_changed(mut files: Vec<NewContent>) -> anyhow::Result<()> {
     let changed = |it: &NewContent| SystemDisk.read(&it.path).ok().as_ref() != Some(&it.bytes);
     files.retain(changed);
     report::write_files(&files)

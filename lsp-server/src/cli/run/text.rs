@@ -51,8 +51,10 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
     };
     writeln!(
         out,
-        "virtual clock, {} in {runs}, {} durations, seed {}",
+        "{} clock, {} in {runs}, {}{} durations, seed {}",
+        answer.clock.word(),
         scale.show_value(report.time),
+        executed(answer),
         durations(report),
         report.seed,
     )?;
@@ -91,6 +93,15 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// How many codels were executed, if any.
+fn executed(answer: &Answer) -> String {
+    match answer.executed {
+        (0, _) => String::new(),
+        (real, 0) => format!("{real} codels executed, "),
+        (real, simulated) => format!("{real} codels executed, {simulated} simulated, "),
+    }
+}
+
 fn durations(report: &Report) -> &'static str {
     use dotgen_runtime::decide::Durations::{Best, Random, Worst};
     match report.durations {
@@ -111,6 +122,7 @@ fn ended(end: End) -> Option<&'static str> {
         ),
         End::Stopped => Some("stopped at the first one, as was asked for"),
         End::Interrupted => Some("interrupted"),
+        End::NotStarted => Some("a component could not be started"),
     }
 }
 
@@ -236,6 +248,44 @@ fn violations(out: &mut impl Write, report: &Report, scale: Scale) -> std::io::R
                     "the proved bound of {task}: {} is more than {}",
                     scale.show_value(*response),
                     scale.show_value(*bound)
+                );
+                (what, String::new())
+            }
+            Violated::Undeclared {
+                codel,
+                function,
+                event,
+            } => {
+                let what = match event.is_empty() {
+                    true => "something that is no event of its component".to_owned(),
+                    false => format!("`{event}`, which its specification does not declare"),
+                };
+                let what = format!("the transitions of {codel}: `{function}` returned {what}");
+                (what, String::new())
+            }
+            Violated::Lost {
+                component,
+                codel,
+                function,
+                why,
+            } => {
+                let of = match (codel, function) {
+                    (Some(codel), Some(function)) => format!(" in `{function}` ({codel})"),
+                    _ => String::new(),
+                };
+                let what = format!("that components run: `{component}` {why}{of}");
+                (what, String::new())
+            }
+            Violated::Overrun {
+                codel,
+                function,
+                took,
+                limit,
+            } => {
+                let what = format!(
+                    "the execution time of {codel}: `{function}` took {}, more than {}",
+                    scale.show_value(*took),
+                    scale.show_value(*limit)
                 );
                 (what, String::new())
             }

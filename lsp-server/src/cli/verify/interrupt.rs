@@ -9,11 +9,40 @@ const ENDED: i32 = 130;
 
 /// Raised by Ctrl-C, if somebody sits at a terminal; elsewhere the signal ends the process as it does others.
 pub(crate) fn on_terminal() -> Interrupt {
+    match std::io::stderr().is_terminal() {
+        true => watched(),
+        false => Interrupt::default(),
+    }
+}
+
+/// Raised by Ctrl-C, and by the wish that this process ends, wherever that comes from.
+pub(crate) fn on_signals() -> Interrupt {
+    watched()
+}
+
+/// The next signal that asks for the end.
+async fn asked() -> std::io::Result<()> {
+    #[cfg(unix)]
+    {
+        use tokio::signal::unix::{SignalKind, signal};
+        let mut end = signal(SignalKind::terminate())?;
+        let mut hangs_up = signal(SignalKind::hangup())?;
+        tokio::select! {
+            it = tokio::signal::ctrl_c() => it,
+            _ = end.recv() => Ok(()),
+            _ = hangs_up.recv() => Ok(()),
+        }
+    }
+    #[cfg(not(unix))]
+    tokio::signal::ctrl_c().await
+}
+
+fn watched() -> Interrupt {
     let interrupt = Interrupt::default();
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_all()
         .build();
-    let (Ok(runtime), true) = (runtime, std::io::stderr().is_terminal()) else {
+    let Ok(runtime) = runtime else {
         return interrupt;
     };
     let raised = interrupt.clone();
@@ -21,10 +50,10 @@ pub(crate) fn on_terminal() -> Interrupt {
     std::thread::spawn(move || {
         runtime.block_on(async {
             // Without a handler the signal does what it always did.
-            if tokio::signal::ctrl_c().await.is_ok() {
+            if asked().await.is_ok() {
                 raised.raise();
             }
-            if tokio::signal::ctrl_c().await.is_ok() {
+            if asked().await.is_ok() {
                 std::process::exit(ENDED);
             }
         });

@@ -353,7 +353,10 @@ impl Rules for Servers<'_> {
 
     fn handling(&self, s: &State, component: usize) -> Option<(usize, bool)> {
         let l = &self.layout;
-        let handled = (l.handled(s, component) as usize, l.refused(s, component) != 0);
+        let handled = (
+            l.handled(s, component) as usize,
+            l.refused(s, component) != 0,
+        );
         (l.sender(s, component) != 0).then_some(handled)
     }
 

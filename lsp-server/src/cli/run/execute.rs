@@ -1,0 +1,201 @@
+//! One system, run: on the virtual or the real clock, with or without its codels.
+
+use dotgen_runtime::profile::{Profile, functions};
+use dotgen_runtime::report::Report;
+use dotgen_runtime::simulation::{Outcome, simulate};
+use dotgen_timing::report::Event;
+use dotgen_timing::scn::names::Names;
+use dotgen_timing::system::Ticks;
+use dotgen_timing::verify::{Interrupt, Options, Prepared, SystemInput};
+
+use super::{Arguments, Clock, Simulate};
+use crate::cli::session::Session;
+use crate::files::disk::Stream;
+use crate::verification::Problem;
+
+/// What a run is about.
+pub(super) struct Context<'c, 's> {
+    pub(super) session: &'c Session,
+    pub(super) problem: &'c Problem,
+    pub(super) names: &'c Names<'s>,
+    pub(super) options: &'c Options,
+    /// On response times, in units of the system.
+    pub(super) bounds: Vec<Option<Ticks>>,
+    pub(super) interrupt: &'c Interrupt,
+}
+
+/// What came of it.
+pub(super) struct Run {
+    pub(super) report: Report,
+    /// How many codels were executed, and how many simulated.
+    pub(super) executed: (usize, usize),
+    /// Lines of the profile.
+    pub(super) lines: u64,
+    /// The first run, if it is to be shown.
+    pub(super) told: Option<Told>,
+}
+
+/// What happened in a run.
+pub(super) struct Told {
+    pub(super) events: Vec<Event>,
+    /// Only its beginning is there.
+    pub(super) left_out: bool,
+}
+
+impl Context<'_, '_> {
+    /// `None` if it cannot run, which was told.
+    pub(super) fn run(
+        &self,
+        arguments: &Arguments,
+        prepared: Prepared,
+        stream: Option<&mut Stream>,
+    ) -> anyhow::Result<Option<Run>> {
+        let real = arguments.clock == Clock::Real;
+        if arguments.simulate == Simulate::All && !real {
+            return self.simulated(arguments, &prepared, stream).map(Some);
+        }
+        #[cfg(unix)]
+        return self.executed(arguments, &prepared, stream);
+        #[cfg(not(unix))]
+        anyhow::bail!("codels are executed on Unix systems only; use `--simulate all`");
+    }
+
+    fn simulated(
+        &self,
+        arguments: &Arguments,
+        prepared: &Prepared,
+        stream: Option<&mut Stream>,
+    ) -> anyhow::Result<Run> {
+        let plan = arguments.plan(prepared);
+        let system = &prepared.built.system;
+        let mut profile = stream.map(|it| Profile::new(system, functions(system, self.names), it));
+        let interrupted = || self.interrupt.is_raised();
+        let bounds = self.bounds.clone();
+        let outcome = simulate(
+            prepared,
+            bounds,
+            &plan,
+            profile.as_mut(),
+            None,
+            &interrupted,
+        );
+        let report = Report::new(prepared, &plan, &outcome, &self.bounds);
+        Ok(Run {
+            lines: lines(profile)?,
+            executed: (0, system.codels.len()),
+            told: self.told(prepared, &outcome),
+            report,
+        })
+    }
+
+    fn told(&self, prepared: &Prepared, outcome: &Outcome<'_>) -> Option<Told> {
+        let run = outcome.recorded.as_ref()?;
+        let input = SystemInput {
+            specs: self.problem.specs(),
+        };
+        Some(Told {
+            events: prepared.told(&input, run),
+            left_out: run.left_out,
+        })
+    }
+
+    #[cfg(unix)]
+    fn executed(
+        &self,
+        arguments: &Arguments,
+        prepared: &Prepared,
+        stream: Option<&mut Stream>,
+    ) -> anyhow::Result<Option<Run>> {
+        use super::hosted;
+        use crate::hosting::children::Children;
+        use crate::hosting::realtime;
+        use dotgen_runtime::engine::End;
+        use dotgen_runtime::live::Live;
+        use dotgen_runtime::paced::Pace;
+        use dotgen_runtime::simulation::Execution;
+        use dotgen_timing::verify::settings;
+
+        let real = arguments.clock == Clock::Real;
+        let inputs = hosted::inputs(&arguments.inputs, self.names)?;
+        let hosted = match arguments.simulate {
+            Simulate::All => hosted::Hosted::none(self.names),
+            Simulate::Missing => match hosted::build(self.session, self.problem, self.names)? {
+                Some(it) => it,
+                None => return Ok(None),
+            },
+        };
+        if hosted.is_empty() && !real {
+            return self.simulated(arguments, prepared, stream).map(Some);
+        }
+        let settings = settings(&self.problem.scenario, self.options);
+        let parts = hosted.parts(prepared, self.names, &settings, &inputs);
+        // Without a scenario nobody sends requests but who is outside.
+        let default = self.problem.path.extension() == Some("gen");
+        let (opened, factor, first) = hosted::opened(prepared, &parts, real, default);
+        let parts = match first {
+            Some(first) => parts.with_outside(first),
+            None => parts,
+        };
+        let system = &opened.built.system;
+        let names = system.components.iter().map(|it| it.name.clone()).collect();
+        let mut children = Children::new(hosted.libraries(prepared), names, real);
+        let mut notes = hosted.notes.clone();
+        notes.extend(parts.unlike.iter().cloned());
+        let pace = real.then(|| Pace {
+            nanos: hosted::nanos(&opened),
+        });
+        if real && !realtime::raise_priority() {
+            notes.push(
+                "the system grants no real-time scheduling: times depend on what else runs"
+                    .to_owned(),
+            );
+        }
+        let _server = match real {
+            true => Some(super::serve::start(
+                arguments,
+                self,
+                &opened,
+                &mut children,
+            )?),
+            false => None,
+        };
+        let plan = arguments.plan(&opened);
+        let grown = |it: &Option<Ticks>| it.map(|it| it.saturating_mul(factor));
+        let bounds: Vec<_> = self.bounds.iter().map(grown).collect();
+        let mut profile = stream.map(|it| Profile::new(system, functions(system, self.names), it));
+        let interrupted = || self.interrupt.is_raised();
+        let stops_activities = arguments.on_violation == super::OnViolation::StopActivity;
+        let mut live = Live::new(system, &parts, &mut children, !real, stops_activities);
+        let execution = Execution {
+            live: &mut live,
+            pace,
+        };
+        let outcome = simulate(
+            &opened,
+            bounds.clone(),
+            &plan,
+            profile.as_mut(),
+            Some(execution),
+            &interrupted,
+        );
+        if outcome.end == End::NotStarted {
+            let why = live.fault().unwrap_or("a component could not be started");
+            anyhow::bail!("{why}");
+        }
+        let mut report = Report::new(&opened, &plan, &outcome, &bounds);
+        report.notes.extend(notes);
+        Ok(Some(Run {
+            lines: lines(profile)?,
+            executed: parts.counts(system),
+            told: self.told(&opened, &outcome),
+            report,
+        }))
+    }
+}
+
+fn lines(profile: Option<Profile<'_, &mut Stream>>) -> anyhow::Result<u64> {
+    Ok(match profile {
+        Some(profile) => profile.finish()?.1,
+        None => 0,
+    })
+}

@@ -1,0 +1,57 @@
+//! A run that listens: the socket, and what is known of the components there.
+
+use dotgen_timing::verify::Prepared;
+use std::os::unix::fs::DirBuilderExt as _;
+
+use super::Arguments;
+use super::execute::Context;
+use crate::cli::report;
+use crate::hosting::children::Children;
+use crate::hosting::places;
+use crate::hosting::server::{Known, Server, listen};
+
+/// Listens for whoever wants something of a run.
+pub(super) fn start(
+    arguments: &Arguments,
+    context: &Context<'_, '_>,
+    prepared: &Prepared,
+    children: &mut Children,
+) -> anyhow::Result<Server> {
+    let path = match &arguments.socket {
+        Some(path) => {
+            let folder = path.parent().filter(|it| !it.as_str().is_empty());
+            if let Some(folder) = folder.filter(|it| !it.exists()) {
+                std::fs::DirBuilder::new().mode(0o700).create(folder)?;
+            }
+            path.clone().into_std_path_buf()
+        }
+        None => {
+            let name = context.problem.path.file_stem().unwrap_or("run");
+            places::socket(name)?
+        }
+    };
+    let built = &prepared.built;
+    let mut known: Vec<Option<Known>> = built.system.components.iter().map(|_| None).collect();
+    for (name, member) in context.names.components.iter().enumerate() {
+        let Some(&at) = built.components.get(&name) else {
+            continue;
+        };
+        let spec = context.problem.units[member.spec_index].spec.clone();
+        let mut all = (0u32..).zip(&spec.components);
+        let Some((component, _)) = all.find(|it| it.1.name == member.component.name) else {
+            continue;
+        };
+        let count = member.component.services.len() as u32;
+        let services = (0..count).filter_map(|it| built.services.get(&(name, it)).copied());
+        known[at] = Some(Known {
+            services: services.collect(),
+            component,
+            spec,
+        });
+    }
+    let known = known.into_iter().flatten().collect();
+    let (server, outside) = listen(&path, known, children.door()).map_err(anyhow::Error::msg)?;
+    children.tell(outside);
+    report::note(&format!("listening at `{}`", path.display()));
+    Ok(server)
+}

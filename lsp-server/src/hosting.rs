@@ -1,0 +1,19 @@
+//! Components that run with their own codels: one process for each, which is this program again.
+//!
+//! | file | what it has |
+//! | --- | --- |
+//! | [`wire`] | what the engine and a host say to each other |
+//! | [`host`] | a host: it loads a shared object and calls its codels |
+//! | [`library`] | the shared object, and all that is unsafe about calling it |
+//! | [`children`] | the engine's side: starts hosts, talks to them, knows how they ended |
+//! | [`server`] | requests from outside, as JSON over a socket |
+//! | [`places`] | where the sockets of this user are |
+//! | [`realtime`] | what the system grants to who has to be in time |
+
+pub(crate) mod children;
+pub(crate) mod host;
+mod library;
+pub(crate) mod places;
+pub(crate) mod realtime;
+pub(crate) mod server;
+mod wire;

@@ -1,0 +1,333 @@
+//! The engine's side of the hosts.
+
+use std::collections::VecDeque;
+use std::ffi::OsString;
+use std::io::BufReader;
+use std::path::PathBuf;
+use std::process::ExitStatus;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::time::{Duration, Instant};
+
+use camino::Utf8PathBuf;
+use dotgen_codegen::process::{Channels, Process, Processes as _, Program, Resources};
+use dotgen_runtime::hosts::{Answer, Call, Hosts, Message};
+
+use super::host::{COMMAND, REAL};
+use super::wire::{Order, Reply};
+use crate::process::System;
+
+/// How long a host may take to say something that no codel is involved in.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// What arrives: from a host of a start, or from outside.
+enum Arrival {
+    Reply(usize, u64, Reply),
+    /// Its output has ended.
+    Closed(usize, u64),
+    Outside(Message),
+}
+
+/// Whoever is outside and wants to know.
+pub(crate) trait Outside {
+    /// What became of a request.
+    fn answer(&mut self, id: u64, answer: Answer);
+    /// An output port has new data.
+    fn published(&mut self, component: usize, port: u32, id: &str, data: &[u8]);
+}
+
+/// Brings messages from outside.
+#[derive(Clone)]
+pub(crate) struct Door(Sender<Arrival>);
+
+impl Door {
+    /// Whether there is still somebody to hear it.
+    pub(crate) fn bring(&self, message: Message) -> bool {
+        self.0.send(Arrival::Outside(message)).is_ok()
+    }
+}
+
+/// A component and the process that runs it.
+struct Child {
+    library: Option<Utf8PathBuf>,
+    process: Option<Process>,
+}
+
+/// All hosts of a run.
+pub(crate) struct Children {
+    children: Vec<Child>,
+    names: Vec<String>,
+    real: bool,
+    /// How often they were started: what an earlier host says does not count.
+    started: u64,
+    begin: Instant,
+    arrivals: Receiver<Arrival>,
+    sender: Sender<Arrival>,
+    /// What came while something else was awaited.
+    early: VecDeque<Message>,
+    outside: Option<Box<dyn Outside>>,
+}
+
+impl Children {
+    /// Hosts of the components of a system that have a shared object, with the names of all.
+    pub(crate) fn new(
+        libraries: Vec<Option<Utf8PathBuf>>,
+        names: Vec<String>,
+        real: bool,
+    ) -> Children {
+        let (sender, arrivals) = channel();
+        let children = libraries.into_iter().map(|library| Child {
+            process: None,
+            library,
+        });
+        Children {
+            children: children.collect(),
+            names,
+            real,
+            started: 0,
+            begin: Instant::now(),
+            early: VecDeque::new(),
+            outside: None,
+            arrivals,
+            sender,
+        }
+    }
+
+    /// By which messages come from outside.
+    pub(crate) fn door(&self) -> Door {
+        Door(self.sender.clone())
+    }
+
+    /// Tells somebody outside.
+    pub(crate) fn tell(&mut self, outside: Box<dyn Outside>) {
+        self.outside = Some(outside);
+    }
+
+    fn spawn(&mut self, component: usize) -> Result<(), String> {
+        let Some(library) = self.children[component].library.clone() else {
+            return Ok(());
+        };
+        let name = &self.names[component];
+        let mut arguments: Vec<OsString> = vec![COMMAND.into()];
+        if self.real {
+            arguments.push(REAL.into());
+        }
+        arguments.push(library.as_std_path().into());
+        let program = Program {
+            path: own(),
+            arguments,
+            directory: PathBuf::new(),
+            channels: Channels::PipesBut,
+            resources: Resources::default(),
+            access: None,
+        };
+        let wrong = |it: std::io::Error| format!("cannot start a host for `{name}`: {it}");
+        let mut process = System.start(&program).map_err(wrong)?;
+        let output = process.child.stdout.take();
+        let output = output.ok_or_else(|| format!("the host of `{name}` has no output"))?;
+        let (sender, started) = (self.sender.clone(), self.started);
+        std::thread::spawn(move || {
+            let mut output = BufReader::new(output);
+            while let Ok(Some(reply)) = Reply::receive(&mut output) {
+                if sender
+                    .send(Arrival::Reply(component, started, reply))
+                    .is_err()
+                {
+                    return;
+                }
+            }
+            let _ = sender.send(Arrival::Closed(component, started));
+        });
+        self.children[component].process = Some(process);
+        Ok(())
+    }
+
+    fn order(&mut self, component: usize, order: &Order) {
+        let process = self.children.get_mut(component);
+        let process = process.and_then(|it| it.process.as_mut());
+        if let Some(input) = process.and_then(|it| it.child.stdin.as_mut()) {
+            // Where it cannot be written the host has ended, and its output tells.
+            let _ = order.send(input);
+        }
+    }
+
+    /// Why a host has ended.
+    fn ended(&mut self, component: usize) -> String {
+        let process = self.children[component].process.take();
+        let status = process.map(|mut it| it.wait());
+        match status {
+            Some(Ok(status)) => in_words(status),
+            _ => "ended".to_owned(),
+        }
+    }
+
+    /// The next arrival of this start.
+    fn next(&mut self, until: Instant) -> Option<Arrival> {
+        loop {
+            let left = until.saturating_duration_since(Instant::now());
+            let arrival = match self.arrivals.recv_timeout(left) {
+                Ok(it) => it,
+                Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => return None,
+            };
+            match arrival {
+                Arrival::Reply(_, of, _) | Arrival::Closed(_, of) if of != self.started => {}
+                it => return Some(it),
+            }
+        }
+    }
+
+    /// What an arrival tells the engine.
+    fn message(&mut self, arrival: Arrival) -> Option<Message> {
+        match arrival {
+            Arrival::Reply(component, _, Reply::Ran(ran)) => Some(Message::Ran(component, ran)),
+            Arrival::Reply(..) => None,
+            Arrival::Closed(component, _) => {
+                let why = self.ended(component);
+                Some(Message::Lost { component, why })
+            }
+            Arrival::Outside(message) => Some(message),
+        }
+    }
+}
+
+/// This program, where it can be started again.
+fn own() -> PathBuf {
+    let own = PathBuf::from("/proc/self/exe");
+    match own.exists() {
+        true => own,
+        false => std::env::current_exe().unwrap_or(own),
+    }
+}
+
+/// How a process ended.
+fn in_words(status: ExitStatus) -> String {
+    use std::os::unix::process::ExitStatusExt as _;
+    let name = |number: i32| match number {
+        4 => " (SIGILL)",
+        6 => " (SIGABRT)",
+        7 => " (SIGBUS)",
+        8 => " (SIGFPE)",
+        9 => " (SIGKILL)",
+        11 => " (SIGSEGV)",
+        15 => " (SIGTERM)",
+        _ => "",
+    };
+    match (status.signal(), status.code()) {
+        (Some(signal), _) => format!("was ended by signal {signal}{}", name(signal)),
+        (None, Some(code)) => format!("ended its process with exit status {code}"),
+        (None, None) => "ended".to_owned(),
+    }
+}
+
+impl Hosts for Children {
+    fn start(&mut self) -> Result<(), String> {
+        self.started += 1;
+        self.early.clear();
+        for component in 0..self.children.len() {
+            // Dropping a process ends it.
+            self.children[component].process = None;
+            self.spawn(component)?;
+        }
+        let until = Instant::now() + PATIENCE;
+        let wanted = self.children.iter().filter(|it| it.process.is_some());
+        let mut missing = wanted.count();
+        while missing > 0 {
+            match self.next(until) {
+                Some(Arrival::Reply(_, _, Reply::Ready)) => missing -= 1,
+                Some(Arrival::Reply(component, _, Reply::Unusable(why))) => {
+                    let name = &self.names[component];
+                    return Err(format!("the codels of `{name}` cannot be loaded: {why}"));
+                }
+                Some(Arrival::Closed(component, _)) => {
+                    let why = self.ended(component);
+                    let name = &self.names[component];
+                    return Err(format!(
+                        "the codels of `{name}` cannot be loaded: its host {why}"
+                    ));
+                }
+                Some(it) => {
+                    let message = self.message(it);
+                    self.early.extend(message);
+                }
+                None => return Err("a host does not begin".to_owned()),
+            }
+        }
+        self.begin = Instant::now();
+        Ok(())
+    }
+
+    fn make(&mut self, component: usize, service: u32, instance: u32, inputs: &[u8]) {
+        let inputs = inputs.to_vec();
+        self.order(
+            component,
+            &Order::Make {
+                service,
+                instance,
+                inputs,
+            },
+        );
+    }
+
+    fn run(&mut self, call: &Call) {
+        self.order(call.component, &Order::of(call));
+    }
+
+    fn end(&mut self, component: usize, service: u32, instance: u32) -> Option<Vec<u8>> {
+        self.order(component, &Order::End { service, instance });
+        let until = Instant::now() + PATIENCE;
+        loop {
+            match self.next(until)? {
+                Arrival::Reply(of, _, Reply::Ended(outputs)) if of == component => {
+                    return Some(outputs);
+                }
+                arrival => {
+                    let lost = matches!(&arrival, Arrival::Closed(of, _) if *of == component);
+                    let message = self.message(arrival);
+                    self.early.extend(message);
+                    if lost {
+                        return None;
+                    }
+                }
+            }
+        }
+    }
+
+    fn feed(&mut self, component: usize, port: u32, id: &str, data: &[u8]) {
+        let (id, data) = (id.to_owned(), data.to_vec());
+        self.order(component, &Order::Feed { port, id, data });
+    }
+
+    fn wait(&mut self, until: u64) -> Option<Message> {
+        if let Some(it) = self.early.pop_front() {
+            return Some(it);
+        }
+        let until = self.begin + Duration::from_nanos(until);
+        loop {
+            let arrival = self.next(until)?;
+            if let Some(it) = self.message(arrival) {
+                return Some(it);
+            }
+        }
+    }
+
+    fn now(&self) -> u64 {
+        u64::try_from(self.begin.elapsed().as_nanos()).unwrap_or(u64::MAX)
+    }
+
+    fn kill(&mut self, component: usize) {
+        if let Some(it) = self.children.get_mut(component) {
+            it.process = None;
+        }
+    }
+
+    fn answer(&mut self, id: u64, answer: Answer) {
+        if let Some(it) = &mut self.outside {
+            it.answer(id, answer);
+        }
+    }
+
+    fn published(&mut self, component: usize, port: u32, id: &str, data: &[u8]) {
+        if let Some(it) = &mut self.outside {
+            it.published(component, port, id, data);
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! `dotgen host`: a component that runs. Not for people.
+//!
+//! It takes orders on its standard input until that ends, and tells on its standard output what came of them.
+//! What codels print goes to the error output, and they have nothing to read.
+
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::{self, BufReader};
+use std::os::fd::OwnedFd;
+use std::path::Path;
+use std::process::ExitCode;
+use std::sync::mpsc::{Sender, channel};
+use std::sync::{Arc, Mutex};
+use std::time::Instant;
+
+use dotgen_runtime::hosts::Ran;
+
+use super::library::Component;
+use super::realtime;
+use super::wire::{Order, Reply};
+
+/// The subcommand, and the word that asks for threads of real time.
+pub(super) const COMMAND: &str = "host";
+pub(super) const REAL: &str = "--real-time";
+
+/// Runs the subcommand when the words of the command line are for it.
+pub(crate) fn intercept() -> Option<ExitCode> {
+    let words: Vec<_> = std::env::args_os().skip(1).collect();
+    let [command, rest @ ..] = words.as_slice() else {
+        return None;
+    };
+    if command != COMMAND {
+        return None;
+    }
+    let (real, library) = match rest {
+        [library] => (false, library),
+        [real, library] if real == REAL => (true, library),
+        _ => return None,
+    };
+    Some(match serve(Path::new(library), real) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(_) => ExitCode::from(2),
+    })
+}
+
+type Output = Arc<Mutex<File>>;
+
+fn serve(library: &Path, real: bool) -> io::Result<()> {
+    let (mut input, output) = channels()?;
+    let component = match Component::load(library) {
+        Ok(it) => Arc::new(it),
+        Err(why) => return tell(&output, &Reply::Unusable(why)),
+    };
+    if real {
+        realtime::lock_memory();
+    }
+    tell(&output, &Reply::Ready)?;
+    let mut lanes: HashMap<u32, Sender<(u32, u32, u32)>> = HashMap::new();
+    while let Some(order) = Order::receive(&mut input)? {
+        match order {
+            Order::Make {
+                service,
+                instance,
+                inputs,
+            } => component.make(service, instance, &inputs),
+            Order::Feed { port, id, data } => component.feed(port, &id, &data),
+            Order::End { service, instance } => {
+                tell(&output, &Reply::Ended(component.end(service, instance)))?;
+            }
+            Order::Run {
+                lane,
+                ticket,
+                codel,
+                instance,
+            } => {
+                let thread = lanes
+                    .entry(lane)
+                    .or_insert_with(|| start(&component, &output, real));
+                let _ = thread.send((ticket, codel, instance));
+            }
+        }
+    }
+    // Threads may still be in a codel: nobody waits for it.
+    std::process::exit(0);
+}
+
+/// The channels to the engine, out of the reach of codels.
+fn channels() -> io::Result<(BufReader<File>, Output)> {
+    let input: OwnedFd = rustix::io::dup(rustix::stdio::stdin())?;
+    let output: OwnedFd = rustix::io::dup(rustix::stdio::stdout())?;
+    rustix::stdio::dup2_stdin(File::open("/dev/null")?)?;
+    rustix::stdio::dup2_stdout(rustix::stdio::stderr())?;
+    let output = Arc::new(Mutex::new(File::from(output)));
+    Ok((BufReader::new(File::from(input)), output))
+}
+
+fn tell(output: &Output, reply: &Reply) -> io::Result<()> {
+    let mut output = output.lock().unwrap_or_else(|it| it.into_inner());
+    reply.send(&mut *output)
+}
+
+/// A thread that runs the codels of a task, one after the other.
+fn start(component: &Arc<Component>, output: &Output, real: bool) -> Sender<(u32, u32, u32)> {
+    let (orders, queue) = channel::<(u32, u32, u32)>();
+    let (component, output) = (component.clone(), output.clone());
+    std::thread::spawn(move || {
+        if real {
+            realtime::raise_priority();
+        }
+        for (ticket, codel, instance) in queue {
+            let start = Instant::now();
+            let outcome = component.run(codel, instance);
+            let nanos = u64::try_from(start.elapsed().as_nanos()).unwrap_or(u64::MAX);
+            let ran = Ran {
+                how: outcome.how,
+                name: outcome.name,
+                detail: outcome.detail,
+                written: outcome.written,
+                ticket,
+                nanos,
+            };
+            if tell(&output, &Reply::Ran(ran)).is_err() {
+                return;
+            }
+        }
+    });
+    orders
+}

@@ -1,0 +1,148 @@
+//! The shared object of a component. The functions of its glue are called here and nowhere else.
+#![allow(
+    unsafe_code,
+    reason = "functions of a shared object are called by the prototypes that its glue was written with"
+)]
+
+use std::ffi::{CString, c_char, c_int, c_void};
+use std::path::Path;
+
+use dotgen_codegen::codels::glue::ENTRIES;
+use dotgen_runtime::hosts::{How, Written};
+use libloading::Library;
+
+use super::wire::Taking;
+
+/// `struct glue_buffer`
+#[repr(C)]
+struct Buffer {
+    bytes: *mut u8,
+    size: usize,
+    room: usize,
+}
+
+type Make = unsafe extern "C" fn(u32, u32, *const c_void, usize) -> c_int;
+type Run = unsafe extern "C" fn(u32, u32, *mut Buffer);
+type End = unsafe extern "C" fn(u32, u32, *mut Buffer);
+type Feed = unsafe extern "C" fn(u32, *const c_char, *const c_void, usize);
+type Forget = unsafe extern "C" fn(*mut Buffer);
+
+/// What came of a codel.
+pub(super) struct Outcome {
+    pub(super) how: How,
+    pub(super) name: String,
+    pub(super) detail: Vec<u8>,
+    pub(super) written: Vec<Written>,
+}
+
+/// A component. It may be called by many threads: its glue has a lock.
+pub(super) struct Component {
+    make: Make,
+    run: Run,
+    end: End,
+    feed: Feed,
+    forget: Forget,
+    /// Must outlive the functions.
+    _library: Library,
+}
+
+impl Component {
+    /// Loads it, and so runs its constructors.
+    pub(super) fn load(path: &Path) -> Result<Component, String> {
+        let wrong = |error: libloading::Error| {
+            use std::error::Error as _;
+            let why = error.source().map(ToString::to_string);
+            why.unwrap_or_else(|| error.to_string())
+        };
+        // SAFETY: the object was built by dotgen from the codels that the user asks to run.
+        unsafe {
+            let library = Library::new(path).map_err(wrong)?;
+            let [make, run, end, feed, forget] = ENTRIES;
+            Ok(Component {
+                make: *library.get::<Make>(make).map_err(wrong)?,
+                run: *library.get::<Run>(run).map_err(wrong)?,
+                end: *library.get::<End>(end).map_err(wrong)?,
+                feed: *library.get::<Feed>(feed).map_err(wrong)?,
+                forget: *library.get::<Forget>(forget).map_err(wrong)?,
+                _library: library,
+            })
+        }
+    }
+
+    pub(super) fn make(&self, service: u32, instance: u32, inputs: &[u8]) {
+        // SAFETY: the bytes are only read, within their size.
+        unsafe {
+            (self.make)(service, instance, inputs.as_ptr().cast(), inputs.len());
+        }
+    }
+
+    pub(super) fn feed(&self, port: u32, id: &str, data: &[u8]) {
+        let Ok(id) = CString::new(id) else { return };
+        // SAFETY: the bytes are only read, within their size, and the name ends with a zero.
+        unsafe {
+            (self.feed)(port, id.as_ptr(), data.as_ptr().cast(), data.len());
+        }
+    }
+
+    pub(super) fn end(&self, service: u32, instance: u32) -> Vec<u8> {
+        // SAFETY: the function adds to a buffer as `filled` gives it.
+        self.filled(|buffer| unsafe { (self.end)(service, instance, buffer) })
+    }
+
+    pub(super) fn run(&self, codel: u32, instance: u32) -> Outcome {
+        // SAFETY: likewise. What the codel itself does is its own business: this is why it has a process.
+        let bytes = self.filled(|buffer| unsafe { (self.run)(codel, instance, buffer) });
+        outcome(&bytes).unwrap_or(Outcome {
+            how: How::Other,
+            name: "nothing came of it".to_owned(),
+            detail: Vec::new(),
+            written: Vec::new(),
+        })
+    }
+
+    fn filled(&self, fill: impl FnOnce(*mut Buffer)) -> Vec<u8> {
+        let mut buffer = Buffer {
+            bytes: std::ptr::null_mut(),
+            size: 0,
+            room: 0,
+        };
+        fill(&mut buffer);
+        if buffer.bytes.is_null() {
+            return Vec::new();
+        }
+        // SAFETY: the glue has allocated so many bytes and more, and gives them up only when it is told.
+        unsafe {
+            let bytes = std::slice::from_raw_parts(buffer.bytes, buffer.size).to_vec();
+            (self.forget)(&mut buffer);
+            bytes
+        }
+    }
+}
+
+fn outcome(bytes: &[u8]) -> Option<Outcome> {
+    let mut it = Taking(bytes);
+    let how = match it.number().ok()? {
+        0 => How::Event,
+        1 => How::Exception,
+        _ => How::Other,
+    };
+    let name = it.text().ok()?;
+    let detail = it.bytes().ok()?.to_vec();
+    let count = it.number().ok()?;
+    let mut written = Vec::new();
+    for _ in 0..count {
+        let port = it.number().ok()?;
+        let id = it.text().ok()?;
+        let data = match it.number().ok()? {
+            0 => Some(it.bytes().ok()?.to_vec()),
+            _ => None,
+        };
+        written.push(Written { port, id, data });
+    }
+    Some(Outcome {
+        how,
+        name,
+        detail,
+        written,
+    })
+}

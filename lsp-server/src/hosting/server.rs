@@ -1,0 +1,449 @@
+//! Services as JSON over a socket: see `docs/socket.md`.
+
+use std::collections::HashMap;
+use std::fs::Permissions;
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::os::unix::fs::PermissionsExt as _;
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, MutexGuard};
+
+use dotgen_analysis::model::{Component, PortDir, ServiceKind, Spec, TypeId, TypeKind};
+use dotgen_codegen::codels::value::{Values, goes_in, goes_out};
+use dotgen_runtime::hosts::{Answer, Message, Wanted};
+use serde_json::{Map, Value, json};
+
+use super::children::{Door, Outside};
+
+/// A line is never longer.
+const LONGEST: u64 = 16 << 20;
+
+/// Lines that a client may be behind; whoever reads more slowly misses data of ports.
+const BEHIND: usize = 1024;
+
+/// A component that can be asked for something.
+pub(crate) struct Known {
+    pub(crate) spec: Arc<Spec>,
+    /// Index among those of the specification.
+    pub(crate) component: u32,
+    /// The services of the system, in order of declaration.
+    pub(crate) services: Vec<usize>,
+}
+
+impl Known {
+    fn component(&self) -> &Component {
+        &self.spec.components[self.component as usize]
+    }
+}
+
+/// Listens until it is dropped; then its socket is gone.
+pub(crate) struct Server {
+    path: PathBuf,
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        // Somebody may have taken it away.
+        let _ = std::fs::remove_file(&self.path);
+    }
+}
+
+/// What the threads of all clients, and the engine, share.
+struct Shared {
+    known: Vec<Known>,
+    door: Door,
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
+    next: u64,
+    requests: HashMap<u64, Asked>,
+    watchers: Vec<Watcher>,
+    /// The newest data of output ports.
+    data: HashMap<(usize, u32, String), Vec<u8>>,
+}
+
+struct Asked {
+    client: Client,
+    /// Its own number of the request.
+    id: Value,
+    component: usize,
+    index: usize,
+}
+
+struct Watcher {
+    component: usize,
+    port: u32,
+    client: Client,
+    id: Value,
+}
+
+/// Somebody who is connected.
+#[derive(Clone)]
+struct Client {
+    number: u64,
+    lines: SyncSender<String>,
+}
+
+impl Client {
+    /// Whoever does not read is not waited for.
+    fn say(&self, mut it: Value, id: &Value) {
+        it["id"] = id.clone();
+        let _ = self.lines.try_send(format!("{it}\n"));
+    }
+}
+
+impl Shared {
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(|it| it.into_inner())
+    }
+}
+
+/// Listens at a path. Only this user may connect.
+///
+/// # Errors
+/// In words: where somebody else listens there, or nobody can.
+pub(crate) fn listen(
+    path: &Path,
+    known: Vec<Known>,
+    door: Door,
+) -> Result<(Server, Box<dyn Outside>), String> {
+    let shown = path.display();
+    if UnixStream::connect(path).is_ok() {
+        return Err(format!(
+            "another run listens at `{shown}`; end it, or choose another path with --socket"
+        ));
+    }
+    if std::fs::symlink_metadata(path).is_ok_and(|it| {
+        use std::os::unix::fs::FileTypeExt as _;
+        it.file_type().is_socket()
+    }) {
+        // Left behind by one that was killed.
+        let _ = std::fs::remove_file(path);
+    }
+    let wrong = |it: std::io::Error| format!("cannot listen at `{shown}`: {it}");
+    let listener = UnixListener::bind(path).map_err(wrong)?;
+    std::fs::set_permissions(path, Permissions::from_mode(0o600)).map_err(wrong)?;
+    let shared = Arc::new(Shared {
+        state: Mutex::default(),
+        known,
+        door,
+    });
+    let server = Server {
+        path: path.to_owned(),
+    };
+    let accepting = shared.clone();
+    // It waits until the process ends.
+    std::thread::spawn(move || {
+        for (stream, number) in listener.incoming().zip(0u64..) {
+            let Ok(stream) = stream else { continue };
+            let shared = accepting.clone();
+            std::thread::spawn(move || serve(&shared, &stream, number));
+        }
+    });
+    Ok((server, Box::new(Teller { shared })))
+}
+
+fn serve(shared: &Shared, stream: &UnixStream, number: u64) {
+    let Ok(output) = stream.try_clone() else {
+        return;
+    };
+    let (lines, queue) = sync_channel(BEHIND);
+    std::thread::spawn(move || write(output, &queue));
+    let client = Client { number, lines };
+    let mut input = BufReader::new(stream);
+    let mut line = Vec::new();
+    loop {
+        line.clear();
+        match input.by_ref().take(LONGEST).read_until(b'\n', &mut line) {
+            Ok(1..) if line.ends_with(b"\n") => {}
+            _ => break,
+        }
+        let request: Value = match serde_json::from_slice(&line) {
+            Ok(it) => it,
+            Err(it) => {
+                let why = format!("this is no JSON: {it}");
+                client.say(json!({"event": "error", "message": why}), &Value::Null);
+                continue;
+            }
+        };
+        let id = request.get("id").cloned().unwrap_or(Value::Null);
+        match answer(shared, &client, &request, &id) {
+            Ok(Some(it)) => client.say(it, &id),
+            Ok(None) => {}
+            Err(why) => client.say(json!({"event": "error", "message": why}), &id),
+        }
+    }
+    let mut state = shared.state();
+    state.watchers.retain(|it| it.client.number != number);
+    // Its requests go on, but nobody hears of them.
+    state.requests.retain(|_, it| it.client.number != number);
+}
+
+fn write(mut output: UnixStream, queue: &Receiver<String>) {
+    for line in queue {
+        if output.write_all(line.as_bytes()).is_err() {
+            return;
+        }
+    }
+}
+
+/// The answer to a request, if there is one at once.
+fn answer(
+    shared: &Shared,
+    client: &Client,
+    request: &Value,
+    id: &Value,
+) -> Result<Option<Value>, String> {
+    let text = |key: &str| request.get(key).and_then(Value::as_str);
+    if let Some(path) = text("call") {
+        return call(shared, client, path, request.get("input"), id).map(|()| None);
+    }
+    if let Some(path) = text("watch") {
+        let (component, port) = port(shared, path)?;
+        shared.state().watchers.push(Watcher {
+            client: client.clone(),
+            id: id.clone(),
+            component,
+            port,
+        });
+        return Ok(Some(json!({"event": "watching"})));
+    }
+    if let Some(path) = text("read") {
+        let (component, port) = port(shared, path)?;
+        let known = &shared.known[component];
+        let ty = known.component().ports[port as usize].data;
+        let state = shared.state();
+        let of = state.data.iter();
+        let of = of.filter(|((c, p, _), _)| (*c, *p) == (component, port));
+        let mut instances = Map::new();
+        for ((_, _, name), bytes) in of {
+            let value = Values::new(&known.spec).decode(ty, bytes);
+            instances.insert(name.clone(), value.unwrap_or(Value::Null));
+        }
+        let value = instances.get("").cloned().unwrap_or(Value::Null);
+        return Ok(Some(
+            json!({"event": "data", "value": value, "instances": instances}),
+        ));
+    }
+    if let Some(of) = request.get("abort") {
+        let state = shared.state();
+        let mut all = state.requests.iter();
+        let found = all.find(|(_, it)| it.client.number == client.number && it.id == *of);
+        let Some((&number, _)) = found else {
+            return Err("that request has ended, or is none of yours".to_owned());
+        };
+        drop(state);
+        shared.door.bring(Message::Abort(number));
+        return Ok(Some(json!({"event": "aborting"})));
+    }
+    if request.get("describe").is_some() {
+        let all: Vec<Value> = shared.known.iter().map(describe).collect();
+        return Ok(Some(json!({"event": "description", "components": all})));
+    }
+    Err("a request has `call`, `abort`, `watch`, `read` or `describe`".to_owned())
+}
+
+fn component(shared: &Shared, name: &str) -> Result<usize, String> {
+    let found = shared
+        .known
+        .iter()
+        .position(|it| it.component().name == name);
+    found.ok_or_else(|| {
+        let names: Vec<&str> = shared
+            .known
+            .iter()
+            .map(|it| it.component().name.as_str())
+            .collect();
+        format!(
+            "there is no component `{name}`; there are {}",
+            names.join(", ")
+        )
+    })
+}
+
+fn port(shared: &Shared, path: &str) -> Result<(usize, u32), String> {
+    let (name, port) = path.split_once('/').ok_or("write COMPONENT/PORT")?;
+    let at = component(shared, name)?;
+    let ports = &shared.known[at].component().ports;
+    let found = (0u32..)
+        .zip(ports)
+        .find(|(_, it)| it.name == port && it.dir == PortDir::Out);
+    let names = || {
+        let outputs = ports.iter().filter(|it| it.dir == PortDir::Out);
+        outputs
+            .map(|it| it.name.as_str())
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    match found {
+        Some((port, _)) => Ok((at, port)),
+        None => Err(format!(
+            "`{name}` has no output port `{port}`; it has {}",
+            names()
+        )),
+    }
+}
+
+fn call(
+    shared: &Shared,
+    client: &Client,
+    path: &str,
+    input: Option<&Value>,
+    id: &Value,
+) -> Result<(), String> {
+    let (name, service) = path.split_once('.').ok_or("write COMPONENT.SERVICE")?;
+    let at = component(shared, name)?;
+    let known = &shared.known[at];
+    let services = &known.component().services;
+    let Some(index) = services.iter().position(|it| it.name == service) else {
+        let names: Vec<&str> = services.iter().map(|it| it.name.as_str()).collect();
+        let names = names.join(", ");
+        return Err(format!(
+            "`{name}` has no service `{service}`; it has {names}"
+        ));
+    };
+    let none = Map::new();
+    let given = match input {
+        None | Some(Value::Null) => &none,
+        Some(Value::Object(it)) => it,
+        Some(_) => return Err("`input` is an object by names of parameters".to_owned()),
+    };
+    let inputs = Values::new(&known.spec).inputs(&services[index], given);
+    let inputs = inputs.map_err(|it| format!("`{path}`: {it}"))?;
+    let mut state = shared.state();
+    state.next += 1;
+    let number = state.next;
+    state.requests.insert(
+        number,
+        Asked {
+            client: client.clone(),
+            id: id.clone(),
+            component: at,
+            index,
+        },
+    );
+    drop(state);
+    let wanted = Wanted {
+        id: number,
+        service: known.services[index],
+        inputs,
+    };
+    match shared.door.bring(Message::Wanted(wanted)) {
+        true => Ok(()),
+        false => Err("the run has ended".to_owned()),
+    }
+}
+
+fn describe(known: &Known) -> Value {
+    let values = Values::new(&known.spec);
+    let component = known.component();
+    let services = component.services.iter().map(|service| {
+        let inputs = service.params.iter().filter(|it| goes_in(it));
+        let inputs = inputs.map(|it| match values.default_of(it) {
+            Some(default) => json!({"name": it.name.as_str(), "default": default}),
+            None => json!({"name": it.name.as_str()}),
+        });
+        let outputs = service.params.iter().filter(|it| goes_out(it));
+        json!({
+            "name": service.name.as_str(),
+            "kind": match service.kind {
+                ServiceKind::Attribute => "attribute",
+                ServiceKind::Function => "function",
+                ServiceKind::Activity => "activity",
+            },
+            "doc": service.doc,
+            "inputs": inputs.collect::<Vec<_>>(),
+            "outputs": outputs.map(|it| it.name.as_str()).collect::<Vec<_>>(),
+        })
+    });
+    let ports = component.ports.iter().map(|it| {
+        json!({
+            "name": it.name.as_str(),
+            "direction": if it.dir == PortDir::In { "in" } else { "out" },
+            "doc": it.doc,
+        })
+    });
+    json!({
+        "name": component.name.as_str(),
+        "doc": component.doc,
+        "services": services.collect::<Vec<_>>(),
+        "ports": ports.collect::<Vec<_>>(),
+    })
+}
+
+/// The engine's side.
+struct Teller {
+    shared: Arc<Shared>,
+}
+
+impl Outside for Teller {
+    fn answer(&mut self, id: u64, answer: Answer) {
+        let mut state = self.shared.state();
+        let Some(asked) = state.requests.get(&id) else {
+            return;
+        };
+        let known = &self.shared.known[asked.component];
+        let service = &known.component().services[asked.index];
+        let values = Values::new(&known.spec);
+        let (told, last) = match answer {
+            Answer::Accepted => (json!({"event": "accepted"}), false),
+            Answer::Done(bytes) => {
+                let output = values.outputs(service, &bytes).unwrap_or(Value::Null);
+                (json!({"event": "done", "output": output}), true)
+            }
+            Answer::Failed { exception, detail } => {
+                let detail = detail_of(&known.spec, &exception, &detail);
+                let told = json!({"event": "failed", "exception": exception, "detail": detail});
+                (told, true)
+            }
+        };
+        asked.client.say(told, &asked.id);
+        if last {
+            state.requests.remove(&id);
+        }
+    }
+
+    fn published(&mut self, component: usize, port: u32, id: &str, data: &[u8]) {
+        let mut state = self.shared.state();
+        let known = &self.shared.known[component];
+        let ty = known.component().ports[port as usize].data;
+        let mut value = None;
+        let of = state.watchers.iter();
+        for it in of.filter(|it| (it.component, it.port) == (component, port)) {
+            let value = value.get_or_insert_with(|| {
+                let value = Values::new(&known.spec).decode(ty, data);
+                value.unwrap_or(Value::Null)
+            });
+            let told = json!({"event": "data", "instance": id, "value": value});
+            it.client.say(told, &it.id);
+        }
+        state
+            .data
+            .insert((component, port, id.to_owned()), data.to_vec());
+    }
+}
+
+/// The detail of an exception.
+fn detail_of(spec: &Spec, exception: &str, bytes: &[u8]) -> Value {
+    if exception == "::genom::syserr"
+        && let Ok(code) = <[u8; 4]>::try_from(bytes)
+    {
+        return json!({"code": i32::from_ne_bytes(code)});
+    }
+    if exception == "::genom::unkex" {
+        let end = bytes.iter().position(|&it| it == 0).unwrap_or(bytes.len());
+        let what = String::from_utf8_lossy(bytes.get(..end).unwrap_or_default());
+        return json!({"what": what});
+    }
+    let ids = (0..spec.types.len() as u32).map(TypeId);
+    let mut exceptions = ids.filter(|&it| matches!(spec.ty(it).kind, TypeKind::Exception { .. }));
+    let found = exceptions.find(|&it| spec.full_name(it).as_deref() == Some(exception));
+    let value = found.and_then(|it| Values::new(spec).decode(it, bytes).ok());
+    match value {
+        Some(Value::Object(it)) if it.is_empty() => Value::Null,
+        it => it.unwrap_or(Value::Null),
+    }
+}

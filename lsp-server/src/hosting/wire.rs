@@ -1,0 +1,313 @@
+//! What the engine and a host say to each other: frames with a length, over pipes.
+
+use std::io::{self, Read, Write};
+
+use dotgen_runtime::hosts::{Call, How, Ran, Written};
+
+/// A frame is never longer: a length beyond it is nonsense.
+const LONGEST: usize = 1 << 30;
+
+/// What the engine says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Order {
+    /// A request begins.
+    Make {
+        service: u32,
+        instance: u32,
+        inputs: Vec<u8>,
+    },
+    /// A codel begins, on a thread.
+    Run {
+        lane: u32,
+        ticket: u32,
+        codel: u32,
+        instance: u32,
+    },
+    /// A request ends.
+    End { service: u32, instance: u32 },
+    /// New data for an input port.
+    Feed {
+        port: u32,
+        id: String,
+        data: Vec<u8>,
+    },
+}
+
+/// What a host says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Reply {
+    /// The shared object is loaded.
+    Ready,
+    /// It cannot be loaded.
+    Unusable(String),
+    /// A codel has ended.
+    Ran(Ran),
+    /// The outputs of a request.
+    Ended(Vec<u8>),
+}
+
+impl Order {
+    pub(super) fn of(call: &Call) -> Order {
+        Order::Run {
+            lane: call.lane,
+            ticket: call.ticket,
+            codel: call.codel,
+            instance: call.instance,
+        }
+    }
+
+    pub(super) fn send(&self, to: &mut impl Write) -> io::Result<()> {
+        let mut out = Frame::default();
+        match self {
+            Order::Make {
+                service,
+                instance,
+                inputs,
+            } => out.byte(0).number(*service).number(*instance).bytes(inputs),
+            Order::Run {
+                lane,
+                ticket,
+                codel,
+                instance,
+            } => out
+                .byte(1)
+                .number(*lane)
+                .number(*ticket)
+                .number(*codel)
+                .number(*instance),
+            Order::End { service, instance } => out.byte(2).number(*service).number(*instance),
+            Order::Feed { port, id, data } => {
+                out.byte(3).number(*port).bytes(id.as_bytes()).bytes(data)
+            }
+        };
+        out.send(to)
+    }
+
+    /// `None` at the end.
+    pub(super) fn receive(from: &mut impl Read) -> io::Result<Option<Order>> {
+        let Some(bytes) = receive(from)? else {
+            return Ok(None);
+        };
+        let mut it = Taking(&bytes);
+        let order = match it.byte()? {
+            0 => Order::Make {
+                service: it.number()?,
+                instance: it.number()?,
+                inputs: it.bytes()?.to_vec(),
+            },
+            1 => Order::Run {
+                lane: it.number()?,
+                ticket: it.number()?,
+                codel: it.number()?,
+                instance: it.number()?,
+            },
+            2 => Order::End {
+                service: it.number()?,
+                instance: it.number()?,
+            },
+            3 => Order::Feed {
+                port: it.number()?,
+                id: it.text()?,
+                data: it.bytes()?.to_vec(),
+            },
+            _ => return Err(nonsense()),
+        };
+        Ok(Some(order))
+    }
+}
+
+impl Reply {
+    pub(super) fn send(&self, to: &mut impl Write) -> io::Result<()> {
+        let mut out = Frame::default();
+        match self {
+            Reply::Ready => out.byte(0),
+            Reply::Unusable(why) => out.byte(1).bytes(why.as_bytes()),
+            Reply::Ended(outputs) => out.byte(2).bytes(outputs),
+            Reply::Ran(ran) => {
+                let how = match ran.how {
+                    How::Event => 0,
+                    How::Exception => 1,
+                    How::Other => 2,
+                };
+                out.byte(3).number(ran.ticket).long(ran.nanos).byte(how);
+                out.bytes(ran.name.as_bytes()).bytes(&ran.detail);
+                out.number(u32::try_from(ran.written.len()).unwrap_or(u32::MAX));
+                for it in &ran.written {
+                    out.number(it.port).bytes(it.id.as_bytes());
+                    match &it.data {
+                        Some(data) => out.byte(1).bytes(data),
+                        None => out.byte(0),
+                    };
+                }
+                &mut out
+            }
+        };
+        out.send(to)
+    }
+
+    /// `None` at the end.
+    pub(super) fn receive(from: &mut impl Read) -> io::Result<Option<Reply>> {
+        let Some(bytes) = receive(from)? else {
+            return Ok(None);
+        };
+        let mut it = Taking(&bytes);
+        let reply = match it.byte()? {
+            0 => Reply::Ready,
+            1 => Reply::Unusable(it.text()?),
+            2 => Reply::Ended(it.bytes()?.to_vec()),
+            3 => Reply::Ran(Ran {
+                ticket: it.number()?,
+                nanos: it.long()?,
+                how: match it.byte()? {
+                    0 => How::Event,
+                    1 => How::Exception,
+                    _ => How::Other,
+                },
+                name: it.text()?,
+                detail: it.bytes()?.to_vec(),
+                written: {
+                    let count = it.number()?;
+                    let mut all = Vec::new();
+                    for _ in 0..count {
+                        all.push(Written {
+                            port: it.number()?,
+                            id: it.text()?,
+                            data: match it.byte()? {
+                                0 => None,
+                                _ => Some(it.bytes()?.to_vec()),
+                            },
+                        });
+                    }
+                    all
+                },
+            }),
+            _ => return Err(nonsense()),
+        };
+        Ok(Some(reply))
+    }
+}
+
+#[derive(Default)]
+struct Frame(Vec<u8>);
+
+impl Frame {
+    fn byte(&mut self, it: u8) -> &mut Self {
+        self.0.push(it);
+        self
+    }
+
+    fn number(&mut self, it: u32) -> &mut Self {
+        self.0.extend(it.to_le_bytes());
+        self
+    }
+
+    fn long(&mut self, it: u64) -> &mut Self {
+        self.0.extend(it.to_le_bytes());
+        self
+    }
+
+    fn bytes(&mut self, it: &[u8]) -> &mut Self {
+        self.number(u32::try_from(it.len()).unwrap_or(u32::MAX));
+        self.0.extend(it);
+        self
+    }
+
+    fn send(&self, to: &mut impl Write) -> io::Result<()> {
+        let length = u32::try_from(self.0.len()).map_err(|_| nonsense())?;
+        let mut whole = Vec::with_capacity(self.0.len() + 4);
+        whole.extend(length.to_le_bytes());
+        whole.extend(&self.0);
+        // At once: a reader that is waked for a length alone is waked twice.
+        to.write_all(&whole)?;
+        to.flush()
+    }
+}
+
+fn receive(from: &mut impl Read) -> io::Result<Option<Vec<u8>>> {
+    let mut length = [0; 4];
+    match from.read_exact(&mut length) {
+        Err(it) if it.kind() == io::ErrorKind::UnexpectedEof => return Ok(None),
+        it => it?,
+    }
+    let length = u32::from_le_bytes(length) as usize;
+    if length > LONGEST {
+        return Err(nonsense());
+    }
+    let mut bytes = vec![0; length];
+    from.read_exact(&mut bytes)?;
+    Ok(Some(bytes))
+}
+
+fn nonsense() -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, "this is no message of a host")
+}
+
+/// Takes values from bytes, in order.
+pub(super) struct Taking<'b>(pub(super) &'b [u8]);
+
+impl<'b> Taking<'b> {
+    fn some(&mut self, count: usize) -> io::Result<&'b [u8]> {
+        let (taken, rest) = self.0.split_at_checked(count).ok_or_else(nonsense)?;
+        self.0 = rest;
+        Ok(taken)
+    }
+
+    fn byte(&mut self) -> io::Result<u8> {
+        Ok(self.some(1)?.first().copied().unwrap_or(0))
+    }
+
+    pub(super) fn number(&mut self) -> io::Result<u32> {
+        let bytes = self.some(4)?.try_into().map_err(|_| nonsense())?;
+        Ok(u32::from_le_bytes(bytes))
+    }
+
+    fn long(&mut self) -> io::Result<u64> {
+        let bytes = self.some(8)?.try_into().map_err(|_| nonsense())?;
+        Ok(u64::from_le_bytes(bytes))
+    }
+
+    pub(super) fn bytes(&mut self) -> io::Result<&'b [u8]> {
+        let length = self.number()? as usize;
+        self.some(length)
+    }
+
+    pub(super) fn text(&mut self) -> io::Result<String> {
+        Ok(String::from_utf8_lossy(self.bytes()?).into_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_sent_is_received() {
+        let ran = Ran {
+            ticket: 3,
+            nanos: 1 << 40,
+            how: How::Exception,
+            name: "::a::b".to_owned(),
+            detail: vec![1, 2],
+            written: vec![
+                Written {
+                    port: 1,
+                    id: "x".to_owned(),
+                    data: Some(vec![9]),
+                },
+                Written {
+                    port: 2,
+                    id: String::new(),
+                    data: None,
+                },
+            ],
+        };
+        let reply = Reply::Ran(ran);
+        let mut bytes = Vec::new();
+        reply.send(&mut bytes).expect("memory takes all");
+        let mut from = bytes.as_slice();
+        assert_eq!(Reply::receive(&mut from).expect("it is whole"), Some(reply));
+        assert_eq!(Reply::receive(&mut from).expect("it is the end"), None);
+        let broken = &bytes[..bytes.len() - 1];
+        assert!(Reply::receive(&mut &broken[..]).is_err());
+    }
+}
