@@ -1,5 +1,7 @@
 //! The command line: one file per subcommand, over the same analysis as the server.
 
+#[cfg(unix)]
+mod call;
 mod check;
 mod codels;
 mod completions;
@@ -58,6 +60,10 @@ enum Command {
     Release(release::Arguments),
     Verify(verify::Arguments),
     Run(run::Arguments),
+    #[cfg(unix)]
+    Call(call::Call),
+    #[cfg(unix)]
+    Watch(call::Watch),
     Completions(completions::Arguments),
     Man(man::Arguments),
     Lsp(lsp::Arguments),
@@ -155,6 +161,10 @@ pub fn main() -> ExitCode {
         Command::Release(arguments) => release::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Run(arguments) => run::run(&arguments),
+        #[cfg(unix)]
+        Command::Call(arguments) => call::call(&arguments),
+        #[cfg(unix)]
+        Command::Watch(arguments) => call::watch(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
         Command::Man(arguments) => man::run(&arguments),
         Command::Lsp(_) => lsp::run(),

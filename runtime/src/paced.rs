@@ -77,12 +77,22 @@ pub fn run(
             stepper.perform(action, &mut seen);
             continue;
         }
+        // What has come already comes first: time never leaves it behind.
+        if let Some(message) = live.hosts().wait(0) {
+            live.message(message);
+            continue;
+        }
         let now = ticks(live.hosts().now());
         let left = until.saturating_sub(stepper.now());
         if left == 0 {
             return End::Done;
         }
-        let next = stepper.next_moment().map_or(u64::MAX, u64::from);
+        let open = |executor: usize| {
+            let work = works.get(executor).copied().flatten();
+            live.is_running(executor) || work.is_some_and(|it| live.is_outside(&it))
+        };
+        let next = stepper.next_moment_but(&open);
+        let next = next.map_or(u64::MAX, u64::from);
         let passed = now.saturating_sub(stepper.now()).min(left).min(next);
         if passed > 0 {
             at_once = 0;

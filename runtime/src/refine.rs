@@ -7,12 +7,12 @@ use num_rational::Ratio;
 /// Nanoseconds of the unit in which a run on the real clock is counted, where times are not too long for it.
 const UNIT: i128 = 1_000;
 
-/// Any codel may throw: what it yields and must not ends its activity as an exception does. There is no limit
+/// Any codel that is executed may throw: what it yields and must not ends its activity as an exception does. There is no limit
 /// on how often a state is entered in a turn.
-pub fn open(prepared: &mut Prepared) {
+pub fn open(prepared: &mut Prepared, is_real: &dyn Fn(usize) -> bool) {
     let system = &mut prepared.built.system;
-    for codel in &mut system.codels {
-        codel.throws = true;
+    for (at, codel) in system.codels.iter_mut().enumerate() {
+        codel.throws |= is_real(at);
     }
     for machine in &mut system.machines {
         machine.loop_limit = None;

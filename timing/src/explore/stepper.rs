@@ -184,7 +184,12 @@ impl<'s> Stepper<'s> {
 
     /// How long nothing new is possible. `None`: nothing will ever happen again.
     pub fn next_moment(&self) -> Option<Ticks> {
-        self.walk.next_moment()
+        self.walk.next_moment(&|_| false)
+    }
+
+    /// Likewise, where some executors may end at any time, which is no new possibility.
+    pub fn next_moment_but(&self, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks> {
+        self.walk.next_moment(can_wait)
     }
 
     /// Lets time pass, at most until the next moment, and adds what is to be seen then.
@@ -245,7 +250,7 @@ trait Walk {
     fn possible(&self, out: &mut Enabled);
     fn perform(&mut self, action: Action, seen: &mut Vec<Seen>);
     fn decide(&mut self, executor: usize, time: Ticks);
-    fn next_moment(&self) -> Option<Ticks>;
+    fn next_moment(&self, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks>;
     fn pass(&mut self, time: Ticks, seen: &mut Vec<Seen>);
     fn job(&self, task: usize) -> Option<Ticks>;
     fn awaited(&self, within: usize) -> Option<Ticks>;
@@ -437,8 +442,8 @@ impl<R: Rules> Walk for Walker<R> {
         l.set_window(&mut self.s, executor, (time, time));
     }
 
-    fn next_moment(&self) -> Option<Ticks> {
-        self.rules.next_moment(&self.s, &|_| false)
+    fn next_moment(&self, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks> {
+        self.rules.next_moment(&self.s, can_wait)
     }
 
     fn pass(&mut self, time: Ticks, seen: &mut Vec<Seen>) {

@@ -155,12 +155,13 @@ pub(super) fn opened(
     without_clients: bool,
 ) -> (Prepared, Ticks, Option<usize>) {
     let mut out = prepared.clone();
-    refine::open(&mut out);
+    let is_real = |codel: usize| parts.codel(codel).is_some();
+    refine::open(&mut out, &is_real);
     if !real {
         return (out, 1, None);
     }
     let factor = refine::scale(&mut out);
-    refine::release(&mut out, &|codel| parts.codel(codel).is_some());
+    refine::release(&mut out, &is_real);
     if without_clients {
         out.built.system.clients.clear();
     }

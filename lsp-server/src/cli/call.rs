@@ -1,0 +1,143 @@
+//! `dotgen call` and `dotgen watch`: what runs is asked for something.
+
+use std::io::{BufRead as _, BufReader, Write as _};
+
+use anyhow::{Context, bail};
+use camino::Utf8PathBuf;
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::Outcome;
+use crate::hosting::places;
+
+/// Request a service of a component that runs (`dotgen run --clock real`)
+///
+/// Prints the outputs as JSON when the service has ended. Ctrl-C leaves an activity to itself.
+///
+/// Exit status: 0 when it has ended, 1 when it was refused, interrupted, or has thrown an exception, 2 if
+/// nothing could be requested.
+#[derive(Debug, Args)]
+pub(super) struct Call {
+    /// The component
+    component: String,
+
+    /// The service
+    service: String,
+
+    /// Its inputs by name, as a JSON object; what is not given has its default, or is zero
+    #[arg(value_name = "JSON", default_value = "{}")]
+    input: String,
+
+    /// Only until the service is accepted
+    #[arg(long)]
+    ack: bool,
+
+    /// The socket of the run [default: the only one there is]
+    #[arg(long, value_name = "PATH")]
+    socket: Option<Utf8PathBuf>,
+}
+
+/// Print what a component writes to an output port, one JSON value a line
+///
+/// Ends with the run, or with Ctrl-C.
+#[derive(Debug, Args)]
+pub(super) struct Watch {
+    /// COMPONENT/PORT
+    port: String,
+
+    /// End after so many values
+    #[arg(short = 'n', long, value_name = "N")]
+    count: Option<u64>,
+
+    /// The socket of the run [default: the only one there is]
+    #[arg(long, value_name = "PATH")]
+    socket: Option<Utf8PathBuf>,
+}
+
+/// A conversation with a run.
+struct Talk {
+    stream: std::os::unix::net::UnixStream,
+    lines: std::io::Lines<BufReader<std::os::unix::net::UnixStream>>,
+}
+
+impl Talk {
+    fn begin(socket: Option<&Utf8PathBuf>) -> anyhow::Result<Talk> {
+        let path = socket.map(|it| it.as_std_path());
+        let stream = places::connect(path).map_err(anyhow::Error::msg)?;
+        let lines = BufReader::new(stream.try_clone()?).lines();
+        Ok(Talk { stream, lines })
+    }
+
+    fn say(&mut self, it: &Value) -> anyhow::Result<()> {
+        self.stream.write_all(format!("{it}\n").as_bytes())?;
+        Ok(())
+    }
+
+    /// The next answer; `None` when the run has ended. What is wrong with a request is an error.
+    fn hear(&mut self) -> anyhow::Result<Option<Value>> {
+        let Some(Ok(line)) = self.lines.next() else {
+            return Ok(None);
+        };
+        let it: Value = serde_json::from_str(&line).context("the run says no JSON")?;
+        if it["event"] == "error" {
+            bail!(
+                "{}",
+                it["message"].as_str().unwrap_or("the request is wrong")
+            );
+        }
+        Ok(Some(it))
+    }
+}
+
+pub(super) fn call(arguments: &Call) -> anyhow::Result<Outcome> {
+    let input: Value = serde_json::from_str(&arguments.input)
+        .context("the inputs are no JSON: give an object, for example '{\"height\": 2}'")?;
+    let mut talk = Talk::begin(arguments.socket.as_ref())?;
+    let path = format!("{}.{}", arguments.component, arguments.service);
+    talk.say(&json!({"id": 1, "call": path, "input": input}))?;
+    while let Some(it) = talk.hear()? {
+        let mut out = std::io::stdout();
+        match it["event"].as_str() {
+            Some("accepted") if arguments.ack => return Ok(Outcome::Fine),
+            Some("done") => {
+                writeln!(out, "{}", it["output"])?;
+                return Ok(Outcome::Fine);
+            }
+            Some("failed") => {
+                let exception = it["exception"].as_str().unwrap_or("an exception");
+                match &it["detail"] {
+                    Value::Null => told(exception),
+                    detail => told(&format!("{exception} {detail}")),
+                }
+                return Ok(Outcome::Errors);
+            }
+            _ => {}
+        }
+    }
+    bail!("the run has ended before the service has")
+}
+
+pub(super) fn watch(arguments: &Watch) -> anyhow::Result<Outcome> {
+    let mut talk = Talk::begin(arguments.socket.as_ref())?;
+    talk.say(&json!({"id": 1, "watch": arguments.port}))?;
+    let mut left = arguments.count;
+    while left != Some(0) {
+        let Some(it) = talk.hear()? else { break };
+        if it["event"] != "data" {
+            continue;
+        }
+        let mut out = std::io::stdout();
+        match it["instance"].as_str() {
+            None | Some("") => writeln!(out, "{}", it["value"])?,
+            Some(instance) => writeln!(out, "{}", json!({instance: it["value"]}))?,
+        }
+        left = left.map(|it| it - 1);
+    }
+    Ok(Outcome::Fine)
+}
+
+/// Says why a service has failed.
+fn told(why: &str) {
+    // There is nowhere left to complain if this fails.
+    let _ = writeln!(std::io::stderr(), "{why}");
+}
