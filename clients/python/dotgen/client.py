@@ -165,8 +165,9 @@ class Component:
         names = [it["name"] for it in service["inputs"]]
 
         def request(*args: Any, ack: bool = False, **inputs: Any) -> Any:
-            if len(args) == 1 and isinstance(args[0], dict) and not inputs:
-                inputs = args[0]
+            by_name = len(args) == 1 and isinstance(args[0], dict) and not inputs
+            if by_name and set(args[0]) <= set(names):
+                inputs = dict(args[0])
             elif len(args) > len(names):
                 raise Wrong(f"{path} has {len(names)} inputs: {', '.join(names)}")
             else:

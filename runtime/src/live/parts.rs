@@ -200,6 +200,8 @@ impl<'s> Parts<'s> {
     /// How many codels run, and how many are simulated.
     pub fn counts(&self, system: &TimedSystem) -> (usize, usize) {
         let real = self.codels.iter().flatten().count();
-        (real, system.codels.len() - real)
+        // What stands for no codel of a specification (the copies of attributes) counts as neither.
+        let all = system.codels.iter().filter(|it| it.site.is_some()).count();
+        (real, all.saturating_sub(real))
     }
 }

@@ -1,0 +1,372 @@
+//! Components that run with their own codels, as users run them.
+#![cfg(target_os = "linux")]
+
+use std::io::{BufRead as _, BufReader, Read as _};
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+#[path = "support/directory.rs"]
+mod directory;
+
+use directory::{Directory, status, stderr, stdout};
+
+const TYPES: &str = include_str!("hosted/types.idl");
+const ECHO: &str = include_str!("hosted/echo.gen");
+const READER: &str = include_str!("hosted/reader.gen");
+
+/// Whether there are compilers.
+fn compilers() -> bool {
+    ["cc", "c++"].iter().all(|it| {
+        let mut command = Command::new(it);
+        command.arg("--version").stdout(Stdio::null());
+        let known = command.status().is_ok_and(|it| it.success());
+        if !known {
+            eprintln!("skipped: there is no {it}");
+        }
+        known
+    })
+}
+
+/// Two components in a language; one reads the ports of the other.
+fn components(language: &str) -> Directory {
+    let (echo, reader) = (
+        ECHO.replace("LANG", language),
+        READER.replace("LANG", language),
+    );
+    let sources = match language {
+        "c" => [
+            ("echo/codels/echo.c", include_str!("hosted/echo.c")),
+            ("reader/codels/reader.c", include_str!("hosted/reader.c")),
+        ],
+        _ => [
+            ("echo/codels/echo.cc", include_str!("hosted/echo.cc")),
+            ("reader/codels/reader.cc", include_str!("hosted/reader.cc")),
+        ],
+    };
+    let files = [
+        ("echo/echo.gen", echo.as_str()),
+        ("echo/types.idl", TYPES),
+        ("reader/reader.gen", reader.as_str()),
+        ("reader/types.idl", TYPES),
+    ];
+    Directory::new(&[&files[..], &sources[..]].concat())
+}
+
+/// A component whose activity does something in its codel, beside one that does no harm.
+fn with_body(body: &str) -> Directory {
+    let gen_of = |name: &str| {
+        format!(
+            "component {name} {{ version \"1\"; lang \"c\"; ids {{ long n; }};
+               task main {{ period 10 ms;
+                 codel<start> {name}_first(inout n) yield pause::go wcet 1 ms;
+                 codel<go> {name}_again(inout n) yield pause::go, stop wcet 1 ms;
+                 codel<stop> {name}_last(inout n) yield ether wcet 1 ms; }}; }};\n"
+        )
+    };
+    let source = |name: &str, body: &str| {
+        format!(
+            "#include \"ac{name}.h\"
+#include <stdlib.h>
+#include \"{name}_c_types.h\"
+genom_event {name}_first(int32_t *n, const genom_context self) {{ *n = 0; return {name}_pause_go; }}
+genom_event {name}_again(int32_t *n, const genom_context self) {{
+  if (++*n == 5) {{ {body} }}
+  return {name}_pause_go;
+}}
+genom_event {name}_last(int32_t *n, const genom_context self) {{ return {name}_ether; }}
+"
+        )
+    };
+    let directory = Directory::new(&[]);
+    for (name, body) in [("bad", body), ("good", "")] {
+        directory.write(&format!("{name}/{name}.gen"), gen_of(name).as_bytes());
+        let path = format!("{name}/codels/{name}.c");
+        directory.write(&path, source(name, body).as_bytes());
+    }
+    directory
+}
+
+fn json_of(output: &Output) -> Value {
+    let text = stdout(output);
+    serde_json::from_str(&text).unwrap_or_else(|it| panic!("{it}: {text}{}", stderr(output)))
+}
+
+fn run_bad(directory: &Directory, more: &[&str]) -> Value {
+    let mut arguments = vec!["run", "bad/bad.gen", "good/good.gen", "--format", "json"];
+    arguments.extend(["--bounds", "none"]);
+    arguments.extend(more);
+    let output = directory.run(&arguments);
+    let report = json_of(&output);
+    assert_eq!(status(&output), 1, "{report:#}");
+    assert_eq!(processes(directory), Vec::<String>::new());
+    report
+}
+
+/// Processes whose words name something of a directory.
+fn processes(directory: &Directory) -> Vec<String> {
+    let path = directory.path().to_str().expect("it is text").to_owned();
+    let all = std::fs::read_dir("/proc")
+        .expect("Linux has it")
+        .filter_map(Result::ok);
+    let words = all.filter_map(|it| std::fs::read(it.path().join("cmdline")).ok());
+    let words = words.map(|it| String::from_utf8_lossy(&it).replace('\0', " "));
+    words
+        .filter(|it| it.contains("-run.so") && it.contains(&path))
+        .collect()
+}
+
+fn violation<'r>(report: &'r Value, kind: &str) -> &'r Value {
+    let all = report["violations"].as_array().expect("a list");
+    let found = all.iter().find(|it| it["kind"] == kind);
+    found.unwrap_or_else(|| panic!("no {kind}: {report:#}"))
+}
+
+fn jobs(report: &Value, task: &str) -> u64 {
+    let tasks = report["tasks"].as_array().expect("a list");
+    let found = tasks
+        .iter()
+        .find(|it| it["task"] == task)
+        .expect("the task");
+    found["jobs"].as_u64().expect("a number")
+}
+
+/// A run on the real clock, from when it listens.
+struct Listening(Child);
+
+impl Listening {
+    fn start(directory: &Directory, arguments: &[&str]) -> Listening {
+        let mut command = directory.command(arguments);
+        command.stdout(Stdio::null()).stderr(Stdio::piped());
+        let mut child = command.spawn().expect("the program starts");
+        let output = child.stderr.take().expect("it is piped");
+        let mut output = BufReader::new(output);
+        let mut said = String::new();
+        while !said.contains("listening at") {
+            let read = output.read_line(&mut said).expect("it is text");
+            assert_ne!(read, 0, "it has ended: {said}");
+        }
+        std::thread::spawn(move || output.read_to_end(&mut Vec::new()));
+        Listening(child)
+    }
+
+    fn signal(&self, name: &str) {
+        let mut kill = Command::new("kill");
+        let status = kill.args([name, &self.0.id().to_string()]).status();
+        assert!(status.is_ok_and(|it| it.success()));
+    }
+}
+
+impl Drop for Listening {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+#[test]
+fn codels_in_c_and_in_cxx_run_on_the_virtual_clock() {
+    for language in ["c", "c++"] {
+        if !compilers() {
+            return;
+        }
+        let directory = components(language);
+        let arguments = [
+            "run",
+            "echo/echo.gen",
+            "reader/reader.gen",
+            "--format",
+            "json",
+        ];
+        let run = || directory.run(&arguments);
+        let (first, second) = (json_of(&run()), json_of(&run()));
+        assert_eq!(first["executed-codels"], 9, "{first:#}");
+        assert_eq!(first["simulated-codels"], 0);
+        assert_eq!(first["violation-count"], 0, "{first:#}");
+        assert!(jobs(&first, "echo.main") > 900);
+        assert_eq!(first, second);
+        assert_eq!(processes(&directory), Vec::<String>::new());
+    }
+}
+
+#[test]
+fn values_cross_between_codels_ports_and_a_client_in_python() {
+    let python = Command::new("python3").arg("--version").output().is_ok();
+    if !python || !compilers() {
+        return;
+    }
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for language in ["c", "c++"] {
+        let directory = components(language);
+        let options =
+            "run echo/echo.gen reader/reader.gen --clock real --bounds none --until 60s --socket s";
+        let arguments: Vec<&str> = options.split(' ').collect();
+        let run = Listening::start(&directory, &arguments);
+        let mut talk = Command::new("python3");
+        talk.arg(here.join("tests/hosted/talk.py")).arg("s");
+        talk.current_dir(directory.path());
+        talk.env("PYTHONPATH", here.join("../clients/python"));
+        talk.env("PYTHONDONTWRITEBYTECODE", "1");
+        let output = talk.output().expect("it runs");
+        assert!(output.status.success(), "{language}: {}", stderr(&output));
+
+        let call = |service: &str, input: &str| {
+            directory.run(&["call", "--socket", "s", "echo", service, input])
+        };
+        let counted = call("count", "{\"n\": 3}");
+        assert_eq!(
+            (status(&counted), stdout(&counted).as_str()),
+            (0, "{\"seen\":3}\n")
+        );
+        let failed = call("fail", "{\"code\": 2}");
+        assert_eq!(status(&failed), 1);
+        assert!(stderr(&failed).contains("::echo::e_bad {\"code\":2}"));
+        assert_eq!(status(&call("count", "{\"m\": 3}")), 2);
+        let watched = directory.run(&["watch", "--socket", "s", "echo/each", "-n", "2"]);
+        assert_eq!(stdout(&watched), "{\"a\":30}\n{\"a\":30}\n");
+        drop(run);
+    }
+}
+
+#[test]
+fn a_component_whose_codel_crashes_ends_alone() {
+    if !compilers() {
+        return;
+    }
+    let directory = with_body("abort();");
+    for clock in ["virtual", "real"] {
+        let more = ["--until", "500ms", "--clock", clock, "--socket", "s"];
+        let report = run_bad(&directory, &more);
+        let lost = violation(&report, "lost");
+        assert_eq!(lost["component"], "bad");
+        assert_eq!(lost["function"], "bad_again");
+        assert_eq!(lost["why"], "was ended by signal 6 (SIGABRT)");
+        assert!(jobs(&report, "good.main") > 5, "{report:#}");
+    }
+}
+
+#[test]
+fn what_a_codel_must_not_yield_is_told_with_its_state() {
+    if !compilers() {
+        return;
+    }
+    for (body, event) in [
+        ("return bad_ether;", "::bad::ether"),
+        ("return bad_start;", "::bad::start"),
+        ("return NULL;", ""),
+        ("return \"nonsense\";", ""),
+        ("return (const char *)1;", ""),
+    ] {
+        let report = run_bad(&with_body(body), &["--until", "200ms"]);
+        let undeclared = violation(&report, "undeclared");
+        assert_eq!(undeclared["codel"], "bad.main.go", "{body}");
+        assert_eq!(undeclared["function"], "bad_again", "{body}");
+        assert_eq!(undeclared["event"], event, "{body}");
+    }
+}
+
+#[test]
+fn a_codel_that_never_ends_does_not_keep_a_run_from_ending() {
+    if !compilers() {
+        return;
+    }
+    let directory = with_body("for (;;) { volatile int i = 0; (void)i; }");
+    let more = ["--until", "500ms", "--clock", "real", "--socket", "s"];
+    let report = run_bad(&directory, &more);
+    let tasks = report["tasks"].as_array().expect("a list");
+    let bad = tasks.iter().find(|it| it["task"] == "bad.main");
+    let missed = bad.and_then(|it| it["missed"].as_u64());
+    assert!(missed >= Some(1), "{report:#}");
+}
+
+#[test]
+fn a_codel_that_takes_too_long_is_told() {
+    if !compilers() {
+        return;
+    }
+    let body = "struct timespec t = { 0, 30000000 }; nanosleep(&t, NULL);";
+    let directory = with_body(body);
+    let path = "bad/codels/bad.c";
+    let text = std::fs::read_to_string(directory.path().join(path)).expect("it is there");
+    directory.write(path, format!("#include <time.h>\n{text}").as_bytes());
+    let more = ["--until", "500ms", "--clock", "real", "--socket", "s"];
+    let report = run_bad(&directory, &more);
+    let all = report["violations"].as_array().expect("a list");
+    let overrun = |it: &&Value| it["kind"] == "overrun" && it["function"] == "bad_again";
+    let found = all
+        .iter()
+        .find(overrun)
+        .unwrap_or_else(|| panic!("{report:#}"));
+    assert_eq!(found["limit"], 1.0);
+    assert!(found["took"].as_f64() >= Some(30.0), "{found}");
+    // On the virtual clock it takes what it states.
+    let virtually = directory.run(&[
+        "run",
+        "bad/bad.gen",
+        "--bounds",
+        "none",
+        "--until",
+        "500ms",
+        "--format",
+        "json",
+    ]);
+    assert_eq!(json_of(&virtually)["violation-count"], 0);
+}
+
+#[test]
+fn a_run_that_is_ended_leaves_nothing_behind() {
+    if !compilers() {
+        return;
+    }
+    let directory = with_body("");
+    let arguments = ["run", "good/good.gen", "--clock", "real", "--socket", "s"];
+    let socket = directory.path().join("s");
+    let mut run = Listening::start(&directory, &arguments);
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        let mode = std::fs::metadata(&socket)
+            .expect("it is there")
+            .permissions();
+        assert_eq!(mode.mode() & 0o777, 0o600);
+    }
+    let taken = directory.run(&arguments);
+    assert_eq!(status(&taken), 2);
+    assert!(
+        stderr(&taken).contains("another run listens"),
+        "{}",
+        stderr(&taken)
+    );
+    run.signal("-TERM");
+    let ended = run.0.wait().expect("it ends");
+    assert_eq!(ended.code(), Some(3), "it was interrupted");
+    assert!(!socket.exists());
+    assert_eq!(processes(&directory), Vec::<String>::new());
+
+    let run = Listening::start(&directory, &arguments);
+    run.signal("-KILL");
+    let begin = Instant::now();
+    while !processes(&directory).is_empty() {
+        assert!(begin.elapsed() < Duration::from_secs(20), "a host is left");
+        std::thread::yield_now();
+    }
+    // What is left of its socket is in nobody's way.
+    assert!(socket.exists());
+    drop(Listening::start(&directory, &arguments));
+}
+
+#[test]
+fn what_does_not_compile_does_not_run() {
+    if !compilers() {
+        return;
+    }
+    let directory = with_body("return nothing_of_the_kind;");
+    let output = directory.run(&["run", "bad/bad.gen"]);
+    assert_eq!(status(&output), 2);
+    let said = stdout(&output) + &stderr(&output);
+    assert!(said.contains("nothing_of_the_kind"), "{said}");
+    assert!(said.contains("--simulate all"), "{said}");
+    let simulated = directory.run(&["run", "bad/bad.gen", "--simulate", "all"]);
+    assert_eq!(status(&simulated), 0, "{}", stdout(&simulated));
+}
