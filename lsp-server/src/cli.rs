@@ -22,6 +22,7 @@ mod session;
 mod trace;
 mod tree;
 mod verify;
+mod wcet;
 
 use std::process::ExitCode;
 
@@ -64,6 +65,7 @@ enum Command {
     Call(call::Call),
     #[cfg(unix)]
     Watch(call::Watch),
+    Wcet(wcet::Arguments),
     Completions(completions::Arguments),
     Man(man::Arguments),
     Lsp(lsp::Arguments),
@@ -165,6 +167,7 @@ pub fn main() -> ExitCode {
         Command::Call(arguments) => call::call(&arguments),
         #[cfg(unix)]
         Command::Watch(arguments) => call::watch(&arguments),
+        Command::Wcet(arguments) => wcet::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
         Command::Man(arguments) => man::run(&arguments),
         Command::Lsp(_) => lsp::run(),

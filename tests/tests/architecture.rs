@@ -17,8 +17,17 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("codegen", &["dotgen-syntax", "dotgen-analysis"]),
     ("timing", &["dotgen-analysis"]),
     (
+        "recording",
+        &["dotgen-syntax", "dotgen-analysis", "dotgen-timing"],
+    ),
+    (
         "runtime",
-        &["dotgen-analysis", "dotgen-codegen", "dotgen-timing"],
+        &[
+            "dotgen-analysis",
+            "dotgen-codegen",
+            "dotgen-timing",
+            "dotgen-recording",
+        ],
     ),
     (
         "lsp-server",
@@ -29,6 +38,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "dotgen-codegen",
             "dotgen-timing",
             "dotgen-runtime",
+            "dotgen-recording",
         ],
     ),
     (

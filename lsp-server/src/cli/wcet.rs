@@ -1,0 +1,91 @@
+//! `dotgen wcet`: execution times from recorded runs.
+
+mod import;
+mod stats;
+
+use std::fs::File;
+use std::io::Read;
+
+use anyhow::Context;
+use camino::{Utf8Path, Utf8PathBuf};
+use clap::{Args, Subcommand};
+use dotgen_recording::log::Lines;
+
+use super::Outcome;
+use super::session::is_standard_input;
+
+/// Bytes that are read at once.
+const PIECE: usize = 1 << 18;
+
+/// Execution times from recorded runs
+///
+/// Logs are those of GenoM3's profiler: servers that are generated with profiling write them, and `dotgen run --profile`
+/// does.
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Import(import::Arguments),
+    Stats(stats::Arguments),
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    match &arguments.command {
+        Command::Import(arguments) => import::run(arguments),
+        Command::Stats(arguments) => stats::run(arguments),
+    }
+}
+
+/// Reads a log piece by piece. The function gets each line with its number, and whether its end was there.
+pub(super) fn read_log(
+    path: &Utf8Path,
+    mut each: impl FnMut(u64, &[u8], bool),
+) -> anyhow::Result<()> {
+    let wrong = || format!("cannot read `{path}`");
+    let mut source: Box<dyn Read> = match is_standard_input(path) {
+        true => Box::new(std::io::stdin().lock()),
+        false => Box::new(File::open(path).with_context(wrong)?),
+    };
+    let mut piece = vec![0; PIECE];
+    let mut lines = Lines::default();
+    loop {
+        let length = match source.read(&mut piece) {
+            Ok(0) => break,
+            Ok(length) => length,
+            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => continue,
+            Err(error) => return Err(error).with_context(wrong),
+        };
+        let read = piece.get(..length).unwrap_or_default();
+        lines.feed(read, |number, line| each(number, line, true));
+    }
+    if let Some((number, line)) = lines.unended() {
+        each(number, line, false);
+    }
+    Ok(())
+}
+
+/// Logs and other files, told apart by their extensions.
+pub(super) struct Given {
+    pub(super) logs: Vec<Utf8PathBuf>,
+    /// Scenarios and specifications.
+    pub(super) texts: Vec<Utf8PathBuf>,
+}
+
+/// Sorts what was named.
+///
+/// # Errors
+/// No log was named.
+pub(super) fn given(files: &[Utf8PathBuf]) -> anyhow::Result<Given> {
+    let is_text = |it: &&Utf8PathBuf| matches!(it.extension(), Some("gen" | "scn"));
+    let texts: Vec<_> = files.iter().filter(is_text).cloned().collect();
+    let logs: Vec<_> = files.iter().filter(|it| !is_text(it)).cloned().collect();
+    anyhow::ensure!(
+        !logs.is_empty(),
+        "no log is named; give a file that a server or `dotgen run --profile` has written"
+    );
+    Ok(Given { logs, texts })
+}

@@ -1,0 +1,381 @@
+//! `dotgen wcet import`
+
+mod shown;
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use anyhow::{bail, ensure};
+use camino::{Utf8Path, Utf8PathBuf};
+use clap::{Args, ValueEnum};
+use dotgen_analysis::diagnostic::{FileEdit, Severity};
+use dotgen_analysis::host::{Change, FileContent, UnitResult};
+use dotgen_analysis::model::{CodelRef, Seconds};
+use dotgen_recording::edits::{self, Form, Refusal, Wanted};
+use dotgen_recording::log::{Kind, Left};
+use dotgen_recording::matching::{Site, Stray, path};
+use dotgen_recording::measured::{Measure, Measured};
+use dotgen_recording::propose::{Decision, Margin, decide, micros, seconds};
+use dotgen_timing::scn::ast::{Item, Scenario};
+use dotgen_timing::scn::names::Names;
+use num_rational::Ratio;
+
+use super::{given, read_log};
+use crate::cli::session::{Session, display};
+use crate::cli::verify::problems;
+use crate::cli::verify::told::Told;
+use crate::cli::{Outcome, Reading, fmt, report};
+use crate::files::vfs;
+use crate::verification::Problem;
+
+/// Write measured execution times into a specification
+///
+/// Each codel that was seen gets the greatest time that it took, multiplied by the margin and rounded up to two digits. A
+/// time that is there already stays if it is not less, and is never lowered without `--replace`. The edits change
+/// nothing else: bytes, line ends and comments stay.
+///
+/// Exit status: 0 when all times are written, 1 if some must be written by hand, 2 if nothing could be done.
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// Logs of GenoM3's profiler (`-` is standard input), and the specification (.gen) or scenario (.scn); without one,
+    /// the only specification of the current directory
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<Utf8PathBuf>,
+
+    /// The specification or scenario, if it is not among the files
+    #[arg(long, value_name = "FILE")]
+    spec: Vec<Utf8PathBuf>,
+
+    /// By how much the greatest measured time is multiplied
+    #[arg(long, value_name = "FACTOR", default_value = "1.2", value_parser = Margin::parse)]
+    margin: Margin,
+
+    /// In which form times are written where there are none
+    #[arg(long = "as", value_enum, default_value_t = FormName::Clause)]
+    form: FormName,
+
+    /// Replace times that are greater than the proposed ones as well
+    #[arg(long)]
+    replace: bool,
+
+    /// Print the changes, and write nothing
+    #[arg(long, visible_alias = "dry-run")]
+    diff: bool,
+
+    /// How to print what was found
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+
+    #[command(flatten)]
+    reading: Reading,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum FormName {
+    /// `wcet 1 ms` in the declaration of the codel
+    Clause,
+    /// `#pragma wcet CODEL 1 ms`, which genom3 ignores
+    Pragma,
+    /// `duration PATH [0,1000] us;` in the scenario, for each state by itself
+    Sidecar,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// For people
+    Text,
+    /// For programs
+    Json,
+}
+
+/// A codel in one of its states.
+struct Row {
+    path: String,
+    function: String,
+    measure: Measure,
+    declared: Option<Seconds>,
+    proposed: Option<u64>,
+    decision: Decision,
+}
+
+/// What came of it.
+struct Answer {
+    logs: Vec<Utf8PathBuf>,
+    rows: Vec<Row>,
+    strays: Vec<(Kind, Stray, u64)>,
+    left: Left,
+    refused: Vec<(String, Refusal)>,
+    /// Texts before and after, by file.
+    changed: BTreeMap<Utf8PathBuf, (String, String)>,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    let mut files = given(&arguments.files)?;
+    files.texts.extend(arguments.spec.iter().cloned());
+    if files.texts.is_empty() {
+        files.texts.push(only_specification()?);
+    }
+    let mut all = problems(&files.texts, &arguments.reading)?;
+    let (Some((mut session, problem)), true) = (all.pop(), all.is_empty()) else {
+        bail!("name one scenario, or specifications");
+    };
+    if !problem.errors.is_empty() {
+        Told::about(&session, &problem, problem.errors.clone())?.print()?;
+        return Ok(Outcome::Unusable);
+    }
+    let is_scenario = problem.path.extension() == Some("scn");
+    ensure!(
+        is_scenario || arguments.form != FormName::Sidecar,
+        "`--as sidecar` writes into a scenario: name one (.scn) that uses the specification"
+    );
+    let mut measured = Measured::default();
+    for (file, log) in files.logs.iter().enumerate() {
+        read_log(log, |number, line, ended| {
+            measured.line(file, number, line, ended);
+        })?;
+    }
+    let answer = answer(arguments, &mut session, &problem, files.logs, &measured)?;
+    if arguments.diff && arguments.format == Format::Text {
+        for (path, (old, new)) in &answer.changed {
+            fmt::print_diff(&display(path), old, new)?;
+        }
+    }
+    match arguments.format {
+        Format::Json => shown::print_json(&answer)?,
+        Format::Text => shown::print(&answer, arguments.diff)?,
+    }
+    if !arguments.diff {
+        let files = answer.changed.iter();
+        let files: Vec<_> = files
+            .map(|(path, (_, new))| report::new_content(path, new))
+            .collect();
+        report::write_files(&files)?;
+    }
+    Ok(match answer.refused.is_empty() {
+        true => Outcome::Fine,
+        false => Outcome::Errors,
+    })
+}
+
+/// The specification of the current directory.
+fn only_specification() -> anyhow::Result<Utf8PathBuf> {
+    let entries = std::fs::read_dir(".")?.flatten();
+    let paths = entries.filter_map(|it| Utf8PathBuf::from_path_buf(it.path()).ok());
+    let mut all = paths.filter(|it| it.extension() == Some("gen") && it.is_file());
+    match (all.next(), all.next()) {
+        (Some(only), None) => Ok(only),
+        (None, _) => bail!("no specification is here: name one (.gen), or a scenario (.scn)"),
+        _ => bail!("several specifications are here: name the one that was measured"),
+    }
+}
+
+fn answer(
+    arguments: &Arguments,
+    session: &mut Session,
+    problem: &Problem,
+    logs: Vec<Utf8PathBuf>,
+    measured: &Measured,
+) -> anyhow::Result<Answer> {
+    let specs = problem.specs();
+    let names = Names::new(&specs);
+    let found = measured.found(&names);
+    let sidecar = arguments.form == FormName::Sidecar;
+    let mut rows = Vec::new();
+    // A declaration is for all of its states: their greatest counts.
+    let mut greatest: BTreeMap<(usize, CodelRef), i64> = BTreeMap::new();
+    for (site, measure) in found.sites.iter().filter(|it| it.1.runs > 0) {
+        let entry = greatest.entry((site.component, site.codel)).or_default();
+        *entry = measure.greatest.max(*entry);
+    }
+    let mut wanted: Vec<(Site, u64)> = Vec::new();
+    for (site, measure) in found.sites {
+        let Some(member) = names.components.get(site.component) else {
+            continue;
+        };
+        let codel = member.component.codel(site.codel);
+        let of = (measure.runs > 0).then_some(measure.greatest);
+        let of = match sidecar {
+            true => of,
+            false => greatest.get(&(site.component, site.codel)).copied(),
+        };
+        let path = path(&names, &site);
+        let of_scenario = sidecar.then(|| stated(&problem.scenario, &path)).flatten();
+        let declared = match of_scenario {
+            Some(upper) => upper,
+            None => codel.wcet.as_ref().map(|it| it.value),
+        };
+        let proposed = of.map(|it| micros(it, arguments.margin));
+        // A duration without upper bound is greater than any.
+        let endless = of_scenario == Some(None);
+        let decision = match endless && proposed.is_some() && !arguments.replace {
+            true => Decision::Kept,
+            false => decide(declared, proposed, arguments.replace),
+        };
+        if let (true, Some(micros)) = (decision.writes(), proposed) {
+            wanted.push((site.clone(), micros));
+        }
+        rows.push(Row {
+            path,
+            function: codel.name.to_string(),
+            measure,
+            declared,
+            proposed,
+            decision,
+        });
+    }
+    if rows.iter().all(|it| it.measure.runs == 0) {
+        let strays: u64 = found.strays.iter().map(|it| it.2).sum();
+        let why = match (strays, measured.left.total()) {
+            (0, 0) => "the log is empty".to_owned(),
+            (0, n) => format!("none of its {n} lines is one of a codel"),
+            (n, _) => format!("its {n} runs are of other components or other codels"),
+        };
+        bail!("no codel of the specification was measured: {why}");
+    }
+    let mut answer = Answer {
+        logs,
+        rows,
+        strays: found.strays,
+        left: measured.left,
+        refused: Vec::new(),
+        changed: BTreeMap::new(),
+    };
+    if sidecar {
+        let mut times: Vec<(String, u64)> = Vec::new();
+        times.extend(
+            wanted
+                .iter()
+                .map(|(site, micros)| (path(&names, site), *micros)),
+        );
+        let text = text(&problem.path).unwrap_or_default();
+        let edits = edits::scenario(&problem.path, &text, &problem.scenario, &times);
+        change(&mut answer, &problem.path, &text, &edits);
+        check_scenario(&answer, problem, &times)?;
+        return Ok(answer);
+    }
+    let form = match arguments.form {
+        FormName::Pragma => Form::Pragma,
+        _ => Form::Clause,
+    };
+    for (index, unit) in problem.units.iter().enumerate() {
+        let mut of_unit: Vec<Wanted> = Vec::new();
+        for (site, micros) in &wanted {
+            let Some(member) = names.components.get(site.component) else {
+                continue;
+            };
+            let mut components = unit.spec.components.iter();
+            let place = components.position(|it| std::ptr::eq(it, member.component));
+            if let (true, Some(place)) = (member.spec_index == index, place) {
+                of_unit.push(Wanted {
+                    component: place as u32,
+                    codel: site.codel,
+                    micros: *micros,
+                });
+            }
+        }
+        of_unit.dedup();
+        let written = edits::specification(unit, &text, &of_unit, form);
+        answer.refused.extend(written.refused);
+        for edits in written.edits.chunk_by(|a, b| a.path == b.path) {
+            let Some(first) = edits.first() else { continue };
+            let old = text(&first.path).unwrap_or_default();
+            change(&mut answer, &first.path, &old, edits);
+        }
+        check_unit(session, unit, &of_unit, &answer)?;
+    }
+    Ok(answer)
+}
+
+/// The upper bound that a scenario gives a codel, if it gives any.
+fn stated(scenario: &Scenario, codel: &str) -> Option<Option<Seconds>> {
+    scenario.items.iter().find_map(|it| match it {
+        Item::Duration(path, interval, unit) if path.text() == codel => {
+            let upper = interval.upper;
+            Some(upper.map(|it| unit.seconds() * Ratio::from_integer(i128::from(it))))
+        }
+        _ => None,
+    })
+}
+
+fn text(path: &Utf8Path) -> Option<Arc<str>> {
+    match vfs::read(path) {
+        FileContent::Text(text) | FileContent::NotUtf8(text) => Some(text.into()),
+        _ => None,
+    }
+}
+
+fn change(answer: &mut Answer, path: &Utf8Path, old: &str, edits: &[FileEdit]) {
+    if edits.is_empty() {
+        return;
+    }
+    let new = edits::applied(old, edits);
+    let entry = answer.changed.entry(path.to_owned());
+    entry.or_insert_with(|| (old.to_owned(), new));
+}
+
+/// Reads the specification as it would be: it must mean what it meant, with the times that were wanted.
+fn check_unit(
+    session: &mut Session,
+    unit: &UnitResult,
+    wanted: &[Wanted],
+    answer: &Answer,
+) -> anyhow::Result<()> {
+    let Some(root) = unit.files.first().filter(|_| !answer.changed.is_empty()) else {
+        return Ok(());
+    };
+    let files = answer.changed.iter();
+    let files = files.map(|(path, (_, new))| (path.clone(), Some(new.clone())));
+    session.host_mut().apply(Change {
+        files: files.collect(),
+        ..Change::default()
+    });
+    let new = session.ask(root, |it| it.root_unit(root))?;
+    let errors = |unit: &UnitResult| {
+        let all = unit.diagnostics.iter();
+        all.filter(|it| it.severity == Severity::Error).count()
+    };
+    let refused = |name: &str| answer.refused.iter().any(|it| it.0 == name);
+    for it in wanted {
+        let component = new.spec.components.get(it.component as usize);
+        let Some(component) = component.filter(|of| of.all_codels().any(|one| one == it.codel))
+        else {
+            bail!("writing the times would change the specification; nothing was written");
+        };
+        let codel = component.codel(it.codel);
+        let time = codel.wcet.as_ref().map(|it| it.value);
+        // A pragma for several uses has the greatest of them.
+        if !refused(&codel.name) && time.is_none_or(|time| time < seconds(it.micros)) {
+            bail!(
+                "the time of `{}` cannot be written where it is declared; write it by hand",
+                codel.name
+            );
+        }
+    }
+    ensure!(
+        errors(&new) <= errors(unit),
+        "writing the times would make errors in `{}`; nothing was written",
+        display(root)
+    );
+    Ok(())
+}
+
+/// The same for a scenario.
+fn check_scenario(
+    answer: &Answer,
+    problem: &Problem,
+    times: &[(String, u64)],
+) -> anyhow::Result<()> {
+    let Some((_, new)) = answer.changed.get(&problem.path) else {
+        return Ok(());
+    };
+    let parsed = dotgen_timing::scn::parse(new);
+    let stands = |(codel, micros): &(String, u64)| {
+        stated(&parsed.scenario, codel) == Some(Some(seconds(*micros)))
+    };
+    ensure!(
+        parsed.errors.is_empty() && times.iter().all(stands),
+        "the times cannot be written into `{}`; nothing was written",
+        display(&problem.path)
+    );
+    Ok(())
+}

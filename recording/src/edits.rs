@@ -1,0 +1,292 @@
+//! Edits that write execution times into specifications and scenarios, and change nothing else.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::diagnostic::FileEdit;
+use dotgen_analysis::host::UnitResult;
+use dotgen_analysis::model::{Codel, CodelRef};
+use dotgen_analysis::source_map::Locations;
+use dotgen_syntax::encoding::LineEnd;
+use dotgen_timing::scn::ast::{Item, Scenario};
+use rustc_hash::FxHashMap;
+
+use crate::propose::written;
+
+/// In which form an execution time is written where there is none (language reference, section 17.4).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Form {
+    /// `wcet 1 ms` in the declaration of the codel.
+    Clause,
+    /// `#pragma wcet CODEL 1 ms`, which the reference compiler ignores.
+    Pragma,
+}
+
+/// An execution time to be written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Wanted {
+    /// Index into [`dotgen_analysis::model::Spec::components`].
+    pub component: u32,
+    /// The codel.
+    pub codel: CodelRef,
+    /// Its time, in microseconds.
+    pub micros: u64,
+}
+
+/// Why an execution time could not be written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Refusal {
+    /// The codel, or the time that it has, comes from a macro.
+    Macro,
+}
+
+/// What is to be done to a text, and what cannot be.
+#[derive(Debug, Default)]
+pub struct Written {
+    /// Edits that do not overlap, by file, in order.
+    pub edits: Vec<FileEdit>,
+    /// Functions whose time is to be changed by hand.
+    pub refused: Vec<(String, Refusal)>,
+}
+
+/// One use of a function.
+struct Use<'u> {
+    codel: &'u Codel,
+    path: Utf8PathBuf,
+    range: Range<usize>,
+    /// The time it has: where that stands.
+    time: Option<(Utf8PathBuf, Range<usize>)>,
+    wanted: Option<u64>,
+}
+
+/// The edits for one specification. A time that is there is changed where and as it stands; a pragma is about a function,
+/// so it gets the greatest time of all its uses.
+pub fn specification(
+    unit: &UnitResult,
+    text: &dyn Fn(&Utf8Path) -> Option<Arc<str>>,
+    wanted: &[Wanted],
+    form: Form,
+) -> Written {
+    let place = |src| unit.locations.locate(src).map(|it| (it.path, it.range));
+    let mut uses: Vec<Use<'_>> = Vec::new();
+    for (index, component) in (0..).zip(&unit.spec.components) {
+        for of in component.all_codels() {
+            let codel = component.codel(of);
+            let mut times = wanted.iter().filter(|it| it.component == index);
+            let time = times.find(|it| it.codel == of).map(|it| it.micros);
+            let Some((path, range)) = place(codel.node) else {
+                continue;
+            };
+            // A service of an interface is one declaration, however many components provide it.
+            let same = |it: &&mut Use<'_>| it.path == path && it.range == range;
+            if let Some(known) = uses.iter_mut().find(same) {
+                known.wanted = known.wanted.max(time);
+                continue;
+            }
+            uses.push(Use {
+                codel,
+                path,
+                range,
+                time: codel.wcet.as_ref().and_then(|it| place(it.src)),
+                wanted: time,
+            });
+        }
+    }
+    let mut functions: FxHashMap<&str, Vec<usize>> = FxHashMap::default();
+    for (number, it) in uses.iter().enumerate() {
+        functions.entry(&it.codel.name).or_default().push(number);
+    }
+    let mut names: Vec<&str> = functions.keys().copied().collect();
+    names.sort_unstable();
+    let mut out = Written::default();
+    for name in names {
+        let of = functions.get(name).into_iter().flatten();
+        let of: Vec<&Use<'_>> = of.filter_map(|&it| uses.get(it)).collect();
+        if of.iter().all(|it| it.wanted.is_none()) {
+            continue;
+        }
+        match function(name, &of, text, form) {
+            Ok(edits) => out.edits.extend(edits),
+            Err(why) => out.refused.push((name.to_owned(), why)),
+        }
+    }
+    out.edits
+        .sort_by(|a, b| (&a.path, a.range.start).cmp(&(&b.path, b.range.start)));
+    out
+}
+
+/// The edits for all uses of one function.
+fn function(
+    name: &str,
+    uses: &[&Use<'_>],
+    text: &dyn Fn(&Utf8Path) -> Option<Arc<str>>,
+    form: Form,
+) -> Result<Vec<FileEdit>, Refusal> {
+    let slice = |path: &Utf8Path, range: &Range<usize>| {
+        text(path).and_then(|it| it.get(range.clone()).map(str::to_owned))
+    };
+    let greatest = uses.iter().filter_map(|it| it.wanted).max();
+    let stands = |it: &Use<'_>| it.time.clone();
+    let pragma = uses
+        .iter()
+        .filter_map(|it| stands(it))
+        .find(|(path, range)| {
+            slice(path, range).is_some_and(|it| it.trim_start().starts_with('#'))
+        });
+    if let (Some((path, range)), Some(micros)) = (pragma, greatest) {
+        let old = slice(&path, &range).ok_or(Refusal::Macro)?;
+        // The name may come from a macro as well; then this is not for us to replace.
+        if !old.split_whitespace().any(|it| it == name) {
+            return Err(Refusal::Macro);
+        }
+        let kept = old.trim_end().len();
+        return Ok(vec![FileEdit {
+            path,
+            range: range.start..range.start + kept,
+            new_text: format!("#pragma wcet {name} {}", written(micros)),
+        }]);
+    }
+    let clauses = uses.iter().any(|it| it.time.is_some());
+    if form == Form::Pragma && !clauses {
+        let first = uses.iter().find(|it| it.wanted.is_some());
+        let (Some(first), Some(micros)) = (first, greatest) else {
+            return Ok(Vec::new());
+        };
+        let text = text(&first.path).ok_or(Refusal::Macro)?;
+        return Ok(vec![above(first, &text, name, micros)]);
+    }
+    let mut edits = Vec::new();
+    for it in uses {
+        let Some(micros) = it.wanted else { continue };
+        let declaration = slice(&it.path, &it.range).unwrap_or_default();
+        if !declaration.contains(name) || !declaration.contains('(') {
+            return Err(Refusal::Macro);
+        }
+        let (range, new_text) = match &it.time {
+            None => {
+                let end = it.range.start + declaration.trim_end().len();
+                (end..end, format!(" wcet {}", written(micros)))
+            }
+            Some((path, range)) => {
+                let old = slice(path, range).unwrap_or_default();
+                let inside = *path == it.path && it.range.start <= range.start;
+                let word = old.starts_with("wcet");
+                let bare = old.starts_with(|it: char| it.is_ascii_digit());
+                if !inside || range.end > it.range.end || !(word || bare) {
+                    return Err(Refusal::Macro);
+                }
+                let word = if word { "wcet " } else { "" };
+                (range.clone(), format!("{word}{}", written(micros)))
+            }
+        };
+        edits.push(FileEdit {
+            path: it.path.clone(),
+            range,
+            new_text,
+        });
+    }
+    Ok(edits)
+}
+
+/// A pragma above a declaration; where that does not begin its line, at the end of the file, where it means the same.
+fn above(it: &Use<'_>, text: &str, name: &str, micros: u64) -> FileEdit {
+    let end = LineEnd::of(text).as_str();
+    let pragma = format!("#pragma wcet {name} {}{end}", written(micros));
+    let before = text.get(..it.range.start).unwrap_or_default();
+    let line = before.rfind('\n').map_or(0, |it| it + 1);
+    let between = before.get(line..).unwrap_or_default();
+    // Words that begin the declaration of a codel.
+    let begins = between
+        .split_whitespace()
+        .all(|it| matches!(it, "async" | "validate"));
+    // A line that a backslash joins to the one before is not a line of its own.
+    let joined = before
+        .get(..line)
+        .is_some_and(|it| it.trim_end_matches(['\n', '\r']).ends_with('\\'));
+    let (at, new_text) = if begins && !joined {
+        (line, pragma)
+    } else if text.is_empty() || text.ends_with('\n') {
+        (text.len(), pragma)
+    } else {
+        (text.len(), format!("{end}{pragma}"))
+    };
+    FileEdit {
+        path: it.path.clone(),
+        range: at..at,
+        new_text,
+    }
+}
+
+/// The edits for a scenario: `duration PATH [0,N] us;` for each codel, where there is one in its place.
+pub fn scenario(
+    path: &Utf8Path,
+    text: &str,
+    scenario: &Scenario,
+    times: &[(String, u64)],
+) -> Vec<FileEdit> {
+    let edit = |range, new_text| FileEdit {
+        path: path.to_owned(),
+        range,
+        new_text,
+    };
+    let statement_end = |from: usize| {
+        let rest = text.get(from..).unwrap_or_default();
+        rest.find(';').map(|it| from + it)
+    };
+    let mut edits = Vec::new();
+    let mut fresh = Vec::new();
+    for (codel, micros) in times {
+        let known = scenario.items.iter().find_map(|it| match it {
+            Item::Duration(path, interval, unit) if path.text() == *codel => {
+                Some((path.range().end, interval.lower, unit))
+            }
+            _ => None,
+        });
+        match known.and_then(|(from, lower, unit)| Some((from, statement_end(from)?, lower, unit)))
+        {
+            Some((from, end, lower, unit)) => {
+                let unit = unit.seconds();
+                let lower = unit * num_rational::Ratio::from_integer(i128::from(lower) * 1_000_000);
+                // Rounded down: a least time only adds runs.
+                let lower = u64::try_from(lower.to_integer()).unwrap_or(0).min(*micros);
+                edits.push(edit(from..end, format!(" [{lower},{micros}] us")));
+            }
+            None => fresh.push(format!("duration {codel} [0,{micros}] us;")),
+        }
+    }
+    let last = scenario.items.iter().filter_map(|it| match it {
+        Item::Use(file) => Some(file.range.end),
+        Item::Duration(path, ..) => Some(path.range().end),
+        _ => None,
+    });
+    let last = last.max().and_then(statement_end).map(|it| it + 1);
+    if let (Some(at), false) = (last, fresh.is_empty()) {
+        let before = text.get(..at).unwrap_or_default();
+        let line = before.rfind('\n').map_or(0, |it| it + 1);
+        let line = before.get(line..).unwrap_or_default();
+        let blanks: String = line
+            .chars()
+            .take_while(|it| matches!(it, ' ' | '\t'))
+            .collect();
+        let end = LineEnd::of(text).as_str();
+        let lines = fresh.iter().map(|it| format!("{end}{blanks}{it}"));
+        edits.push(edit(at..at, lines.collect()));
+    }
+    edits.sort_by_key(|it| it.range.start);
+    edits
+}
+
+/// A text after edits that are in order and do not overlap.
+pub fn applied<'e>(text: &str, edits: impl IntoIterator<Item = &'e FileEdit>) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut at = 0;
+    for it in edits {
+        out.push_str(text.get(at..it.range.start).unwrap_or_default());
+        out.push_str(&it.new_text);
+        at = it.range.end;
+    }
+    out.push_str(text.get(at..).unwrap_or_default());
+    out
+}

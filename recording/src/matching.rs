@@ -1,0 +1,219 @@
+//! Which codel of the specifications a line of a log is about.
+
+use dotgen_analysis::model::{Codel, CodelKind, CodelRef, Component, Owner};
+use dotgen_timing::scn::names::Names;
+
+use crate::log::Kind;
+
+/// The task under which a control task writes.
+pub const CONTROL: &str = "<control>";
+
+/// A codel in a place of use.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Site {
+    /// The component, as numbered by [`Names`].
+    pub component: usize,
+    /// The codel.
+    pub codel: CodelRef,
+    /// The state in which it is executed; `None` for codels of the control task.
+    pub state: Option<String>,
+}
+
+/// Why a line is about no codel of the specifications.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Stray {
+    /// There is no such component.
+    Component,
+    /// The component has no such task.
+    Task,
+    /// Neither the service nor the task has such a state, or the service has no such codel.
+    State,
+    /// What is executed there is another function.
+    Function,
+    /// The activity belongs to another task.
+    WrongTask,
+}
+
+/// What an event names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Event<'k> {
+    /// The component, if it has one.
+    pub component: Option<&'k str>,
+    /// The state, or the exception, without `pause::`.
+    pub name: &'k str,
+    /// Written with `pause::`.
+    pub paused: bool,
+}
+
+/// Takes `::component::pause::state` apart.
+pub fn event(text: &str) -> Event<'_> {
+    let names: Vec<&str> = text.trim_start_matches("::").split("::").collect();
+    match *names.as_slice() {
+        [] => Event {
+            component: None,
+            name: "",
+            paused: false,
+        },
+        [name] => Event {
+            component: None,
+            name,
+            paused: false,
+        },
+        [first, .., last] => Event {
+            component: Some(first),
+            name: last,
+            paused: names.len() > 2 && names.get(names.len() - 2) == Some(&"pause"),
+        },
+    }
+}
+
+/// Looks up what a line is about.
+///
+/// # Errors
+/// It is about no codel of the specifications.
+pub fn site(names: &Names<'_>, kind: &Kind) -> Result<Site, Stray> {
+    let from = event(&kind.from);
+    let component = component(names, kind, &from).ok_or(Stray::Component)?;
+    let Some(member) = names.components.get(component) else {
+        return Err(Stray::Component);
+    };
+    let it = member.component;
+    let (codel, state) = match from.component {
+        Some(_) => {
+            let task = it.tasks.iter().position(|task| task.name == kind.task);
+            let task = task.ok_or(Stray::Task)? as u32;
+            (
+                of_machine(it, task, kind, from.name)?,
+                Some(from.name.to_owned()),
+            )
+        }
+        None => (of_control(it, kind).ok_or(Stray::State)?, None),
+    };
+    if it.codel(codel).name != kind.function {
+        return Err(Stray::Function);
+    }
+    Ok(Site {
+        component,
+        codel,
+        state,
+    })
+}
+
+/// The component of the event; for what a control task executes the instance, or the only one that has such a codel: a
+/// server may have been started under another name.
+fn component(names: &Names<'_>, kind: &Kind, from: &Event<'_>) -> Option<usize> {
+    let all = &names.components;
+    let named = |name: &str| all.iter().position(|it| it.component.name == name);
+    if let Some(component) = from.component {
+        return named(component);
+    }
+    named(&kind.instance).or_else(|| {
+        let mut fitting = (0..all.len()).filter(|&it| {
+            let of = all.get(it);
+            of.is_some_and(|it| of_control(it.component, kind).is_some())
+        });
+        fitting.next().filter(|_| fitting.next().is_none())
+    })
+}
+
+fn of_machine(it: &Component, task: u32, kind: &Kind, state: &str) -> Result<CodelRef, Stray> {
+    let service = it.services.iter().position(|of| of.name == kind.service);
+    let service = service.map(|it| it as u32);
+    let in_service = service.and_then(|it_is| in_state(it, Owner::Service(it_is), state));
+    if let (Some(service), Some(codel)) = (service, in_service) {
+        let of = it.services.get(service as usize).and_then(|it| it.task);
+        return match of == Some(task) {
+            true => Ok(codel),
+            false => Err(Stray::WrongTask),
+        };
+    }
+    // How recorders call the service of a permanent activity is theirs; no service has that name.
+    match service {
+        Some(_) => Err(Stray::State),
+        None => in_state(it, Owner::Task(task), state).ok_or(Stray::State),
+    }
+}
+
+fn in_state(it: &Component, owner: Owner, state: &str) -> Option<CodelRef> {
+    let has = |codel: &Codel| {
+        codel.kind == CodelKind::Fsm && codel.triggers.iter().any(|it| it.name == state)
+    };
+    let index = it.codels_of(owner).iter().position(has)?;
+    Some(CodelRef {
+        owner,
+        index: index as u32,
+    })
+}
+
+fn of_control(it: &Component, kind: &Kind) -> Option<CodelRef> {
+    let service = it.services.iter().position(|of| of.name == kind.service)?;
+    let owner = Owner::Service(service as u32);
+    let validates = kind.from == "validate";
+    let index = it.codels_of(owner).iter().position(|codel| {
+        let wanted = match validates {
+            true => CodelKind::Validate,
+            false => CodelKind::Simple,
+        };
+        codel.kind == wanted && codel.name == kind.function
+    })?;
+    Some(CodelRef {
+        owner,
+        index: index as u32,
+    })
+}
+
+/// `component.task.state`, `component.service.state` or `component.service.codel`, as scenarios name a codel.
+pub fn path(names: &Names<'_>, site: &Site) -> String {
+    let Some(member) = names.components.get(site.component) else {
+        return String::new();
+    };
+    let it = member.component;
+    let last = match &site.state {
+        Some(state) => state.as_str(),
+        None => it.codel(site.codel).name.as_str(),
+    };
+    format!("{}.{}.{last}", it.name, it.owner_name(site.codel.owner))
+}
+
+/// Every codel of the specifications in each of its states.
+pub fn sites(names: &Names<'_>) -> Vec<Site> {
+    let mut out = Vec::new();
+    for (component, member) in names.components.iter().enumerate() {
+        for codel in member.component.all_codels() {
+            let it = member.component.codel(codel);
+            let site = |state| Site {
+                component,
+                codel,
+                state,
+            };
+            match it.kind {
+                CodelKind::Fsm => {
+                    let states = it.triggers.iter();
+                    out.extend(states.map(|it| site(Some(it.name.to_string()))));
+                }
+                _ => out.push(site(None)),
+            }
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn events_have_parts() {
+        let parts = |text| {
+            let it = event(text);
+            (it.component, it.name, it.paused)
+        };
+        assert_eq!(parts("::pump::start"), (Some("pump"), "start", false));
+        assert_eq!(parts("::pump::pause::pause"), (Some("pump"), "pause", true));
+        assert_eq!(parts("::pump::pause"), (Some("pump"), "pause", false));
+        assert_eq!(parts("validate"), (None, "validate", false));
+        assert_eq!(parts("::genom::ok"), (Some("genom"), "ok", false));
+        assert_eq!(parts(""), (None, "", false));
+    }
+}

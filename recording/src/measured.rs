@@ -1,0 +1,123 @@
+//! How long codels took, of those lines of a log that tell it.
+
+use dotgen_timing::scn::names::Names;
+use rustc_hash::FxHashMap;
+
+use crate::log::{Kind, Kinds, Left};
+use crate::matching::{Site, Stray, site, sites};
+
+/// Times of execution, in nanoseconds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Measure {
+    /// How many runs.
+    pub runs: u64,
+    /// The least.
+    pub least: i64,
+    /// The greatest.
+    pub greatest: i64,
+    /// All together.
+    pub total: i128,
+    /// File, from 0, and line, from 1, of the greatest.
+    pub at: (usize, u64),
+}
+
+impl Measure {
+    /// The mean.
+    pub fn mean(&self) -> i64 {
+        let mean = self.total / i128::from(self.runs.max(1));
+        i64::try_from(mean).unwrap_or(i64::MAX)
+    }
+
+    fn add(&mut self, time: i64, at: (usize, u64)) {
+        if self.runs == 0 || time > self.greatest {
+            (self.greatest, self.at) = (time, at);
+        }
+        self.least = match self.runs {
+            0 => time,
+            _ => self.least.min(time),
+        };
+        self.runs += 1;
+        self.total += i128::from(time);
+    }
+
+    fn join(&mut self, other: &Measure) {
+        if self.runs == 0 {
+            *self = *other;
+            return;
+        }
+        if other.greatest > self.greatest {
+            (self.greatest, self.at) = (other.greatest, other.at);
+        }
+        self.least = self.least.min(other.least);
+        self.runs += other.runs;
+        self.total += other.total;
+    }
+}
+
+/// What was read of logs.
+#[derive(Debug, Default)]
+pub struct Measured {
+    /// What was not used.
+    pub left: Left,
+    kinds: Kinds,
+    of: Vec<Measure>,
+}
+
+/// What logs tell of specifications.
+#[derive(Debug, Default)]
+pub struct Found {
+    /// Of each codel in each of its states: what was measured, with no runs where it was never seen.
+    pub sites: Vec<(Site, Measure)>,
+    /// Lines about no codel of the specifications, by kind, with their number.
+    pub strays: Vec<(Kind, Stray, u64)>,
+}
+
+impl Measured {
+    /// A line of a file. `ended`: its end was seen.
+    pub fn line(&mut self, file: usize, number: u64, text: &[u8], ended: bool) {
+        let Some(line) = self.left.sift(text, ended) else {
+            return;
+        };
+        let kind = self.kinds.of(&line) as usize;
+        if self.of.len() <= kind {
+            self.of.resize(kind + 1, Measure::default());
+        }
+        if let Some(measure) = self.of.get_mut(kind) {
+            measure.add(line.ended - line.began, (file, number));
+        }
+    }
+
+    /// Runs that were measured.
+    pub fn runs(&self) -> u64 {
+        self.of.iter().map(|it| it.runs).sum()
+    }
+
+    /// Brings what was measured to the codels of specifications.
+    pub fn found(&self, names: &Names<'_>) -> Found {
+        let sites = sites(names);
+        let mut places: FxHashMap<(usize, _, Option<String>), usize> = FxHashMap::default();
+        for (place, it) in sites.iter().enumerate() {
+            places.insert((it.component, it.codel, it.state.clone()), place);
+        }
+        let mut found = Found {
+            sites: sites
+                .into_iter()
+                .map(|it| (it, Measure::default()))
+                .collect(),
+            strays: Vec::new(),
+        };
+        for (kind, measure) in self.kinds.all.iter().zip(&self.of) {
+            match site(names, kind) {
+                Ok(site) => {
+                    let place = places.get(&(site.component, site.codel, site.state));
+                    let entry = place.and_then(|&it| found.sites.get_mut(it));
+                    if let Some((_, known)) = entry {
+                        known.join(measure);
+                    }
+                }
+                Err(stray) => found.strays.push((kind.clone(), stray, measure.runs)),
+            }
+        }
+        found
+    }
+}
