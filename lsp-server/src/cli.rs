@@ -14,6 +14,7 @@ mod logging;
 mod lsp;
 mod man;
 mod model;
+mod monitor;
 mod new;
 mod release;
 mod report;
@@ -65,6 +66,7 @@ enum Command {
     Call(call::Call),
     #[cfg(unix)]
     Watch(call::Watch),
+    Monitor(monitor::Arguments),
     Wcet(wcet::Arguments),
     Completions(completions::Arguments),
     Man(man::Arguments),
@@ -167,6 +169,7 @@ pub fn main() -> ExitCode {
         Command::Call(arguments) => call::call(&arguments),
         #[cfg(unix)]
         Command::Watch(arguments) => call::watch(&arguments),
+        Command::Monitor(arguments) => monitor::run(&arguments),
         Command::Wcet(arguments) => wcet::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
         Command::Man(arguments) => man::run(&arguments),

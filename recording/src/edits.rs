@@ -262,6 +262,14 @@ pub fn scenario(
         _ => None,
     });
     let last = last.max().and_then(statement_end).map(|it| it + 1);
+    // A comment behind a statement is about that statement.
+    let last = last.map(|at| {
+        let rest = text.get(at..).unwrap_or_default();
+        let line = rest.lines().next().unwrap_or_default();
+        let comment = line.trim_start();
+        let ends = comment.is_empty() || comment.starts_with("//");
+        if ends { at + line.len() } else { at }
+    });
     if let (Some(at), false) = (last, fresh.is_empty()) {
         let before = text.get(..at).unwrap_or_default();
         let line = before.rfind('\n').map_or(0, |it| it + 1);

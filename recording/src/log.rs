@@ -24,7 +24,7 @@ const OVERLOAD: &[u8] = b"genom_prof_record";
 /// A line longer than this is no line of a log: it is given up, so that no memory is taken for it.
 const LONGEST: usize = 1 << 16;
 
-/// A line.
+/// A line, as far as it is different from others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Line<'l> {
     /// When locks were asked for, in nanoseconds.
@@ -33,12 +33,10 @@ pub struct Line<'l> {
     pub began: i64,
     /// When they were released.
     pub ended: i64,
-    /// Instance, task, service, function, and the events from which and to which. Missing ones are empty.
-    pub names: [&'l [u8]; NAMES],
-    /// All columns are there, and the times have nine digits after the point, as the recorder writes them.
-    pub whole: bool,
-    /// What follows the times, as it stands in the line.
-    tail: &'l [u8],
+    /// The times have nine digits after the point, as the recorder writes them.
+    pub exact: bool,
+    /// The names that follow the times.
+    pub tail: &'l [u8],
 }
 
 /// What a line is about.
@@ -50,12 +48,13 @@ pub enum About {
     Recorder,
     /// A thread that waited for the recorder: what it measured then is late.
     Overload,
-    /// A run whose times go backwards: the clock was set meanwhile.
-    ClockStep,
+    /// Some of its names are missing.
+    Cut,
+    /// It has too many names.
+    Garbage,
 }
 
-/// Reads a line, as `profundis` does: with at most nine columns, of which the first three are times. `None`: it is no
-/// line of a log.
+/// Reads a line, as `profundis` does: the first three words are times. `None`: they are not.
 pub fn line(text: &[u8]) -> Option<Line<'_>> {
     let mut rest = text;
     let mut exact = true;
@@ -67,38 +66,34 @@ pub fn line(text: &[u8]) -> Option<Line<'_>> {
         *time = value;
         rest = after;
     }
-    let tail = rest.trim_ascii();
-    let mut names: [&[u8]; NAMES] = [b""; NAMES];
-    let mut count = 0;
-    while let Some((name, after)) = word(rest) {
-        *names.get_mut(count)? = name;
-        count += 1;
-        rest = after;
-    }
     let [asked, began, ended] = times;
     Some(Line {
         asked,
         began,
         ended,
-        names,
-        whole: exact && count == NAMES,
-        tail,
+        exact,
+        tail: rest.trim_ascii(),
     })
 }
 
-impl Line<'_> {
-    /// What it is about.
-    pub fn about(&self) -> About {
-        let [instance, _, _, function, ..] = self.names;
-        if function == OVERLOAD {
-            About::Overload
-        } else if instance == RECORDER {
-            About::Recorder
-        } else if self.began < self.asked || self.ended < self.began {
-            About::ClockStep
-        } else {
-            About::Codel
+impl<'l> Line<'l> {
+    /// Instance, task, service, function, and the events from which and to which. Missing ones are empty. `None`: there
+    /// are too many.
+    pub fn names(&self) -> Option<[&'l [u8]; NAMES]> {
+        let mut names: [&[u8]; NAMES] = [b""; NAMES];
+        let mut rest = self.tail;
+        let mut count = 0;
+        while let Some((name, after)) = word(rest) {
+            *names.get_mut(count)? = name;
+            count += 1;
+            rest = after;
         }
+        Some(names)
+    }
+
+    /// Whether its times go backwards.
+    pub fn is_step(&self) -> bool {
+        self.began < self.asked || self.ended < self.began
     }
 }
 
@@ -126,12 +121,22 @@ fn stamp(word: &[u8]) -> Option<(i64, usize)> {
     Some((seconds.checked_mul(NANOS)?.checked_add(nanos)?, digits))
 }
 
+/// Digits of numbers that are never too great.
+const DIGITS: usize = 18;
+
 /// The number at the start of a word, and its length.
 fn number(word: &[u8]) -> Option<(i64, usize)> {
     let mut value: i64 = 0;
     let mut used = 0;
-    for it in word.iter().take_while(|it| it.is_ascii_digit()) {
-        value = value.checked_mul(10)?.checked_add(i64::from(it - b'0'))?;
+    for it in word {
+        let digit = it.wrapping_sub(b'0');
+        if digit > 9 {
+            break;
+        }
+        if used == DIGITS {
+            return None;
+        }
+        value = value * 10 + i64::from(digit);
         used += 1;
     }
     (used > 0).then_some((value, used))
@@ -212,20 +217,33 @@ pub struct Run {
 /// The kinds of lines of a log, each once.
 #[derive(Debug, Clone, Default)]
 pub struct Kinds {
+    /// By what follows the times.
     known: FxHashMap<Box<[u8]>, u32>,
     /// In order of first appearance.
     pub all: Vec<Kind>,
+    abouts: Vec<About>,
 }
 
 impl Kinds {
-    /// The number of the kind of a line.
-    pub fn of(&mut self, line: &Line<'_>) -> u32 {
-        if let Some(&kind) = self.known.get(line.tail) {
-            return kind;
-        }
+    /// The number of the kind of a line, and what such lines are about.
+    pub fn of(&mut self, line: &Line<'_>) -> (u32, About) {
+        let known = self.known.get(line.tail).copied();
+        let kind = known.unwrap_or_else(|| self.fresh(line));
+        (kind, self.about(kind as usize))
+    }
+
+    /// What lines of a kind are about.
+    pub fn about(&self, kind: usize) -> About {
+        self.abouts.get(kind).copied().unwrap_or(About::Garbage)
+    }
+
+    fn fresh(&mut self, line: &Line<'_>) -> u32 {
+        let names = line.names();
+        let about = names.map_or(About::Garbage, about);
         let text = |it: &[u8]| String::from_utf8_lossy(it).into_owned();
-        let [instance, task, service, function, from, to] = line.names.map(text);
+        let [instance, task, service, function, from, to] = names.unwrap_or([b""; NAMES]).map(text);
         let kind = u32::try_from(self.all.len()).unwrap_or(u32::MAX);
+        self.abouts.push(about);
         self.all.push(Kind {
             instance,
             task,
@@ -236,6 +254,18 @@ impl Kinds {
         });
         self.known.insert(line.tail.into(), kind);
         kind
+    }
+}
+
+fn about([instance, _, _, function, _, last]: [&[u8]; NAMES]) -> About {
+    if last.is_empty() {
+        About::Cut
+    } else if function == OVERLOAD {
+        About::Overload
+    } else if instance == RECORDER {
+        About::Recorder
+    } else {
+        About::Codel
     }
 }
 
@@ -261,28 +291,41 @@ impl Left {
         self.recorder + self.overloads + self.clock_steps + self.cut + self.garbage
     }
 
-    /// Takes a line that stands for a run of a codel, and counts any other. `ended`: the end of the line was seen.
-    pub fn sift<'l>(&mut self, text: &'l [u8], ended: bool) -> Option<Line<'l>> {
-        let Some(line) = line(text) else {
-            match text.trim_ascii().is_empty() && ended {
-                true => {}
-                // Some of the times may be missing as well.
-                false if !ended => self.cut += 1,
-                false => self.garbage += 1,
-            }
-            return None;
-        };
-        if !line.whole || !ended {
+    /// Takes a line that stands for a run of a codel, with its kind, and counts any other. `ended`: the end of the line
+    /// was seen.
+    pub fn sift<'l>(
+        &mut self,
+        kinds: &mut Kinds,
+        text: &'l [u8],
+        ended: bool,
+    ) -> Option<(Line<'l>, u32)> {
+        if !ended {
+            // What is there may be a part of a name.
             self.cut += 1;
             return None;
         }
-        match line.about() {
-            About::Codel => return Some(line),
-            About::Recorder => self.recorder += 1,
-            About::Overload => self.overloads += 1,
-            About::ClockStep => self.clock_steps += 1,
-        }
-        None
+        let Some(line) = line(text) else {
+            self.garbage += u64::from(!text.trim_ascii().is_empty());
+            return None;
+        };
+        let (kind, about) = kinds.of(&line);
+        self.count(&line, about, ended).then_some((line, kind))
+    }
+
+    /// Whether a line stands for a run of a codel; any other is counted.
+    pub fn count(&mut self, line: &Line<'_>, about: About, ended: bool) -> bool {
+        let count = match about {
+            _ if !ended => &mut self.cut,
+            About::Garbage => &mut self.garbage,
+            About::Cut => &mut self.cut,
+            _ if !line.exact => &mut self.garbage,
+            About::Recorder => &mut self.recorder,
+            About::Overload => &mut self.overloads,
+            About::Codel if line.is_step() => &mut self.clock_steps,
+            About::Codel => return true,
+        };
+        *count += 1;
+        false
     }
 }
 
@@ -300,15 +343,16 @@ mod tests {
             (line.asked, line.began, line.ended),
             (20_500_000, 20_500_001, 23_000_000)
         );
-        assert_eq!(line.names[0], b"pump");
-        assert_eq!(line.names[5], b"::pump::pause::start");
-        assert!(line.whole);
-        assert_eq!(line.about(), About::Codel);
+        let names = line.names().expect("six");
+        assert_eq!(names[0], b"pump");
+        assert_eq!(names[5], b"::pump::pause::start");
+        assert!(line.exact);
+        assert_eq!(Kinds::default().of(&line), (0, About::Codel));
     }
 
     #[test]
     fn what_is_no_run_is_counted() {
-        let mut left = Left::default();
+        let (mut left, mut kinds) = (Left::default(), Kinds::default());
         let cut = &PLAIN[..60];
         let genom =
             "1.000000000 1.000000000 2.000000000 genom profiling writer prof_writer wakeup sleep";
@@ -324,10 +368,10 @@ mod tests {
             "1.5 x 3",
             "-1.0 2.0 3.0 a b c d e f",
         ] {
-            assert_eq!(left.sift(text.as_bytes(), true), None, "{text}");
+            assert_eq!(left.sift(&mut kinds, text.as_bytes(), true), None, "{text}");
         }
-        assert!(left.sift(PLAIN.as_bytes(), true).is_some());
-        assert!(left.sift(PLAIN.as_bytes(), false).is_none());
+        assert!(left.sift(&mut kinds, PLAIN.as_bytes(), true).is_some());
+        assert!(left.sift(&mut kinds, PLAIN.as_bytes(), false).is_none());
         let expected = Left {
             recorder: 1,
             overloads: 1,
@@ -337,7 +381,8 @@ mod tests {
         };
         assert_eq!(left, expected);
         // A word too many.
-        assert_eq!(line(format!("{PLAIN} more").as_bytes()), None);
+        let more = format!("{PLAIN} more");
+        assert_eq!(line(more.as_bytes()).and_then(|it| it.names()), None);
     }
 
     #[test]
@@ -356,7 +401,7 @@ mod tests {
         for size in 1..70 {
             assert_eq!(read(size), whole);
         }
-        assert!(line(&whole[0].1).is_some_and(|it| it.names[5] == b"::pump::pause::start"));
+        assert!(line(&whole[0].1).is_some_and(|it| it.tail.ends_with(b"::pause::start")));
     }
 
     #[test]

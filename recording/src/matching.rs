@@ -33,6 +33,8 @@ pub enum Stray {
     Function,
     /// The activity belongs to another task.
     WrongTask,
+    /// The service is handled without a codel: an attribute that is set or read.
+    NoCodel,
 }
 
 /// What an event names.
@@ -88,7 +90,7 @@ pub fn site(names: &Names<'_>, kind: &Kind) -> Result<Site, Stray> {
                 Some(from.name.to_owned()),
             )
         }
-        None => (of_control(it, kind).ok_or(Stray::State)?, None),
+        None => (of_control(it, kind).ok_or_else(|| without(it, kind))?, None),
     };
     if it.codel(codel).name != kind.function {
         return Err(Stray::Function);
@@ -161,6 +163,19 @@ fn of_control(it: &Component, kind: &Kind) -> Option<CodelRef> {
         owner,
         index: index as u32,
     })
+}
+
+/// Why a control task executes no codel.
+fn without(it: &Component, kind: &Kind) -> Stray {
+    let service = it.services.iter().find(|of| of.name == kind.service);
+    let of = |it: &dotgen_analysis::model::Service| {
+        let attribute = it.kind == dotgen_analysis::model::ServiceKind::Attribute;
+        attribute && it.codels.iter().all(|it| it.kind == CodelKind::Validate)
+    };
+    match service.is_some_and(of) {
+        true => Stray::NoCodel,
+        false => Stray::State,
+    }
 }
 
 /// `component.task.state`, `component.service.state` or `component.service.codel`, as scenarios name a codel.

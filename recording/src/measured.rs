@@ -75,10 +75,10 @@ pub struct Found {
 impl Measured {
     /// A line of a file. `ended`: its end was seen.
     pub fn line(&mut self, file: usize, number: u64, text: &[u8], ended: bool) {
-        let Some(line) = self.left.sift(text, ended) else {
+        let Some((line, kind)) = self.left.sift(&mut self.kinds, text, ended) else {
             return;
         };
-        let kind = self.kinds.of(&line) as usize;
+        let kind = kind as usize;
         if self.of.len() <= kind {
             self.of.resize(kind + 1, Measure::default());
         }
@@ -106,7 +106,8 @@ impl Measured {
                 .collect(),
             strays: Vec::new(),
         };
-        for (kind, measure) in self.kinds.all.iter().zip(&self.of) {
+        let seen = |it: &(&Kind, &Measure)| it.1.runs > 0;
+        for (kind, measure) in self.kinds.all.iter().zip(&self.of).filter(seen) {
             match site(names, kind) {
                 Ok(site) => {
                     let place = places.get(&(site.component, site.codel, site.state));

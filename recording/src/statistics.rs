@@ -8,7 +8,7 @@
 
 use rustc_hash::FxHashMap;
 
-use crate::log::{Kinds, Run, line};
+use crate::log::{About, Kinds, Left, Run, line};
 
 /// Least, greatest and mean time with the deviation from that, in nanoseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -61,128 +61,205 @@ enum Cycle {
     Next,
 }
 
+#[derive(Debug, Clone, Copy)]
+struct Entry {
+    run: Run,
+    cycle: Cycle,
+}
+
+/// The lines of one task.
 #[derive(Debug, Default)]
-struct Entries {
-    runs: Vec<(Run, CycleMark)>,
+struct OfTask {
+    entries: Vec<Entry>,
     /// There is something new since the last sorting.
     fresh: bool,
 }
 
-type CycleMark = Cycle;
+/// Where lines of a kind belong.
+#[derive(Debug, Clone, Copy)]
+struct Belongs {
+    task: usize,
+    /// Task, service, state: the group, and the place of the kind in it.
+    groups: [(usize, usize); 3],
+    /// They start an activity.
+    starts: bool,
+    /// They pause one.
+    pauses: bool,
+}
 
 /// Collects the lines of one file or of several.
 #[derive(Debug, Default)]
 pub struct Collector {
+    /// What other readers of logs leave out; here it counts.
+    pub left: Left,
     kinds: Kinds,
-    /// For each kind, its groups: task, service, state.
-    groups_of: Vec<[usize; 3]>,
+    /// By kind; `None` for what is no line of a log.
+    belongs: Vec<Option<Belongs>>,
     known: FxHashMap<Vec<String>, usize>,
     keys: Vec<Vec<String>>,
-    entries: Vec<Entries>,
+    /// Kinds, by group.
+    kinds_of: Vec<Vec<u32>>,
+    tasks: Vec<OfTask>,
+    /// The task of a group of tasks.
+    task_of: FxHashMap<usize, usize>,
 }
 
 impl Collector {
-    /// A line of a file. Lines that are none of a log do not count; cut ones do, with empty names, as for `profundis`.
-    pub fn line(&mut self, text: &[u8]) {
-        let Some(line) = line(text) else { return };
-        let kind = self.kinds.of(&line);
-        let index = kind as usize;
-        if index >= self.groups_of.len() {
-            let groups = self.groups(index);
-            self.groups_of.push(groups);
-        }
-        let run = Run {
-            asked: line.asked,
-            began: line.began,
-            ended: line.ended,
-            kind,
+    /// A line of a file. `ended`: its end was seen. Lines that are none of a log do not count; cut ones do, with empty
+    /// names, as for `profundis`.
+    pub fn line(&mut self, text: &[u8], ended: bool) {
+        let Some(line) = line(text) else {
+            self.left.garbage += u64::from(!text.trim_ascii().is_empty());
+            return;
         };
-        for group in self.groups_of.get(index).copied().unwrap_or_default() {
-            if let Some(entries) = self.entries.get_mut(group) {
-                entries.runs.push((run, Cycle::No));
-                entries.fresh = true;
-            }
+        let (kind, about) = self.kinds.of(&line);
+        self.left.count(&line, about, ended);
+        while self.belongs.len() <= kind as usize {
+            let of = self.belongs(self.belongs.len());
+            self.belongs.push(of);
+        }
+        let Some(Some(belongs)) = self.belongs.get(kind as usize) else {
+            return;
+        };
+        if let Some(task) = self.tasks.get_mut(belongs.task) {
+            task.fresh = true;
+            task.entries.push(Entry {
+                run: Run {
+                    asked: line.asked,
+                    began: line.began,
+                    ended: line.ended,
+                    kind,
+                },
+                cycle: Cycle::No,
+            });
         }
     }
 
-    fn groups(&mut self, kind: usize) -> [usize; 3] {
-        let Some(kind) = self.kinds.all.get(kind) else {
-            return [0; 3];
-        };
-        let names = [&kind.instance, &kind.task, &kind.service, &kind.from];
+    fn belongs(&mut self, kind: usize) -> Option<Belongs> {
+        let it = self.kinds.all.get(kind)?;
+        if self.kinds.about(kind) == About::Garbage {
+            return None;
+        }
+        let (starts, pauses) = (it.from.ends_with("::start"), it.to.contains("::pause::"));
+        let names = [&it.instance, &it.task, &it.service, &it.from];
         let names: Vec<String> = names.into_iter().cloned().collect();
-        [2, 3, 4].map(|length| {
-            let key = names[..length].to_vec();
+        // A list of Tcl that begins with nothing is shorter by that.
+        let start = usize::from(it.instance.is_empty());
+        let groups = [2, 3, 4].map(|length| {
+            let key = names.get(start..length).unwrap_or_default().to_vec();
             let next = self.keys.len();
-            *self.known.entry(key.clone()).or_insert_with(|| {
+            let group = *self.known.entry(key.clone()).or_insert_with(|| {
                 self.keys.push(key);
-                self.entries.push(Entries::default());
+                self.kinds_of.push(Vec::new());
                 next
-            })
+            });
+            let kinds = self.kinds_of.get_mut(group);
+            let place = kinds.map_or(0, |it| {
+                it.push(kind as u32);
+                it.len() - 1
+            });
+            (group, place)
+        });
+        let [(group, _), ..] = groups;
+        let next = self.tasks.len();
+        let task = *self.task_of.entry(group).or_insert(next);
+        if task == next {
+            self.tasks.push(OfTask::default());
+        }
+        Some(Belongs {
+            task,
+            groups,
+            starts,
+            pauses,
         })
     }
 
     /// A file has ended: its lines are put in order among those of the files before.
     pub fn file_ended(&mut self) {
-        for (key, entries) in self.keys.iter().zip(&mut self.entries) {
-            if !std::mem::take(&mut entries.fresh) {
-                continue;
-            }
-            entries.runs.sort_by_key(|it| it.0.asked);
-            // Of equal ones the last stays.
-            entries.runs.reverse();
-            entries.runs.dedup_by_key(|it| it.0.asked);
-            entries.runs.reverse();
-            if key.len() == 3 {
-                mark_cycles(&self.kinds, &mut entries.runs);
+        let (belongs, keys) = (&self.belongs, &self.keys);
+        let of = |it: &Entry| belongs.get(it.run.kind as usize).copied().flatten();
+        // By group: the last line, and whether the one before that paused.
+        let mut last: Vec<Option<(usize, bool)>> = vec![None; keys.len()];
+        for task in self.tasks.iter_mut().filter(|it| it.fresh) {
+            task.fresh = false;
+            task.entries.sort_by_key(|it| it.run.asked);
+            for place in 0..task.entries.len() {
+                let Some(now) = task.entries.get(place).copied() else {
+                    continue;
+                };
+                let Some(belongs) = of(&now) else { continue };
+                // Cycles are those of keys with three words.
+                for (group, _) in belongs.groups {
+                    if keys.get(group).is_none_or(|it| it.len() != 3) {
+                        continue;
+                    }
+                    let Some(last) = last.get_mut(group) else {
+                        continue;
+                    };
+                    let before = last.and_then(|it| Some((task.entries.get(it.0)?, it.1)));
+                    let paused = match before {
+                        None => false,
+                        // Of equal ones the last counts: this one stands in the place of the one before.
+                        Some((before, paused)) if before.run.asked == now.run.asked => paused,
+                        Some((before, _)) => of(before).is_some_and(|it| it.pauses),
+                    };
+                    *last = Some((place, paused));
+                    let mark = match (belongs.starts, paused) {
+                        (true, _) => Cycle::First,
+                        (false, true) => Cycle::Next,
+                        // A mark of an earlier file stays, as it does there.
+                        (false, false) => continue,
+                    };
+                    if let Some(it) = task.entries.get_mut(place) {
+                        it.cycle = mark;
+                    }
+                }
             }
         }
     }
 
     /// The groups, in the order in which `profundis` prints them.
     pub fn groups_in_order(&self) -> Vec<Group> {
-        let mut groups: Vec<(String, Group)> = (self.keys.iter().zip(&self.entries))
-            .map(|(key, entries)| (list(key), self.group(key, &entries.runs)))
+        let mut sums: Vec<OfGroup> = (self.kinds_of.iter().zip(&self.keys))
+            .map(|(kinds, key)| OfGroup {
+                counts: vec![0; kinds.len()],
+                has_cycles: key.len() == 3,
+                ..OfGroup::default()
+            })
             .collect();
+        for task in &self.tasks {
+            for it in &task.entries {
+                let belongs = self.belongs.get(it.run.kind as usize).copied().flatten();
+                let Some(belongs) = belongs else { continue };
+                for (group, place) in belongs.groups {
+                    if let Some(sum) = sums.get_mut(group) {
+                        sum.next(*it, place);
+                    }
+                }
+            }
+        }
+        let mut groups = Vec::new();
+        for ((key, kinds), mut sum) in self.keys.iter().zip(&self.kinds_of).zip(sums) {
+            sum.flush();
+            groups.push((list(key), self.group(key, kinds, &sum)));
+        }
         groups.sort_by(|a, b| a.0.cmp(&b.0));
         groups.into_iter().map(|it| it.1).collect()
     }
 
-    fn group(&self, key: &[String], runs: &[(Run, Cycle)]) -> Group {
-        let kind = |it: &Run| self.kinds.all.get(it.kind as usize);
-        let mut execution = Sum::default();
-        let (mut cycles, mut periods) = (Sum::default(), Sum::default());
-        let (mut before, mut start) = (None, None);
-        let mut counts: Vec<u64> = vec![0; self.kinds.all.len()];
-        let mut order: Vec<u32> = Vec::new();
-        for (run, cycle) in runs {
-            execution.add(run.ended - run.began);
-            if let Some(count) = counts.get_mut(run.kind as usize) {
-                if *count == 0 {
-                    order.push(run.kind);
-                }
-                *count += 1;
-            }
-            match (start, before) {
-                (Some(start), _) if *cycle == Cycle::Next => cycles.add(run.began - start),
-                (_, Some(before)) if cycles.count == 0 => periods.add(run.began - before),
-                _ => {}
-            }
-            before = Some(run.began);
-            if *cycle != Cycle::No {
-                start = Some(run.began);
-            }
-        }
+    fn group(&self, key: &[String], kinds: &[u32], sum: &OfGroup) -> Group {
+        let kind = |place: usize| {
+            let number = kinds.get(place).copied()?;
+            self.kinds.all.get(number as usize)
+        };
         // Several kinds of lines can have the same events. They stand together by the event from which, in order
         // of its first appearance.
         let mut transitions: Vec<Transition> = Vec::new();
         let mut froms: FxHashMap<&str, usize> = FxHashMap::default();
         let mut places: Vec<usize> = Vec::new();
-        for number in order {
-            let Some(of) = self.kinds.all.get(number as usize) else {
-                continue;
-            };
-            let count = counts.get(number as usize).copied().unwrap_or(0);
+        for &place in &sum.order {
+            let Some(of) = kind(place) else { continue };
+            let count = sum.counts.get(place).copied().unwrap_or(0);
             let same = |it: &&mut Transition| it.from == of.from && it.to == of.to;
             if let Some(known) = transitions.iter_mut().find(same) {
                 known.count += count;
@@ -198,46 +275,73 @@ impl Collector {
         }
         let mut placed: Vec<_> = places.into_iter().zip(transitions).collect();
         placed.sort_by_key(|it| it.0);
-        let first = runs.first().and_then(|it| kind(&it.0));
+        let first = sum.order.first().and_then(|&it| kind(it));
+        let first = first.filter(|_| key.len() == 4);
         Group {
             key: key.to_vec(),
-            function: first
-                .filter(|_| key.len() == 4)
-                .map(|it| it.function.clone()),
-            execution: execution.times().unwrap_or(Times {
+            function: first.map(|it| it.function.clone()),
+            execution: sum.execution.times().unwrap_or(Times {
                 count: 0,
                 least: 0,
                 greatest: 0,
                 mean: 0,
                 deviation: 0,
             }),
-            cycle: cycles.times().or(periods.times()),
+            cycle: sum.cycles.times().or(sum.periods.times()),
             transitions: placed.into_iter().map(|it| it.1).collect(),
         }
     }
 }
 
-fn mark_cycles(kinds: &Kinds, runs: &mut [(Run, Cycle)]) {
-    let starts: Vec<bool> = kinds
-        .all
-        .iter()
-        .map(|it| it.from.ends_with("::start"))
-        .collect();
-    let pauses: Vec<bool> = kinds
-        .all
-        .iter()
-        .map(|it| it.to.contains("::pause::"))
-        .collect();
-    let is = |all: &[bool], run: &Run| all.get(run.kind as usize).copied().unwrap_or(false);
-    let mut paused = false;
-    for (run, cycle) in runs {
-        if is(&starts, run) {
-            *cycle = Cycle::First;
-        } else if paused {
-            *cycle = Cycle::Next;
+/// What is summed up of a group.
+#[derive(Debug, Default)]
+struct OfGroup {
+    /// The last line, and the place of its kind: one of the same time may follow and replace it.
+    pending: Option<(Entry, usize)>,
+    has_cycles: bool,
+    execution: Sum,
+    cycles: Sum,
+    periods: Sum,
+    before: Option<i64>,
+    start: Option<i64>,
+    /// By place of the kind.
+    counts: Vec<u64>,
+    /// Places of kinds, in order of first appearance.
+    order: Vec<usize>,
+}
+
+impl OfGroup {
+    fn next(&mut self, entry: Entry, place: usize) {
+        if self
+            .pending
+            .is_some_and(|it| it.0.run.asked != entry.run.asked)
+        {
+            self.flush();
         }
-        // A mark of an earlier file stays, as it does there.
-        paused = is(&pauses, run);
+        self.pending = Some((entry, place));
+    }
+
+    fn flush(&mut self) {
+        let Some((Entry { run, cycle }, place)) = self.pending.take() else {
+            return;
+        };
+        let cycle = if self.has_cycles { cycle } else { Cycle::No };
+        self.execution.add(run.ended - run.began);
+        if let Some(count) = self.counts.get_mut(place) {
+            if *count == 0 {
+                self.order.push(place);
+            }
+            *count += 1;
+        }
+        match (self.start, self.before) {
+            (Some(start), _) if cycle == Cycle::Next => self.cycles.add(run.began - start),
+            (_, Some(before)) if self.cycles.count == 0 => self.periods.add(run.began - before),
+            _ => {}
+        }
+        self.before = Some(run.began);
+        if cycle != Cycle::No {
+            self.start = Some(run.began);
+        }
     }
 }
 

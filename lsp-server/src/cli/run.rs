@@ -1,9 +1,10 @@
 //! `dotgen run`
 
-mod bounds;
+pub(super) mod bounds;
 mod execute;
 #[cfg(unix)]
 mod hosted;
+mod recorder;
 #[cfg(unix)]
 mod serve;
 mod text;
@@ -28,9 +29,9 @@ use num_rational::Ratio;
 use super::verify::told::Told;
 use super::verify::{Cores, PolicyName, SemanticsName, body, cores, interrupt, parsed, problems};
 use super::{Outcome, Reading, trace};
-use crate::files::disk::Stream;
 use crate::verification::Problem;
 use crate::verification::timeline::Ending;
+use recorder::Recorder;
 
 /// Run components, with the checks of a scenario watched
 ///
@@ -110,7 +111,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE")]
     profile: Option<Utf8PathBuf>,
 
-    /// Write the first run to this file, for the trace viewer (docs/trace.md)
+    /// Write the run to this file: a FILE.pftrace (tasks, cores, locks, requests) for https://ui.perfetto.dev, a
+    /// FILE.json (the first run) for the trace viewer
     #[arg(long, value_name = "FILE")]
     trace: Option<Utf8PathBuf>,
 
@@ -175,6 +177,20 @@ enum Format {
     Json,
 }
 
+/// Ending of the names of traces that Perfetto opens.
+const PERFETTO: &str = "pftrace";
+
+/// A file, and how many of what are in it.
+type Written = (Utf8PathBuf, u64, Contents);
+
+/// What stands in a file.
+#[derive(Debug, Clone, Copy)]
+enum Contents {
+    Lines,
+    Codels,
+    Steps,
+}
+
 /// A run that is over.
 struct Answer {
     problem: Problem,
@@ -183,10 +199,8 @@ struct Answer {
     clock: Clock,
     /// How many codels were executed, of how many.
     executed: (usize, usize),
-    /// What was written, if anything.
-    profile: Option<(Utf8PathBuf, u64)>,
-    /// Likewise, and how many steps.
-    trace: Option<(Utf8PathBuf, usize)>,
+    /// Files that were written.
+    written: Vec<Written>,
 }
 
 /// A time with its unit.
@@ -260,16 +274,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         }
         let bounds = bounds::of_tasks(arguments.bounds, &problem, &options, &prepared, &interrupt);
         let names = Names::new(&input.specs);
-        let mut profile = match &arguments.profile {
-            Some(path) => {
-                let stream = Stream::create(path.as_std_path());
-                Some((
-                    path,
-                    stream.with_context(|| format!("cannot write `{path}`"))?,
-                ))
-            }
-            None => None,
+        let (trace, perfetto) = match &arguments.trace {
+            Some(path) if path.extension() == Some(PERFETTO) => (None, Some(path)),
+            other => (other.as_ref(), None),
         };
+        let log = arguments.profile.as_ref();
+        let mut recorder =
+            Recorder::new(log.map(|it| it.as_path()), perfetto.map(|it| it.as_path()))?;
         let context = execute::Context {
             session: &session,
             problem: &problem,
@@ -278,8 +289,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             bounds,
             interrupt: &interrupt,
         };
-        let stream = profile.as_mut().map(|it| &mut it.1);
-        let Some(run) = context.run(arguments, prepared, stream)? else {
+        let Some(run) = context.run(arguments, prepared, recorder.as_mut())? else {
             return Ok(Outcome::Unusable);
         };
         let execute::Run {
@@ -288,39 +298,34 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             lines,
             told,
         } = run;
-        let profile = match profile {
-            Some((path, stream)) => {
-                let wrong = || format!("cannot write `{path}`");
-                stream.finish().with_context(wrong)?;
-                Some((path.clone(), lines))
-            }
-            None => None,
-        };
-        let trace = match (&arguments.trace, told) {
-            (Some(path), Some(run)) => {
-                let recorded = trace::Recorded {
-                    title: format!("a run of {}, seed {}", report.scenario, arguments.seed),
-                    unit: &report.unit,
-                    events: &run.events,
-                    ending: Ending::Fine,
-                    cycle: None,
-                    notes: match run.left_out {
-                        true => vec!["the run goes on, but not here: it is too long".to_owned()],
-                        false => Vec::new(),
-                    },
-                };
-                let steps = trace::write(path, recorded, &problem, &options)?;
-                Some((path.clone(), steps))
-            }
-            _ => None,
-        };
+        let mut written = Vec::new();
+        if let Some(recorder) = recorder {
+            recorder.finish(&names)?;
+            let files = [(log, Contents::Lines), (perfetto, Contents::Codels)];
+            let files = files.into_iter().filter_map(|(path, of)| Some((path?, of)));
+            written.extend(files.map(|(path, of)| (path.clone(), lines, of)));
+        }
+        if let (Some(path), Some(run)) = (trace, told) {
+            let recorded = trace::Recorded {
+                title: format!("a run of {}, seed {}", report.scenario, arguments.seed),
+                unit: &report.unit,
+                events: &run.events,
+                ending: Ending::Fine,
+                cycle: None,
+                notes: match run.left_out {
+                    true => vec!["the run goes on, but not here: it is too long".to_owned()],
+                    false => Vec::new(),
+                },
+            };
+            let steps = trace::write(path, recorded, &problem, &options)?;
+            written.push((path.clone(), u64::try_from(steps)?, Contents::Steps));
+        }
         answers.push(Answer {
             clock: arguments.clock,
             executed,
             options,
             report,
-            profile,
-            trace,
+            written,
             problem,
         });
     }
@@ -359,7 +364,7 @@ impl Arguments {
                 DurationsName::Best => decide::Durations::Best,
             },
             stop_at_violation: self.on_violation == OnViolation::Stop,
-            record: self.trace.is_some(),
+            record: (self.trace.as_ref()).is_some_and(|it| it.extension() != Some(PERFETTO)),
         }
     }
 }

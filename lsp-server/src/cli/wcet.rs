@@ -1,7 +1,7 @@
 //! `dotgen wcet`: execution times from recorded runs.
 
 mod import;
-mod stats;
+pub(super) mod stats;
 
 use std::fs::File;
 use std::io::Read;
@@ -15,7 +15,7 @@ use super::Outcome;
 use super::session::is_standard_input;
 
 /// Bytes that are read at once.
-const PIECE: usize = 1 << 18;
+pub(super) const PIECE: usize = 1 << 18;
 
 /// Execution times from recorded runs
 ///

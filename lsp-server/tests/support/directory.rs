@@ -61,6 +61,11 @@ impl Directory {
         command
     }
 
+    /// The text of a file.
+    pub(crate) fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.0.path().join(name)).expect("a file")
+    }
+
     pub(crate) fn path(&self) -> &Path {
         self.0.path()
     }

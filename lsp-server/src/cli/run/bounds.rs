@@ -26,7 +26,7 @@ pub(in crate::cli) enum Source {
 const STATES: usize = 200_000;
 
 /// By task; `None` where no bound is known.
-pub(super) fn of_tasks(
+pub(in crate::cli) fn of_tasks(
     source: Source,
     problem: &Problem,
     options: &Options,

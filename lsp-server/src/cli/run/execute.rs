@@ -8,9 +8,9 @@ use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::Ticks;
 use dotgen_timing::verify::{Interrupt, Options, Prepared, SystemInput};
 
+use super::recorder::Recorder;
 use super::{Arguments, Clock, Simulate};
 use crate::cli::session::Session;
-use crate::files::disk::Stream;
 use crate::verification::Problem;
 
 /// What a run is about.
@@ -48,7 +48,7 @@ impl Context<'_, '_> {
         &self,
         arguments: &Arguments,
         prepared: Prepared,
-        stream: Option<&mut Stream>,
+        stream: Option<&mut Recorder<'_>>,
     ) -> anyhow::Result<Option<Run>> {
         let real = arguments.clock == Clock::Real;
         if arguments.simulate == Simulate::All && !real {
@@ -64,7 +64,7 @@ impl Context<'_, '_> {
         &self,
         arguments: &Arguments,
         prepared: &Prepared,
-        stream: Option<&mut Stream>,
+        stream: Option<&mut Recorder<'_>>,
     ) -> anyhow::Result<Run> {
         let plan = arguments.plan(prepared);
         let system = &prepared.built.system;
@@ -104,7 +104,7 @@ impl Context<'_, '_> {
         &self,
         arguments: &Arguments,
         prepared: &Prepared,
-        stream: Option<&mut Stream>,
+        stream: Option<&mut Recorder<'_>>,
     ) -> anyhow::Result<Option<Run>> {
         use super::hosted;
         use crate::hosting::children::Children;
@@ -193,7 +193,7 @@ impl Context<'_, '_> {
     }
 }
 
-fn lines(profile: Option<Profile<'_, &mut Stream>>) -> anyhow::Result<u64> {
+fn lines(profile: Option<Profile<'_, &mut Recorder<'_>>>) -> anyhow::Result<u64> {
     Ok(match profile {
         Some(profile) => profile.finish()?.1,
         None => 0,

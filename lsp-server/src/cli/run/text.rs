@@ -72,13 +72,14 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
     for it in &report.notes {
         writeln!(out, "{TITLE}note{TITLE:#}: {it}")?;
     }
-    if let Some((path, steps)) = &answer.trace {
+    for (path, count, of) in &answer.written {
+        let what = match of {
+            Contents::Lines => "lines",
+            Contents::Codels => "runs of codels",
+            Contents::Steps => "steps",
+        };
         let path = terminal::name(path.as_str());
-        writeln!(out, "{TITLE}note{TITLE:#}: wrote {steps} steps to {path}")?;
-    }
-    if let Some((path, lines)) = &answer.profile {
-        let path = terminal::name(path.as_str());
-        writeln!(out, "{TITLE}note{TITLE:#}: wrote {lines} lines to {path}")?;
+        writeln!(out, "{TITLE}note{TITLE:#}: wrote {count} {what} to {path}")?;
     }
     let (style, what) = match report.violation_count {
         0 => (GOOD, "nothing violated".to_owned()),

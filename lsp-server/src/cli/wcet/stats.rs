@@ -46,12 +46,8 @@ struct Document<'d> {
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let mut collector = Collector::default();
-    let mut left = Left::default();
     for log in &arguments.logs {
-        read_log(log, |_, line, ended| {
-            left.sift(line, ended);
-            collector.line(line);
-        })?;
+        read_log(log, |_, line, ended| collector.line(line, ended))?;
         collector.file_ended();
     }
     let groups = collector.groups_in_order();
@@ -61,11 +57,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             let document = Document {
                 format: 1,
                 groups: &groups,
-                left: &left,
+                left: &collector.left,
             };
             serde_json::to_string_pretty(&document)? + "\n"
         }
-        Format::Text => return print(&groups, &left),
+        Format::Text => return print(&groups, &collector.left),
     };
     std::io::stdout().write_all(text.as_bytes())?;
     Ok(Outcome::Fine)
@@ -80,7 +76,11 @@ fn print(groups: &[Group], left: &Left) -> anyhow::Result<Outcome> {
             2 => it.key.join(" "),
             _ => it.key.last().cloned().unwrap_or_default(),
         };
-        let function = it.function.as_ref();
+        let name = match name.is_empty() {
+            true => "(missing)".to_owned(),
+            false => name,
+        };
+        let function = it.function.as_ref().filter(|it| !it.is_empty());
         let function = function.map_or(String::new(), |it| format!(" ({it})"));
         let indent = "  ".repeat(depth.saturating_sub(2));
         let name = terminal::text(&format!("{name}{function}")).into_owned();
@@ -165,7 +165,7 @@ pub(in crate::cli) fn told(left: &Left) -> Vec<String> {
             "with times that go backwards: the clock was set meanwhile",
         ),
         one(left.cut, "cut: columns or their end are missing"),
-        one(left.garbage, "that are none of a log"),
+        one(left.garbage, "not of a log"),
     ];
     all.into_iter().flatten().collect()
 }

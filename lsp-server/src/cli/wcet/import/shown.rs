@@ -130,6 +130,7 @@ fn why(stray: Stray) -> &'static str {
         Stray::State => "there is no such state or codel",
         Stray::Function => "the specification has another function there",
         Stray::WrongTask => "the activity belongs to another task",
+        Stray::NoCodel => "the attribute is handled without a codel",
     }
 }
 

@@ -1,0 +1,234 @@
+//! `dotgen monitor`
+
+mod text;
+
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom, Write};
+use std::time::Duration;
+
+use anyhow::{Context, bail};
+use camino::{Utf8Path, Utf8PathBuf};
+use clap::{Args, ValueEnum};
+use dotgen_recording::log::Lines;
+use dotgen_recording::monitor::{Monitor, Report};
+use dotgen_recording::trace::Trace;
+use dotgen_timing::remark::together;
+use dotgen_timing::scn::names::Names;
+use dotgen_timing::verify::{Interrupt, Options, SystemInput, prepare};
+
+use super::run::bounds;
+use super::session::{display, is_standard_input};
+use super::verify::told::Told;
+use super::verify::{Cores, PolicyName, SemanticsName, cores, interrupt, problems};
+use super::wcet::{PIECE, given, read_log};
+use super::{Outcome, Reading};
+use crate::files::disk::Stream;
+
+/// How long to wait for more of a log that is followed.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// Hold recorded runs to their model
+///
+/// LOGs are those of GenoM3's profiler, of one run each: servers that are generated with profiling write them, and `dotgen
+/// run --profile` does. What no run of the model shows is told: undeclared codels and transitions, codels that take longer
+/// than declared, locks out of turn, ticks that drift, response times beyond their bounds. So are transitions that were
+/// never taken, which is no deviation.
+///
+/// Exit status: 0 if nothing deviates, 1 if something does, 2 if nothing could be compared.
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// Logs (`-` is standard input), and a scenario (.scn) or specifications (.gen)
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<Utf8PathBuf>,
+
+    /// Read on as the log grows, and tell of deviations as they come, until Ctrl-C
+    #[arg(long)]
+    follow: bool,
+
+    /// Number of cores, or `free` for as many as there are tasks
+    #[arg(long, value_name = "N|free", value_parser = cores)]
+    cores: Option<Cores>,
+
+    /// What the model follows
+    #[arg(long, value_enum)]
+    semantics: Option<SemanticsName>,
+
+    /// Order in which tasks get a core
+    #[arg(long, value_enum)]
+    policy: Option<PolicyName>,
+
+    /// What response times are compared with
+    #[arg(long, value_enum, default_value_t = bounds::Source::Proved)]
+    bounds: bounds::Source,
+
+    /// Write the log as a trace to this file (.pftrace), which https://ui.perfetto.dev opens
+    #[arg(long, value_name = "FILE", conflicts_with = "follow")]
+    trace: Option<Utf8PathBuf>,
+
+    /// How to print what came of it
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+
+    #[command(flatten)]
+    reading: Reading,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// For people
+    Text,
+    /// For programs
+    Json,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    let files = given(&arguments.files)?;
+    if files.texts.is_empty() {
+        bail!("name the scenario (.scn) that the log is held to, or its specification (.gen)");
+    }
+    if arguments.follow && files.logs.len() > 1 {
+        bail!("`--follow` follows one log");
+    }
+    let interrupt = interrupt::on_terminal();
+    let mut all = problems(&files.texts, &arguments.reading)?;
+    let (Some((session, problem)), true) = (all.pop(), all.is_empty()) else {
+        bail!("name one scenario, or specifications");
+    };
+    if !problem.errors.is_empty() {
+        Told::about(&session, &problem, problem.errors.clone())?.print()?;
+        return Ok(Outcome::Unusable);
+    }
+    let options = Options {
+        cores: arguments.cores.map(|it| it.0),
+        policy: arguments.policy.map(PolicyName::policy),
+        semantics: arguments.semantics.map(SemanticsName::preset),
+        ..Options::default()
+    };
+    let input = SystemInput {
+        specs: problem.specs(),
+    };
+    let prepared = prepare(&input, &problem.scenario, &options);
+    if prepared.report.has_errors() {
+        let told = together(&prepared.report.diagnostics);
+        Told::by_verifier(&session, &problem, &told, &[])?.print()?;
+        return Ok(Outcome::Unusable);
+    }
+    let bounds = bounds::of_tasks(arguments.bounds, &problem, &options, &prepared, &interrupt);
+    let names = Names::new(&input.specs);
+    let system = &prepared.built.system;
+    // Each log is that of one run: what was awaited at the end of one does not come in the next.
+    let mut reports = Vec::new();
+    let mut trace = arguments.trace.is_some().then(Trace::default);
+    for log in &files.logs {
+        let mut monitor = Monitor::new(system, &names, bounds.clone());
+        match arguments.follow {
+            true => follow(log, &mut monitor, arguments.format, &interrupt)?,
+            false => read_log(log, |number, line, ended| {
+                monitor.line(number, line, ended);
+                if let Some(trace) = &mut trace {
+                    trace.line(line, ended);
+                }
+            })?,
+        }
+        reports.push((log.clone(), monitor.report_so_far()));
+    }
+    if let (Some(path), Some(trace)) = (&arguments.trace, trace) {
+        write_trace(path, &trace.finish(Some(&names)))?;
+    }
+    let empty = |it: &(Utf8PathBuf, Report)| it.1.runs == 0 && it.1.deviation_count == 0;
+    let title = match problem.scenario.name.as_str() {
+        "" => display(&problem.path),
+        name => name.to_owned(),
+    };
+    match arguments.format {
+        Format::Text => text::print(&title, &reports)?,
+        Format::Json => print_json(&title, &reports)?,
+    }
+    if reports.iter().all(empty) {
+        bail!("the log has no line of a codel of {title}");
+    }
+    let deviates = reports.iter().any(|it| it.1.deviation_count > 0);
+    Ok(match deviates {
+        true => Outcome::Errors,
+        false => Outcome::Fine,
+    })
+}
+
+/// Reads a log as it grows. A pipe ends with its writer, a file with Ctrl-C.
+fn follow(
+    path: &Utf8Path,
+    monitor: &mut Monitor<'_>,
+    format: Format,
+    interrupt: &Interrupt,
+) -> anyhow::Result<()> {
+    let wrong = || format!("cannot read `{path}`");
+    let mut file = match is_standard_input(path) {
+        true => None,
+        false => Some(File::open(path).with_context(wrong)?),
+    };
+    let is_file = file.as_ref().and_then(|it| it.metadata().ok());
+    let is_file = is_file.is_some_and(|it| it.is_file());
+    let mut piece = vec![0; PIECE];
+    let mut lines = Lines::default();
+    let (mut told, mut place) = (0, 0u64);
+    loop {
+        let length = match &mut file {
+            Some(file) => file.read(&mut piece),
+            None => std::io::stdin().lock().read(&mut piece),
+        };
+        let length = match length {
+            Ok(length) => length,
+            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => continue,
+            Err(error) => return Err(error).with_context(wrong),
+        };
+        place += length as u64;
+        let read = piece.get(..length).unwrap_or_default();
+        lines.feed(read, |number, line| monitor.line(number, line, true));
+        let fresh = monitor.found(told);
+        told += fresh.len();
+        if format == Format::Text {
+            text::as_they_come(fresh)?;
+        }
+        if interrupt.is_raised() {
+            break;
+        }
+        if length > 0 {
+            continue;
+        }
+        let Some(file) = file.as_mut().filter(|_| is_file) else {
+            break;
+        };
+        // A server that was started anew has emptied it.
+        if file.metadata().with_context(wrong)?.len() < place {
+            file.seek(SeekFrom::Start(0)).with_context(wrong)?;
+            (place, lines) = (0, Lines::default());
+        }
+        std::thread::sleep(PAUSE);
+    }
+    Ok(())
+}
+
+fn write_trace(path: &Utf8Path, bytes: &[u8]) -> anyhow::Result<()> {
+    let wrong = || format!("cannot write `{path}`");
+    let mut stream = Stream::create(path.as_std_path()).with_context(wrong)?;
+    stream.write_all(bytes).with_context(wrong)?;
+    stream.finish().with_context(wrong)
+}
+
+/// One document: an object for one log, a list for several.
+fn print_json(title: &str, reports: &[(Utf8PathBuf, Report)]) -> anyhow::Result<()> {
+    let mut documents = Vec::new();
+    for (log, report) in reports {
+        let mut document = serde_json::to_value(report)?;
+        document["scenario"] = title.into();
+        document["log"] = log.as_str().into();
+        documents.push(document);
+    }
+    let document = match documents.len() {
+        1 => documents.remove(0),
+        _ => serde_json::Value::Array(documents),
+    };
+    let text = serde_json::to_string_pretty(&document)? + "\n";
+    std::io::stdout().write_all(text.as_bytes())?;
+    Ok(())
+}

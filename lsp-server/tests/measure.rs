@@ -1,0 +1,621 @@
+//! `dotgen wcet` and `dotgen monitor`, as users and scripts run them.
+
+use std::io::{BufRead, BufReader, Write};
+use std::process::{Output, Stdio};
+
+use serde_json::Value;
+
+#[path = "support/directory.rs"]
+mod directory;
+
+use directory::{Directory, status, stderr, stdout};
+
+const SPEC: &str = "\
+component cell {
+  version \"1.0\"; lang \"c\";
+  ids { long it, other; };
+  task beat {
+    period 10 ms;
+    codel<start> beat_start(out it) yield pause::main;
+    codel<main, again> beat_main(inout it)
+      yield pause::main, again wcet 2 ms;
+  };
+  task rest {
+    period 40 ms;
+    codel<start> common(inout other) yield second;
+    async codel<second> rest_second(inout other) yield pause::start;
+  };
+  task last {
+    period 80 ms;
+    codel<start> common(inout other) yield pause::start;
+  };
+  activity go(in long x) {
+    task beat;
+    validate go_check(in x);
+    codel<start> go_start(in x) yield ether;
+    codel<stop> go_stop(in x) yield ether;
+  };
+};
+";
+
+const SCENARIO: &str = "\
+scenario cell {
+  use \"cell.gen\"; // the one
+  duration cell.beat.start [5,100] us; // measured once
+  check schedulable *;
+}
+";
+
+/// A line: when it began, how long it took (both in microseconds), and its names.
+fn line(began: u64, took: u64, names: &str) -> String {
+    let stamp = |it: u64| format!("{}.{:06}000", it / 1_000_000, it % 1_000_000);
+    let (began, ended) = (stamp(began), stamp(began + took));
+    format!("{began} {began} {ended} cell {names}\n")
+}
+
+fn log() -> String {
+    [
+        line(
+            10_000,
+            100,
+            "beat <permanent> beat_start ::cell::start ::cell::pause::main",
+        ),
+        line(
+            20_000,
+            1_500,
+            "beat <permanent> beat_main ::cell::main ::cell::again",
+        ),
+        line(
+            22_000,
+            2_500,
+            "beat <permanent> beat_main ::cell::again ::cell::pause::main",
+        ),
+        line(
+            40_000,
+            300,
+            "rest <permanent> common ::cell::start ::cell::second",
+        ),
+        line(
+            41_000,
+            410,
+            "rest <permanent> rest_second ::cell::second ::cell::pause::start",
+        ),
+        line(
+            45_000,
+            250,
+            "last <permanent> common ::cell::start ::cell::pause::start",
+        ),
+        line(50_000, 7, "<control> go go_check validate ::genom::ok"),
+        line(51_000, 20, "beat go go_start ::cell::start ::cell::ether"),
+        line(52_000, 90_000, "beat go genom_prof_record profiling wakeup"),
+        "9.000000000 9.000000000 9.100000000 genom profiling writer prof_writer wakeup sleep\n"
+            .to_owned(),
+        "9.000000000 9.000000000 8.000000000 cell beat go go_start ::cell::start ::cell::ether\n"
+            .to_owned(),
+        "rubbish\n".to_owned(),
+        line(
+            60_000,
+            60_000_000,
+            "beat <permanent> beat_main ::cell::main",
+        )[..40]
+            .to_owned(),
+    ]
+    .concat()
+}
+
+fn files() -> Directory {
+    Directory::new(&[
+        ("cell.gen", SPEC),
+        ("cell.scn", SCENARIO),
+        ("run.out", &log()),
+    ])
+}
+
+fn put(directory: &Directory, name: &str, text: &str) {
+    directory.write(name, text.as_bytes());
+}
+
+fn dotgen(directory: &Directory, arguments: &[&str]) -> Output {
+    directory.run(arguments)
+}
+
+fn json(output: &Output) -> Value {
+    let text = stdout(output);
+    serde_json::from_str(&text).unwrap_or_else(|it| panic!("{it}: {text}{}", stderr(output)))
+}
+
+fn import(directory: &Directory, arguments: &[&str]) -> Value {
+    let all = [&["wcet", "import", "--format", "json"], arguments].concat();
+    let output = dotgen(directory, &all);
+    assert_eq!(status(&output), 0, "{}", stderr(&output));
+    json(&output)
+}
+
+#[test]
+fn measured_times_become_clauses() {
+    let directory = files();
+    let report = import(&directory, &["run.out", "cell.gen"]);
+    let expected = SPEC
+        .replace("yield pause::main;", "yield pause::main wcet 120 us;")
+        .replace("again wcet 2 ms", "again wcet 3 ms")
+        .replace("yield second;", "yield second wcet 360 us;")
+        .replace(
+            "second(inout other) yield pause::start;",
+            "second(inout other) yield pause::start wcet 500 us;",
+        )
+        .replace(
+            "common(inout other) yield pause::start;",
+            "common(inout other) yield pause::start wcet 300 us;",
+        )
+        .replace("go_check(in x);", "go_check(in x) wcet 9 us;")
+        .replace(
+            "go_start(in x) yield ether;",
+            "go_start(in x) yield ether wcet 24 us;",
+        );
+    assert_eq!(directory.read("cell.gen"), expected);
+    let of = |path: &str, key: &str| -> Value {
+        let codels = report["codels"].as_array().expect("a list");
+        let codel = codels.iter().find(|it| it["codel"] == path);
+        codel.unwrap_or_else(|| panic!("{path}"))[key].clone()
+    };
+    // One declaration for two states: the greatest of both.
+    assert_eq!(of("cell.beat.main", "greatest"), 1_500_000);
+    assert_eq!(of("cell.beat.main", "proposed"), 3_000_000);
+    assert_eq!(of("cell.beat.again", "decision"), "raised");
+    assert_eq!(of("cell.beat.again", "line"), 3);
+    assert_eq!(of("cell.beat.start", "decision"), "new");
+    assert_eq!(report["never-seen"], serde_json::json!(["cell.go.stop"]));
+    let left = serde_json::json!({
+        "recorder": 1, "overloads": 1, "clock-steps": 1, "cut": 1, "garbage": 1,
+    });
+    assert_eq!(report["left"], left);
+    assert_eq!(report["unknown"], serde_json::json!([]));
+    // Once more: nothing is left to do.
+    let again = import(&directory, &["run.out", "cell.gen"]);
+    assert_eq!(again["changed"], serde_json::json!([]));
+    assert_eq!(directory.read("cell.gen"), expected);
+    assert_eq!(status(&dotgen(&directory, &["check", "cell.gen"])), 0);
+}
+
+#[test]
+fn nothing_is_lowered_unasked() {
+    let directory = files();
+    let declared = SPEC.replace("again wcet 2 ms", "again wcet 20 ms");
+    put(&directory, "cell.gen", &declared);
+    import(&directory, &["run.out", "cell.gen"]);
+    assert!(directory.read("cell.gen").contains("wcet 20 ms"));
+    import(
+        &directory,
+        &["run.out", "cell.gen", "--replace", "--margin", "1"],
+    );
+    let text = directory.read("cell.gen");
+    assert!(text.contains("again wcet 2500 us;"), "{text}");
+    // What was written with a greater margin is lowered as well.
+    assert!(text.contains("yield second wcet 300 us;"), "{text}");
+}
+
+#[test]
+fn a_pragma_is_about_all_uses_of_a_function() {
+    let directory = files();
+    let without = SPEC.replace(" wcet 2 ms", "");
+    put(&directory, "cell.gen", &without);
+    import(&directory, &["run.out", "cell.gen", "--as", "pragma"]);
+    let text = directory.read("cell.gen");
+    assert!(
+        text.contains("\n#pragma wcet common 360 us\n    codel<start> common("),
+        "{text}"
+    );
+    assert_eq!(text.matches("#pragma wcet").count(), 6, "{text}");
+    let rest: String = (text.lines().filter(|it| !it.starts_with("#pragma")))
+        .map(|it| format!("{it}\n"))
+        .collect();
+    assert_eq!(rest, without);
+    assert_eq!(status(&dotgen(&directory, &["check", "cell.gen"])), 0);
+    // They stay pragmas.
+    import(&directory, &["run.out", "cell.gen", "--margin", "2"]);
+    let text = directory.read("cell.gen");
+    assert!(text.contains("\n#pragma wcet common 600 us\n"), "{text}");
+    assert_eq!(text.matches("wcet").count(), 6, "{text}");
+}
+
+#[test]
+fn bytes_that_are_no_utf8_and_line_ends_stay() {
+    for form in ["clause", "pragma"] {
+        let directory = files();
+        let without = SPEC.replace(" wcet 2 ms", "");
+        let mut bytes = without.replace('\n', "\r\n").into_bytes();
+        bytes.extend_from_slice(b"// caf\xe9 \xff\r\n/* no end of line */");
+        let path = directory.path().join("cell.gen");
+        std::fs::write(&path, &bytes).expect("written");
+        import(&directory, &["run.out", "cell.gen", "--as", form]);
+        let new = std::fs::read(&path).expect("read");
+        assert_ne!(new, bytes);
+        // What was inserted is all that differs.
+        let mut old = bytes.iter().peekable();
+        for it in &new {
+            old.next_if_eq(&it);
+        }
+        assert_eq!(old.next(), None, "{}", String::from_utf8_lossy(&new));
+        assert!(new.ends_with(b"// caf\xe9 \xff\r\n/* no end of line */"));
+        let alone = new.windows(2).filter(|it| it[1] == b'\n' && it[0] != b'\r');
+        assert_eq!(alone.count(), 0);
+    }
+}
+
+#[test]
+fn what_comes_from_a_macro_is_left_to_people() {
+    let directory = files();
+    let text = SPEC
+        .replacen(
+            "component",
+            "#define TIME wcet 2 ms\n#define BODY go_start(in x) yield ether\ncomponent",
+            1,
+        )
+        .replace("wcet 2 ms;", "TIME;")
+        .replace(
+            "codel<start> go_start(in x) yield ether;",
+            "codel<start> BODY;",
+        );
+    put(&directory, "cell.gen", &text);
+    let output = dotgen(&directory, &["wcet", "import", "run.out", "cell.gen"]);
+    assert_eq!(status(&output), 1, "{}", stderr(&output));
+    let told = stdout(&output);
+    assert!(
+        told.contains("not written: the time of beat_main"),
+        "{told}"
+    );
+    let new = directory.read("cell.gen");
+    assert!(new.contains("again TIME;"), "{new}");
+    assert!(new.contains("yield pause::main wcet 120 us;"), "{new}");
+}
+
+#[test]
+fn a_scenario_can_have_the_times() {
+    let directory = files();
+    import(&directory, &["run.out", "cell.scn", "--as", "sidecar"]);
+    let expected = "\
+scenario cell {
+  use \"cell.gen\"; // the one
+  duration cell.beat.start [5,120] us; // measured once
+  check schedulable *;
+}
+";
+    let text = directory.read("cell.scn");
+    let lines: Vec<&str> = text.lines().filter(|it| !expected.contains(*it)).collect();
+    let fresh = [
+        "  duration cell.beat.start [5,120] us;",
+        "  duration cell.beat.again [0,3000] us;",
+        "  duration cell.rest.start [0,360] us;",
+        "  duration cell.rest.second [0,500] us;",
+        "  duration cell.last.start [0,300] us;",
+        "  duration cell.go.go_check [0,9] us;",
+        "  duration cell.go.start [0,24] us;",
+    ];
+    for it in fresh {
+        assert!(text.contains(it), "{it}\n{text}");
+    }
+    assert!(lines.len() <= fresh.len(), "{text}");
+    assert_eq!(directory.read("cell.gen"), SPEC);
+    let verified = dotgen(&directory, &["verify", "cell.scn"]);
+    assert!(
+        !stderr(&verified).contains("error"),
+        "{}",
+        stderr(&verified)
+    );
+    let again = import(&directory, &["run.out", "cell.scn", "--as", "sidecar"]);
+    assert_eq!(again["changed"], serde_json::json!([]));
+    // Without a scenario there is no place for them.
+    let output = dotgen(
+        &directory,
+        &["wcet", "import", "run.out", "cell.gen", "--as", "sidecar"],
+    );
+    assert_eq!(status(&output), 2);
+    assert!(
+        stderr(&output).contains("name one (.scn)"),
+        "{}",
+        stderr(&output)
+    );
+}
+
+#[test]
+fn a_diff_writes_nothing() {
+    let directory = files();
+    for option in ["--diff", "--dry-run"] {
+        let output = dotgen(&directory, &["wcet", "import", "run.out", option]);
+        assert_eq!(status(&output), 0, "{}", stderr(&output));
+        let diff = stdout(&output);
+        assert!(diff.starts_with("--- cell.gen\n+++ cell.gen\n"), "{diff}");
+        assert!(
+            diff.contains("\n+      yield pause::main, again wcet 3 ms;\n"),
+            "{diff}"
+        );
+        assert!(
+            stderr(&output).contains("would change cell.gen"),
+            "{}",
+            stderr(&output)
+        );
+        assert_eq!(directory.read("cell.gen"), SPEC);
+    }
+}
+
+#[test]
+fn logs_of_others_are_named() {
+    let directory = files();
+    let strange = line(1_000, 1, "beat go go_start ::cell::nowhere ::cell::ether")
+        + &line(2_000, 1, "beat go other ::cell::start ::cell::ether");
+    put(
+        &directory,
+        "run.out",
+        &(log().replace("rubbish\n", &strange)),
+    );
+    let report = import(&directory, &["run.out"]);
+    let whys: Vec<&Value> = (report["unknown"].as_array().expect("a list").iter())
+        .map(|it| &it["why"])
+        .collect();
+    assert_eq!(whys, ["state", "function"]);
+    put(&directory, "run.out", &log().replace("cell", "bell"));
+    let output = dotgen(&directory, &["wcet", "import", "run.out"]);
+    assert_eq!(status(&output), 2);
+    assert!(
+        stderr(&output).contains("of other components"),
+        "{}",
+        stderr(&output)
+    );
+    put(&directory, "run.out", "");
+    let output = dotgen(&directory, &["wcet", "import", "run.out"]);
+    assert!(
+        stderr(&output).contains("the log is empty"),
+        "{}",
+        stderr(&output)
+    );
+    for wrong in [
+        &["missing.out", "cell.gen"][..],
+        &["cell.gen"],
+        &["run.out", "--margin", "0.5"],
+    ] {
+        let output = dotgen(&directory, &[&["wcet", "import"], wrong].concat());
+        assert_eq!(status(&output), 2, "{wrong:?}");
+    }
+}
+
+#[test]
+fn statistics_for_people() {
+    let directory = files();
+    let output = dotgen(&directory, &["wcet", "stats", "run.out"]);
+    assert_eq!(status(&output), 0, "{}", stderr(&output));
+    insta::assert_snapshot!(stdout(&output));
+}
+
+/// A recorded run of the example, in a directory with its sources.
+fn recorded(arguments: &[&str]) -> Directory {
+    let directory = Directory::new(&[]);
+    for name in ["pump.gen", "pump.scn"] {
+        let path = format!("{}/../examples/pump/{name}", env!("CARGO_MANIFEST_DIR"));
+        let text = std::fs::read_to_string(path).expect("an example");
+        put(&directory, name, &text);
+    }
+    let all = [
+        &["run", "pump.scn", "--until", "5s", "--profile", "run.out"],
+        arguments,
+    ]
+    .concat();
+    let output = dotgen(&directory, &all);
+    assert_eq!(status(&output), 0, "{}", stderr(&output));
+    directory
+}
+
+#[test]
+fn a_run_is_held_to_its_model() {
+    let directory = recorded(&[]);
+    let clean = dotgen(
+        &directory,
+        &["monitor", "run.out", "pump.scn", "--format", "json"],
+    );
+    assert_eq!(status(&clean), 0, "{}", stderr(&clean));
+    let report = json(&clean);
+    assert_eq!(report["deviation-count"], 0);
+    for task in report["tasks"].as_array().expect("a list") {
+        assert!(
+            task["greatest"].as_i64() <= task["bound"].as_i64(),
+            "{task}"
+        );
+        assert!(task["chains"].as_i64() > Some(200), "{task}");
+    }
+    let log = directory.read("run.out");
+    let third = log
+        .lines()
+        .nth(300)
+        .expect("a long log")
+        .replace("::pause::", "::");
+    let lines = log.lines().enumerate();
+    let log: String = lines
+        .map(|(number, it)| format!("{}\n", if number == 300 { &third } else { it }))
+        .collect();
+    put(&directory, "run.out", &log);
+    let wrong = dotgen(
+        &directory,
+        &["monitor", "run.out", "pump.scn", "--format", "json"],
+    );
+    assert_eq!(status(&wrong), 1, "{}", stderr(&wrong));
+    let report = json(&wrong);
+    assert_eq!(report["deviations"][0]["line"], 301);
+    assert_eq!(report["deviations"][0]["kind"], "transition");
+    assert_eq!(
+        report["deviations"][0]["rule"],
+        "a codel leads to one of its yields"
+    );
+    let text = dotgen(&directory, &["monitor", "run.out", "pump.gen"]);
+    assert_eq!(status(&text), 1);
+    assert!(stdout(&text).contains("line 301, at "), "{}", stdout(&text));
+    for wrong in [
+        &["run.out"][..],
+        &["pump.scn"],
+        &["missing.out", "pump.scn"],
+    ] {
+        let output = dotgen(&directory, &[&["monitor"], wrong].concat());
+        assert_eq!(status(&output), 2, "{wrong:?}");
+    }
+}
+
+#[test]
+fn a_log_is_followed_while_it_is_written() {
+    let directory = recorded(&[]);
+    let log = directory.read("run.out");
+    let mut command = directory.command(&["monitor", "--follow", "-", "pump.scn"]);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped());
+    let mut child = command.spawn().expect("the program runs");
+    let mut input = child.stdin.take().expect("a pipe");
+    let mut output = BufReader::new(child.stdout.take().expect("a pipe"));
+    let (first, rest) = log.split_at(log.len() / 2);
+    input.write_all(first.as_bytes()).expect("it reads");
+    // In two pieces, cut within a line.
+    let wrong = "\n3.000000000 3.000000000 3.100000000 pump report <permanent> nobody ::pump::start ::pump::ether\n";
+    input.write_all(wrong.as_bytes()).expect("it reads");
+    // It is told while the log goes on.
+    let mut line = String::new();
+    output.read_line(&mut line).expect("a line");
+    assert!(line.contains("executed `nobody`"), "{line}");
+    input.write_all(rest.as_bytes()).expect("it reads");
+    drop(input);
+    let mut all = String::new();
+    std::io::Read::read_to_string(&mut output, &mut all).expect("text");
+    assert_eq!(child.wait().expect("it ends").code(), Some(1));
+    assert!(all.contains("tank: "), "{all}");
+}
+
+/// A message of protocol buffers, taken apart without knowing what it means: fields with numbers or bytes.
+fn fields(mut bytes: &[u8]) -> Vec<(u64, Field<'_>)> {
+    let mut out = Vec::new();
+    while !bytes.is_empty() {
+        let key = varint(&mut bytes);
+        let field = match key & 7 {
+            0 => Field::Number(varint(&mut bytes)),
+            1 => {
+                let (number, rest) = bytes.split_at(8);
+                bytes = rest;
+                Field::Number(u64::from_le_bytes(number.try_into().expect("eight bytes")))
+            }
+            2 => {
+                let length = varint(&mut bytes) as usize;
+                let (value, rest) = bytes.split_at(length);
+                bytes = rest;
+                Field::Bytes(value)
+            }
+            other => panic!("wire type {other}"),
+        };
+        out.push((key >> 3, field));
+    }
+    out
+}
+
+fn varint(bytes: &mut &[u8]) -> u64 {
+    let mut value = 0;
+    for shift in (0..64).step_by(7) {
+        let (first, rest) = bytes.split_first().expect("a number ends");
+        *bytes = rest;
+        value |= u64::from(first & 0x7f) << shift;
+        if first & 0x80 == 0 {
+            return value;
+        }
+    }
+    panic!("a number is too long");
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Field<'f> {
+    Number(u64),
+    Bytes(&'f [u8]),
+}
+
+impl<'f> Field<'f> {
+    fn number(self) -> u64 {
+        match self {
+            Field::Number(it) => it,
+            Field::Bytes(_) => panic!("bytes"),
+        }
+    }
+
+    fn bytes(self) -> &'f [u8] {
+        match self {
+            Field::Bytes(it) => it,
+            Field::Number(_) => panic!("a number"),
+        }
+    }
+}
+
+#[test]
+fn a_trace_has_a_slice_for_each_run() {
+    let directory = recorded(&["--trace", "run.pftrace"]);
+    let log = directory.read("run.out");
+    let trace = std::fs::read(directory.path().join("run.pftrace")).expect("written");
+    // The log gives the same trace.
+    let monitor = ["monitor", "run.out", "pump.scn", "--trace", "again.pftrace"];
+    assert_eq!(status(&dotgen(&directory, &monitor)), 0);
+    let again = std::fs::read(directory.path().join("again.pftrace")).expect("written");
+    assert!(trace == again);
+    let get = |all: &[(u64, Field<'_>)], key: u64| {
+        all.iter().find(|it| it.0 == key).map(|it| it.1.number())
+    };
+    let mut tracks = std::collections::BTreeMap::new();
+    let mut open: std::collections::BTreeMap<u64, Vec<u64>> = std::collections::BTreeMap::new();
+    let (mut slices, mut flows, mut last) = (std::collections::BTreeMap::new(), 0, 0);
+    for (key, packet) in fields(&trace) {
+        assert_eq!(key, 1);
+        let packet = fields(packet.bytes());
+        assert_eq!(get(&packet, 10), Some(1));
+        for (key, field) in &packet {
+            match key {
+                60 => {
+                    let track = fields(field.bytes());
+                    let name = track.iter().find(|it| it.0 == 2).expect("a name").1;
+                    let name = String::from_utf8(name.bytes().to_vec()).expect("text");
+                    tracks.insert(get(&track, 1).expect("a number"), name);
+                }
+                11 => {
+                    let time = get(&packet, 8).expect("a time");
+                    assert!(time >= last);
+                    last = time;
+                    let event = fields(field.bytes());
+                    let track = get(&event, 11).expect("a track");
+                    let name = tracks.get(&track).expect("a track that was described");
+                    let stack = open.entry(track).or_default();
+                    match get(&event, 9) {
+                        Some(1) => {
+                            assert!(stack.is_empty(), "slices of {name} overlap at {time}");
+                            stack.push(time);
+                            *slices.entry(name.clone()).or_insert(0) += 1;
+                            flows += event.iter().filter(|it| it.0 == 47).count();
+                        }
+                        Some(2) => assert!(stack.pop().is_some(), "nothing ends on {name}"),
+                        other => panic!("{other:?}"),
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+    assert!(open.values().all(Vec::is_empty));
+    let runs = |task: &str| {
+        log.lines()
+            .filter(|it| it.contains(&format!(" pump {task} ")))
+            .count()
+    };
+    let waited = |task: &str| {
+        let waits = |it: &&str| it.split(' ').next() != it.split(' ').nth(1);
+        let of = log
+            .lines()
+            .filter(|it| it.contains(&format!(" pump {task} ")));
+        of.filter(waits).count()
+    };
+    for task in ["control", "report"] {
+        assert_eq!(
+            slices[&format!("task {task}")],
+            runs(task) + waited(task),
+            "{slices:?}"
+        );
+    }
+    assert_eq!(slices["core 0"], log.lines().count(), "{slices:?}");
+    assert!(slices["lock level"] > 200, "{slices:?}");
+    assert!(slices["requests of fill"] >= 1, "{slices:?}");
+    assert!(flows > slices["requests of fill"], "{slices:?}");
+}

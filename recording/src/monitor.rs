@@ -1,0 +1,472 @@
+//! A recorded run beside the model that is verified.
+//!
+//! Lines are looked at in their order, so a log can be followed while it grows; memory does not grow with it. Every
+//! deviation is something that no run of the model shows (the numbers are sections of the timed semantics):
+//!
+//! * a codel that the specifications do not have, a transition that they do not declare (2);
+//! * a codel that executes in another state than the one before has led to (2);
+//! * an execution longer or shorter than declared, where threads do not lose their core meanwhile (2, 22);
+//! * codels that exclude each other at the same time (7), or in another order than they asked, where that counts (8);
+//! * codels of one task at the same time, or more of them than cores (9);
+//! * ticks of a periodic task that are not one period apart, as far as its greatest response time allows to tell (4);
+//! * a response time beyond its proved bound.
+//!
+//! Releases of jobs are not in a log. What is compared with a bound is therefore a time that the response has lasted
+//! for sure: from the first codel of a chain to its last one in the same turn, or from a moment at which its tick
+//! must have come.
+
+mod deviation;
+mod model;
+mod order;
+mod ticks;
+
+use std::collections::BTreeMap;
+
+use dotgen_timing::scn::names::Names;
+use dotgen_timing::system::{Ticks, TimedSystem};
+use rustc_hash::FxHashMap;
+
+use crate::log::{Kinds, Left};
+use crate::matching::Stray;
+
+pub use deviation::{Deviation, What};
+use model::{Model, Resolved, To};
+use order::{Executing, Order};
+use ticks::Periodic;
+
+/// Clocks of threads are read one after the other: differences up to this many nanoseconds say nothing about an order.
+pub const SLACK: i64 = 50_000;
+
+/// Places of an activity that are kept in mind.
+const PLACES: usize = 32;
+
+/// Of each kind of deviation so many are kept; all are counted.
+const KEPT: usize = 100;
+
+/// Where a chain of codels goes on.
+#[derive(Debug, Clone, Copy)]
+struct Awaited {
+    state: usize,
+    paused: bool,
+    /// When the chain began in this turn.
+    since: i64,
+}
+
+/// A machine of one instance.
+#[derive(Debug, Default)]
+struct Machine {
+    seen: bool,
+    awaited: Vec<Awaited>,
+}
+
+/// A task of one instance.
+#[derive(Debug, Clone, Copy, Default)]
+struct Task {
+    chains: u64,
+    greatest: i64,
+    periodic: Periodic,
+}
+
+/// A codel in a state.
+#[derive(Debug, Clone, Copy, Default)]
+struct Codel {
+    runs: u64,
+    greatest: i64,
+    waited: i64,
+}
+
+/// See the [module](self).
+#[derive(Debug)]
+pub struct Monitor<'s> {
+    model: Model<'s>,
+    /// What was not looked at.
+    pub left: Left,
+    kinds: Kinds,
+    resolved: Vec<Resolved>,
+    instances: FxHashMap<String, u32>,
+    machines: FxHashMap<(u32, usize), Machine>,
+    tasks: FxHashMap<(u32, usize), Task>,
+    codels: Vec<Codel>,
+    /// By machine, state and outcome.
+    taken: FxHashMap<(usize, usize, usize), u64>,
+    order: Order,
+    foreign: BTreeMap<String, u64>,
+    runs: u64,
+    found: Vec<Deviation>,
+    counts: BTreeMap<&'static str, u64>,
+}
+
+/// A task, in nanoseconds.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct OfTask {
+    /// `component.task`
+    pub task: String,
+    /// Chains of codels in one turn.
+    pub chains: u64,
+    /// The greatest response time that was seen for sure.
+    pub greatest: i64,
+    /// The proved bound.
+    pub bound: Option<i64>,
+    /// The period.
+    pub period: Option<i64>,
+}
+
+/// A codel, in nanoseconds.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct OfCodel {
+    /// Its path.
+    pub codel: String,
+    /// How often it was executed.
+    pub runs: u64,
+    /// The greatest time.
+    pub greatest: i64,
+    /// The greatest time it waited for its locks.
+    pub waited: i64,
+    /// The greatest time that is declared.
+    pub declared: Option<i64>,
+}
+
+/// A transition that was never taken.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+pub struct Never {
+    /// `component.task` or `component.service`.
+    pub machine: String,
+    /// The state from which.
+    pub from: String,
+    /// The state to which, with `pause::`; `ether`.
+    pub to: String,
+}
+
+/// What came of it.
+#[derive(Debug, Clone, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct Report {
+    /// Version of the form.
+    pub format: u32,
+    /// Runs of codels that were compared.
+    pub runs: u64,
+    /// Tasks.
+    pub tasks: Vec<OfTask>,
+    /// Codels that were executed.
+    pub codels: Vec<OfCodel>,
+    /// Codels that never were.
+    pub never_executed: Vec<String>,
+    /// Transitions that never were taken.
+    pub never_taken: Vec<Never>,
+    /// Components that are not in the scenario, with the number of their lines.
+    pub foreign: BTreeMap<String, u64>,
+    /// The first deviations of each kind, in order.
+    pub deviations: Vec<Deviation>,
+    /// All of them, by kind.
+    pub counts: BTreeMap<&'static str, u64>,
+    /// All of them.
+    pub deviation_count: u64,
+    /// What was not looked at.
+    pub left: Left,
+}
+
+impl<'s> Monitor<'s> {
+    /// For logs of a system. `bounds` are those on the response times of its tasks, where they are known.
+    pub fn new(system: &'s TimedSystem, names: &'s Names<'s>, bounds: Vec<Option<Ticks>>) -> Self {
+        Monitor {
+            codels: vec![Codel::default(); system.codels.len()],
+            order: Order::new(system),
+            model: Model::new(system, names, bounds),
+            left: Left::default(),
+            kinds: Kinds::default(),
+            resolved: Vec::new(),
+            instances: FxHashMap::default(),
+            machines: FxHashMap::default(),
+            tasks: FxHashMap::default(),
+            taken: FxHashMap::default(),
+            foreign: BTreeMap::new(),
+            runs: 0,
+            found: Vec::new(),
+            counts: BTreeMap::new(),
+        }
+    }
+
+    /// A line of a log. `ended`: its end was seen.
+    pub fn line(&mut self, number: u64, text: &[u8], ended: bool) {
+        let Some((line, kind)) = self.left.sift(&mut self.kinds, text, ended) else {
+            return;
+        };
+        while kind as usize >= self.resolved.len()
+            && let Some(it) = self.kinds.all.get(self.resolved.len())
+        {
+            let next = self.instances.len() as u32;
+            let instance = *self.instances.entry(it.instance.clone()).or_insert(next);
+            self.resolved.push(self.model.resolve(it, instance));
+        }
+        let Some(resolved) = self.resolved.get(kind as usize).copied() else {
+            return;
+        };
+        let run = Executing {
+            asked: line.asked,
+            began: line.began,
+            ended: line.ended,
+            line: number,
+            ..Executing::default()
+        };
+        match resolved {
+            Resolved::Stray(Stray::NoCodel) => {}
+            Resolved::Stray(Stray::Component) => {
+                if let Some(it) = self.kinds.all.get(kind as usize) {
+                    *self.foreign.entry(it.instance.clone()).or_default() += 1;
+                }
+            }
+            Resolved::Stray(stray) => {
+                let it = self.kinds.all.get(kind as usize).cloned();
+                if let Some(it) = it {
+                    let what = What::Unknown {
+                        task: it.task,
+                        service: it.service,
+                        function: it.function,
+                        from: it.from,
+                        why: stray,
+                    };
+                    self.report(&run, it.instance, what);
+                }
+            }
+            Resolved::State(at) => self.state(at, kind, run),
+            Resolved::Control {
+                codel,
+                component,
+                instance,
+                declared,
+            } => {
+                self.codel(codel, &run);
+                if !declared
+                    && let Some(to) = self.kinds.all.get(kind as usize).map(|it| it.to.clone())
+                {
+                    let from = self.model.last_name(codel);
+                    self.report(&run, self.model.path(codel), What::Transition { from, to });
+                }
+                let run = Executing {
+                    codel,
+                    instance,
+                    thread: self.model.control(component),
+                    core: None,
+                    ..run
+                };
+                self.ordered(run);
+            }
+        }
+    }
+
+    fn report(&mut self, run: &Executing, of: String, what: What) {
+        let count = self.counts.entry(what.kind()).or_default();
+        *count += 1;
+        if *count <= KEPT as u64 {
+            self.found.push(Deviation {
+                line: run.line,
+                at: run.began,
+                of,
+                rule: what.rule(),
+                what,
+            });
+        }
+    }
+
+    /// Deviations that were found since; those beyond the first of each kind are counted only.
+    pub fn found(&self, since: usize) -> &[Deviation] {
+        self.found.get(since..).unwrap_or_default()
+    }
+
+    /// How many deviations were found.
+    pub fn deviations(&self) -> u64 {
+        self.counts.values().sum()
+    }
+
+    /// A run of a codel, whoever executed it.
+    fn codel(&mut self, codel: usize, run: &Executing) {
+        self.runs += 1;
+        let took = run.ended - run.began;
+        if let Some(it) = self.codels.get_mut(codel) {
+            it.runs += 1;
+            it.greatest = it.greatest.max(took);
+            it.waited = it.waited.max(run.began - run.asked);
+        }
+        let (least, greatest) = self.model.limits(codel);
+        if let Some(limit) = greatest.filter(|&it| took > it + 1) {
+            self.report(run, self.model.path(codel), What::Longer { took, limit });
+        }
+        if let Some(limit) = least.filter(|&it| took + 1 < it) {
+            self.report(run, self.model.path(codel), What::Shorter { took, limit });
+        }
+    }
+
+    /// Who else executes at the same time, and who asked first.
+    fn ordered(&mut self, run: Executing) {
+        let mut all = Vec::new();
+        self.order.add(self.model.system, run, &mut all);
+        for (codel, what) in all {
+            let what = match what {
+                order::Wrong::Together(other) => What::Together {
+                    other: self.model.path(other),
+                },
+                order::Wrong::Overtaken(other) => What::Overtaken {
+                    other: self.model.path(other),
+                },
+                order::Wrong::SameThread(other) => What::SameTask {
+                    other: self.model.path(other),
+                },
+                order::Wrong::SameCore(other, core) => What::SameCore {
+                    other: self.model.path(other),
+                    core,
+                },
+                order::Wrong::Cores(executing, cores) => What::Cores { executing, cores },
+            };
+            self.report(&run, self.model.path(codel), what);
+        }
+    }
+
+    fn state(&mut self, at: model::At, kind: u32, run: Executing) {
+        self.codel(at.codel, &run);
+        let run = Executing {
+            codel: at.codel,
+            instance: at.instance,
+            thread: self.model.thread(at.task, at.is_async),
+            core: self.model.core(at.task, at.is_async),
+            ..run
+        };
+        self.ordered(run);
+        if let To::Undeclared = at.to {
+            let to = self.kinds.all.get(kind as usize).map(|it| it.to.clone());
+            let what = What::Transition {
+                from: self.model.last_name(at.codel),
+                to: to.unwrap_or_default(),
+            };
+            self.report(&run, self.model.path(at.codel), what);
+        }
+        if let To::Outcome(outcome) = at.to {
+            let key = (at.machine, at.state, outcome);
+            *self.taken.entry(key).or_default() += 1;
+        }
+        let key = (at.instance, at.machine);
+        let machine = self.machines.entry(key).or_default();
+        // The last of them: those before may be of activities that were interrupted.
+        let place = machine.awaited.iter().rposition(|it| it.state == at.state);
+        let alone = machine.awaited.len() <= 1;
+        let known = place.map(|it| machine.awaited.remove(it));
+        let is_first = !std::mem::replace(&mut machine.seen, true);
+        let starts = at.state == at.start && (!at.permanent || is_first);
+        let broken = known.is_none() && !starts && !is_first && at.stop != Some(at.state);
+        let awaited = machine.awaited.last().map(|it| it.state);
+        if known.is_none() && at.stop == Some(at.state) {
+            machine.awaited.pop();
+        }
+        let since = match known {
+            Some(it) if !it.paused => it.since,
+            _ => run.asked,
+        };
+        if let Some((state, paused)) = at.next {
+            if machine.awaited.len() >= PLACES {
+                machine.awaited.remove(0);
+            }
+            machine.awaited.push(Awaited {
+                state,
+                paused,
+                since,
+            });
+        }
+        if broken {
+            let awaited = awaited.map(|it| self.model.state_name(at.machine, it));
+            let what = What::Elsewhere {
+                state: self.model.last_name(at.codel),
+                awaited,
+            };
+            self.report(&run, self.model.path(at.codel), what);
+        }
+        // A chain that lasts over several turns, as its codels have threads of their own, is no job.
+        if alone && !(at.is_async && self.model.system.platform.async_free) {
+            let begins = known.is_none_or(|it| it.paused);
+            let ends = at.next.is_none_or(|it| it.1);
+            self.chain(at, &run, since, begins, ends);
+        }
+    }
+
+    /// A codel of a chain that began at a moment in this turn.
+    fn chain(&mut self, at: model::At, run: &Executing, since: i64, begins: bool, ends: bool) {
+        let limits = self.model.of_task(at.task);
+        let task = self.tasks.entry((at.instance, at.task)).or_default();
+        let mut tick = since;
+        let mut off = None;
+        if at.permanent
+            && let Some(period) = limits.period
+        {
+            if begins {
+                off = task.periodic.begins(since, period, limits.latest);
+            }
+            tick = task.periodic.tick(period).map_or(since, |it| it.min(since));
+        }
+        let mut beyond = None;
+        if ends {
+            let response = run.ended - tick;
+            task.chains += 1;
+            task.greatest = task.greatest.max(response);
+            beyond = limits
+                .bound
+                .filter(|&it| response > it + 1)
+                .map(|bound| What::Response { response, bound });
+        }
+        let name = || self.model.system.task_path(at.task);
+        if let Some(off) = off {
+            self.report(run, name(), off);
+        } else if let Some(beyond) = beyond {
+            self.report(run, name(), beyond);
+        }
+    }
+
+    /// What was seen so far.
+    pub fn report_so_far(&self) -> Report {
+        let system = self.model.system;
+        let tasks = (0..system.tasks.len()).map(|task| {
+            let limits = self.model.of_task(task);
+            let of = self.tasks.iter().filter(|it| it.0.1 == task);
+            let (mut chains, mut greatest) = (0, 0);
+            for (_, it) in of {
+                chains += it.chains;
+                greatest = greatest.max(it.greatest);
+            }
+            OfTask {
+                task: system.task_path(task),
+                chains,
+                greatest,
+                bound: limits.bound,
+                period: limits.period,
+            }
+        });
+        let executed = |it: &&(usize, &Codel)| it.1.runs > 0;
+        let codels = self.codels.iter().enumerate();
+        let codels = codels
+            .filter(|it| executed(&it))
+            .map(|(number, it)| OfCodel {
+                codel: self.model.path(number),
+                runs: it.runs,
+                greatest: it.greatest,
+                waited: it.waited,
+                declared: self.model.declared(number),
+            });
+        let never = self.model.codels_of_threads();
+        let never = never.filter(|&it| self.codels.get(it).is_some_and(|it| it.runs == 0));
+        let mut never: Vec<String> = never.map(|it| self.model.path(it)).collect();
+        never.sort();
+        never.dedup();
+        Report {
+            format: 1,
+            runs: self.runs,
+            tasks: tasks.collect(),
+            codels: codels.collect(),
+            never_executed: never,
+            never_taken: self.model.never(&self.taken),
+            foreign: self.foreign.clone(),
+            deviations: self.found.clone(),
+            counts: self.counts.clone(),
+            deviation_count: self.deviations(),
+            left: self.left,
+        }
+    }
+}

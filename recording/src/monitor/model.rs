@@ -1,0 +1,368 @@
+//! The verified system, as lines of a log ask for it.
+
+use dotgen_analysis::model::Owner;
+use dotgen_timing::scn::names::Names;
+use dotgen_timing::system::{FOREVER, Policy, Ticks, TimedSystem, Yield};
+use num_rational::Ratio;
+use rustc_hash::FxHashMap;
+
+use super::Never;
+use crate::log::Kind;
+use crate::matching::{Stray, event, site};
+
+/// See the [module](self).
+#[derive(Debug)]
+pub(super) struct Model<'s> {
+    pub(super) system: &'s TimedSystem,
+    names: &'s Names<'s>,
+    bounds: Vec<Option<Ticks>>,
+    /// Every codel that may be executed has a time.
+    timed: bool,
+    preempts: bool,
+}
+
+/// What a kind of lines is about.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Resolved {
+    Stray(Stray),
+    State(At),
+    Control {
+        codel: usize,
+        component: usize,
+        instance: u32,
+        /// It led where it may.
+        declared: bool,
+    },
+}
+
+/// A state of a machine, and where its codel led.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct At {
+    pub(super) instance: u32,
+    pub(super) task: usize,
+    pub(super) machine: usize,
+    pub(super) permanent: bool,
+    pub(super) state: usize,
+    pub(super) start: usize,
+    pub(super) stop: Option<usize>,
+    pub(super) codel: usize,
+    pub(super) is_async: bool,
+    pub(super) to: To,
+    /// The state to which, and whether in another turn.
+    pub(super) next: Option<(usize, bool)>,
+}
+
+/// Where a codel led.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum To {
+    /// To one of its yields.
+    Outcome(usize),
+    /// To an exception that it may throw.
+    Exception,
+    /// Nowhere where it may lead.
+    Undeclared,
+}
+
+/// Of a task, in nanoseconds.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limits {
+    pub(super) period: Option<i64>,
+    pub(super) bound: Option<i64>,
+    /// How long after its tick a turn begins at most.
+    pub(super) latest: i64,
+}
+
+/// Whether threads lose their cores while they execute.
+pub(super) fn preempts(system: &TimedSystem) -> bool {
+    let platform = &system.platform;
+    platform.cores.is_some() && matches!(platform.policy, Policy::Priority | Policy::Fair)
+}
+
+impl<'s> Model<'s> {
+    pub(super) fn new(
+        system: &'s TimedSystem,
+        names: &'s Names<'s>,
+        bounds: Vec<Option<Ticks>>,
+    ) -> Self {
+        Model {
+            timed: (system.codels.iter()).all(|it| it.upper > 0 || it.site.is_none()),
+            preempts: preempts(system),
+            system,
+            names,
+            bounds,
+        }
+    }
+
+    fn nanos(&self, ticks: Ticks) -> i64 {
+        let nanos = self.system.unit * Ratio::from_integer(i128::from(ticks) * 1_000_000_000);
+        i64::try_from(nanos.round().to_integer()).unwrap_or(i64::MAX)
+    }
+
+    pub(super) fn of_task(&self, task: usize) -> Limits {
+        let period = self.system.tasks.get(task).and_then(|it| it.period);
+        let period = period.map(|it| self.nanos(it));
+        // Where codels have no times no bound says anything.
+        let bound = self.bounds.get(task).copied().flatten();
+        let bound = bound.filter(|_| self.timed).map(|it| self.nanos(it));
+        let latest = match (bound, period) {
+            (Some(bound), Some(period)) => bound.min(period),
+            (_, period) => period.unwrap_or(0),
+        };
+        Limits {
+            // Where ticks can come too early for their jobs, turns tell nothing about them.
+            period,
+            bound,
+            latest,
+        }
+    }
+
+    /// Least and greatest time of a codel, where its runs show them.
+    pub(super) fn limits(&self, codel: usize) -> (Option<i64>, Option<i64>) {
+        let Some(it) = self.system.codels.get(codel).filter(|_| !self.preempts) else {
+            return (None, None);
+        };
+        (Some(self.nanos(it.lower)), self.declared(codel))
+    }
+
+    /// The greatest time of a codel, if it has one.
+    pub(super) fn declared(&self, codel: usize) -> Option<i64> {
+        let it = self.system.codels.get(codel)?;
+        (it.upper != FOREVER && it.upper > 0).then(|| self.nanos(it.upper))
+    }
+
+    pub(super) fn path(&self, codel: usize) -> String {
+        let it = self.system.codels.get(codel);
+        it.map_or(String::new(), |it| it.path.clone())
+    }
+
+    pub(super) fn last_name(&self, codel: usize) -> String {
+        let path = self.path(codel);
+        path.rsplit('.').next().unwrap_or_default().to_owned()
+    }
+
+    pub(super) fn state_name(&self, machine: usize, state: usize) -> String {
+        let machine = self.system.machines.get(machine);
+        let state = machine.and_then(|it| it.states.get(state));
+        state.map_or(String::new(), |it| it.name.clone())
+    }
+
+    /// The thread of a task; `None` for an asynchronous codel that has one of its own.
+    pub(super) fn thread(&self, task: usize, is_async: bool) -> Option<usize> {
+        (!(is_async && self.system.platform.async_free)).then_some(task)
+    }
+
+    /// The control task of a component.
+    pub(super) fn control(&self, component: usize) -> Option<usize> {
+        Some(self.system.tasks.len() + component)
+    }
+
+    pub(super) fn core(&self, task: usize, is_async: bool) -> Option<Option<u32>> {
+        let own = is_async && self.system.platform.async_free;
+        let needs = !own && !self.preempts && self.system.needs_core(task);
+        needs.then(|| self.system.tasks.get(task).and_then(|it| it.affinity))
+    }
+
+    pub(super) fn resolve(&self, kind: &Kind, instance: u32) -> Resolved {
+        let site = match site(self.names, kind) {
+            Ok(site) => site,
+            Err(Stray::NoCodel) => return self.attribute(kind, instance),
+            Err(stray) => return Resolved::Stray(stray),
+        };
+        let none = Resolved::Stray(Stray::State);
+        let Some(member) = self.names.components.get(site.component) else {
+            return none;
+        };
+        let components = &self.system.components;
+        let component = components
+            .iter()
+            .position(|it| member.component.name == it.name);
+        let Some(component) = component else {
+            return Resolved::Stray(Stray::Component);
+        };
+        let Some(parts) = components.get(component) else {
+            return none;
+        };
+        match &site.state {
+            Some(state) => {
+                let (automaton, permanent) = match site.codel.owner {
+                    Owner::Task(task) => {
+                        let task = parts.tasks.get(task as usize);
+                        let task = task.and_then(|&it| self.system.tasks.get(it));
+                        (task.and_then(|it| it.permanent), true)
+                    }
+                    Owner::Service(service) => {
+                        let service = parts.services.get(service as usize);
+                        let service = service.and_then(|&it| self.system.services.get(it));
+                        (service.and_then(|it| it.slots.first().copied()), false)
+                    }
+                };
+                let automaton = automaton.and_then(|it| self.system.automata.get(it));
+                let Some(automaton) = automaton else {
+                    return none;
+                };
+                let at = self.at(automaton.task, automaton.machine, state, kind);
+                at.map_or(none, |at| {
+                    Resolved::State(At {
+                        instance,
+                        permanent,
+                        ..at
+                    })
+                })
+            }
+            None => {
+                let Owner::Service(service) = site.codel.owner else {
+                    return none;
+                };
+                let service = parts.services.get(service as usize);
+                let service = service.and_then(|&it| self.system.services.get(it));
+                let Some(service) = service else { return none };
+                let mut all = service.validate.iter().chain(&service.simple).copied();
+                let is = |it: &usize| {
+                    let codel = self.system.codels.get(*it);
+                    codel.is_some_and(|it| it.site.is_some_and(|it| it.1 == site.codel))
+                };
+                let Some(codel) = all.find(is) else {
+                    return none;
+                };
+                Resolved::Control {
+                    codel,
+                    component,
+                    instance,
+                    declared: kind.to == "::genom::ok" || self.throws(codel, &kind.to),
+                }
+            }
+        }
+    }
+
+    /// What a control task does for a service without a codel: the model has one in its place.
+    fn attribute(&self, kind: &Kind, instance: u32) -> Resolved {
+        let of = |it: &&dotgen_timing::system::Service| {
+            let component = self.system.components.get(it.component);
+            let named = component.is_some_and(|of| of.name == kind.instance);
+            named && it.name == kind.service
+        };
+        let service = self.system.services.iter().find(of);
+        let codel = service.and_then(|it| Some((it.component, *it.simple.first()?)));
+        match codel {
+            Some((component, codel)) => Resolved::Control {
+                codel,
+                component,
+                instance,
+                declared: true,
+            },
+            None => Resolved::Stray(Stray::NoCodel),
+        }
+    }
+
+    fn at(&self, task: usize, number: usize, state: &str, kind: &Kind) -> Option<At> {
+        let machine = self.system.machines.get(number)?;
+        let place = machine.states.iter().position(|it| it.name == state)?;
+        let of = machine.states.get(place)?;
+        let to = event(&kind.to);
+        let is = |it: &Yield| match *it {
+            Yield::Next(next) | Yield::Pause(next) => {
+                let paused = matches!(it, Yield::Pause(_));
+                let name = machine.states.get(next).map(|it| it.name.as_str());
+                paused == to.paused && name == Some(to.name)
+            }
+            Yield::End => !to.paused && to.name == "ether",
+        };
+        let outcome = of.yields.iter().position(is);
+        let led = match outcome {
+            Some(outcome) => To::Outcome(outcome),
+            None if self.throws(of.codel, &kind.to) => To::Exception,
+            None => To::Undeclared,
+        };
+        // What follows is awaited, declared or not.
+        let next = machine.states.iter().position(|it| it.name == to.name);
+        let next = next.filter(|_| !matches!(led, To::Exception));
+        Some(At {
+            instance: 0,
+            task,
+            machine: number,
+            permanent: false,
+            state: place,
+            start: machine.start,
+            stop: machine.stop,
+            codel: of.codel,
+            is_async: of.is_async,
+            to: led,
+            next: next.map(|it| (it, to.paused)),
+        })
+    }
+
+    /// Whether an event can be an exception of a codel. Those of `genom` every server can throw.
+    fn throws(&self, codel: usize, to: &str) -> bool {
+        let Some(it) = self.system.codels.get(codel) else {
+            return false;
+        };
+        if to.starts_with("::genom::") && to != "::genom::ok" {
+            return true;
+        }
+        let Some((component, of)) = it.site else {
+            return false;
+        };
+        let Some(member) = self.names.components.get(component) else {
+            return false;
+        };
+        let (own, task) = match of.owner {
+            Owner::Task(task) => (None, Some(task)),
+            Owner::Service(service) => {
+                let service = member.component.services.get(service as usize);
+                (service, service.and_then(|it| it.task))
+            }
+        };
+        let task = task.and_then(|it| member.component.tasks.get(it as usize));
+        let all = member.component.throws.iter();
+        let all = all.chain(own.iter().flat_map(|it| &it.throws));
+        let mut all = all.chain(task.iter().flat_map(|it| &it.throws));
+        all.any(|&it| member.spec.full_name(it).as_deref() == Some(to))
+    }
+
+    /// Codels in their states, and those of control tasks.
+    pub(super) fn codels_of_threads(&self) -> impl Iterator<Item = usize> + '_ {
+        let machines = self.system.automata.iter();
+        let machines = machines.filter_map(|it| self.system.machines.get(it.machine));
+        let states = machines.flat_map(|it| it.states.iter().map(|it| it.codel));
+        let services = self.system.services.iter();
+        let services = services.flat_map(|it| it.validate.iter().chain(&it.simple).copied());
+        let real = |it: &usize| {
+            self.system
+                .codels
+                .get(*it)
+                .is_some_and(|it| it.site.is_some())
+        };
+        states.chain(services).filter(real)
+    }
+
+    /// Transitions that were not taken.
+    pub(super) fn never(&self, taken: &FxHashMap<(usize, usize, usize), u64>) -> Vec<Never> {
+        let mut out = Vec::new();
+        for automaton in &self.system.automata {
+            let number = automaton.machine;
+            let Some(machine) = self.system.machines.get(number) else {
+                continue;
+            };
+            for (state, it) in machine.states.iter().enumerate() {
+                for (outcome, to) in it.yields.iter().enumerate() {
+                    if taken.contains_key(&(number, state, outcome)) {
+                        continue;
+                    }
+                    let to = match *to {
+                        Yield::Next(to) => self.state_name(number, to),
+                        Yield::Pause(to) => format!("pause::{}", self.state_name(number, to)),
+                        Yield::End => "ether".to_owned(),
+                    };
+                    out.push(Never {
+                        machine: machine.name.clone(),
+                        from: it.name.clone(),
+                        to,
+                    });
+                }
+            }
+        }
+        out.sort();
+        out.dedup();
+        out
+    }
+}

@@ -1,0 +1,152 @@
+//! Who executes at the same time, and who asked first.
+
+use std::collections::VecDeque;
+
+use dotgen_timing::system::{LockOrder, TimedSystem};
+
+use super::SLACK;
+
+/// Runs that are kept to be compared with those that follow.
+const KEPT: usize = 4_096;
+
+/// A run of a codel.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Executing {
+    pub(super) asked: i64,
+    pub(super) began: i64,
+    pub(super) ended: i64,
+    /// Of the log.
+    pub(super) line: u64,
+    pub(super) codel: usize,
+    /// The process.
+    pub(super) instance: u32,
+    /// Who executes; `None`: a thread of its own.
+    pub(super) thread: Option<usize>,
+    /// Whether it takes a core, and which if that is fixed.
+    pub(super) core: Option<Option<u32>>,
+}
+
+/// What is wrong with the first codel, and the other one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Wrong {
+    Together(usize),
+    Overtaken(usize),
+    SameThread(usize),
+    SameCore(usize, u32),
+    Cores(usize, u32),
+}
+
+/// Runs by their ends.
+#[derive(Debug)]
+pub(super) struct Order {
+    recent: VecDeque<Executing>,
+    /// Cores that a codel holds while it executes.
+    cores: Option<u32>,
+    in_order: bool,
+    queue: bool,
+}
+
+impl Executing {
+    fn overlaps(&self, other: &Executing) -> bool {
+        self.began < other.ended && other.began < self.ended
+    }
+
+    fn executes_at(&self, moment: i64) -> bool {
+        self.began <= moment && moment < self.ended
+    }
+}
+
+impl Order {
+    pub(super) fn new(system: &TimedSystem) -> Self {
+        let platform = &system.platform;
+        let preempts = super::model::preempts(system);
+        Order {
+            recent: VecDeque::new(),
+            cores: platform.cores.filter(|_| !preempts),
+            in_order: platform.locks != LockOrder::Free,
+            queue: platform.locks == LockOrder::Queue,
+        }
+    }
+
+    pub(super) fn add(
+        &mut self,
+        system: &TimedSystem,
+        run: Executing,
+        out: &mut Vec<(usize, Wrong)>,
+    ) {
+        let excludes = |one: usize, other: usize| {
+            let codel = system.codels.get(one);
+            codel.is_some_and(|it| it.conflicts.contains(other))
+        };
+        let component = |codel: usize| system.codels.get(codel).map(|it| it.component);
+        let (mut together, mut busy) = (false, 0usize);
+        for it in self.recent.iter().rev() {
+            // They are in order of their ends.
+            if it.ended <= run.asked {
+                break;
+            }
+            let one_process =
+                it.instance == run.instance || component(it.codel) != component(run.codel);
+            let overlaps = it.overlaps(&run);
+            let (first, second) = match it.began <= run.began {
+                true => (it, &run),
+                false => (&run, it),
+            };
+            if overlaps && one_process && excludes(second.codel, first.codel) {
+                together = true;
+                out.push((second.codel, Wrong::Together(first.codel)));
+            }
+            if self.in_order && one_process && !together {
+                // The second asked first, and still waited when the first got its locks.
+                let overtaken = second.asked + SLACK < first.asked
+                    && second.asked < first.began
+                    && first.began + SLACK < second.began;
+                let counts = excludes(second.codel, first.codel)
+                    || self.queue && component(first.codel) == component(second.codel);
+                if overtaken && counts {
+                    out.push((first.codel, Wrong::Overtaken(second.codel)));
+                }
+            }
+            let same =
+                it.instance == run.instance && it.thread.is_some() && it.thread == run.thread;
+            if overlaps && same && !together {
+                out.push((second.codel, Wrong::SameThread(first.codel)));
+            }
+            if overlaps
+                && !same
+                && self.cores.is_some()
+                && let (Some(Some(core)), Some(Some(other))) = (it.core, run.core)
+                && core == other
+            {
+                out.push((second.codel, Wrong::SameCore(first.codel, core)));
+            }
+            busy += usize::from(overlaps && it.core.is_some());
+        }
+        if let (Some(cores), true) = (self.cores, run.core.is_some())
+            && busy + 1 > cores as usize
+        {
+            let most = self.most(&run);
+            if most > cores as usize {
+                out.push((run.codel, Wrong::Cores(most, cores)));
+            }
+        }
+        let place = self.recent.iter().rposition(|it| it.ended <= run.ended);
+        self.recent.insert(place.map_or(0, |it| it + 1), run);
+        if self.recent.len() > KEPT {
+            self.recent.pop_front();
+        }
+    }
+
+    /// How many codels hold a core at some moment of a run, at most.
+    fn most(&self, run: &Executing) -> usize {
+        let recent = self.recent.iter().rev();
+        let recent = recent.take_while(|it| it.ended > run.began);
+        let others: Vec<&Executing> = recent
+            .filter(|it| it.core.is_some() && it.overlaps(run))
+            .collect();
+        let starts = others.iter().map(|it| it.began).chain([run.began]);
+        let starts = starts.filter(|&it| run.executes_at(it));
+        let at = |moment: i64| others.iter().filter(|it| it.executes_at(moment)).count() + 1;
+        starts.map(at).max().unwrap_or(0)
+    }
+}
