@@ -61,8 +61,8 @@ struct Use<'u> {
     wanted: Option<u64>,
 }
 
-/// The edits for one specification. A time that is there is changed where and as it stands; a pragma is about a function,
-/// so it gets the greatest time of all its uses.
+/// The edits for one specification. A time that is there is changed where and as it stands; a pragma is about
+/// a function, so it gets the greatest time of all its uses.
 pub fn specification(
     unit: &UnitResult,
     text: &dyn Fn(&Utf8Path) -> Option<Arc<str>>,
@@ -190,7 +190,8 @@ fn function(
     Ok(edits)
 }
 
-/// A pragma above a declaration; where that does not begin its line, at the end of the file, where it means the same.
+/// A pragma above a declaration; where that does not begin its line, at the end of the file, where it means
+/// the same.
 fn above(it: &Use<'_>, text: &str, name: &str, micros: u64) -> FileEdit {
     let end = LineEnd::of(text).as_str();
     let pragma = format!("#pragma wcet {name} {}{end}", written(micros));
@@ -200,7 +201,7 @@ fn above(it: &Use<'_>, text: &str, name: &str, micros: u64) -> FileEdit {
     // Words that begin the declaration of a codel.
     let begins = between
         .split_whitespace()
-        .all(|it| matches!(it, "async" | "validate"));
+        .all(|it| matches!(it, "async" | "validate" | "codel"));
     // A line that a backslash joins to the one before is not a line of its own.
     let joined = before
         .get(..line)

@@ -3,8 +3,8 @@
 //! A line has nine columns: when a codel asked for its locks, got them and released them (seconds with nine
 //! digits after the point), instance, task, service, function, and the events that it came from and led to.
 //! The facts are from the recorder (`templates/common/prof.c`) and from `profundis`, which reads its logs
-//! (both of GenoM3 2.99.39). The recorder writes lines about itself: those of the instance `genom`, and those of
-//! the function `genom_prof_record`, where a thread had to wait for the recorder.
+//! (both of GenoM3 2.99.39). The recorder writes lines about itself: those of the instance `genom`, and those
+//! of the function `genom_prof_record`, where a thread had to wait for the recorder.
 
 use memchr::memchr;
 use rustc_hash::FxHashMap;
@@ -77,8 +77,8 @@ pub fn line(text: &[u8]) -> Option<Line<'_>> {
 }
 
 impl<'l> Line<'l> {
-    /// Instance, task, service, function, and the events from which and to which. Missing ones are empty. `None`: there
-    /// are too many.
+    /// Instance, task, service, function, and the events from which and to which. Missing ones are empty.
+    /// `None`: there are too many.
     pub fn names(&self) -> Option<[&'l [u8]; NAMES]> {
         let mut names: [&[u8]; NAMES] = [b""; NAMES];
         let mut rest = self.tail;
@@ -108,8 +108,8 @@ fn word(text: &[u8]) -> Option<(&[u8], &[u8])> {
     Some(text.split_at(end))
 }
 
-/// Seconds with a fraction, as nanoseconds, and how many digits the fraction has. What stands behind the point is a
-/// number of nanoseconds, whatever its length: the recorder writes all nine digits.
+/// Seconds with a fraction, as nanoseconds, and how many digits the fraction has. What stands behind the
+/// point is a number of nanoseconds, whatever its length: the recorder writes all nine digits.
 fn stamp(word: &[u8]) -> Option<(i64, usize)> {
     let point = memchr(b'.', word)?;
     let (seconds, fraction) = word.split_at(point);
@@ -291,8 +291,8 @@ impl Left {
         self.recorder + self.overloads + self.clock_steps + self.cut + self.garbage
     }
 
-    /// Takes a line that stands for a run of a codel, with its kind, and counts any other. `ended`: the end of the line
-    /// was seen.
+    /// Takes a line that stands for a run of a codel, with its kind, and counts any other. `ended`: the end
+    /// of the line was seen.
     pub fn sift<'l>(
         &mut self,
         kinds: &mut Kinds,

@@ -102,8 +102,8 @@ pub fn site(names: &Names<'_>, kind: &Kind) -> Result<Site, Stray> {
     })
 }
 
-/// The component of the event; for what a control task executes the instance, or the only one that has such a codel: a
-/// server may have been started under another name.
+/// The component of the event; for what a control task executes the instance, or the only one that has such a
+/// codel: a server may have been started under another name.
 fn component(names: &Names<'_>, kind: &Kind, from: &Event<'_>) -> Option<usize> {
     let all = &names.components;
     let named = |name: &str| all.iter().position(|it| it.component.name == name);

@@ -1,19 +1,22 @@
 //! A recorded run beside the model that is verified.
 //!
-//! Lines are looked at in their order, so a log can be followed while it grows; memory does not grow with it. Every
-//! deviation is something that no run of the model shows (the numbers are sections of the timed semantics):
+//! Lines are looked at in their order, so a log can be followed while it grows; memory does not grow with it.
+//! Every deviation is something that no run of the model shows (the numbers are sections of the timed
+//! semantics):
 //!
 //! * a codel that the specifications do not have, a transition that they do not declare (2);
 //! * a codel that executes in another state than the one before has led to (2);
 //! * an execution longer or shorter than declared, where threads do not lose their core meanwhile (2, 22);
-//! * codels that exclude each other at the same time (7), or in another order than they asked, where that counts (8);
+//! * codels that exclude each other at the same time (7), or in another order than they asked, where that
+//!   counts (8);
 //! * codels of one task at the same time, or more of them than cores (9);
-//! * ticks of a periodic task that are not one period apart, as far as its greatest response time allows to tell (4);
+//! * ticks of a periodic task that are not one period apart, as far as its greatest response time allows to
+//!   tell (4);
 //! * a response time beyond its proved bound.
 //!
-//! Releases of jobs are not in a log. What is compared with a bound is therefore a time that the response has lasted
-//! for sure: from the first codel of a chain to its last one in the same turn, or from a moment at which its tick
-//! must have come.
+//! Releases of jobs are not in a log. What is compared with a bound is therefore a time that the response has
+//! lasted for sure: from the first codel of a chain to its last one in the same turn, or from a moment at
+//! which its tick must have come.
 
 mod deviation;
 mod model;
@@ -34,7 +37,8 @@ use model::{Model, Resolved, To};
 use order::{Executing, Order};
 use ticks::Periodic;
 
-/// Clocks of threads are read one after the other: differences up to this many nanoseconds say nothing about an order.
+/// Clocks of threads are read one after the other: differences up to this many nanoseconds say nothing about
+/// an order.
 pub const SLACK: i64 = 50_000;
 
 /// Places of an activity that are kept in mind.
@@ -56,6 +60,8 @@ struct Awaited {
 #[derive(Debug, Default)]
 struct Machine {
     seen: bool,
+    /// It has paused, or ended.
+    paused: bool,
     awaited: Vec<Awaited>,
 }
 
@@ -325,11 +331,17 @@ impl<'s> Monitor<'s> {
 
     fn state(&mut self, at: model::At, kind: u32, run: Executing) {
         self.codel(at.codel, &run);
+        let key = (at.instance, at.machine);
+        let machine = self.machines.entry(key).or_default();
+        // Servers start their tasks before cores are given out.
+        let starts_up = at.permanent && !machine.paused;
+        machine.paused |= at.next.is_none_or(|it| it.1);
+        let core = self.model.core(at.task, at.is_async);
         let run = Executing {
             codel: at.codel,
             instance: at.instance,
             thread: self.model.thread(at.task, at.is_async),
-            core: self.model.core(at.task, at.is_async),
+            core: core.filter(|_| !starts_up),
             ..run
         };
         self.ordered(run);
@@ -345,7 +357,6 @@ impl<'s> Monitor<'s> {
             let key = (at.machine, at.state, outcome);
             *self.taken.entry(key).or_default() += 1;
         }
-        let key = (at.instance, at.machine);
         let machine = self.machines.entry(key).or_default();
         // The last of them: those before may be of activities that were interrupted.
         let place = machine.awaited.iter().rposition(|it| it.state == at.state);
@@ -395,10 +406,10 @@ impl<'s> Monitor<'s> {
         let mut tick = since;
         let mut off = None;
         if at.permanent
-            && let Some(period) = limits.period
+            && let (Some(period), Some(latest)) = (limits.period, limits.latest)
         {
             if begins {
-                off = task.periodic.begins(since, period, limits.latest);
+                off = task.periodic.begins(since, period, latest);
             }
             tick = task.periodic.tick(period).map_or(since, |it| it.min(since));
         }

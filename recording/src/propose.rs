@@ -33,8 +33,8 @@ impl Margin {
     }
 }
 
-/// Microseconds to write for a greatest time in nanoseconds: multiplied by the margin, rounded up to two digits, at
-/// least one microsecond.
+/// Microseconds to write for a greatest time in nanoseconds: multiplied by the margin, rounded up to two
+/// digits, at least one microsecond.
 pub fn micros(greatest: i64, margin: Margin) -> u64 {
     let exact = Ratio::from_integer(i128::from(greatest.max(1))) * margin.0;
     let micros = (exact / Ratio::from_integer(MICRO)).ceil().to_integer();
@@ -76,7 +76,8 @@ pub enum Decision {
     NeverSeen,
 }
 
-/// Decides. An execution time is lowered only where that is asked for: runs that were not recorded may take longer.
+/// Decides. An execution time is lowered only where that is asked for: runs that were not recorded may take
+/// longer.
 pub fn decide(declared: Option<Seconds>, proposed: Option<u64>, replace: bool) -> Decision {
     match (declared, proposed.map(seconds)) {
         (_, None) => Decision::NeverSeen,

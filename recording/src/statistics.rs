@@ -3,8 +3,8 @@
 //! There are three for each line: of its task, of its service in that task, and of the state in that service.
 //! Of lines of one group that have the same first time only the last one counts. A codel has a time of
 //! execution; a cycle is the time between two beginnings: of a service, from a run that starts a
-//! cycle (from `start`, or the first after a pause) to the next such run; where there is no such pair, and for tasks and
-//! states, from each run to the next.
+//! cycle (from `start`, or the first after a pause) to the next such run; where there is no such pair, and
+//! for tasks and states, from each run to the next.
 
 use rustc_hash::FxHashMap;
 
@@ -105,8 +105,8 @@ pub struct Collector {
 }
 
 impl Collector {
-    /// A line of a file. `ended`: its end was seen. Lines that are none of a log do not count; cut ones do, with empty
-    /// names, as for `profundis`.
+    /// A line of a file. `ended`: its end was seen. Lines that are none of a log do not count; cut ones do,
+    /// with empty names, as for `profundis`.
     pub fn line(&mut self, text: &[u8], ended: bool) {
         let Some(line) = line(text) else {
             self.left.garbage += u64::from(!text.trim_ascii().is_empty());
@@ -252,8 +252,8 @@ impl Collector {
             let number = kinds.get(place).copied()?;
             self.kinds.all.get(number as usize)
         };
-        // Several kinds of lines can have the same events. They stand together by the event from which, in order
-        // of its first appearance.
+        // Several kinds of lines can have the same events. They stand together by the event from which, in
+        // order of its first appearance.
         let mut transitions: Vec<Transition> = Vec::new();
         let mut froms: FxHashMap<&str, usize> = FxHashMap::default();
         let mut places: Vec<usize> = Vec::new();

@@ -1,9 +1,10 @@
-//! A log as a trace that [Perfetto](https://ui.perfetto.dev) opens: tracks for tasks, cores, locks and requests.
+//! A log as a trace that [Perfetto](https://ui.perfetto.dev) opens: tracks for tasks, cores, locks and
+//! requests.
 //!
-//! The trace is one of track events, in Perfetto's own format. Slices of one track lie in each other or follow each
-//! other; what overlaps gets a track of its own beside. A log does not say on which core a codel was executed: codels of
-//! tasks are laid on as few cores as that takes. It says nothing of clients either: a request lasts from its first
-//! codel, that of the control task if there is one, to its last.
+//! The trace is one of track events, in Perfetto's own format. Slices of one track lie in each other or
+//! follow each other; what overlaps gets a track of its own beside. A log does not say on which core a codel
+//! was executed: codels of tasks are laid on as few cores as that takes. It says nothing of clients either: a
+//! request lasts from its first codel, that of the control task if there is one, to its last.
 
 mod proto;
 

@@ -29,10 +29,10 @@ const PAUSE: Duration = Duration::from_millis(50);
 
 /// Hold recorded runs to their model
 ///
-/// LOGs are those of GenoM3's profiler, of one run each: servers that are generated with profiling write them, and `dotgen
-/// run --profile` does. What no run of the model shows is told: undeclared codels and transitions, codels that take longer
-/// than declared, locks out of turn, ticks that drift, response times beyond their bounds. So are transitions that were
-/// never taken, which is no deviation.
+/// LOGs are those of GenoM3's profiler, of one run each: servers that are generated with profiling write
+/// them, and `dotgen run --profile` does. What no run of the model shows is told: undeclared codels and
+/// transitions, codels that take longer than declared, locks out of turn, ticks that drift, response times
+/// beyond their bounds. So are transitions that were never taken, which is no deviation.
 ///
 /// Exit status: 0 if nothing deviates, 1 if something does, 2 if nothing could be compared.
 #[derive(Debug, Args)]

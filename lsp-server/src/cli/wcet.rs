@@ -19,8 +19,8 @@ pub(super) const PIECE: usize = 1 << 18;
 
 /// Execution times from recorded runs
 ///
-/// Logs are those of GenoM3's profiler: servers that are generated with profiling write them, and `dotgen run --profile`
-/// does.
+/// Logs are those of GenoM3's profiler: servers that are generated with profiling write them, and `dotgen run
+/// --profile` does.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     #[command(subcommand)]

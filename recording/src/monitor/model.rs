@@ -18,6 +18,8 @@ pub(super) struct Model<'s> {
     bounds: Vec<Option<Ticks>>,
     /// Every codel that may be executed has a time.
     timed: bool,
+    /// None has.
+    untimed: bool,
     preempts: bool,
 }
 
@@ -68,8 +70,8 @@ pub(super) enum To {
 pub(super) struct Limits {
     pub(super) period: Option<i64>,
     pub(super) bound: Option<i64>,
-    /// How long after its tick a turn begins at most.
-    pub(super) latest: i64,
+    /// How long after its tick a turn begins at most, where no tick is lost.
+    pub(super) latest: Option<i64>,
 }
 
 /// Whether threads lose their cores while they execute.
@@ -86,6 +88,7 @@ impl<'s> Model<'s> {
     ) -> Self {
         Model {
             timed: (system.codels.iter()).all(|it| it.upper > 0 || it.site.is_none()),
+            untimed: system.codels.iter().all(|it| it.upper == 0),
             preempts: preempts(system),
             system,
             names,
@@ -101,17 +104,19 @@ impl<'s> Model<'s> {
     pub(super) fn of_task(&self, task: usize) -> Limits {
         let period = self.system.tasks.get(task).and_then(|it| it.period);
         let period = period.map(|it| self.nanos(it));
-        // Where codels have no times no bound says anything.
-        let bound = self.bounds.get(task).copied().flatten();
-        let bound = bound.filter(|_| self.timed).map(|it| self.nanos(it));
-        let latest = match (bound, period) {
-            (Some(bound), Some(period)) => bound.min(period),
-            (_, period) => period.unwrap_or(0),
+        let known = self.bounds.get(task).copied().flatten();
+        let known = known.map(|it| self.nanos(it));
+        // Where codels have no times no bound says anything: a job is taken to end within its period.
+        let latest = match (known, period) {
+            (Some(bound), Some(period)) if bound <= period && self.timed => Some(bound),
+            (Some(bound), Some(period)) if bound <= period => Some(period),
+            _ if self.untimed => period,
+            // Ticks can be lost, and turns come as late as they may.
+            _ => None,
         };
         Limits {
-            // Where ticks can come too early for their jobs, turns tell nothing about them.
             period,
-            bound,
+            bound: known.filter(|_| self.timed),
             latest,
         }
     }

@@ -1,8 +1,8 @@
 //! Ticks of a periodic task, as far as the beginnings of its turns tell.
 //!
-//! Tick number *i* comes at *a* + *iP*. Its turn begins at some time *sᵢ* from then on, at most *L* later: the
-//! greatest response time, or the period. So *a* lies in [*sᵢ* - *iP* - *L*, *sᵢ* - *iP*] for every *i*, and a run of which these
-//! intervals have no moment in common has ticks that are not *P* apart.
+//! Tick number *i* comes at *a* + *iP*. Its turn begins at some time *sᵢ* from then on, at most *L* later:
+//! the greatest response time, or the period. So *a* lies in [*sᵢ* - *iP* - *L*, *sᵢ* - *iP*] for every *i*,
+//! and a run of which these intervals have no moment in common has ticks that are not *P* apart.
 
 use super::SLACK;
 use super::What;

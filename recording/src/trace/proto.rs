@@ -1,6 +1,7 @@
 //! What is needed of protocol buffers, and of Perfetto's messages.
 //!
-//! Numbers of fields are those of `protos/perfetto/trace/trace_packet.proto` and `track_event/*.proto`. They never change.
+//! Numbers of fields are those of `protos/perfetto/trace/trace_packet.proto` and `track_event/*.proto`. They
+//! never change.
 
 /// A message that is being written.
 #[derive(Debug, Clone, Default)]

@@ -69,7 +69,8 @@ fn one(out: &mut impl Write, report: &Report) -> anyhow::Result<()> {
         let instance = terminal::text(instance);
         writeln!(
             out,
-            "{TITLE}note{TITLE:#}: {lines} lines of `{instance}`, which the scenario does not have, were not compared"
+            "{TITLE}note{TITLE:#}: {lines} lines of `{instance}`, which the scenario does not have, \
+             were not compared"
         )?;
     }
     for it in told(&report.left) {

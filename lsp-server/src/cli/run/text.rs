@@ -10,7 +10,7 @@ use dotgen_runtime::report::{At, OfCheck, Report, Violated};
 use dotgen_timing::report::Value;
 use dotgen_timing::verify::settings;
 
-use super::Answer;
+use super::{Answer, Contents};
 use crate::cli::session;
 use crate::verification::summary::{self, Scale};
 

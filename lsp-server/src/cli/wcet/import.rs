@@ -30,15 +30,15 @@ use crate::verification::Problem;
 
 /// Write measured execution times into a specification
 ///
-/// Each codel that was seen gets the greatest time that it took, multiplied by the margin and rounded up to two digits. A
-/// time that is there already stays if it is not less, and is never lowered without `--replace`. The edits change
-/// nothing else: bytes, line ends and comments stay.
+/// Each codel that was seen gets the greatest time that it took, multiplied by the margin and rounded up to
+/// two digits. A time that is there already stays if it is not less, and is never lowered without
+/// `--replace`. The edits change nothing else: bytes, line ends and comments stay.
 ///
 /// Exit status: 0 when all times are written, 1 if some must be written by hand, 2 if nothing could be done.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// Logs of GenoM3's profiler (`-` is standard input), and the specification (.gen) or scenario (.scn); without one,
-    /// the only specification of the current directory
+    /// Logs of GenoM3's profiler (`-` is standard input), and the specification (.gen) or scenario (.scn);
+    /// without one, the only specification of the current directory
     #[arg(value_name = "FILE", required = true)]
     files: Vec<Utf8PathBuf>,
 

@@ -14,8 +14,8 @@ use crate::cli::Outcome;
 
 /// Print statistics of logs: times of execution, cycles, transitions
 ///
-/// The numbers are those of `profundis -s`, which counts every line, also those of the recorder about itself. Lines that
-/// are none of a log are left out.
+/// The numbers are those of `profundis -s`, which counts every line, also those of the recorder about itself.
+/// Lines that are none of a log are left out.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// Logs; `-` is standard input

@@ -58,8 +58,8 @@ pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
         let log = answer.logs.get(file).map_or("", |it| it.as_str());
         writeln!(
             out,
-            "{TITLE}note{TITLE:#}: the greatest time of {} is {} times the mean: see {log}:{line}. A clock that was set \
-             forward looks like that",
+            "{TITLE}note{TITLE:#}: the greatest time of {} is {} times the mean: see {log}:{line}. \
+             A clock that was set forward looks like that",
             it.path,
             it.measure.greatest / it.measure.mean().max(1)
         )?;
@@ -88,7 +88,8 @@ pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
     for (function, _) in &answer.refused {
         writeln!(
             out,
-            "{BAD}not written{BAD:#}: the time of {function}: its declaration, or the time it has, comes from a macro; \
+            "{BAD}not written{BAD:#}: the time of {function}: its declaration, or the time it has, \
+             comes from a macro; \
              write it there by hand"
         )?;
     }

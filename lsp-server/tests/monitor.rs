@@ -1,0 +1,259 @@
+//! `dotgen monitor`, and the traces of recorded runs, as users and scripts run them.
+
+use std::io::{BufRead, BufReader, Write};
+use std::process::{Output, Stdio};
+
+use serde_json::Value;
+
+#[path = "support/directory.rs"]
+mod directory;
+
+use directory::{Directory, status, stderr, stdout};
+
+fn put(directory: &Directory, name: &str, text: &str) {
+    directory.write(name, text.as_bytes());
+}
+
+fn dotgen(directory: &Directory, arguments: &[&str]) -> Output {
+    directory.run(arguments)
+}
+
+fn json(output: &Output) -> Value {
+    let text = stdout(output);
+    serde_json::from_str(&text).unwrap_or_else(|it| panic!("{it}: {text}{}", stderr(output)))
+}
+
+/// A recorded run of the example, in a directory with its sources.
+fn recorded(arguments: &[&str]) -> Directory {
+    let directory = Directory::new(&[]);
+    for name in ["pump.gen", "pump.scn"] {
+        let path = format!("{}/../examples/pump/{name}", env!("CARGO_MANIFEST_DIR"));
+        let text = std::fs::read_to_string(path).expect("an example");
+        put(&directory, name, &text);
+    }
+    let all = [
+        &["run", "pump.scn", "--until", "5s", "--profile", "run.out"],
+        arguments,
+    ]
+    .concat();
+    let output = dotgen(&directory, &all);
+    assert_eq!(status(&output), 0, "{}", stderr(&output));
+    directory
+}
+
+#[test]
+fn a_run_is_held_to_its_model() {
+    let directory = recorded(&[]);
+    let clean = dotgen(
+        &directory,
+        &["monitor", "run.out", "pump.scn", "--format", "json"],
+    );
+    assert_eq!(status(&clean), 0, "{}", stderr(&clean));
+    let report = json(&clean);
+    assert_eq!(report["deviation-count"], 0);
+    for task in report["tasks"].as_array().expect("a list") {
+        assert!(
+            task["greatest"].as_i64() <= task["bound"].as_i64(),
+            "{task}"
+        );
+        assert!(task["chains"].as_i64() > Some(200), "{task}");
+    }
+    let log = directory.read("run.out");
+    let third = log
+        .lines()
+        .nth(300)
+        .expect("a long log")
+        .replace("::pause::", "::");
+    let lines = log.lines().enumerate();
+    let log: String = lines
+        .map(|(number, it)| format!("{}\n", if number == 300 { &third } else { it }))
+        .collect();
+    put(&directory, "run.out", &log);
+    let wrong = dotgen(
+        &directory,
+        &["monitor", "run.out", "pump.scn", "--format", "json"],
+    );
+    assert_eq!(status(&wrong), 1, "{}", stderr(&wrong));
+    let report = json(&wrong);
+    assert_eq!(report["deviations"][0]["line"], 301);
+    assert_eq!(report["deviations"][0]["kind"], "transition");
+    assert_eq!(
+        report["deviations"][0]["rule"],
+        "a codel leads to one of its yields"
+    );
+    let text = dotgen(&directory, &["monitor", "run.out", "pump.gen"]);
+    assert_eq!(status(&text), 1);
+    assert!(stdout(&text).contains("line 301, at "), "{}", stdout(&text));
+    for wrong in [
+        &["run.out"][..],
+        &["pump.scn"],
+        &["missing.out", "pump.scn"],
+    ] {
+        let output = dotgen(&directory, &[&["monitor"], wrong].concat());
+        assert_eq!(status(&output), 2, "{wrong:?}");
+    }
+}
+
+#[test]
+fn a_log_is_followed_while_it_is_written() {
+    let directory = recorded(&[]);
+    let log = directory.read("run.out");
+    let mut command = directory.command(&["monitor", "--follow", "-", "pump.scn"]);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped());
+    let mut child = command.spawn().expect("the program runs");
+    let mut input = child.stdin.take().expect("a pipe");
+    let mut output = BufReader::new(child.stdout.take().expect("a pipe"));
+    let (first, rest) = log.split_at(log.len() / 2);
+    input.write_all(first.as_bytes()).expect("it reads");
+    // In two pieces, cut within a line.
+    let wrong = "\n3.000000000 3.000000000 3.100000000 pump report <permanent> nobody \
+                 ::pump::start ::pump::ether\n";
+    input.write_all(wrong.as_bytes()).expect("it reads");
+    // It is told while the log goes on.
+    let mut line = String::new();
+    output.read_line(&mut line).expect("a line");
+    assert!(line.contains("executed `nobody`"), "{line}");
+    input.write_all(rest.as_bytes()).expect("it reads");
+    drop(input);
+    let mut all = String::new();
+    std::io::Read::read_to_string(&mut output, &mut all).expect("text");
+    assert_eq!(child.wait().expect("it ends").code(), Some(1));
+    assert!(all.contains("tank: "), "{all}");
+}
+
+/// A message of protocol buffers, taken apart without knowing what it means: fields with numbers or bytes.
+fn fields(mut bytes: &[u8]) -> Vec<(u64, Field<'_>)> {
+    let mut out = Vec::new();
+    while !bytes.is_empty() {
+        let key = varint(&mut bytes);
+        let field = match key & 7 {
+            0 => Field::Number(varint(&mut bytes)),
+            1 => {
+                let (number, rest) = bytes.split_at(8);
+                bytes = rest;
+                Field::Number(u64::from_le_bytes(number.try_into().expect("eight bytes")))
+            }
+            2 => {
+                let length = varint(&mut bytes) as usize;
+                let (value, rest) = bytes.split_at(length);
+                bytes = rest;
+                Field::Bytes(value)
+            }
+            other => panic!("wire type {other}"),
+        };
+        out.push((key >> 3, field));
+    }
+    out
+}
+
+fn varint(bytes: &mut &[u8]) -> u64 {
+    let mut value = 0;
+    for shift in (0..64).step_by(7) {
+        let (first, rest) = bytes.split_first().expect("a number ends");
+        *bytes = rest;
+        value |= u64::from(first & 0x7f) << shift;
+        if first & 0x80 == 0 {
+            return value;
+        }
+    }
+    panic!("a number is too long");
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Field<'f> {
+    Number(u64),
+    Bytes(&'f [u8]),
+}
+
+impl<'f> Field<'f> {
+    fn number(self) -> u64 {
+        match self {
+            Field::Number(it) => it,
+            Field::Bytes(_) => panic!("bytes"),
+        }
+    }
+
+    fn bytes(self) -> &'f [u8] {
+        match self {
+            Field::Bytes(it) => it,
+            Field::Number(_) => panic!("a number"),
+        }
+    }
+}
+
+#[test]
+fn a_trace_has_a_slice_for_each_run() {
+    let directory = recorded(&["--trace", "run.pftrace"]);
+    let log = directory.read("run.out");
+    let trace = std::fs::read(directory.path().join("run.pftrace")).expect("written");
+    // The log gives the same trace.
+    let monitor = ["monitor", "run.out", "pump.scn", "--trace", "again.pftrace"];
+    assert_eq!(status(&dotgen(&directory, &monitor)), 0);
+    let again = std::fs::read(directory.path().join("again.pftrace")).expect("written");
+    assert!(trace == again);
+    let get = |all: &[(u64, Field<'_>)], key: u64| {
+        all.iter().find(|it| it.0 == key).map(|it| it.1.number())
+    };
+    let mut tracks = std::collections::BTreeMap::new();
+    let mut open: std::collections::BTreeMap<u64, Vec<u64>> = std::collections::BTreeMap::new();
+    let (mut slices, mut flows, mut last) = (std::collections::BTreeMap::new(), 0, 0);
+    for (key, packet) in fields(&trace) {
+        assert_eq!(key, 1);
+        let packet = fields(packet.bytes());
+        assert_eq!(get(&packet, 10), Some(1));
+        for (key, field) in &packet {
+            match key {
+                60 => {
+                    let track = fields(field.bytes());
+                    let name = track.iter().find(|it| it.0 == 2).expect("a name").1;
+                    let name = String::from_utf8(name.bytes().to_vec()).expect("text");
+                    tracks.insert(get(&track, 1).expect("a number"), name);
+                }
+                11 => {
+                    let time = get(&packet, 8).expect("a time");
+                    assert!(time >= last);
+                    last = time;
+                    let event = fields(field.bytes());
+                    let track = get(&event, 11).expect("a track");
+                    let name = tracks.get(&track).expect("a track that was described");
+                    let stack = open.entry(track).or_default();
+                    match get(&event, 9) {
+                        Some(1) => {
+                            assert!(stack.is_empty(), "slices of {name} overlap at {time}");
+                            stack.push(time);
+                            *slices.entry(name.clone()).or_insert(0) += 1;
+                            flows += event.iter().filter(|it| it.0 == 47).count();
+                        }
+                        Some(2) => assert!(stack.pop().is_some(), "nothing ends on {name}"),
+                        other => panic!("{other:?}"),
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+    assert!(open.values().all(Vec::is_empty));
+    let runs = |task: &str| {
+        log.lines()
+            .filter(|it| it.contains(&format!(" pump {task} ")))
+            .count()
+    };
+    let waited = |task: &str| {
+        let waits = |it: &&str| it.split(' ').next() != it.split(' ').nth(1);
+        let of = log
+            .lines()
+            .filter(|it| it.contains(&format!(" pump {task} ")));
+        of.filter(waits).count()
+    };
+    for task in ["control", "report"] {
+        assert_eq!(
+            slices[&format!("task {task}")],
+            runs(task) + waited(task),
+            "{slices:?}"
+        );
+    }
+    assert_eq!(slices["core 0"], log.lines().count(), "{slices:?}");
+    assert!(slices["lock level"] > 200, "{slices:?}");
+    assert!(slices["requests of fill"] >= 1, "{slices:?}");
+    assert!(flows > slices["requests of fill"], "{slices:?}");
+}
