@@ -332,18 +332,28 @@ impl<'f> Finder<'f> {
         }
     }
 
-    /// Labels of requests of the client around the cursor.
+    /// Labels of requests of the client around the cursor, as far as it is written: `NAME : send`.
     fn sent_labels(&mut self) {
-        let at = self.replace.start;
-        let clients = self.clients();
-        let Some(client) = clients.filter(|it| it.name.range.end <= at).last() else {
+        let tokens = lex(self.text);
+        let before: Vec<&Token> = (tokens.iter())
+            .filter(|it| !it.kind.is_trivia() && it.range.end <= self.replace.start)
+            .collect();
+        let is = |at: usize, what: &str| word(self.text, before.get(at)) == what;
+        let Some(client) = (0..before.len()).rev().find(|&it| is(it, "client")) else {
             return;
         };
-        let mut labels = Vec::new();
-        sent(&client.steps, &mut labels);
+        let name = word(self.text, before.get(client + 1)).to_owned();
+        let mut labels: Vec<String> = Vec::new();
+        for at in client..before.len() {
+            let colon = before.get(at + 1).is_some_and(|it| it.kind == Kind::Colon);
+            let label = word(self.text, before.get(at)).to_owned();
+            if colon && is(at + 2, "send") && !labels.contains(&label) {
+                labels.push(label);
+            }
+        }
         for label in labels {
-            let target = Target::Step(client.name.value.clone(), label.to_owned());
-            self.push(label.to_owned(), &target);
+            let target = Target::Step(name.clone(), label.clone());
+            self.push(label, &target);
         }
     }
 
@@ -575,18 +585,6 @@ fn statuses(target: Option<&Target>) -> &'static [&'static str] {
         Some(Target::Service(..)) => &["waiting", "run", "stop", "void", "lock", "exec"],
         Some(Target::State(..) | Target::Codel(..)) => &["lock", "exec"],
         _ => &[],
-    }
-}
-
-/// Labels of requests, as written.
-fn sent<'s>(list: &'s [Step], out: &mut Vec<&'s str>) {
-    for step in list {
-        match (&step.label, &step.kind) {
-            (Some(label), StepKind::Send(_)) => out.push(&label.value),
-            (_, StepKind::Repeat(_, body)) => sent(body, out),
-            (_, StepKind::Choice(branches)) => branches.iter().for_each(|it| sent(it, out)),
-            _ => {}
-        }
     }
 }
 

@@ -1,7 +1,8 @@
 //! Requests that every component understands, and how requests end.
 
 use dotgen_timing::report::{Report, Value, Verdict};
-use dotgen_timing::scn::parse;
+use dotgen_timing::scn::complete::{Completions, complete};
+use dotgen_timing::scn::{format, parse};
 use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 
 use crate::load;
@@ -160,6 +161,50 @@ fn the_published_models_have_none_of_it() {
         );
         assert!(found.contains(&told), "{word}: {found:?}");
     }
+}
+
+#[test]
+fn the_published_models_know_no_order_of_services() {
+    let found = messages("semantics published; order on; check schedulable *;");
+    let told = "scn-semantics: the published models know no order of services; write `semantics servers;`, or leave \
+                `order on;` out";
+    assert!(found.iter().any(|it| it == told), "{found:?}");
+    assert!(messages("semantics published; order off; check schedulable *;").is_empty());
+}
+
+#[test]
+fn completion_offers_requests_and_outcomes() {
+    let unit = load(ROBOT);
+    let names = dotgen_timing::scn::names::Names::new(&[&unit.spec]);
+    let offered = |steps: &str| -> Vec<String> {
+        let text = format!("scenario s {{ client k {{ one: send r.walk; {steps}");
+        let scenario = parse(&text).scenario;
+        match complete(&text, &scenario, &names, text.len()) {
+            Completions::Of { items, .. } => items.into_iter().map(|it| it.label).collect(),
+            Completions::File(_) => Vec::new(),
+        }
+    };
+    let has = |steps: &str, labels: &[&str]| {
+        let found = offered(steps);
+        for label in labels {
+            assert!(found.iter().any(|it| it == label), "{steps}: {found:?}");
+        }
+    };
+    has("", &["abort", "kill", "connect", "await"]);
+    has("kill ", &["r"]);
+    has("connect ", &["r"]);
+    has("abort ", &["one", "r.walk", "r.cut"]);
+    has("await ended ", &["ok", "failed", "r.walk"]);
+    has("await ended ok ", &["r.walk"]);
+    assert!(!offered("abort ").contains(&"r.t".to_owned()));
+    assert!(!offered("await ended ok ").contains(&"failed".to_owned()));
+}
+
+#[test]
+fn formatting_keeps_the_new_steps() {
+    let text = "scenario s {\n  client k {\n    one: send r.walk;\n    abort one;\n    await ended failed r.walk;\n    connect r;\n    \
+                kill r;\n  }\n}\n";
+    assert_eq!(format(&text.replace("\n  ", " ")).as_deref(), Some(text));
 }
 
 #[test]

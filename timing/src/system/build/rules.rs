@@ -22,6 +22,10 @@ impl Builder<'_> {
             );
             self.report(Diagnostic::error("scn-semantics", 0..0, message));
         }
+        if self.settings.order() && semantics.is_published() {
+            let message = "the published models know no order of services; write `semantics servers;`, or leave `order on;` out";
+            self.report(Diagnostic::error("scn-semantics", 0..0, message.to_owned()));
+        }
     }
 
     pub(super) fn idle_rule(&mut self, c: usize, t: u32) -> bool {
