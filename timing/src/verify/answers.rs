@@ -308,7 +308,7 @@ fn sequence(list: &[Pred]) -> String {
 }
 
 /// When a limit is exceeded, in base units, by a run that is known.
-fn exceeded(it: &Option<Measured>) -> Option<u64> {
+pub(super) fn exceeded(it: &Option<Measured>) -> Option<u64> {
     let run = &it.as_ref()?.excess.as_ref()?.run;
     (!run.left_out).then_some(run.end)
 }

@@ -1,9 +1,12 @@
 //! Checks of chains: how late the last datum reacts to the first, and how old it is (section 19).
 
 use super::Group;
+use super::answers::exceeded;
 use super::checks::{ChainOf, Single};
+use super::units::limit_text;
 use crate::explore::{Measured, explore_chain, is_exact};
 use crate::report::{CheckReport, Report, Soundness, Verdict};
+use crate::system::chain::ChainKind;
 use crate::system::flow::{self, Found};
 
 impl Group<'_> {
@@ -20,6 +23,22 @@ impl Group<'_> {
         let measured: Option<Measured> = found.within.first().cloned().flatten();
         let never = "the first datum is never written";
         self.bounded(&measured, never, &found, &mut out);
+        if let (Some(end), Some(limit)) = (exceeded(&measured), of.bound) {
+            let (from, to) = (of.path.from.text(), of.path.to.text());
+            let limit = limit_text(limit);
+            let what = match of.kind {
+                ChainKind::Reaction => {
+                    format!("`{to}` has not been written from the `{from}` of {limit} ago")
+                }
+                ChainKind::Age => format!("`{to}` depends on a `{from}` of more than {limit} ago"),
+            };
+            let about = check.components.last();
+            let component = about.map_or(String::new(), |&it| {
+                self.names.components[it].component.name.to_string()
+            });
+            let event = self.excess_event(end, component, what);
+            self.shown_by(&mut out).push(event);
+        }
         if measured.is_some_and(|value| !is_exact(system, &it.chain, value.bound)) {
             // So old that it was not counted any further: the value is a lower bound.
             if out.verdict == Verdict::Proved {

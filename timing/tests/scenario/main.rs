@@ -1,6 +1,7 @@
 //! Scenario language and verification, on small specifications of our own.
 
 mod beside;
+mod chains;
 mod findings;
 mod quick;
 mod requests;
