@@ -26,7 +26,7 @@ impl Timing {
 
     /// How many obligations are as old as the one that is measured, itself included. When they become fewer, another may have
     /// taken its place; they never become more.
-    pub(in crate::explore) fn as_old(self, l: &Frame, s: &State) -> usize {
+    fn as_old(self, l: &Frame, s: &State) -> usize {
         let Timing::Within(observer) = self else {
             return 0;
         };
@@ -34,6 +34,12 @@ impl Timing {
         let open = l.stages(observer).filter(|&it| l.is_open_at(s, it));
         let ages = open.map(|it| l.stage_clock(it).map(|clock| s.t[clock]));
         ages.filter(|&it| it == oldest).count()
+    }
+
+    /// How long it has lasted in a state, and how many obligations are as old.
+    pub(super) fn age(self, l: &Frame, s: &State) -> (Ticks, usize) {
+        let clock = self.clock(l, s);
+        (clock.map_or(0, |clock| s.t[clock]), self.as_old(l, s))
     }
 
     /// Whether it is being measured in a state.

@@ -2,7 +2,6 @@
 
 use rustc_hash::FxHashMap;
 
-use super::measure::Timing;
 use super::about::About;
 use super::observe::{self, Observer};
 use super::rules::{Action, Rules, with_rules};
@@ -77,12 +76,13 @@ impl Run {
     }
 
     /// Two moments of the last `recent` units of the run with the same state just before time passes,
-    /// observation clocks apart: what is between them can go on for ever.
+    /// observation clocks apart: what is between them can go on for ever. `age` tells how long what is measured has lasted in a
+    /// state, and how many are as old: one of the same age may take its place, but not for ever.
     pub(in crate::explore) fn repetition<R: Rules>(
         &self,
         rules: &R,
         (observers, recent): (&[Observer], Ticks),
-        of: Option<Timing>,
+        age: &dyn Fn(&State) -> (Ticks, usize),
         cancel: &Cancel,
     ) -> Option<(u64, u64)> {
         let from = self.end.checked_sub(u64::from(recent))?;
@@ -95,8 +95,7 @@ impl Run {
             }
             // What is measured may begin before the job that is measured: with a tick that is kept until the job before
             // has ended. What repeats across that end does not last.
-            let clock = of.and_then(|it| it.clock(rules.frame(), s));
-            let now = clock.map_or(0, |clock| s.t[clock]);
+            let (now, as_old) = age(s);
             if now < std::mem::replace(&mut measured, now) {
                 seen.clear();
             }
@@ -115,8 +114,6 @@ impl Run {
                     }
                 })
                 .collect();
-            // One of the same age may take the place of the one that is measured, but not for ever.
-            let as_old = of.map_or(0, |it| it.as_old(rules.frame(), s));
             let times = rules.frame().key_times(s).to_vec();
             let key = (s.d.clone(), times, elapsed, as_old);
             found = seen.insert(key, time).map(|before| (before, time));

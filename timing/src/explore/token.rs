@@ -475,6 +475,22 @@ impl<R: Rules> Rules for Tracked<'_, R> {
         self.rules.position(s, client)
     }
 
+    fn places(&self) -> usize {
+        self.rules.places()
+    }
+
+    fn activity(&self, s: &State, place: usize) -> Option<usize> {
+        self.rules.activity(s, place)
+    }
+
+    fn interrupt_activity(&self, s: &mut State, place: usize) {
+        self.rules.interrupt_activity(s, place);
+    }
+
+    fn handling(&self, s: &State, component: usize) -> Option<(usize, bool)> {
+        self.rules.handling(s, component)
+    }
+
     fn tell(
         &self,
         change: (&State, &State),

@@ -284,9 +284,9 @@ impl<R: Rules> Search<'_, R> {
                 excess: None,
             };
             let recent = (&self.observers[..], value);
-            if let Some(cycle) =
-                run.repetition(&self.rules, recent, Some(self.gauges[i].of), self.cancel)
-            {
+            let of = self.gauges[i].of;
+            let age = |s: &State| of.age(self.rules.frame(), s);
+            if let Some(cycle) = run.repetition(&self.rules, recent, &age, self.cancel) {
                 let limit = self.gauges[i].limit;
                 let left = limit.and_then(|it| it.checked_sub(value));
                 out.excess = left.and_then(|it| run.prolonged(cycle, it + 1));

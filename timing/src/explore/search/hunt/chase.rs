@@ -248,7 +248,8 @@ impl<'a, R: Rules> Chase<'a, R> {
             ..
         } = &self.search;
         let of = gauges.first().map(|it| it.of);
-        run.repetition(rules, (observers, value), of, cancel)
+        let age = |s: &State| of.map_or((0, 0), |it| it.age(rules.frame(), s));
+        run.repetition(rules, (observers, value), &age, cancel)
     }
 
     /// Whether nothing is left to be looked at, of everything there is.
