@@ -88,6 +88,8 @@ pub fn add_outside(prepared: &mut Prepared) -> usize {
             action: ClientAction::Send {
                 service,
                 trackers: Vec::new(),
+                accepted: Vec::new(),
+                aborts: None,
             },
             next: vec![0],
             label: None,
