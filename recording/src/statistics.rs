@@ -427,10 +427,11 @@ fn function(group: &Group) -> &str {
     group.function.as_deref().unwrap_or("*")
 }
 
-/// A key of four words.
+/// A key with two stars behind it, of four words at most.
 fn starred(group: &Group) -> String {
     let mut key = group.key.clone();
-    key.resize(4, "*".to_owned());
+    key.extend(["*".to_owned(), "*".to_owned()]);
+    key.truncate(4);
     list(&key)
 }
 

@@ -95,6 +95,9 @@ fn cut_lines_count_with_what_they_have() {
     let groups = collected(&["1.000000000 1.000000000 2.000000000 c t\nrubbish\n"]);
     let text = lines(&groups);
     assert!(text.contains("exec c t {} {}  1 1.000000000 "), "{text}");
+    // Nothing but times: the list of its names is shorter.
+    let text = lines(&collected(&["1.000000000 1.000000000 2.000000000"]));
+    assert!(text.contains("\nexec {} * * * 1 1.000000000 "), "{text}");
     let groups = collected(&["1.0 1.0 0.500000000 c t s f a b"]);
     // Half a second back: -1 s and half a second.
     assert!(
