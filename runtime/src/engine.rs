@@ -64,7 +64,7 @@ pub fn run(
     let (mut steps, mut at_once) = (0u64, 0u64);
     stepper.begin(&mut seen);
     if let Some(live) = live.as_deref_mut()
-        && live.begin(stepper).is_err()
+        && !live.begin(stepper)
     {
         return End::NotStarted;
     }

@@ -5,13 +5,14 @@
 //! model ends it. Between the two nobody else may look, because its locks are held.
 
 mod parts;
+mod requests;
 
 use std::collections::VecDeque;
 
 use dotgen_timing::explore::{Seen, Stepper, Work};
 use dotgen_timing::system::{TimedSystem, Yield};
 
-use crate::hosts::{Answer, Call, Hosts, How, Message, Ran, Wanted};
+use crate::hosts::{Call, Hosts, How, Message, Ran, Wanted};
 pub use parts::{Feed, Part, Parts};
 
 /// Something that codels did and must not.
@@ -128,20 +129,14 @@ impl<'p> Live<'p> {
         }
     }
 
-    /// Begins a run.
-    ///
-    /// # Errors
-    /// A component cannot be started: [`Live::fault`] says why.
-    pub fn begin(&mut self, stepper: &Stepper) -> Result<(), ()> {
+    /// Begins a run. Where a component cannot be started, it does not, and [`Live::fault`] says why.
+    pub fn begin(&mut self, stepper: &Stepper) -> bool {
         self.alive.fill(true);
         self.running.clear();
         self.pending.iter_mut().for_each(|it| *it = None);
         self.places = (0..stepper.places()).map(|_| None).collect();
         self.fault = self.hosts.start().err();
-        match self.fault {
-            None => Ok(()),
-            Some(_) => Err(()),
-        }
+        self.fault.is_none()
     }
 
     /// Why a component could not be started.
@@ -189,74 +184,6 @@ impl<'p> Live<'p> {
                 self.begun(executor, work);
             }
         }
-    }
-
-    /// The activities that have begun and ended, and the requests that are handled.
-    fn look(&mut self, stepper: &Stepper) {
-        for place in 0..self.places.len() {
-            let service = stepper.activity(place);
-            let service = service.and_then(|it| self.system.automata[it].service);
-            let component = service.map(|it| self.system.services[it].component);
-            match (&self.places[place], component) {
-                (Some(_), None) => {
-                    if let Some(it) = self.places[place].take() {
-                        self.finish(it);
-                    }
-                }
-                (None, Some(component)) => self.places[place] = self.pending[component].take(),
-                _ => {}
-            }
-        }
-        for component in 0..self.pending.len() {
-            match stepper.handling(component) {
-                Some((service, refused)) => {
-                    // An activity may have its place before it is accepted; it is the youngest of its service.
-                    let places = self.places.iter_mut().flatten();
-                    let youngest = places
-                        .filter(|it| {
-                            it.service == service && self.system.services[service].activity
-                        })
-                        .max_by_key(|it| it.number);
-                    if let Some(it) = self.pending[component].as_mut().or(youngest) {
-                        it.refused |= refused;
-                    }
-                }
-                None => {
-                    if let Some(it) = self.pending[component].take() {
-                        self.finish(it);
-                    }
-                }
-            }
-        }
-    }
-
-    fn requested(&mut self, client: usize, service: usize) {
-        let component = self.system.services[service].component;
-        let number = self.next_instance;
-        self.next_instance += 1;
-        // The clients that stand for somebody outside come after those of the scenario.
-        let outside = self.parts.outside(client) == Some(component);
-        let wanted = match outside {
-            // What was wanted may have been given up meanwhile.
-            true => self.wanted[component].pop_front_if(|it| it.service == service),
-            false => None,
-        };
-        let (_, index) = self.parts.services[service];
-        let inputs = match &wanted {
-            Some(it) => it.inputs.as_slice(),
-            None => self.parts.inputs[service].as_slice(),
-        };
-        if self.alive[component] && self.parts.of(component).is_some() {
-            self.hosts.make(component, index, number, inputs);
-        }
-        self.pending[component] = Some(Instance {
-            wanted: wanted.map(|it| it.id),
-            failed: None,
-            ended: false,
-            refused: false,
-            number,
-            service,
-        });
     }
 
     /// The instance that a piece of work is about.
@@ -361,14 +288,6 @@ impl<'p> Live<'p> {
             }
             Message::Abort(id) => self.aborts.push(id),
         }
-    }
-
-    fn answer_failed(&mut self, id: u64, exception: &str) {
-        let answer = Answer::Failed {
-            exception: exception.to_owned(),
-            detail: Vec::new(),
-        };
-        self.hosts.answer(id, answer);
     }
 
     /// A codel that has ended is compared with what it states; on the virtual clock it takes what it states.
@@ -563,113 +482,5 @@ impl<'p> Live<'p> {
             };
             self.hosts.feed(feed.to.0, feed.to.1, name, data);
         }
-    }
-
-    /// A request is over.
-    fn finish(&mut self, it: Instance) {
-        let service = &self.system.services[it.service];
-        let component = service.component;
-        let (_, index) = self.parts.services[it.service];
-        let hosted = self.alive[component] && self.parts.of(component).is_some();
-        let well = !it.refused && it.failed.is_none() && (!service.activity || it.ended);
-        let mut outputs = Vec::new();
-        if hosted {
-            if let (true, Some(copies)) = (well, self.parts.copies[it.service]) {
-                self.copy(component, copies, it.number);
-            }
-            outputs = self
-                .hosts
-                .end(component, index, it.number)
-                .unwrap_or_default();
-        }
-        let Some(id) = it.wanted else { return };
-        let answer = match it.failed {
-            _ if well => Answer::Done(outputs),
-            Some((exception, detail)) => Answer::Failed { exception, detail },
-            None if it.refused => Answer::Failed {
-                exception: "::genom::disallowed".to_owned(),
-                detail: Vec::new(),
-            },
-            None => Answer::Failed {
-                exception: "::genom::interrupted".to_owned(),
-                detail: Vec::new(),
-            },
-        };
-        self.hosts.answer(id, answer);
-    }
-
-    /// The values of an attribute are copied.
-    fn copy(&mut self, component: usize, codel: u32, instance: u32) {
-        let ticket = u32::MAX;
-        self.hosts.run(&Call {
-            lane: u32::MAX,
-            component,
-            ticket,
-            codel,
-            instance,
-        });
-        let until = self.hosts.now() + BLOCKED;
-        while let Some(message) = self.hosts.wait(until) {
-            match message {
-                Message::Ran(of, ran) if of == component && ran.ticket == ticket => return,
-                Message::Lost { component: of, why } => {
-                    self.lost(of, why);
-                    if of == component {
-                        return;
-                    }
-                }
-                other => self.message(other),
-            }
-        }
-    }
-
-    /// Whether it is the delay of a client that stands for somebody outside.
-    pub fn is_outside(&self, work: &Work) -> bool {
-        matches!(work, Work::Delay { client } if self.parts.outside(*client).is_some())
-    }
-
-    /// Whether a client may go on to a step after a delay: one that stands for somebody outside waits for him.
-    pub fn may_proceed(&self, client: usize, step: usize) -> bool {
-        let Some(component) = self.parts.outside(client) else {
-            return true;
-        };
-        let wanted = self.wanted.get(component).and_then(|it| it.front());
-        let steps = &self.system.clients[client].steps;
-        let requests = steps.get(step).and_then(|it| it.requests());
-        wanted.is_some_and(|it| requests == Some(it.service))
-    }
-
-    /// Interrupts what somebody outside wants no more.
-    pub fn abort(&mut self, stepper: &mut Stepper) {
-        for id in std::mem::take(&mut self.aborts) {
-            let of = |it: &Option<Instance>| it.as_ref().is_some_and(|it| it.wanted == Some(id));
-            if let Some(place) = self.places.iter().position(of) {
-                stepper.interrupt(place);
-            }
-            let mut waiting = None;
-            for all in &mut self.wanted {
-                if let Some(at) = all.iter().position(|it| it.id == id) {
-                    waiting = all.remove(at);
-                }
-            }
-            if waiting.is_some() {
-                self.answer_failed(id, "::genom::interrupted");
-            }
-        }
-    }
-
-    /// Tells that activities were accepted: to be asked after each step.
-    pub fn accept(&mut self, stepper: &Stepper, told: &mut Vec<u32>) {
-        for it in self.places.iter().flatten() {
-            let component = self.system.services[it.service].component;
-            let handled = stepper.handling(component).is_some();
-            if let (Some(id), false) = (it.wanted, handled)
-                && !told.contains(&it.number)
-            {
-                told.push(it.number);
-                self.hosts.answer(id, Answer::Accepted);
-            }
-        }
-        told.retain(|number| self.places.iter().flatten().any(|it| it.number == *number));
     }
 }

@@ -35,7 +35,7 @@ pub fn run(
     let mut works: Vec<Option<Work>> = Vec::new();
     let mut at_once = 0u64;
     stepper.begin(&mut seen);
-    if live.begin(stepper).is_err() {
+    if !live.begin(stepper) {
         return End::NotStarted;
     }
     let start = live.hosts().now();

@@ -33,7 +33,7 @@ impl std::fmt::Display for Wrong {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self.at.is_empty() {
             true => write!(f, "{} is wanted", self.wanted),
-            false => write!(f, "{} is wanted at `{}`", self.wanted, self.at),
+            false => write!(f, "`{}` has to be {}", self.at, self.wanted),
         }
     }
 }
@@ -72,7 +72,7 @@ impl<'s> Values<'s> {
         {
             let known: Vec<&str> = inputs().map(|it| it.name.as_str()).collect();
             let wanted = match known.is_empty() {
-                true => "nothing: the service has no inputs, which".to_owned(),
+                true => "left out: the service has no inputs".to_owned(),
                 false => format!("one of {}", known.join(", ")),
             };
             return wrong(unknown, wanted);

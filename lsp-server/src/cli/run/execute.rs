@@ -153,7 +153,8 @@ impl Context<'_, '_> {
         let _server = match real {
             true => Some(super::serve::start(
                 arguments,
-                self,
+                self.problem,
+                self.names,
                 &opened,
                 &mut children,
             )?),

@@ -1,19 +1,21 @@
 //! A run that listens: the socket, and what is known of the components there.
 
+use dotgen_timing::scn::names::Names;
 use dotgen_timing::verify::Prepared;
 use std::os::unix::fs::DirBuilderExt as _;
 
 use super::Arguments;
-use super::execute::Context;
 use crate::cli::report;
 use crate::hosting::children::Children;
 use crate::hosting::places;
 use crate::hosting::server::{Known, Server, listen};
+use crate::verification::Problem;
 
 /// Listens for whoever wants something of a run.
 pub(super) fn start(
     arguments: &Arguments,
-    context: &Context<'_, '_>,
+    problem: &Problem,
+    names: &Names<'_>,
     prepared: &Prepared,
     children: &mut Children,
 ) -> anyhow::Result<Server> {
@@ -26,17 +28,17 @@ pub(super) fn start(
             path.clone().into_std_path_buf()
         }
         None => {
-            let name = context.problem.path.file_stem().unwrap_or("run");
+            let name = problem.path.file_stem().unwrap_or("run");
             places::socket(name)?
         }
     };
     let built = &prepared.built;
     let mut known: Vec<Option<Known>> = built.system.components.iter().map(|_| None).collect();
-    for (name, member) in context.names.components.iter().enumerate() {
+    for (name, member) in names.components.iter().enumerate() {
         let Some(&at) = built.components.get(&name) else {
             continue;
         };
-        let spec = context.problem.units[member.spec_index].spec.clone();
+        let spec = problem.units[member.spec_index].spec.clone();
         let mut all = (0u32..).zip(&spec.components);
         let Some((component, _)) = all.find(|it| it.1.name == member.component.name) else {
             continue;
