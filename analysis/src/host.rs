@@ -197,6 +197,8 @@ pub struct UnitResult {
     pub locations: Arc<UnitLocations>,
     /// Every word of its files, if it has errors: a declaration may be lost in what was not understood.
     pub words: Arc<FxHashSet<SmolStr>>,
+    /// Whether a file ends where an error is: what was to follow is not there.
+    pub is_cut: bool,
 }
 
 impl UnitResult {
@@ -582,7 +584,16 @@ pub(crate) fn unit_result<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> UnitResul
     let rejected = diagnostics.iter().any(|it| it.severity == Severity::Error);
     let words = unit::files(db, unit).into_iter().filter(|_| rejected);
     let words = words.flat_map(|it| unit::mentioned(db, it).words.iter().cloned());
+    let is_cut = unit::files(db, unit).into_iter().any(|file| {
+        let errors = diagnostics
+            .iter()
+            .filter(|it| it.severity == Severity::Error);
+        let mut here = errors.filter(|it| it.path == *file.path(db));
+        let end = file.text(db).trim_end().len();
+        here.any(|it| dotgen_syntax::codes::find(it.code).is_some() && it.range.end >= end)
+    });
     UnitResult {
+        is_cut,
         words: Arc::new(words.collect()),
         spec: elaborated(db, unit).spec.clone(),
         diagnostics,

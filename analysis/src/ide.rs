@@ -44,7 +44,7 @@ use crate::{
 pub use assists::{Assist, AssistKind};
 pub use call_hierarchy::{Call, CallItem, CallKey};
 pub use code_lens::{CodeLens, LensConfig, LensKind, LensText};
-pub use completion::{CompletionDoc, CompletionItem, CompletionKind, plain_snippet};
+pub use completion::{CodelPlace, CompletionDoc, CompletionItem, CompletionKind, plain_snippet};
 pub use document_links::MissingInclude;
 pub use inlay_hints::{InlayConfig, InlayHint, InlayKind, InlayTypes};
 pub use rename::RenameError;

@@ -38,6 +38,15 @@ pub enum CompletionKind {
     Package,
 }
 
+/// What the name of a codel brings along where it is proposed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CodelPlace {
+    /// Whether its parameters are inserted with it; else they follow already.
+    pub parameters: bool,
+    /// What is inserted behind these: an LSP snippet.
+    pub tail: &'static str,
+}
+
 /// One proposal.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CompletionItem {
@@ -59,6 +68,8 @@ pub struct CompletionItem {
     pub rank: u8,
     /// Its definition, for [`CompletionDoc`].
     pub definition: Option<u32>,
+    /// A name for a codel: functions that no specification names fit here as well.
+    pub codel: Option<CodelPlace>,
 }
 
 /// What is shown about a proposal once it is selected.
@@ -251,6 +262,7 @@ impl Completions {
             replace: self.replace.clone(),
             rank,
             definition: None,
+            codel: None,
         });
         let last = self.items.len() - 1;
         &mut self.items[last]

@@ -265,6 +265,16 @@ pub fn check(all: &[Expected<'_>], sources: &Sources, options: &DriftOptions) ->
     out
 }
 
+/// Functions that look like codels and that no specification names, with their files, in file and text order.
+pub fn unnamed<'a>(
+    all: &[Expected<'_>],
+    sources: &'a Sources,
+    options: &DriftOptions,
+) -> Vec<(&'a IndexedFile, &'a Function)> {
+    let found = orphan::find(all, sources, options);
+    found.into_iter().map(|it| (it.file, it.function)).collect()
+}
+
 /// Something of the component is in these sources. If not, its codels are kept elsewhere.
 fn are_here(expected: &Expected<'_>, sources: &Sources) -> bool {
     let component = &expected.component().name;

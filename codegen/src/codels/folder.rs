@@ -15,7 +15,8 @@ use super::{
     coverage::Coverage,
     drift::{self, Drift, DriftOptions},
     expected::Expected,
-    files::Sources,
+    files::{IndexedFile, Sources},
+    source::Function,
     trust::Trust,
 };
 use crate::lang::Language;
@@ -71,12 +72,20 @@ impl Folder {
 
     /// Compares both sides.
     pub fn check(&self, all: &[Expected<'_>]) -> Vec<Drift> {
-        let options = DriftOptions {
+        drift::check(all, &self.sources, &self.options())
+    }
+
+    /// Functions of the sources that look like codels and that no specification names.
+    pub fn unnamed(&self, all: &[Expected<'_>]) -> Vec<(&IndexedFile, &Function)> {
+        drift::unnamed(all, &self.sources, &self.options())
+    }
+
+    fn options(&self) -> DriftOptions {
+        DriftOptions {
             also_named: self.also_named.clone(),
             trust: self.trust.clone(),
             ..DriftOptions::default()
-        };
-        drift::check(all, &self.sources, &options)
+        }
     }
 
     /// Findings as the configuration and the comments on both sides want them: with their

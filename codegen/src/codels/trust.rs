@@ -77,10 +77,11 @@ impl Trust {
             return trust;
         }
         trust.words = unit.words.clone();
-        trust.is_cut = unit
-            .diagnostics
-            .iter()
-            .any(|it| BREAKS_OFF.contains(&it.code));
+        trust.is_cut = unit.is_cut
+            || unit
+                .diagnostics
+                .iter()
+                .any(|it| BREAKS_OFF.contains(&it.code));
         trust.all_broken = trust.is_cut;
         let codels: Vec<(u32, CodelRef, Location)> = (0u32..)
             .zip(&unit.spec.components)

@@ -1,5 +1,7 @@
 //! `examples/drift`: one drift of each kind, each found, nothing else, and all mended.
 
+use std::collections::BTreeSet;
+
 use camino::Utf8PathBuf;
 use dotgen_codegen::codels::command::{Project, SyncOptions, check, headers, sync};
 use dotgen_codegen::codels::edit::unified_diff;
@@ -68,5 +70,36 @@ fn fix_all_leaves_nothing_to_report_and_the_code_compiles() {
         std::fs::write(&copy, &*text).expect("a temporary file");
         // A parameter that is new is not used yet.
         compile(cc, &folder, &copy, &["-Wno-unused-parameter"]).expect("the mended code compiles");
+    }
+}
+
+#[test]
+fn a_text_that_breaks_off_makes_no_orphans() {
+    let text = std::fs::read_to_string(root()).expect("the example is there");
+    let mut host = host(Vec::new());
+    let mut project = Project::new(&mut host, &Disk, FilesConfig::default(), stubs());
+    let mut orphans = |text: &str| -> BTreeSet<String> {
+        project.overlay(root(), text.to_owned());
+        let report = check(&mut project, &[root()]);
+        let orphans = report
+            .findings
+            .into_iter()
+            .filter(|it| it.code == "codel/orphan");
+        orphans.map(|it| it.message).collect()
+    };
+    let real = orphans(&text);
+    assert!(!real.is_empty());
+    // Behind every third word or sign.
+    let ends = text
+        .char_indices()
+        .filter(|(_, it)| it.is_whitespace() || ";{}(),".contains(*it));
+    for end in ends.map(|it| it.0).step_by(3) {
+        let found = orphans(&text[..end]);
+        let made_up: Vec<_> = found.difference(&real).collect();
+        assert!(
+            made_up.is_empty(),
+            "{made_up:?} behind {:?}",
+            &text[end.saturating_sub(60)..end]
+        );
     }
 }

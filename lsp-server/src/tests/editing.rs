@@ -44,6 +44,32 @@ fn at(uri: &str, what: &str, nth: usize) -> Value {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn functions_without_codel_are_proposed_as_names_of_codels() {
+    let spec = "component c {\n  ids { long x; };\n  task t {\n    codel<start> c_t_start(in x) yield ether;\n    \
+                codel<stop> \n  };\n};\n";
+    let code = "genom_event\nc_t_start(int32_t x, const genom_context self)\n{\n  return c_ether;\n}\n\
+                genom_event\nc_halt(int32_t *x, const genom_context self)\n{\n  return c_ether;\n}\n";
+    let folder = Folder::new(&[("c.gen", spec), ("codels/c_t_codels.c", code)]);
+    let mut all = pulling();
+    all["textDocument"]["completion"] = json!({ "completionItem": { "snippetSupport": true } });
+    let mut client = Client::start(folder.params(all)).await;
+    let uri = folder.uri("c.gen");
+    client.open(&uri, spec).await;
+    let mut params = document(&uri);
+    params["position"] = json!({ "line": 4, "character": 16 });
+    let list = client.ok("textDocument/completion", params).await;
+    let items = list["items"].as_array().expect("a list");
+    let labels: Vec<&str> = items.iter().filter_map(|it| it["label"].as_str()).collect();
+    // The function first, then a name as the other codel has one; what has a codel already is not there.
+    assert_eq!(labels, ["c_halt", "c_t_stop"]);
+    assert_eq!(
+        items[0]["textEdit"]["newText"],
+        "c_halt(${1:ids inout x})\n\tyield ${2:ether};$0"
+    );
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn completion_with_and_without_snippets() {
     let snippets = json!({ "completion": { "completionItem": { "snippetSupport": true } } });
     for (capabilities, has_snippets) in [(snippets, true), (json!({}), false)] {

@@ -4,7 +4,7 @@ use rustc_hash::FxHashSet;
 use smol_str::SmolStr;
 
 use super::{
-    CompletionKind, Completions, initializer,
+    CodelPlace, CompletionKind, Completions, initializer,
     names::{Names, Wanted, qualifier},
     pattern,
     statement::{after_simple_codel, quantity, type_or_nothing},
@@ -90,18 +90,23 @@ pub(super) fn name(
     out: &mut Completions,
 ) {
     let name = pattern::codel_name(names, context, state);
-    let insert = match (context.after.rest.first(), state) {
-        (Some(next), _) if next.is("(") => name.clone(),
-        (Some(next), _) if context.after.same_line && !next.is_any(&["yield", "yields"]) => return,
-        (None, Some(_)) => format!("{name}($1)\n\tyield ${{2:ether}};$0"),
-        (None, None) => format!("{name}($1);$0"),
-        (Some(next), Some(_)) if next.is_any(&["codel", "async", "}"]) => {
-            format!("{name}($1)\n\tyield ${{2:ether}};$0")
-        }
-        (Some(next), None) if next.is_any(&["codel", "validate", "}"]) => format!("{name}($1);$0"),
-        _ => format!("{name}($1)"),
+    let ends = |it: &Word| it.is_any(&["codel", "async", "validate", "}"]);
+    let next = context.after.rest.first();
+    let (parameters, tail) = match next {
+        Some(next) if next.is("(") => (false, ""),
+        Some(next) if next.is_any(&["yield", "yields"]) => (true, ""),
+        Some(next) if context.after.same_line && !ends(next) => return,
+        Some(next) if !ends(next) => (true, ""),
+        _ if state.is_some() => (true, "\n\tyield ${2:ether};$0"),
+        _ => (true, ";$0"),
     };
-    out.snippet(name, insert, 0).kind = CompletionKind::Symbol(SymbolKind::Codel);
+    let insert = match parameters {
+        true => format!("{name}($1){tail}"),
+        false => name.clone(),
+    };
+    let item = out.snippet(name, insert, 0);
+    item.kind = CompletionKind::Symbol(SymbolKind::Codel);
+    item.codel = Some(CodelPlace { parameters, tail });
 }
 
 fn expects_state(before: &[Word]) -> bool {

@@ -182,7 +182,18 @@ pub(super) fn type_or_nothing(
     let word = |it: &Word| it.kind == dotgen_syntax::SyntaxKind::IDENT;
     let typed =
         context.after.same_line && (word(next) && (word(then) || then.is_any(&["::", "<"])));
-    if typed {
+    if typed && next.range.start == names.at() {
+        // The cursor touches it: it is what is being written.
+        let path = rest
+            .chunks(2)
+            .take_while(|it| matches!(it, [_, colons] if colons.is("::")));
+        let parts = rest.iter().take_while(|it| part(it)).count();
+        let last = (2 * path.count()).max(parts.saturating_sub(1));
+        let end = rest.get(last).map_or(next.range.end, |it| it.range.end);
+        for item in &mut out.items[known..] {
+            item.replace.end = end;
+        }
+    } else if typed {
         out.items.truncate(known);
     }
     // What has angle brackets, in front of some.

@@ -289,6 +289,12 @@ fn what_follows_the_cursor_counts() {
         "b",
         "module m { typedef long a; };\ntypedef long b;\ntypedef b c;",
     );
+    // The cursor touches a type.
+    takes(
+        "module m { typedef long a; };\ntypedef $0m::a c;",
+        "double",
+        "module m { typedef long a; };\ntypedef double c;",
+    );
     check("component c { ids { long a; }$0;", "");
 }
 

@@ -23,6 +23,31 @@ impl Repairs<'_> {
         Some(edit)
     }
 
+    /// The task or service in whose braces an offset is.
+    pub fn owner_at(&self, path: &Utf8Path, offset: usize) -> Option<Owner> {
+        let component = self.expected.component();
+        let tasks = (0..component.tasks.len()).map(|it| Owner::Task(it as u32));
+        let services = (0..component.services.len()).map(|it| Owner::Service(it as u32));
+        tasks.chain(services).find(|it| {
+            let found = self.body(*it);
+            found.is_some_and(|(at, body)| {
+                at.path == path && body.start <= offset && offset <= body.end
+            })
+        })
+    }
+
+    /// The parameters of a codel of a task or service for a function, those that can be made out.
+    pub fn parameters_of(&self, function: &Function, owner: Owner) -> Vec<String> {
+        let mut parameters = function.parameters.as_slice();
+        if self.expected.language == Language::C {
+            parameters = parameters.split_last().map_or(&[], |it| it.1);
+        }
+        parameters
+            .iter()
+            .filter_map(|it| self.parameter(it, owner))
+            .collect()
+    }
+
     /// `codel<start> f(in x) yield ether;`
     pub fn declaration(&self, function: &Function, owner: Owner) -> Option<String> {
         let component = self.expected.component();

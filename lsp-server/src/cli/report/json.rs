@@ -23,8 +23,8 @@ struct Document<E> {
     /// Everything that was found.
     diagnostics: Vec<E>,
     /// Of `dotgen codels check`: how much of the codels of each component was compared, and what the others wait for.
-    #[serde(skip_serializing_if = "<[_]>::is_empty")]
-    #[schemars(skip)]
+    #[serde(skip_serializing_if = "<[_]>::is_empty", default)]
+    #[schemars(with = "Vec<Compared>")]
     codels: Vec<serde_json::Value>,
 }
 
@@ -125,6 +125,45 @@ struct Edit {
     range: Range,
     /// The new text; empty to remove.
     new_text: String,
+}
+
+/// How much of the codels of a component was compared.
+#[derive(JsonSchema)]
+#[allow(
+    dead_code,
+    reason = "stands for the report of code generation in the schema"
+)]
+struct Compared {
+    /// The specification, relative to the current directory if it is below it.
+    file: String,
+    /// The component.
+    component: String,
+    /// Functions that the specification names.
+    codels: usize,
+    /// Of these, the ones of which something was compared.
+    judged: usize,
+    /// Of these, the ones of which it is known what each parameter is.
+    compared: usize,
+    /// Those whose declaration has errors: they were left out.
+    faulty: usize,
+    /// What the others wait for.
+    waiting: Vec<Waiting>,
+    /// Modules and types that are not known, and agree with any type of a parameter.
+    assumed: Vec<String>,
+}
+
+/// Codels that wait for something.
+#[derive(JsonSchema)]
+#[allow(
+    dead_code,
+    reason = "stands for the report of code generation in the schema"
+)]
+struct Waiting {
+    /// An interface that is not known.
+    #[schemars(rename = "for")]
+    missing: String,
+    /// Number of codels with a parameter from there.
+    codels: usize,
 }
 
 /// Diagnostics as programs read them.

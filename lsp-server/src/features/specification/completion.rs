@@ -7,6 +7,7 @@ use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::ide::{self, CompletionKind, plain_snippet};
 use serde::{Deserialize, Serialize};
 
+use crate::features::codels::{self, Texts};
 use crate::protocol::convert::Lines;
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
@@ -45,7 +46,8 @@ pub(crate) fn handle(
     ) else {
         return Ok(None);
     };
-    let items = snapshot.analysis.completions(&at)?;
+    let mut items = snapshot.analysis.completions(&at)?;
+    functions(snapshot, &at, &mut items)?;
     let convert = (0..).zip(items).map(|(order, it)| {
         let mut item = to_proto(snapshot, &lines, it, order);
         item.data = item.data.map(|definition| {
@@ -58,6 +60,53 @@ pub(crate) fn handle(
         is_incomplete: false,
         items: convert.collect(),
     })))
+}
+
+/// At the name of a codel: the functions in the sources that no specification names, with their parameters.
+fn functions(
+    snapshot: &Snapshot,
+    at: &ide::FilePosition,
+    items: &mut Vec<ide::CompletionItem>,
+) -> Cancellable<()> {
+    let Some((item, place)) = items.iter().find_map(|it| Some((it.clone(), it.codel?))) else {
+        return Ok(());
+    };
+    let texts = Texts::new(snapshot);
+    for compared in codels::around(snapshot, &at.path)? {
+        for folder in compared.folders() {
+            let all = folder.expected();
+            for (file, function) in folder.unnamed(&all) {
+                let name = function.name.to_string();
+                if items.iter().any(|it| it.label == name) {
+                    continue;
+                }
+                let stubs = codels::stub_options(folder, &texts);
+                let parameters = all.iter().find_map(|expected| {
+                    let repairs = codels::repairs(folder, expected, &texts, &stubs);
+                    let owner = repairs.owner_at(&at.path, at.offset)?;
+                    Some(repairs.parameters_of(function, owner).join(", "))
+                });
+                let insert = match place.parameters {
+                    true => format!(
+                        "{name}(${{1:{}}}){}",
+                        parameters.unwrap_or_default(),
+                        place.tail
+                    ),
+                    false => name.clone(),
+                };
+                items.push(ide::CompletionItem {
+                    label: name,
+                    insert,
+                    detail: file.path.file_name().map(|it| format!("function in {it}")),
+                    // Before the name that is made up.
+                    rank: 0,
+                    ..item.clone()
+                });
+            }
+        }
+    }
+    items.sort_by_key(|it| (it.rank, it.codel.is_some() && it.detail.is_none()));
+    texts.check()
 }
 
 /// The name in `port in p` or `m::t`.
