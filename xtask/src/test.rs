@@ -366,7 +366,37 @@ fn editor(name: &str, program: &str, arguments: &[&str]) -> Result<Outcome> {
     })
 }
 
+/// The pages of the extension in Chromium, without VS Code.
+fn pages() -> Result<Outcome> {
+    tools::ensure(tools::CHROMIUM)?;
+    let scripts = crate::root().join("tests/editors/vscode");
+    extension::install_packages(&scripts)?;
+    extension::install_packages(&extension::directory())?;
+    step("Trying the pages of the extension in Chromium");
+    let arguments = ["--test", "--test-reporter=tap", "webview/trace.test.mjs"];
+    let mut outcome = Outcome::default();
+    let succeeded = run::watch(run::command(&scripts, "node", &arguments), |line| {
+        tap(line, &mut outcome);
+    })?;
+    if !succeeded && outcome.failed == 0 {
+        outcome.failed = 1;
+    }
+    Ok(outcome)
+}
+
+/// Reads a line of the summary of Node's tests.
+fn tap(line: &str, outcome: &mut Outcome) {
+    let number = |word: &str| line.strip_prefix(word)?.trim().parse::<usize>().ok();
+    outcome.passed += number("# pass ").unwrap_or(0);
+    outcome.failed += number("# fail ").unwrap_or(0);
+}
+
 fn vscode() -> Result<Outcome> {
+    // SCENARIO asks for one scenario and nothing else.
+    let pages = match std::env::var_os("SCENARIO") {
+        None => pages()?,
+        Some(_) => Outcome::default(),
+    };
     let server = extension::build_server(Profile::Dev)?;
     let vsix = extension::package(&server)?;
     let workbench = Workbench::set_up()?;
@@ -383,6 +413,8 @@ fn vscode() -> Result<Outcome> {
     if !succeeded && outcome.failed == 0 {
         outcome.failed = 1;
     }
+    outcome.passed += pages.passed;
+    outcome.failed += pages.failed;
     Ok(outcome)
 }
 
@@ -421,6 +453,14 @@ fn copy(from: &Path, to: &Path) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::count;
+
+    #[test]
+    fn the_summary_of_node_is_read() {
+        let mut outcome = super::Outcome::default();
+        let lines = ["ok 1 - # pass 3 of it", "# pass 10", "# fail 2", "# suites 0"];
+        lines.iter().for_each(|it| super::tap(it, &mut outcome));
+        assert_eq!((outcome.passed, outcome.failed), (10, 2));
+    }
 
     #[test]
     fn counts_are_read_from_the_summaries_of_the_test_tools() {
