@@ -457,7 +457,12 @@ mod tests {
     #[test]
     fn the_summary_of_node_is_read() {
         let mut outcome = super::Outcome::default();
-        let lines = ["ok 1 - # pass 3 of it", "# pass 10", "# fail 2", "# suites 0"];
+        let lines = [
+            "ok 1 - # pass 3 of it",
+            "# pass 10",
+            "# fail 2",
+            "# suites 0",
+        ];
         lines.iter().for_each(|it| super::tap(it, &mut outcome));
         assert_eq!((outcome.passed, outcome.failed), (10, 2));
     }

@@ -60,15 +60,15 @@ pub(crate) fn run(
     if cancel.is_abandoned() {
         return;
     }
-    let why = why::of_report(&problem, &options, &report, None);
-    tell(Found::Answer(answer(report.clone(), why, None)));
-    if report.refuted() && !cancel.is_over() {
-        let why = why::of_report(&problem, &options, &report, Some(cancel));
-        let helps = why.iter().flatten().any(|it| it.remedy.is_some());
+    let mut why = why::of_report(&problem, &options, &report, None);
+    tell(Found::Answer(answer(report.clone(), why.clone(), None)));
+    if why.iter().any(Option::is_some) && !cancel.is_over() {
+        let found = why::of_report(&problem, &options, &report, Some(cancel));
+        let helps = found.iter().flatten().any(|it| it.remedy.is_some());
         if helps && !cancel.is_abandoned() {
-            tell(Found::Answer(answer(report.clone(), why, None)));
+            why = found;
+            tell(Found::Answer(answer(report.clone(), why.clone(), None)));
         }
-        return;
     }
     let deadlines = || {
         report
@@ -90,7 +90,7 @@ pub(crate) fn run(
         if let Some(cores) = cores.ok().filter(decided)
             && !cancel.is_abandoned()
         {
-            tell(Found::Answer(answer(report, Vec::new(), Some(cores))));
+            tell(Found::Answer(answer(report, why, Some(cores))));
         }
     }
 }
