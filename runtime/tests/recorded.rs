@@ -111,9 +111,10 @@ impl Recorder {
             seed,
             durations,
             stop_at_violation: false,
+            record: false,
         };
         let none = vec![None; system.tasks.len()];
-        simulate(prepared, none, &plan, Some(&mut profile), &|| false);
+        simulate(prepared, none, &plan, Some(&mut profile), None, &|| false);
         let (log, _) = profile.finish().expect("memory is written");
         String::from_utf8(log).expect("text")
     }
