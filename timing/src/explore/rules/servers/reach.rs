@@ -90,7 +90,7 @@ impl Servers<'_> {
     }
 
     /// Whether at this moment only ticks of idle tasks let anybody ask for a core, and how many cores are free: every task that
-    /// needs one has been started or waits for a later moment, none that is at work has a tick that is kept or due, and aperiodic ones never ask again.
+    /// needs one has been started, none that is at work has a tick that is kept or due, and aperiodic ones never ask again.
     pub(crate) fn only_ticks_ask(&self, s: &State) -> Option<usize> {
         let l = &self.layout;
         let mut at_work = 0;
@@ -98,9 +98,7 @@ impl Servers<'_> {
             let needs_core = self.system.needs_core(task);
             let thread = l.thread_of(s, task);
             let cycle = (thread::WAITING..=thread::EXECUTING).contains(&thread);
-            if l.has(s, task, flag::WAKE)
-                || thread == thread::OFF && self.may_be_started(s, it.component)
-            {
+            if thread == thread::OFF || l.has(s, task, flag::WAKE) {
                 return None;
             }
             let asks_by_itself = match it.period {
@@ -124,20 +122,6 @@ impl Servers<'_> {
             .cores
             .map_or(usize::MAX, |it| it as usize);
         Some(cores.saturating_sub(at_work))
-    }
-
-    /// Whether the next task of a component may be started at this moment: the one before it has a pass to end.
-    fn may_be_started(&self, s: &State, component: usize) -> bool {
-        let l = &self.layout;
-        let tasks = &self.system.components[component].tasks;
-        let Some(&task) = tasks.get(l.starting(s, component) as usize) else {
-            return false;
-        };
-        let waits = self.is_periodic(task)
-            && l.thread_of(s, task) == thread::IDLE
-            && l.timer(s, task) != 0
-            && !l.has(s, task, flag::TICK);
-        !waits
     }
 
     /// Whether an action is the tick of an idle task.
