@@ -29,7 +29,7 @@ use crate::explore::state::State;
 use crate::explore::store::{Encoded, encode};
 use crate::property::{Atom, Predicate};
 use crate::scn::semantics::{PauseRule, PortRule, TickRule};
-use crate::system::{ClientAction, Policy, Ticks, TimedSystem};
+use crate::system::{ClientAction, Ticks, TimedSystem};
 
 /// Lazy closures larger than this are not followed to their end; fewer states are dropped then.
 const CLOSURE: usize = 1024;
@@ -40,8 +40,6 @@ pub(crate) struct OfServers {
     orbits: Orbits,
     /// One group after the other is followed.
     apart: bool,
-    /// Cores are given in order of asking, nobody sends requests, and nothing is asked about states in between.
-    in_order: bool,
     activities: Vec<Activity>,
     /// Components that something asked is about, if those are several or clients.
     asked: Vec<bool>,
@@ -93,27 +91,6 @@ impl OfServers {
         if !self.apart || enabled.committed || enabled.is_calm() {
             return false;
         }
-        // Where only ticks of idle tasks let anybody ask for a core at this moment, these come first: an end that frees a core
-        // gives it to the same task before and after them, and what the task does then are steps of its own. The order
-        // of the ticks is that of the queue; it means nothing where all get a core at once.
-        let free = match self.in_order {
-            true => rules.only_ticks_ask(s),
-            false => None,
-        };
-        if let Some(free) = free {
-            let ticks = enabled
-                .actions
-                .iter()
-                .filter(|&&it| rules.is_idle_tick(s, it));
-            out.clear();
-            out.extend(ticks);
-            if !out.is_empty() {
-                if out.len() <= free {
-                    out.truncate(1);
-                }
-                return true;
-            }
-        }
         let groups = self.groups(rules, s);
         // A step of a client alone, such as the end of a delay, makes a request possible in the same moment: it is one
         // of the group that the client addresses.
@@ -131,9 +108,8 @@ impl OfServers {
             out.clear();
             out.extend(enabled.actions.iter().filter(|&&it| group(it) == Some(own)));
             let acts = out.iter().any(|&it| rules.has_to_act(s, it));
-            // Where nobody asks any more, who frees a core first makes no difference to those who wait in order.
             let at_cores = rules.waits_for_core(s, |component| groups[component] == own)
-                || (free.is_none() && out.iter().any(|&it| rules.is_about_cores(s, it)));
+                || out.iter().any(|&it| rules.is_about_cores(s, it));
             if acts && !at_cores && out.len() < enabled.actions.len() {
                 return true;
             }
@@ -200,11 +176,6 @@ impl Reductions<Servers<'_>> for OfServers {
         OfServers {
             orbits: Orbits::none(system),
             apart: persistent.is_none(),
-            in_order: system.platform.policy == Policy::Fifo
-                && system.platform.cores.is_some()
-                && system.platform.semantics.ticks == TickRule::Component
-                && system.clients.is_empty()
-                && asked.predicates.is_empty(),
             activities,
             asked: about,
             addressed,

@@ -89,46 +89,6 @@ impl Servers<'_> {
         at_cores(&next) != before
     }
 
-    /// Whether at this moment only ticks of idle tasks let anybody ask for a core, and how many cores are free: every task that
-    /// needs one has been started, none that is at work has a tick that is kept or due, and aperiodic ones never ask again.
-    pub(crate) fn only_ticks_ask(&self, s: &State) -> Option<usize> {
-        let l = &self.layout;
-        let mut at_work = 0;
-        for (task, it) in self.system.tasks.iter().enumerate() {
-            let needs_core = self.system.needs_core(task);
-            let thread = l.thread_of(s, task);
-            let cycle = (thread::WAITING..=thread::EXECUTING).contains(&thread);
-            if thread == thread::OFF || l.has(s, task, flag::WAKE) {
-                return None;
-            }
-            let asks_by_itself = match it.period {
-                Some(_) => cycle && (l.timer(s, task) == 0 || l.has(s, task, flag::TICK)),
-                None if cycle => {
-                    let endless = |a: usize| self.system.machine_of(a).is_endless();
-                    !it.slots.is_empty() || !it.permanent.is_some_and(endless)
-                }
-                None => l
-                    .slots(task)
-                    .any(|it| !matches!(l.status(s, it), slot::VOID | slot::ETHER)),
-            };
-            if needs_core && asks_by_itself {
-                return None;
-            }
-            at_work += usize::from(needs_core && cycle);
-        }
-        let cores = self
-            .system
-            .platform
-            .cores
-            .map_or(usize::MAX, |it| it as usize);
-        Some(cores.saturating_sub(at_work))
-    }
-
-    /// Whether an action is the tick of an idle task.
-    pub(crate) fn is_idle_tick(&self, s: &State, action: Action) -> bool {
-        matches!(action, Action::Tick { task } if self.layout.thread_of(s, task) == thread::IDLE)
-    }
-
     /// Whether one of these tasks has a tick that is kept from its first cycle.
     pub(crate) fn keeps_first_tick(&self, s: &State, of: impl Fn(usize) -> bool) -> bool {
         let both = |task: usize| {
@@ -148,7 +108,9 @@ impl Servers<'_> {
             && l.turn(s, task) as usize == first
             && l.mode(s, first) & slot::STATUS == slot::RUN
             && l.at(s, first) as usize == state;
-        let has_ended = l.thread_of(s, task) == thread::IDLE && l.status(s, first) == slot::VOID;
-        (executes || has_ended) && l.control(s, self.system.tasks[task].component) != control::OFF
+        let has_ended =
+            l.thread_of(s, task) == thread::IDLE && l.status(s, first) == slot::VOID;
+        (executes || has_ended)
+            && l.control(s, self.system.tasks[task].component) != control::OFF
     }
 }
