@@ -19,7 +19,7 @@ use serde_json::{Value as Json, json};
 use crate::expected::answers;
 use crate::servers::CAP;
 use crate::servers::model::read;
-use crate::servers::random::{Texts, requests, texts, varied};
+use crate::servers::random::{Texts, quiet, requests, texts, varied};
 use crate::{all_agree, first, systems};
 
 struct Nothing;
@@ -185,6 +185,16 @@ fn the_verifier_agrees_with_the_interpreter_of_the_servers_on_aborts_kills_and_o
     all_agree(first(), cases(), 3, |seed| {
         let texts = requests(&mut systems::Dice::new(seed));
         compare(&format!("seed {seed}"), &texts)
+    });
+}
+
+#[test]
+fn the_verifier_agrees_with_the_interpreter_of_the_servers_on_cores_given_in_order() {
+    all_agree(first(), cases(), 3, |seed| {
+        compare(
+            &format!("seed {seed}"),
+            &quiet(&mut systems::Dice::new(seed)),
+        )
     });
 }
 

@@ -20,6 +20,8 @@ struct Known {
     services: Vec<String>,
     /// Everything is drawn: ports, priorities, and every point of the semantics; see [`varied`].
     varied: bool,
+    /// Nothing is requested, and cores are given in order of asking.
+    quiet: bool,
     /// Clients ask for what all components understand, and how requests end.
     requests: bool,
     /// Ports that codels of the present component may name.
@@ -51,8 +53,21 @@ pub(crate) fn requests(dice: &mut Dice) -> Texts {
     draw(dice, requests)
 }
 
+/// Permanent activities alone, on few cores that are given in order of asking.
+pub(crate) fn quiet(dice: &mut Dice) -> Texts {
+    let quiet = Known {
+        quiet: true,
+        ..Known::default()
+    };
+    draw(dice, quiet)
+}
+
 fn draw(dice: &mut Dice, mut known: Known) -> Texts {
-    let count = if dice.in_ten(3) { 2 } else { 1 };
+    let count = if dice.in_ten(if known.quiet { 7 } else { 3 }) {
+        2
+    } else {
+        1
+    };
     let specifications = (0..count).map(|c| component(dice, c, count, &mut known));
     let mut specifications: Vec<String> = specifications.collect();
     let scenario = scenario(dice, &known);
@@ -115,7 +130,10 @@ fn component(dice: &mut Dice, c: usize, of: usize, known: &mut Known) -> String 
         }
         out.push_str(" };\n");
     }
-    let services = dice.below(if of == 1 { 4 } else { 3 });
+    let services = match known.quiet {
+        true => 0,
+        false => dice.below(if of == 1 { 4 } else { 3 }),
+    };
     for s in 0..services {
         let path = format!("{name}.s{s}");
         let kind = dice.pick(&["activity", "activity", "activity", "function", "attribute"]);
@@ -235,7 +253,14 @@ fn scenario(dice: &mut Dice, known: &Known) -> String {
         false => dice.pick(&["fifo", "fifo", "edf", "any"]),
         true => dice.pick(&["fifo", "edf", "any", "priority", "priority", "fair"]),
     };
-    let durations = dice.pick(&["fixed", "fixed", "fixed", "interval"]);
+    let (cores, policy) = match known.quiet {
+        true => (dice.pick(&["1", "2", "2"]), "fifo"),
+        false => (cores, policy),
+    };
+    let durations = match known.quiet {
+        true => dice.pick(&["fixed", "interval", "interval"]),
+        false => dice.pick(&["fixed", "fixed", "fixed", "interval"]),
+    };
     let _ = writeln!(
         out,
         " cores {cores}; policy {policy}; durations {durations};"
@@ -296,7 +321,7 @@ fn scenario(dice: &mut Dice, known: &Known) -> String {
         out.push_str(" }\n");
     }
     out.push_str(" check schedulable *; check no-overdue *; check response *;\n");
-    for i in 0..2 {
+    for i in 0..if known.quiet { 0 } else { 2 } {
         let (p, q) = (predicate(dice, known), predicate(dice, known));
         let _ = writeln!(out, " check r{i}: reachable {p};");
         if i == 0 && dice.in_ten(6) {
