@@ -730,6 +730,11 @@ fn service_param(names: &Names<'_, '_>, context: &Context, words: &[Word], out: 
                     names.base_types(Wanted::Types, 0, out);
                 }
             }
+            // A default value that is there fits few other types.
+            let mut element = context.after.list().iter().take_while(|it| !it.is(","));
+            if element.any(|it| it.is("=")) {
+                out.items.retain(|it| it.kind == CompletionKind::BaseType);
+            }
         }
         Some(_) => {}
         None => out.keywords(DIRECTIONS, 0),

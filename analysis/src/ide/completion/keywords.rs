@@ -231,7 +231,7 @@ pub(super) fn statements(
         for (word, insert) in *table {
             // In a component `task` declares.
             let once = ONCE.contains(word) && !(in_component && *word == "task");
-            if once && given(word) {
+            if once && (given(word) || in_component && names.is_reopened()) {
                 continue;
             }
             let inserted = match goes_on {

@@ -149,6 +149,13 @@ impl<'a, 'db> Names<'a, 'db> {
         })
     }
 
+    /// Whether the component has several bodies: what is given once may be in another one.
+    pub(super) fn is_reopened(&self) -> bool {
+        let own = self.component;
+        let bodies = self.spec().bodies.iter();
+        bodies.filter(|it| Some(it.component) == own).count() > 1
+    }
+
     /// Members that a service may carry.
     pub(super) fn carried(&self, ty: TypeId) -> Vec<(SmolStr, TypeId)> {
         let mut all = self.members(ty);

@@ -217,7 +217,15 @@ fn type_at(names: &Names<'_, '_>, words: &[Word], wanted: Wanted, out: &mut Comp
     match last.text.as_str() {
         "::" => names.types(words, wanted, 0, out),
         "<" if before_last.is_some_and(|it| it.is_any(&["sequence", "optional"])) => {
+            let known = out.items.len();
             names.types(&[], Wanted::Types, 0, out);
+            // `>>` is one token.
+            for item in out.items[known..]
+                .iter_mut()
+                .filter(|it| it.insert.ends_with('>'))
+            {
+                item.insert.push(' ');
+            }
         }
         "<" if before_last.is_some_and(|it| it.is("string")) => sizes(names, out),
         "," if in_angles(words) => sizes(names, out),
