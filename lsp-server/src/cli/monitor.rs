@@ -19,7 +19,7 @@ use dotgen_timing::verify::{Interrupt, Options, SystemInput, prepare};
 use super::run::bounds;
 use super::session::{display, is_standard_input};
 use super::verify::told::Told;
-use super::verify::{Cores, PolicyName, SemanticsName, cores, interrupt, problems};
+use super::verify::{Cores, PolicyName, SemanticsName, cores, interrupt, one_problem};
 use super::wcet::{PIECE, given, read_log};
 use super::{Outcome, Reading};
 use crate::files::disk::Stream;
@@ -90,14 +90,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         bail!("`--follow` follows one log");
     }
     let interrupt = interrupt::on_terminal();
-    let mut all = problems(&files.texts, &arguments.reading)?;
-    let (Some((session, problem)), true) = (all.pop(), all.is_empty()) else {
-        bail!("name one scenario, or specifications");
-    };
-    if !problem.errors.is_empty() {
-        Told::about(&session, &problem, problem.errors.clone())?.print()?;
+    let Some((session, problem)) = one_problem(&files.texts, &arguments.reading)? else {
         return Ok(Outcome::Unusable);
-    }
+    };
     let options = Options {
         cores: arguments.cores.map(|it| it.0),
         policy: arguments.policy.map(PolicyName::policy),

@@ -11,7 +11,6 @@ mod text;
 
 use std::io::Write;
 
-use anyhow::Context;
 use camino::Utf8PathBuf;
 use clap::{Args, ValueEnum};
 use dotgen_analysis::model::Seconds;

@@ -355,6 +355,25 @@ pub(super) fn problems(
     (out, trouble)
 }
 
+/// As [`problems`], when there may be only one. `None` if it cannot be used, which was told.
+pub(super) fn one_problem(
+    files: &[Utf8PathBuf],
+    reading: &Reading,
+) -> anyhow::Result<Option<(Session, Problem)>> {
+    let (mut all, trouble) = problems(files, reading);
+    if trouble.any() {
+        return Ok(None);
+    }
+    let (Some((session, problem)), true) = (all.pop(), all.is_empty()) else {
+        bail!("name one scenario, or specifications");
+    };
+    if !problem.errors.is_empty() {
+        Told::about(&session, &problem, problem.errors.clone())?.print()?;
+        return Ok(None);
+    }
+    Ok(Some((session, problem)))
+}
+
 fn of_scenario(file: &SourceFile, reading: &Reading) -> anyhow::Result<(Session, Problem)> {
     let text = match vfs::read(&file.path) {
         FileContent::Text(text) | FileContent::NotUtf8(text) => text,

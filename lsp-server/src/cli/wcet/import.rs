@@ -22,8 +22,7 @@ use num_rational::Ratio;
 
 use super::{given, read_log};
 use crate::cli::session::{Session, display};
-use crate::cli::verify::problems;
-use crate::cli::verify::told::Told;
+use crate::cli::verify::one_problem;
 use crate::cli::{Outcome, Reading, fmt, report};
 use crate::files::vfs;
 use crate::verification::Problem;
@@ -115,14 +114,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     if files.texts.is_empty() {
         files.texts.push(only_specification()?);
     }
-    let mut all = problems(&files.texts, &arguments.reading)?;
-    let (Some((mut session, problem)), true) = (all.pop(), all.is_empty()) else {
-        bail!("name one scenario, or specifications");
-    };
-    if !problem.errors.is_empty() {
-        Told::about(&session, &problem, problem.errors.clone())?.print()?;
+    let Some((mut session, problem)) = one_problem(&files.texts, &arguments.reading)? else {
         return Ok(Outcome::Unusable);
-    }
+    };
     let is_scenario = problem.path.extension() == Some("scn");
     ensure!(
         is_scenario || arguments.form != FormName::Sidecar,

@@ -108,9 +108,7 @@ impl Servers<'_> {
             && l.turn(s, task) as usize == first
             && l.mode(s, first) & slot::STATUS == slot::RUN
             && l.at(s, first) as usize == state;
-        let has_ended =
-            l.thread_of(s, task) == thread::IDLE && l.status(s, first) == slot::VOID;
-        (executes || has_ended)
-            && l.control(s, self.system.tasks[task].component) != control::OFF
+        let has_ended = l.thread_of(s, task) == thread::IDLE && l.status(s, first) == slot::VOID;
+        (executes || has_ended) && l.control(s, self.system.tasks[task].component) != control::OFF
     }
 }
