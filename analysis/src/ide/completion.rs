@@ -4,12 +4,14 @@
 //! there are. Each submodule proposes one sort of thing; nothing here needs a tree, so that it
 //! works in half-typed text.
 
-pub(super) mod codel;
+mod codel;
 mod directive;
 pub(super) mod initializer;
 mod keywords;
 pub(super) mod names;
+pub(super) mod parameter;
 mod pattern;
+mod sharing;
 mod statement;
 
 use std::ops::Range;
@@ -202,7 +204,7 @@ fn code(names: &Names<'_, '_>, context: &Context, out: &mut Completions) {
 fn propose(names: &Names<'_, '_>, context: &Context, out: &mut Completions) {
     match context.top().kind {
         FrameKind::Body(kind) => statement::complete(names, context, kind, out),
-        FrameKind::Paren => codel::in_parentheses(names, context, out),
+        FrameKind::Paren => parameter::in_parentheses(names, context, out),
         FrameKind::Bracket => names.numbers(context.current(), true, out),
         FrameKind::Initializers => initializer::complete(names, context, out),
     }

@@ -1,0 +1,546 @@
+//! Proposals in lists of parameters: of codels, and of services.
+
+use smol_str::SmolStr;
+
+use super::{
+    CompletionKind, Completions, initializer,
+    names::{Names, Wanted, qualifier},
+    sharing::Shared,
+    statement::type_or_nothing,
+};
+use crate::{
+    elab::Entity,
+    ide::{
+        SymbolKind,
+        context::{BodyKind, Context, FrameKind, Word},
+        render,
+    },
+    model::{Codel, ParamDir, PortDir, Service, TypeId},
+};
+
+const DIRECTIONS: &[&str] = &["in", "out", "inout"];
+const SOURCES: &[&str] = &["ids", "local", "port", "remote"];
+
+/// Between parentheses: of a codel, of a service, of a `switch`, of an expression.
+pub(super) fn in_parentheses(names: &Names<'_, '_>, context: &Context, out: &mut Completions) {
+    let frame = context.top();
+    let words = context.current();
+    match list_kind(context, context.frames.len() - 1) {
+        Some(List::Codel { simple }) => codel_param(names, context, words, simple, out),
+        Some(List::Attribute) => attribute_param(names, context, words, out),
+        Some(List::Service) => service_param(names, context, words, out),
+        None if context.head(frame).last().is_some_and(|it| it.is("switch")) => {
+            out.items.clear();
+            type_or_nothing(names, context, words, Wanted::SwitchTypes, out);
+        }
+        None => names.numbers(words, false, out),
+    }
+    // Another parameter follows without a comma.
+    let next = context.after.next();
+    if context.word.is_empty()
+        && words.is_empty()
+        && list_kind(context, context.frames.len() - 1).is_some()
+        && next.is_some_and(|it| it.is_any(DIRECTIONS) || it.is_any(SOURCES))
+    {
+        out.with_comma();
+    }
+}
+
+/// What may stand where a parameter goes on behind the cursor: directions, if only they are missing.
+fn goes_on(context: &Context) -> bool {
+    let next = context.after.next();
+    next.is_some_and(|it| {
+        it.kind == dotgen_syntax::SyntaxKind::IDENT && !it.is_any(DIRECTIONS) && !it.is_any(SOURCES)
+            || it.is("::")
+    })
+}
+
+/// The rest of a path is replaced with its beginning.
+fn whole_path(context: &Context, out: &mut Completions) {
+    let mut depth = 0_i32;
+    let rest = context.after.list();
+    let end = rest.iter().position(|it| {
+        match it.text.as_str() {
+            "[" => depth += 1,
+            "]" => depth -= 1,
+            _ => {}
+        }
+        depth == 0 && it.is_any(&[",", "=", "::"])
+    });
+    let path = &rest[..end.unwrap_or(rest.len())];
+    if path.first().is_some_and(|it| it.is_any(&[".", "["])) {
+        out.replaces_too(path);
+    }
+}
+
+/// Parameter lists.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(in crate::ide) enum List {
+    /// Of a codel; `simple` ones have neither ports nor remotes.
+    Codel {
+        simple: bool,
+    },
+    Attribute,
+    /// Of a function or activity.
+    Service,
+}
+
+/// Which parameter list a frame is, if it is one.
+pub(in crate::ide) fn list_kind(context: &Context, frame: usize) -> Option<List> {
+    let it = context.frames.get(frame)?;
+    let parent = context.frames.get(frame.checked_sub(1)?)?;
+    if it.kind != FrameKind::Paren || !matches!(parent.kind, FrameKind::Body(_)) {
+        return None;
+    }
+    let head = context.head(it);
+    // Another parenthesis before it: the list is done, this is an execution time.
+    if head.iter().any(|it| it.is(")")) {
+        return None;
+    }
+    match head {
+        [first, _, ..] if first.is("attribute") => Some(List::Attribute),
+        [first, _, ..] if first.is_any(&["function", "activity"]) => Some(List::Service),
+        [first, _, ..] if first.is("validate") => Some(List::Codel { simple: true }),
+        [first, rest @ ..] if first.is_any(&["codel", "async"]) => Some(List::Codel {
+            simple: !rest.iter().any(|it| it.is("<")),
+        }),
+        _ => None,
+    }
+}
+
+/// The service around the cursor, as far as it is known.
+pub(in crate::ide) fn service_around<'a>(
+    names: &Names<'a, '_>,
+    context: &Context,
+) -> Option<(u32, &'a Service)> {
+    let (body, frame) = context.body();
+    if !matches!(
+        body,
+        BodyKind::Attribute | BodyKind::Function | BodyKind::Activity
+    ) {
+        return None;
+    }
+    let name = context.name_of(frame)?;
+    let all = names.component()?.services.iter();
+    let mut all = (0..).zip(all);
+    all.find(|(_, it)| it.name == name)
+}
+
+/// Something a codel parameter may refer to.
+struct Source {
+    name: SmolStr,
+    source: &'static str,
+    directions: &'static [&'static str],
+    ty: TypeId,
+    kind: SymbolKind,
+    definition: Option<u32>,
+}
+
+fn sources(names: &Names<'_, '_>, context: &Context, simple: bool) -> Vec<Source> {
+    let mut out = Vec::new();
+    let Some(component) = names.component() else {
+        return out;
+    };
+    if let Some((index, service)) = service_around(names, context) {
+        for (i, param) in service.params.iter().enumerate() {
+            out.push(Source {
+                name: param.name.clone(),
+                source: "local",
+                directions: match param.dir {
+                    ParamDir::In => &["in"],
+                    ParamDir::Out => &["out"],
+                    _ => &["in", "out", "inout"],
+                },
+                ty: param.ty,
+                kind: match param.dir {
+                    ParamDir::Local => SymbolKind::Local,
+                    _ => SymbolKind::Parameter,
+                },
+                definition: names.part(|c| Entity::Param(c, index, i as u32)),
+            });
+        }
+    }
+    for (name, ty) in names
+        .ids()
+        .map(|ids| names.members(ids))
+        .unwrap_or_default()
+    {
+        out.push(Source {
+            name,
+            source: "ids",
+            directions: DIRECTIONS,
+            ty,
+            kind: SymbolKind::Member,
+            definition: names.definition_of(ty),
+        });
+    }
+    let known = |it: &Source| it.source == "local" || names.is_known(it.definition);
+    if simple {
+        return out;
+    }
+    for (i, port) in component.ports.iter().enumerate() {
+        out.push(Source {
+            name: port.name.clone(),
+            source: "port",
+            directions: match port.dir {
+                PortDir::In => &["in"],
+                PortDir::Out => &["out", "in", "inout"],
+            },
+            ty: port.data,
+            kind: SymbolKind::Port,
+            definition: names.part(|c| Entity::Port(c, i as u32)),
+        });
+    }
+    for remote in &component.remotes {
+        out.push(Source {
+            name: remote.name.clone(),
+            source: "remote",
+            directions: &["in"],
+            ty: remote.ty,
+            kind: SymbolKind::Remote,
+            definition: names.definition_of(remote.ty),
+        });
+    }
+    out.retain(known);
+    out
+}
+
+fn codel_param(
+    names: &Names<'_, '_>,
+    context: &Context,
+    words: &[Word],
+    simple: bool,
+    out: &mut Completions,
+) {
+    let mut all = sources(names, context, simple);
+    let used = used_names(context);
+    let whole_ids = all.iter().any(|it| it.source == "ids") && !used.iter().any(|it| it == "ids");
+    let shared = Shared::around(names, context);
+    all.retain(|it| !used.contains(&it.name) && !shared.forbids(it.source, &it.name));
+    let mut whole_ids = whole_ids && !shared.any;
+    // A codel that is used elsewhere has the same parameters everywhere.
+    if let Some(other) = elsewhere(names, context) {
+        all.retain_mut(|it| {
+            let same = other.params.iter().find(|param| param.name == it.name);
+            it.directions = match same.map(|it| it.dir) {
+                Some(ParamDir::In) => &["in"],
+                Some(ParamDir::Out) => &["out"],
+                Some(ParamDir::Inout) => &["inout"],
+                _ => &[],
+            };
+            !it.directions.is_empty()
+        });
+        whole_ids &= other
+            .params
+            .iter()
+            .any(|it| it.path.is_empty() && it.name == "ids");
+    }
+    let source = words.first().filter(|it| it.is_any(SOURCES));
+    let rest = &words[usize::from(source.is_some())..];
+    let matching = |it: &&Source| source.is_none_or(|source| source.is(it.source));
+    let Some((dir, path)) = rest.split_first().filter(|(dir, _)| dir.is_any(DIRECTIONS)) else {
+        if !rest.is_empty() {
+            return;
+        }
+        if goes_on(context) {
+            out.keywords(DIRECTIONS, 0);
+            return;
+        }
+        for it in all.iter().filter(matching) {
+            let ambiguous = all.iter().filter(|other| other.name == it.name).count() > 1;
+            // Ports are usually named as such.
+            let explicit =
+                source.is_none() && (ambiguous || matches!(it.source, "port" | "remote"));
+            for (i, dir) in it.directions.iter().enumerate() {
+                let prefix = if explicit {
+                    format!("{} ", it.source)
+                } else {
+                    String::new()
+                };
+                let rank = i as u8;
+                push(names, it, format!("{prefix}{dir} {}", it.name), rank, out);
+            }
+        }
+        if source.is_none_or(|it| it.is("ids")) && whole_ids {
+            for (i, dir) in DIRECTIONS.iter().enumerate() {
+                let item = out.add(
+                    format!("{dir} ::ids"),
+                    CompletionKind::Symbol(SymbolKind::Ids),
+                    3 + i as u8,
+                );
+                item.detail = Some("the whole ids".into());
+            }
+        }
+        let directed = |dir: &&str| {
+            all.iter()
+                .filter(matching)
+                .any(|it| it.directions.contains(dir))
+        };
+        let directions: Vec<&str> = DIRECTIONS.iter().copied().filter(directed).collect();
+        out.keywords(&directions, 4);
+        if source.is_none() {
+            let there = |it: &&str| all.iter().any(|source| source.source == *it);
+            let there: Vec<&str> = SOURCES.iter().copied().filter(there).collect();
+            out.keywords(&there, 6);
+        }
+        whole_path(context, out);
+        return;
+    };
+    match path {
+        [] if context
+            .after
+            .next()
+            .is_some_and(|it| it.kind == dotgen_syntax::SyntaxKind::IDENT) => {}
+        [] => {
+            for it in all.iter().filter(matching) {
+                let fits = it.directions.contains(&dir.text.as_str());
+                let rank = u8::from(!fits) * 2;
+                let ambiguous = source.is_none()
+                    && all.iter().filter(|other| other.name == it.name).count() > 1;
+                if !(ambiguous || matches!(it.source, "port" | "remote") && !fits) {
+                    push(names, it, it.name.to_string(), rank, out);
+                }
+            }
+            if source.is_none_or(|it| it.is("ids")) && whole_ids {
+                out.add("::ids", CompletionKind::Symbol(SymbolKind::Ids), 3)
+                    .detail = Some("the whole ids".into());
+            }
+            whole_path(context, out);
+        }
+        [colons] if colons.is("::") && whole_ids => {
+            out.add("ids", CompletionKind::Symbol(SymbolKind::Ids), 0)
+                .detail = Some("the whole ids".into());
+        }
+        [first, steps @ .., dot] if dot.is(".") => {
+            let start = all.iter().filter(matching).find(|it| it.name == first.text);
+            let ty = start.and_then(|it| walk(names, it.ty, steps));
+            members(names, ty, out);
+        }
+        _ => {}
+    }
+}
+
+/// The same codel in another place of the component.
+fn elsewhere<'a>(names: &Names<'a, '_>, context: &Context) -> Option<&'a Codel> {
+    let name = context.head(context.top()).last()?;
+    let component = names.component()?;
+    let mut all = component.all_codels().map(|it| component.codel(it));
+    all.find(|it| it.name == name.text && !names.is_at(it.src, name.range.start))
+}
+
+fn push(names: &Names<'_, '_>, it: &Source, label: String, rank: u8, out: &mut Completions) {
+    let item = out.add(label, CompletionKind::Symbol(it.kind), rank);
+    item.detail = Some(render::type_text(names.spec(), it.ty));
+    item.definition = it.definition;
+}
+
+fn attribute_param(
+    names: &Names<'_, '_>,
+    context: &Context,
+    words: &[Word],
+    out: &mut Completions,
+) {
+    if words.iter().any(|it| it.is(":")) {
+        return;
+    }
+    let ids = names.ids();
+    if let Some(eq) = words.iter().position(|it| it.is("=")) {
+        let expected = parameter_type(names, context, context.frames.len() - 1, &words[..eq]);
+        initializer::value(names, &words[eq + 1..], expected, out);
+        return;
+    }
+    let used = used_names(context);
+    let all = ids.map(|it| names.carried(it)).unwrap_or_default();
+    let member = |label: String, name: &SmolStr, ty: TypeId, rank: u8, out: &mut Completions| {
+        if used.contains(name) {
+            return;
+        }
+        let item = out.add(label, CompletionKind::Symbol(SymbolKind::Member), rank);
+        item.detail = Some(render::type_text(names.spec(), ty));
+        item.definition = names.definition_of(ty);
+    };
+    match words {
+        [] if goes_on(context) => out.keywords(DIRECTIONS, 0),
+        [dir]
+            if dir.is_any(DIRECTIONS)
+                && context
+                    .after
+                    .next()
+                    .is_some_and(|it| it.kind == dotgen_syntax::SyntaxKind::IDENT) => {}
+        [] => {
+            for (name, ty) in &all {
+                for (rank, dir) in DIRECTIONS.iter().enumerate() {
+                    member(format!("{dir} {name}"), name, *ty, rank as u8, out);
+                }
+            }
+            if !out.items.is_empty() {
+                out.keywords(DIRECTIONS, 4);
+            }
+            whole_path(context, out);
+        }
+        [dir] if dir.is_any(DIRECTIONS) => {
+            for (name, ty) in &all {
+                member(name.to_string(), name, *ty, 0, out);
+            }
+            whole_path(context, out);
+        }
+        [dir, steps @ .., dot] if dir.is_any(DIRECTIONS) && dot.is(".") => {
+            let ty = ids.and_then(|ids| walk(names, ids, steps));
+            members(names, ty, out);
+        }
+        _ => {}
+    }
+}
+
+fn service_param(names: &Names<'_, '_>, context: &Context, words: &[Word], out: &mut Completions) {
+    // Its description.
+    if words.iter().any(|it| it.is(":")) {
+        return;
+    }
+    if let Some(eq) = words.iter().position(|it| it.is("=")) {
+        let expected = parameter_type(names, context, context.frames.len() - 1, &words[..eq]);
+        initializer::value(names, &words[eq + 1..], expected, out);
+        return;
+    }
+    match words.split_first() {
+        Some((dir, rest)) if dir.is_any(DIRECTIONS) => {
+            type_or_nothing(names, context, rest, Wanted::PortTypes, out);
+            if rest.last().is_none_or(|it| !it.is("::")) && rest.is_empty() {
+                let follows = &context.after.rest;
+                let typed = matches!(follows.as_slice(), [a, b, ..]
+                    if a.kind == dotgen_syntax::SyntaxKind::IDENT
+                        && (b.kind == dotgen_syntax::SyntaxKind::IDENT || b.is_any(&["::", "<"])));
+                if !typed || !context.word.is_empty() {
+                    names.base_types(Wanted::Types, 0, out);
+                }
+            }
+            // A default value that is there fits few other types.
+            let mut element = context.after.list().iter().take_while(|it| !it.is(","));
+            if element.any(|it| it.is("=")) {
+                out.items.retain(|it| it.kind == CompletionKind::BaseType);
+            }
+        }
+        Some(_) => {}
+        None => out.keywords(DIRECTIONS, 0),
+    }
+}
+
+fn members(names: &Names<'_, '_>, ty: Option<TypeId>, out: &mut Completions) {
+    for (name, member) in ty.map(|it| names.members(it)).unwrap_or_default() {
+        let item = out.add(name.as_str(), CompletionKind::Symbol(SymbolKind::Member), 0);
+        item.detail = Some(render::type_text(names.spec(), member));
+        item.definition = names.definition_of(member);
+    }
+}
+
+/// Follows `.a [ 0 ] .b`.
+fn walk(names: &Names<'_, '_>, mut ty: TypeId, steps: &[Word]) -> Option<TypeId> {
+    let mut steps = steps.iter();
+    while let Some(step) = steps.next() {
+        match step.text.as_str() {
+            "." => {}
+            "[" => {
+                ty = names.element(ty)?;
+                steps.by_ref().find(|it| it.is("]"));
+            }
+            name => ty = names.members(ty).into_iter().find(|it| it.0 == name)?.1,
+        }
+    }
+    Some(ty)
+}
+
+/// Names of the other parameters of the list that the cursor is in.
+fn used_names(context: &Context) -> Vec<SmolStr> {
+    let frame = context.top();
+    let before = &context.tokens[frame.open + 1..frame.start];
+    let params = before
+        .split(|it| it.is(","))
+        .chain(context.elements_behind());
+    params.filter_map(parameter_name).collect()
+}
+
+/// The name of a parameter: what it is renamed to, or the last member of its path.
+fn parameter_name(param: &[Word]) -> Option<SmolStr> {
+    let dir = param.iter().position(|it| it.is_any(DIRECTIONS))?;
+    let path = param.get(dir + 1..)?;
+    let end = path.iter().position(|it| it.is("=")).unwrap_or(path.len());
+    let mut depth = 0_i32;
+    let names = path[..end].iter().filter(|it| {
+        match it.text.as_str() {
+            "[" => depth += 1,
+            "]" => depth -= 1,
+            _ => {}
+        }
+        depth == 0 && it.kind == dotgen_syntax::SyntaxKind::IDENT
+    });
+    names.last().map(|it| it.text.clone())
+}
+
+/// The type of the parameter whose first words are given, in the parameter list of a service.
+pub(in crate::ide) fn parameter_type(
+    names: &Names<'_, '_>,
+    context: &Context,
+    frame: usize,
+    words: &[Word],
+) -> Option<TypeId> {
+    let words = match words.iter().position(|it| it.is("=")) {
+        Some(eq) => &words[..eq],
+        None => words,
+    };
+    let (dir, rest) = words.split_first()?;
+    if !dir.is_any(DIRECTIONS) {
+        return None;
+    }
+    match list_kind(context, frame)? {
+        List::Attribute => {
+            let path = rest.iter().position(|it| it.is("::")).unwrap_or(rest.len());
+            let ids = names.component()?.ids?;
+            if path == 0 {
+                return Some(ids);
+            }
+            walk(names, ids, &rest[..path])
+        }
+        List::Service => names.type_before_name(rest),
+        List::Codel { .. } => None,
+    }
+}
+
+impl Names<'_, '_> {
+    /// The named type before the name of what is declared with it: `m::t name`.
+    pub(in crate::ide) fn type_before_name(&self, words: &[Word]) -> Option<TypeId> {
+        let (name, path) = words.split_last()?;
+        // The bound of a string does not matter to its values.
+        let bound = path
+            .iter()
+            .position(|it| it.is("<"))
+            .filter(|_| path.last().is_some_and(|it| it.is(">")));
+        let path = &path[..bound.unwrap_or(path.len())];
+        let last = path.last()?;
+        if name.is("]") {
+            return None;
+        }
+        let (absolute, mut segments) = qualifier(&path[..path.len() - 1]);
+        segments.push(last.text.clone());
+        match self.resolve(absolute, &segments) {
+            Some(found) => found.ty,
+            None => self.base_type(&last.text),
+        }
+    }
+
+    fn base_type(&self, word: &str) -> Option<TypeId> {
+        use crate::model::TypeKind::*;
+        let fits = |kind: &crate::model::TypeKind| match word {
+            "boolean" => matches!(kind, Boolean),
+            "double" => matches!(kind, Double),
+            "float" => matches!(kind, Float),
+            "octet" => matches!(kind, Octet),
+            "short" => matches!(kind, Short | UnsignedShort),
+            "long" => matches!(kind, Long | UnsignedLong | LongLong | UnsignedLongLong),
+            "char" => matches!(kind, Char),
+            "string" => matches!(kind, String { .. }),
+            _ => false,
+        };
+        let found = self.spec().types.iter().position(|it| fits(&it.kind))?;
+        Some(TypeId(found as u32))
+    }
+}
