@@ -274,7 +274,7 @@ fn a_codel_that_never_ends_does_not_keep_a_run_from_ending() {
         return;
     }
     let directory = with_body("for (;;) pause();");
-    let more = ["--until", "500ms", "--clock", "real", "--socket", "s"];
+    let more = ["--until", "3s", "--clock", "real", "--socket", "s"];
     let report = run_bad(&directory, &more);
     let tasks = report["tasks"].as_array().expect("a list");
     let bad = tasks.iter().find(|it| it["task"] == "bad.main");
@@ -292,7 +292,7 @@ fn a_codel_that_takes_too_long_is_told() {
     let path = "bad/codels/bad.c";
     let text = std::fs::read_to_string(directory.path().join(path)).expect("it is there");
     directory.write(path, format!("#include <time.h>\n{text}").as_bytes());
-    let more = ["--until", "500ms", "--clock", "real", "--socket", "s"];
+    let more = ["--until", "3s", "--clock", "real", "--socket", "s"];
     let report = run_bad(&directory, &more);
     let all = report["violations"].as_array().expect("a list");
     let overrun = |it: &&Value| it["kind"] == "overrun" && it["function"] == "bad_again";

@@ -68,7 +68,8 @@ pub fn run(
         allowed.clear();
         let actions = possible.actions().iter().copied();
         allowed.extend(actions.filter(|it| may_happen(it, &works, live)));
-        if !allowed.is_empty() && !(possible.may_wait() && only_drawn(&allowed) && decide.waits()) {
+        let drawn = possible.may_wait() && only_drawn(&allowed);
+        if !(allowed.is_empty() || drawn && decide.waits()) {
             at_once += 1;
             if at_once > CROWDED {
                 return End::Standstill;

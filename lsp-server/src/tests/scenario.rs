@@ -92,11 +92,11 @@ async fn completion_knows_the_place() {
         ("scenario a { use \"$0\"; }", "other.gen pump.gen"),
         (
             "scenario a { use \"pump.gen\"; check $0",
-            "schedulable no-overdue response within leadsto eventually always reachable deadlock",
+            "schedulable no-overdue response within reaction age leadsto eventually always reachable deadlock",
         ),
         (
             "scenario a { use \"pump.gen\"; check x: $0 }",
-            "schedulable no-overdue response within leadsto eventually always reachable deadlock",
+            "schedulable no-overdue response within reaction age leadsto eventually always reachable deadlock",
         ),
         (
             "scenario a { use \"pump.gen\"; check schedulable $0; }",

@@ -53,7 +53,11 @@ impl Live<'_> {
         let outside = self.parts.outside(client) == Some(component);
         let wanted = match outside {
             // What was wanted may have been given up meanwhile.
-            true => self.wanted[component].pop_front_if(|it| it.service == service),
+            true => {
+                let all = &mut self.wanted[component];
+                let first = all.front().is_some_and(|it| it.service == service);
+                first.then(|| all.pop_front()).flatten()
+            }
             false => None,
         };
         let (_, index) = self.parts.services[service];

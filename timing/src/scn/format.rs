@@ -1,6 +1,9 @@
-//! Formatting: one item per line, two blanks per level, comments and blank lines kept.
+//! Formatting: one item per line, two blanks per level; comments, blank lines and lines of a long check kept.
 
 use super::lexer::{Kind, lex};
+
+/// With these words a line may go on that its author has broken there.
+const CONTINUES: &[&str] = &["=>", "->", "then", "and", "or", "via"];
 
 /// The formatted text, or `None` if the text has errors.
 pub fn format(text: &str) -> Option<String> {
@@ -70,6 +73,9 @@ pub fn format(text: &str) -> Option<String> {
             out.truncate(out.trim_end().len());
             out.push(' ');
             fresh = false;
+        } else if newlines > 0 && !fresh && CONTINUES.contains(&piece) {
+            out.push('\n');
+            out.push_str(&"  ".repeat(level + 1));
         } else if !indented(&mut out, &mut fresh, level) && space_between(before, token.kind) {
             out.push(' ');
         }

@@ -356,6 +356,11 @@ fn formatting_keeps_comments_and_is_stable() {
     let formatted = format(text).unwrap();
     insta::assert_snapshot!(formatted);
     assert_eq!(format(&formatted).as_ref(), Some(&formatted));
+    // Where a long check is broken, it stays so.
+    let long = "scenario x {\n  check stop: within a.b\n    => c.d\n    then e.f\n    or g.h <= 5 ms;\n}\n";
+    assert_eq!(format(long).as_deref(), Some(long));
+    let other = long.replace("\n    ", "\n\n       ").replace("<=", "\n<=");
+    assert_eq!(format(&other).as_deref(), Some(long));
     assert_eq!(format("scenario x { cores ; }"), None);
 }
 
