@@ -271,6 +271,11 @@ pub(crate) trait Rules: Sized {
     /// The service whose request a control task is handling, and whether it is already refused.
     fn handling(&self, s: &State, component: usize) -> Option<(usize, bool)>;
 
+    /// The place of the activity whose request a control task is handling; `None` if it has none, or is given one later.
+    fn requested_place(&self, _s: &State, _component: usize) -> Option<usize> {
+        None
+    }
+
     /// An action in words: what it did to the first state, to become the second. `None`: the initial state.
     fn tell(
         &self,

@@ -20,7 +20,7 @@ use super::state::{Clocks, Frame, State, TaskStatus};
 use super::stepper::Work;
 use super::watch::{Limits, Watch, Within};
 use crate::cancel::Cancel;
-use crate::property::{Atom, Predicate, SlotStatus, TaskState};
+use crate::property::{Atom, Predicate, TaskState};
 use crate::scn::ast::ChainKind;
 use crate::system::chain::{Chain, Place};
 use crate::system::{FOREVER, Ticks, TimedSystem};
@@ -124,7 +124,7 @@ struct Tracked<'c, R> {
 impl<'c, R: Rules> Tracked<'c, R> {
     fn new(rules: &R, chain: &'c Chain, clocks: &Clocks) -> Self {
         let executors = rules.frame().executors();
-        let places = chain.shared + chain.locals * rules.system().automata.len();
+        let places = chain.shared + chain.locals * holders(rules);
         let clocks = Clocks {
             token: 1 + 2 * executors.div_ceil(BITS) + places.div_ceil(BITS),
             ..clocks.clone()
@@ -152,27 +152,35 @@ impl<'c, R: Rules> Tracked<'c, R> {
         self.bit(self.executors.div_ceil(BITS), executor)
     }
 
-    fn marked_place(&self, place: Place, automaton: Option<usize>) -> Option<(usize, u16)> {
+    fn marked_place(&self, place: Place, holder: usize) -> (usize, u16) {
         let number = match place {
             Place::Shared(it) => it,
-            Place::Local(it) => self.chain.shared + automaton? * self.chain.locals + it,
+            Place::Local(it) => self.chain.shared + holder * self.chain.locals + it,
         };
-        Some(self.bit(2 * self.executors.div_ceil(BITS), number))
+        self.bit(2 * self.executors.div_ceil(BITS), number)
     }
 
     fn bit(&self, words: usize, number: usize) -> (usize, u16) {
         (self.token + 1 + words + number / BITS, 1 << (number % BITS))
     }
 
-    /// The codel an executor is at, and the automaton it is of.
-    fn codel(&self, s: &State, executor: usize) -> Option<(usize, Option<usize>)> {
+    /// The codel an executor is at, and the holder of the local variables that it sees: the place of an activity, also of one
+    /// whose request is handled, or the request itself.
+    fn codel(&self, s: &State, executor: usize) -> Option<(usize, usize)> {
         match self.rules.work(s, executor)? {
-            Work::State {
-                codel, automaton, ..
-            } => Some((codel, Some(automaton))),
-            Work::Control { codel, .. } => Some((codel, None)),
+            Work::State { codel, slot, .. } => Some((codel, slot)),
+            Work::Control { codel, service, .. } => {
+                let component = self.rules.system().services[service].component;
+                let given = self.rules.requested_place(s, component);
+                Some((codel, given.unwrap_or_else(|| self.request(component))))
+            }
             Work::Delay { .. } => None,
         }
+    }
+
+    /// The holder of the variables of the request that the control task of a component handles.
+    fn request(&self, component: usize) -> usize {
+        self.rules.places() + component
     }
 
     fn reads_first(&self, codel: usize) -> bool {
@@ -187,10 +195,11 @@ impl<'c, R: Rules> Tracked<'c, R> {
         }
         let mut offered = before.is_none() && self.offers_any_time();
         if let (Some((before, _)), Some(executor)) = (before, ended)
-            && let Some((codel, automaton)) = self.codel(before, executor)
+            && let Some((codel, holder)) = self.codel(before, executor)
             && self.rules.frame().is_executing(before, executor)
         {
-            offered |= self.write(s, executor, codel, automaton);
+            offered |= self.write(s, executor, codel, holder);
+            self.hand_over(before, s);
         }
         for executor in 0..self.executors {
             let frame = self.rules.frame();
@@ -198,12 +207,12 @@ impl<'c, R: Rules> Tracked<'c, R> {
             if !frame.is_executing(s, executor) || (was && ended != Some(executor)) {
                 continue;
             }
-            let Some((codel, automaton)) = self.codel(s, executor) else {
+            let Some((codel, holder)) = self.codel(s, executor) else {
                 continue;
             };
             set(s, self.fresh(executor), true);
             let reads = self.chain.reads[codel].iter();
-            let mut bits = reads.filter_map(|&it| self.marked_place(it, automaton));
+            let mut bits = reads.map(|&it| self.marked_place(it, holder));
             let marked = bits.any(|it| is_set(s, it)) && self.chain.carries[codel];
             set(s, self.marked_executor(executor), marked);
             // What comes in just after somebody has looked waits longest for the next look; what is read was new just then.
@@ -223,20 +232,12 @@ impl<'c, R: Rules> Tracked<'c, R> {
     }
 
     /// What a codel writes when it ends. Whether the first datum is among it.
-    fn write(
-        &self,
-        s: &mut State,
-        executor: usize,
-        codel: usize,
-        automaton: Option<usize>,
-    ) -> bool {
+    fn write(&self, s: &mut State, executor: usize, codel: usize, holder: usize) -> bool {
         let chain = self.chain;
         let marked = is_set(s, self.marked_executor(executor));
         set(s, self.marked_executor(executor), false);
         for &place in &chain.writes[codel] {
-            let Some(bit) = self.marked_place(place, automaton) else {
-                continue;
-            };
+            let bit = self.marked_place(place, holder);
             // A new first datum is another one, whatever it was made of.
             let is_first = place == Place::Shared(chain.first);
             match chain.kind {
@@ -251,22 +252,40 @@ impl<'c, R: Rules> Tracked<'c, R> {
         chain.writes[codel].contains(&Place::Shared(chain.first))
     }
 
-    /// Local variables end with the activity.
+    /// An activity that is given its place when its request is accepted begins with the variables of the request.
+    fn hand_over(&self, before: &State, s: &mut State) {
+        if self.chain.locals == 0 {
+            return;
+        }
+        for place in 0..self.rules.places() {
+            let Some(automaton) = self.rules.activity(s, place) else {
+                continue;
+            };
+            let is_new = self.rules.activity(before, place).is_none();
+            let system = self.rules.system();
+            let Some(service) = system.automata[automaton].service.filter(|_| is_new) else {
+                continue;
+            };
+            let request = self.request(system.services[service].component);
+            for local in (0..self.chain.locals).map(Place::Local) {
+                let marked = is_set(s, self.marked_place(local, request));
+                set(s, self.marked_place(local, place), marked);
+            }
+        }
+    }
+
+    /// Local variables end with the activity, or with the request.
     fn forget_locals(&self, s: &mut State) {
         if self.chain.locals == 0 || self.status(s) != status::ALIVE {
             return;
         }
-        for (number, service) in self.rules.system().services.iter().enumerate() {
-            let void = Atom::Slot(number, SlotStatus::Void);
-            if service.slots.is_empty() || !self.rules.atom(s, &void) {
-                continue;
-            }
-            for &automaton in &service.slots {
-                for local in 0..self.chain.locals {
-                    if let Some(bit) = self.marked_place(Place::Local(local), Some(automaton)) {
-                        set(s, bit, false);
-                    }
-                }
+        let free = (0..self.rules.places()).filter(|&it| self.rules.activity(s, it).is_none());
+        let handled = (0..self.rules.system().components.len())
+            .filter(|&it| self.rules.handling(s, it).is_none())
+            .map(|it| self.request(it));
+        for holder in free.chain(handled).collect::<Vec<_>>() {
+            for local in (0..self.chain.locals).map(Place::Local) {
+                set(s, self.marked_place(local, holder), false);
             }
         }
     }
@@ -281,11 +300,11 @@ impl<'c, R: Rules> Tracked<'c, R> {
             let token = self.token + 1..self.end();
             s.d[token].fill(0);
         }
-        let last = self.marked_place(Place::Shared(self.chain.last), None);
+        let last = self.marked_place(Place::Shared(self.chain.last), 0);
         let open = self.status(s) == status::ALIVE
             && match self.chain.kind {
                 ChainKind::Reaction => true,
-                ChainKind::Age => last.is_some_and(|it| is_set(s, it)),
+                ChainKind::Age => is_set(s, last),
             };
         let frame = self.rules.frame();
         let stage = frame.stages(0).start;
@@ -298,7 +317,7 @@ impl<'c, R: Rules> Tracked<'c, R> {
     }
 
     fn end(&self) -> usize {
-        let places = self.chain.shared + self.chain.locals * self.rules.system().automata.len();
+        let places = self.chain.shared + self.chain.locals * holders(&self.rules);
         self.token + 1 + 2 * self.executors.div_ceil(BITS) + places.div_ceil(BITS)
     }
 
@@ -319,9 +338,11 @@ impl<'c, R: Rules> Tracked<'c, R> {
             match (self.chain.external, executor) {
                 (true, Some(executor)) => set(s, self.marked_executor(executor), true),
                 (external, _) => {
-                    if let Some(bit) = self.marked_place(Place::Shared(self.chain.first), None) {
-                        set(s, bit, true);
-                    }
+                    set(
+                        s,
+                        self.marked_place(Place::Shared(self.chain.first), 0),
+                        true,
+                    );
                     // Whoever began by the same step sees what it wrote.
                     let seen = if external {
                         Vec::new()
@@ -337,6 +358,11 @@ impl<'c, R: Rules> Tracked<'c, R> {
         (0..self.executors).for_each(|it| set(s, self.fresh(it), false));
         self.settle(s);
     }
+}
+
+/// Who has local variables of its own: every place of an activity, and the request that each control task handles.
+fn holders<R: Rules>(rules: &R) -> usize {
+    rules.places() + rules.system().components.len()
 }
 
 fn is_set(s: &State, (word, bit): (usize, u16)) -> bool {
@@ -489,6 +515,10 @@ impl<R: Rules> Rules for Tracked<'_, R> {
 
     fn handling(&self, s: &State, component: usize) -> Option<(usize, bool)> {
         self.rules.handling(s, component)
+    }
+
+    fn requested_place(&self, s: &State, component: usize) -> Option<usize> {
+        self.rules.requested_place(s, component)
     }
 
     fn tell(

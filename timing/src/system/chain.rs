@@ -7,7 +7,7 @@ pub use crate::scn::ast::ChainKind;
 pub enum Place {
     /// One of those that everybody shares: ports, data of a component.
     Shared(usize),
-    /// A local variable of whatever automaton executes the codel.
+    /// A local variable of the instance of an activity, or of the request, for which the codel is executed.
     Local(usize),
 }
 
@@ -18,7 +18,7 @@ pub struct Chain {
     pub kind: ChainKind,
     /// Number of shared places.
     pub shared: usize,
-    /// Number of local places of an automaton.
+    /// Number of local places of an instance or a request.
     pub locals: usize,
     /// What each codel reads.
     pub reads: Vec<Vec<Place>>,

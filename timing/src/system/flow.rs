@@ -96,7 +96,7 @@ pub(crate) fn chain(
     let mut local: BTreeMap<(usize, u32), Vec<&Key>> = BTreeMap::new();
     for key in &relevant {
         match &key.0 {
-            Root::Variable(c, s, _) if flow.is_activity(*c, *s) => {
+            Root::Variable(c, s, _) => {
                 local.entry((*c, *s)).or_default().push(key);
             }
             _ => {
@@ -106,7 +106,7 @@ pub(crate) fn chain(
         }
     }
     let place = |key: &Key| match &key.0 {
-        Root::Variable(c, s, _) if flow.is_activity(*c, *s) => {
+        Root::Variable(c, s, _) => {
             let list = local.get(&(*c, *s))?;
             Some(Place::Local(list.iter().position(|it| *it == key)?))
         }
@@ -200,10 +200,6 @@ impl Flow<'_> {
         self.names.components[c].component.ports[p as usize].dir == PortDir::In
     }
 
-    fn is_activity(&self, c: usize, s: u32) -> bool {
-        self.names.is_activity(c, s)
-    }
-
     fn key(&self, &(c, p): &(usize, u32)) -> Key {
         (Root::Port(c, p), Vec::new())
     }
@@ -262,7 +258,8 @@ impl Flow<'_> {
         all.find(|it| *it.1 == number).map_or(0, |it| *it.0)
     }
 
-    /// What a codel names. An attribute without codel copies the values of a request.
+    /// What a codel names. An attribute without codel copies the values of a request,
+    /// as its validation may have changed them.
     fn named(&self, id: usize) -> Vec<(ParamDir, Key)> {
         let c = self.component_of(id);
         let component = self.names.components[c].component;
@@ -282,13 +279,16 @@ impl Flow<'_> {
             let Some(s) = services.find(service) else {
                 return Vec::new();
             };
-            let params = component.services[s as usize].params.iter();
-            let copied = params.filter(|it| {
+            let params = (0..).zip(&component.services[s as usize].params);
+            let copied = params.filter(|(_, it)| {
                 it.source == ParamSource::Ids && matches!(it.dir, ParamDir::In | ParamDir::Inout)
             });
-            return copied
-                .map(|it| (ParamDir::Out, (Root::Ids(c), path(it))))
-                .collect();
+            let copy = |(i, it): (u32, &Param)| {
+                let value = (Root::Variable(c, s, i), Vec::new());
+                let member = (Root::Ids(c), path(it));
+                [(ParamDir::In, value), (ParamDir::Out, member)]
+            };
+            return copied.flat_map(copy).collect();
         };
         let mut out = Vec::new();
         for it in &component.codel(site).params {

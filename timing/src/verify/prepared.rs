@@ -98,7 +98,9 @@ pub fn prepare(input: &SystemInput, scenario: &Scenario, options: &Options) -> P
             _ => format!("{count} {}", unit.name()),
         },
         assumptions: built.assumptions.clone(),
-        notes: rounding::note(&built).into_iter().collect(),
+        notes: (rounding::note(&built).into_iter())
+            .chain(not_followed(&group, &singles))
+            .collect(),
         diagnostics,
         ..Report::default()
     };
@@ -108,6 +110,20 @@ pub fn prepare(input: &SystemInput, scenario: &Scenario, options: &Options) -> P
         report,
         built,
     }
+}
+
+/// Which checks are of chains: data are not followed along a run.
+fn not_followed(group: &Group, checks: &[Single]) -> Option<String> {
+    let chains = checks.iter().filter(|it| matches!(it.what, What::Chain(_)));
+    let shown = |it: &Single| {
+        let it = group.open(it);
+        format!("`{} {}`", it.kind, it.of)
+    };
+    let chains: Vec<String> = chains.map(shown).collect();
+    let list = chains.join(", ");
+    (!chains.is_empty()).then(|| {
+        format!("not checked along runs: {list}; runs follow no data, `dotgen verify` answers these checks")
+    })
 }
 
 impl Group<'_> {

@@ -360,6 +360,10 @@ impl Rules for Servers<'_> {
         (l.sender(s, component) != 0).then_some(handled)
     }
 
+    fn requested_place(&self, s: &State, component: usize) -> Option<usize> {
+        (self.layout.given(s, component) as usize).checked_sub(1)
+    }
+
     fn tell(
         &self,
         change: (&State, &State),

@@ -4,13 +4,12 @@
 use std::collections::{BTreeSet, HashSet};
 
 use dotgen_timing::explore::Action;
-use dotgen_timing::property::{Atom, Predicate, SlotStatus};
 use dotgen_timing::system::chain::{Chain, ChainKind, Place};
 
-use super::state::{Doing, State};
+use super::state::{Doing, Mode, State, Step};
 use super::{Brute, CAP};
 
-/// A place: shared, or the local variable of an automaton.
+/// A place: shared, or the variable of an instance, or of the request that a control task handles.
 type Datum = (Place, Option<usize>);
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
@@ -87,7 +86,7 @@ impl Brute<'_> {
             if let Some(it) = &mut followed {
                 let depends = it.readers.remove(&e);
                 for &place in &chain.writes[codel] {
-                    let datum = self.datum(s, e, place);
+                    let datum = self.datum(e, place);
                     if depends
                         && place == Place::Shared(chain.last)
                         && chain.kind == ChainKind::Reaction
@@ -105,16 +104,28 @@ impl Brute<'_> {
                 }
             }
         }
+        let automata = s.automata.len();
+        if let (Some(it), Some(e)) = (&mut followed, ended)
+            && e >= automata
+        {
+            // The variables of a request are those of the instance that it becomes.
+            let born =
+                |&a: &usize| s.automata[a].mode == Mode::Void && n.automata[a].mode != Mode::Void;
+            for a in (0..automata).filter(born) {
+                let of_request = it.places.iter().filter(|it| it.1 == Some(e));
+                let own: Vec<Datum> = of_request.map(|it| (it.0, Some(a))).collect();
+                it.places.extend(own);
+            }
+        }
         let began = self.begun(Some(s), &n, ended);
         if let Some(it) = &mut followed {
             self.read(chain, it, &n, &began);
-            for (number, service) in self.system.services.iter().enumerate() {
-                let void = Predicate::Atom(Atom::Slot(number, SlotStatus::Void));
-                if service.activity && self.predicate(None, &n, &void) {
-                    let of = |a: Option<usize>| a.is_some_and(|a| service.slots.contains(&a));
-                    it.places.retain(|it| !of(it.1));
-                }
-            }
+            // Variables last as long as the instance, or the handling of the request.
+            it.places.retain(|it| match it.1 {
+                Some(e) if e < automata => n.automata[e].mode != Mode::Void,
+                Some(e) => !matches!(n.controls[e - automata].step, Step::Ready),
+                None => true,
+            });
             if it.places.is_empty() && it.readers.is_empty() {
                 return;
             }
@@ -162,19 +173,16 @@ impl Brute<'_> {
         for &e in began {
             let codel = self.codel(s, e);
             let mut reads = chain.reads[codel].iter();
-            if chain.carries[codel]
-                && reads.any(|&place| it.places.contains(&self.datum(s, e, place)))
+            if chain.carries[codel] && reads.any(|&place| it.places.contains(&self.datum(e, place)))
             {
                 it.readers.insert(e);
             }
         }
     }
 
-    fn datum(&self, s: &State, e: usize, place: Place) -> Datum {
+    fn datum(&self, e: usize, place: Place) -> Datum {
         match place {
             Place::Shared(_) => (place, None),
-            // The control task has none: a datum of its own, which nobody else reads.
-            Place::Local(_) if e >= s.automata.len() => (place, Some(usize::MAX)),
             Place::Local(_) => (place, Some(e)),
         }
     }
