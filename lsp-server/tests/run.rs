@@ -284,3 +284,28 @@ fn published_components_run() {
     }
     assert!(ran > 0, "no component ran");
 }
+
+#[test]
+fn chains_that_are_not_followed_are_named() {
+    let specification = "typedef long number;
+         component c {
+           version \"1\"; lang \"c\";
+           port in number raw; port out number clean;
+           task t {
+             period 10 ms;
+             codel<start> go(port in raw, port out clean) yield pause::start wcet 1 ms;
+           };
+         };";
+    let scenario = "scenario s { use \"c.gen\"; check reaction c.raw -> c.clean <= 1 ms; check schedulable *; }";
+    let directory = Directory::new(&[("c.gen", specification), ("s.scn", scenario)]);
+    let output = directory.run(&["run", "s.scn", "--until", "1s", "--format", "json"]);
+    assert_eq!(status(&output), 0, "{}", stderr(&output));
+    let report = json_of(&output);
+    let notes = report["notes"].as_array().expect("a list");
+    let named = |it: &Value| {
+        let it = it.as_str().unwrap_or_default();
+        it.starts_with("not checked along runs: `reaction c.raw -> c.clean`")
+    };
+    assert!(notes.iter().any(named), "{notes:?}");
+    assert_eq!(report["checks"].as_array().map(Vec::len), Some(1));
+}

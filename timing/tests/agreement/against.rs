@@ -9,6 +9,7 @@ use dotgen_analysis::host::{
 use dotgen_timing::analytic::response_bounds;
 use dotgen_timing::explore::Limits;
 use dotgen_timing::report::{CheckReport, Soundness, Value, Verdict};
+use dotgen_timing::scn::ast::{CheckKind, Item, Path};
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::scn::parse;
 use dotgen_timing::system::build::build;
@@ -17,9 +18,10 @@ use num_rational::Ratio;
 use serde_json::{Value as Json, json};
 
 use crate::expected::answers;
-use crate::servers::CAP;
-use crate::servers::model::read;
-use crate::servers::random::{Texts, quiet, requests, texts, varied};
+use crate::servers::chains::Chain;
+use crate::servers::model::{Datum, read};
+use crate::servers::random::{Texts, chained, quiet, requests, texts, varied};
+use crate::servers::{CAP, Interpreter};
 use crate::{all_agree, first, systems};
 
 struct Nothing;
@@ -196,6 +198,105 @@ fn the_verifier_agrees_with_the_interpreter_of_the_servers_on_cores_given_in_ord
             &quiet(&mut systems::Dice::new(seed)),
         )
     });
+}
+
+/// Reaction and age of chains. Nothing where no data flow.
+fn compare_chains(seed: u64) -> Option<Result<(), String>> {
+    let mut dice = systems::Dice::new(seed);
+    // Many have errors, or no way for data.
+    (0..3).find_map(|_| compare_chain(seed, &chained(&mut dice)))
+}
+
+fn compare_chain(seed: u64, texts: &Texts) -> Option<Result<(), String>> {
+    let shown = || {
+        format!(
+            "seed {seed}\n{}\n{}",
+            texts.specifications.join("\n"),
+            texts.scenario
+        )
+    };
+    let host = AnalysisHost::new(Arc::new(Nothing));
+    let units = texts.specifications.iter().map(|it| load(&host, it));
+    let units: Vec<UnitResult> = units.collect::<Result<_, _>>().ok()?;
+    let specs: Vec<_> = units.iter().map(|it| &*it.spec).collect();
+    let parsed = parse(&texts.scenario);
+    let system = read(&specs, &parsed.scenario);
+    let options = Options {
+        limits: Limits {
+            states: 400_000,
+            bytes: 1 << 28,
+            threads: 1,
+            ..Limits::default()
+        },
+        ..Options::default()
+    };
+    let report = verify(
+        &SystemInput { specs },
+        &parsed.scenario,
+        &options,
+        &Cancel::default(),
+    );
+    if report.diagnostics.iter().any(|it| it.code == "scn-no-way") {
+        return None;
+    }
+    if report.has_errors() || !parsed.errors.is_empty() {
+        return Some(Err(format!("{:?}: {}", report.diagnostics, shown())));
+    }
+    let interpreter = Interpreter::new(&system, &[], &[]);
+    let checks = parsed.scenario.items.iter().filter_map(|it| match it {
+        Item::Check(it) => Some(&it.kind),
+        _ => None,
+    });
+    for (check, found) in checks.zip(&report.checks) {
+        let CheckKind::Chain(kind, path, _) = check else {
+            continue;
+        };
+        let datum = |path: &Path| {
+            let text = path.text();
+            let (component, port) = text.split_once('.').expect("a port");
+            let alone = texts.specifications.len() == 1;
+            let component = if port == "q" && !alone {
+                "d"
+            } else {
+                component
+            };
+            Datum::Port(component.to_owned(), port.to_owned())
+        };
+        let first = datum(&path.from);
+        let chain = Chain {
+            kind: *kind,
+            external: first == Datum::Port("c".to_owned(), "q".to_owned()),
+            first,
+            last: datum(&path.to),
+        };
+        let expected = interpreter.chain(&chain, 15_000)?;
+        if found.verdict == Verdict::Unknown {
+            return None;
+        }
+        let want = match expected {
+            Some(CAP) => json!("unbounded"),
+            Some(it) => json!(it),
+            None => Json::Null,
+        };
+        let got = match found.verdict {
+            Verdict::Nothing => Json::Null,
+            _ => answer(found),
+        };
+        if want != got {
+            let what = format!("{} {}", found.kind, found.of);
+            return Some(Err(format!(
+                "{what}: expected {want}, found {got}: {}",
+                shown()
+            )));
+        }
+    }
+    Some(Ok(()))
+}
+
+#[test]
+fn the_verifier_agrees_with_the_interpreter_of_the_servers_on_chains() {
+    let cases = std::env::var("DOTGEN_TIMING_CASES").map_or(100, |_| cases());
+    all_agree(first(), cases, 50, compare_chains);
 }
 
 fn agree_on(specification: &str, scenario: &str) {

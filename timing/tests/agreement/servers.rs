@@ -3,6 +3,7 @@
 //! simultaneous atomic steps is followed, and nothing is merged. It shares neither the system tables nor the rules of
 //! the verifier: it reads specifications and scenarios by itself.
 
+pub(crate) mod chains;
 mod control;
 mod cores;
 pub(crate) mod model;

@@ -4,7 +4,7 @@ use dotgen_timing::property::PropertyKind;
 use dotgen_timing::report::{Report, Value, Verdict};
 use dotgen_timing::scn::semantics::Preset;
 use dotgen_timing::scn::{format, parse};
-use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
+use dotgen_timing::verify::{Cancel, Options, SystemInput, prepare, verify};
 
 use super::load;
 
@@ -171,4 +171,25 @@ fn responses_follow_one_after_the_other() {
         )),
         time(21.0)
     );
+}
+
+#[test]
+fn runs_say_which_chains_they_do_not_follow() {
+    let notes = |check: &str| {
+        let unit = load(TWO);
+        let parsed = parse(&std::format!("scenario two {{ check {check}; }}"));
+        let input = SystemInput {
+            specs: vec![&unit.spec],
+        };
+        prepare(&input, &parsed.scenario, &Options::default())
+            .report
+            .notes
+    };
+    assert_eq!(
+        notes("age sensor.raw -> filter.clean <= 5 ms"),
+        [
+            "not checked along runs: `age sensor.raw -> filter.clean`; runs follow no data, `dotgen verify` answers these checks"
+        ]
+    );
+    assert_eq!(notes("schedulable *"), [] as [&str; 0]);
 }

@@ -100,6 +100,19 @@ pub(crate) struct Codel {
     pub(crate) waits_for: Vec<Executed>,
     /// Outputs that it uses, by component and name, where they lock anything.
     pub(crate) ports: Vec<(String, String)>,
+    /// Data that it reads.
+    pub(crate) reads: Vec<Datum>,
+    /// Data that it writes.
+    pub(crate) writes: Vec<Datum>,
+}
+
+/// What codels read and write, of a component by name.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) enum Datum {
+    Port(String, String),
+    Member(String, String),
+    /// A parameter of a service, by number.
+    Variable(String, u32, u32),
 }
 
 pub(crate) struct Client {
@@ -264,6 +277,37 @@ impl Reader<'_> {
         self.exceptions.iter().rfind(about).is_none_or(|it| it.0)
     }
 
+    /// What a codel names, but not only for this.
+    fn data(&self, component: &model::Component, at: CodelRef, but: model::ParamDir) -> Vec<Datum> {
+        let name = component.name.to_string();
+        let params = component.codel(at).params.iter();
+        let data = |it: &model::Param| match (it.source, at.owner) {
+            (model::ParamSource::Port(p), _) => {
+                let port = &component.ports[p as usize];
+                self.sources(component, port)
+            }
+            (model::ParamSource::Ids, _) => vec![member(&name, it)],
+            (model::ParamSource::Local(Some(i)), Owner::Service(s)) => {
+                vec![Datum::Variable(name.clone(), s, i)]
+            }
+            other => panic!("{other:?} is not drawn"),
+        };
+        params.filter(|it| it.dir != but).flat_map(data).collect()
+    }
+
+    /// The outputs that a port has its data of, or itself.
+    fn sources(&self, component: &model::Component, port: &model::Port) -> Vec<Datum> {
+        let outputs = self.outputs(component, port).into_iter();
+        let found: Vec<Datum> = outputs.map(|(c, p)| Datum::Port(c, p)).collect();
+        match found.is_empty() {
+            true => vec![Datum::Port(
+                component.name.to_string(),
+                port.name.to_string(),
+            )],
+            false => found,
+        }
+    }
+
     /// The outputs that are used with a port of a component.
     fn outputs(&self, component: &model::Component, port: &model::Port) -> Vec<(String, String)> {
         let name = component.name.to_string();
@@ -326,6 +370,8 @@ impl Reader<'_> {
                     .flat_map(|port| self.outputs(it, port))
                     .filter(|_| semantics.ports == PortRule::Lock)
                     .collect(),
+                reads: self.data(it, at, model::ParamDir::Out),
+                writes: self.data(it, at, model::ParamDir::In),
             });
             codels.len() - 1
         };
@@ -434,6 +480,12 @@ impl Reader<'_> {
                     let task = it.task_of(at).map(|it| it as usize);
                     (task, it.codel(at).name.to_string())
                 });
+                let params = &it.services[s as usize].params;
+                let copied = || {
+                    (0..)
+                        .zip(params)
+                        .filter(|it| it.1.dir != model::ParamDir::Out)
+                };
                 copy.codel = codels.len();
                 codels.push(Codel {
                     lower: 0,
@@ -441,6 +493,10 @@ impl Reader<'_> {
                     executed: (None, copy_of(it, s)),
                     waits_for: others.collect(),
                     ports: Vec::new(),
+                    reads: copied()
+                        .map(|(i, _)| Datum::Variable(it.name.to_string(), s, i))
+                        .collect(),
+                    writes: copied().map(|(_, param)| member(&it.name, param)).collect(),
                 });
             }
         }
@@ -474,6 +530,8 @@ impl Reader<'_> {
                     executed,
                     waits_for,
                     ports: Vec::new(),
+                    reads: Vec::new(),
+                    writes: Vec::new(),
                 });
                 control.push(ControlCodel {
                     name: None,
@@ -499,6 +557,15 @@ impl Reader<'_> {
 }
 
 /// The copy of an attribute is no function; it has a name that no function has.
+fn member(component: &str, it: &model::Param) -> Datum {
+    match it.path.first() {
+        Some(model::PathElement::Member(name)) => {
+            Datum::Member(component.to_owned(), name.to_string())
+        }
+        other => panic!("{other:?} is not drawn"),
+    }
+}
+
 fn copy_of(component: &model::Component, service: u32) -> String {
     format!("copy {}", component.services[service as usize].name)
 }

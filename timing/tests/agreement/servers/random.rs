@@ -24,6 +24,8 @@ struct Known {
     quiet: bool,
     /// Clients ask for what all components understand, and how requests end.
     requests: bool,
+    /// Data flow, through ports and through variables of activities.
+    chains: bool,
     /// Ports that codels of the present component may name.
     ports: &'static [&'static str],
 }
@@ -51,6 +53,30 @@ pub(crate) fn requests(dice: &mut Dice) -> Texts {
         ..Known::default()
     };
     draw(dice, requests)
+}
+
+/// The same with data that flow through ports, members of `ids` and variables of activities, and chains that are asked for.
+pub(crate) fn chained(dice: &mut Dice) -> Texts {
+    let chains = Known {
+        chains: true,
+        ..Known::default()
+    };
+    let mut out = draw(dice, chains);
+    let from = dice.pick(&["c.p", "c.p", "c.q"]);
+    let to = match out.specifications.len() {
+        1 => "c.r",
+        _ => dice.pick(&["c.r", "d.q"]),
+    };
+    let lines = out
+        .scenario
+        .lines()
+        .filter(|it| !it.starts_with(" check") && *it != "}");
+    let lines: Vec<&str> = lines.collect();
+    out.scenario = format!(
+        "{}\n check reaction {from} -> {to};\n check age {from} -> {to};\n}}\n",
+        lines.join("\n")
+    );
+    out
 }
 
 /// Permanent activities alone, on few cores that are given in order of asking.
@@ -88,7 +114,28 @@ fn component(dice: &mut Dice, c: usize, of: usize, known: &mut Known) -> String 
     let mut out = format!(
         "component {name} {{\n version \"1\"; lang \"c\";\n ids {{ long f0; long f1; }};\n exception bad;\n"
     );
-    if known.varied && dice.in_ten(5) {
+    if known.chains {
+        out.insert_str(0, "struct dt { long v; };\n");
+        let (text, params): (_, &[&str]) = match c {
+            0 => (
+                " port out dt p; port in dt q; port out dt r;\n",
+                &[
+                    "out p",
+                    "in q",
+                    "in q, out f0",
+                    "in f0, out p",
+                    "in f0, out r",
+                    "in f1, out r",
+                ],
+            ),
+            _ => (
+                " port in dt p; port out dt q;\n",
+                &["in p, out f0", "in p, out q", "in f0, out q"],
+            ),
+        };
+        out.push_str(text);
+        known.ports = params;
+    } else if known.varied && dice.in_ten(5) {
         out.insert_str(0, "struct dt { long v; };\n");
         let (text, params): (_, &[&str]) = match c {
             0 => (
@@ -139,8 +186,27 @@ fn component(dice: &mut Dice, c: usize, of: usize, known: &mut Known) -> String 
         let kind = dice.pick(&["activity", "activity", "activity", "function", "attribute"]);
         let params = match kind {
             "attribute" => dice.pick(&["in f0", "out f1"]),
+            _ if known.chains => "inout long x",
             _ => "",
         };
+        let ports = known.ports;
+        if params == "inout long x" {
+            known.ports = match c {
+                0 => &[
+                    "in q, local out x",
+                    "in f0, local out x",
+                    "local inout x",
+                    "local in x, out r",
+                    "local in x, out p",
+                    "local in x, out f1",
+                ],
+                _ => &[
+                    "in p, local out x",
+                    "local in x, out q",
+                    "local in x, out f0",
+                ],
+            };
+        }
         let _ = writeln!(out, " {kind} s{s}({params}) {{");
         if kind == "activity" {
             let _ = writeln!(out, "  task t{};", dice.below(tasks));
@@ -173,6 +239,7 @@ fn component(dice: &mut Dice, c: usize, of: usize, known: &mut Known) -> String 
         }
         out.push_str(" };\n");
         known.services.push(path);
+        known.ports = ports;
     }
     out.push_str("};\n");
     // An exception that nothing throws is no error, but the component would throw it.
@@ -187,7 +254,7 @@ fn component(dice: &mut Dice, c: usize, of: usize, known: &mut Known) -> String 
 }
 
 fn params_of(dice: &mut Dice, known: &Known) -> &'static str {
-    if !known.ports.is_empty() && dice.in_ten(4) {
+    if !known.ports.is_empty() && dice.in_ten(if known.chains { 8 } else { 4 }) {
         return dice.pick(known.ports);
     }
     dice.pick(&["", "", "in f0", "inout f0", "inout f0", "in f1", "inout f1"])

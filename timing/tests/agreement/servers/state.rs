@@ -307,6 +307,14 @@ impl State {
         }
     }
 
+    /// The slot whose turn a task executes.
+    pub(super) fn slot(&self, c: usize, t: usize) -> Option<usize> {
+        match &self.components[c].tasks[t].phase {
+            Phase::Pass(slots, at, _) => slots.get(*at).copied(),
+            _ => None,
+        }
+    }
+
     /// Everybody of a component who may be at a codel.
     pub(super) fn everybody(&self, c: usize) -> impl Iterator<Item = Who> + use<> {
         let tasks = 0..self.components[c].tasks.len();

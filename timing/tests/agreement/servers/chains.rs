@@ -1,0 +1,200 @@
+//! Chains of data under the semantics of the servers, from section 19 by the obvious method.
+
+use std::collections::{BTreeSet, HashSet};
+
+use dotgen_timing::system::chain::ChainKind;
+
+use super::model::Datum;
+use super::possible::Step;
+use super::state::{Control, Doing, State, Who};
+use super::{CAP, Interpreter};
+
+/// Who has variables of its own: an instance by component, task and slot, or a request without one.
+type Holder = (usize, Option<(usize, usize)>);
+
+/// A datum; a variable with its holder.
+type Kept = (Datum, Option<Holder>);
+
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
+struct Followed {
+    /// What depends on the datum that is followed.
+    data: BTreeSet<Kept>,
+    /// Whose codel has read such data.
+    readers: BTreeSet<(usize, Who)>,
+    age: u32,
+}
+
+/// A state, and what is followed from it on; `None`: nothing yet.
+type Node = (State, Option<Followed>);
+
+/// What is asked: between which data, and whether nobody writes the first.
+pub(crate) struct Chain {
+    pub(crate) kind: ChainKind,
+    pub(crate) first: Datum,
+    pub(crate) last: Datum,
+    pub(crate) external: bool,
+}
+
+impl Interpreter<'_> {
+    /// The greatest time, `Some(CAP)`: unbounded; `None` if no datum is ever followed. Nothing above `limit` nodes.
+    pub(crate) fn chain(&self, chain: &Chain, limit: usize) -> Option<Option<u32>> {
+        let mut greatest = None;
+        let mut seen: HashSet<Node> = HashSet::new();
+        let mut todo: Vec<Node> = Vec::new();
+        let mut initial = State::initial(self.system, 0);
+        for (c, it) in self.system.components.iter().enumerate() {
+            if !it.tasks.is_empty() {
+                self.start(&mut initial, c, 0);
+            }
+        }
+        self.come_to(chain, (initial, None), (&[], false), &mut todo);
+        while let Some(node) = todo.pop() {
+            if !seen.insert(node.clone()) {
+                continue;
+            }
+            if seen.len() > limit {
+                return None;
+            }
+            let (s, followed) = node;
+            if let Some(it) = &followed
+                && (chain.kind == ChainKind::Reaction
+                    || it.data.contains(&(chain.last.clone(), None)))
+            {
+                greatest = greatest.max(Some(it.age));
+            }
+            let (steps, urgent) = self.possible(&s);
+            for step in steps {
+                self.follow(chain, (&s, &followed), step, &mut todo);
+            }
+            if !urgent {
+                let later = followed.map(|it| Followed {
+                    age: (it.age + 1).min(CAP),
+                    ..it
+                });
+                self.come_to(chain, (self.pass(&s), later), (&[], false), &mut todo);
+            }
+        }
+        Some(greatest)
+    }
+
+    fn follow(
+        &self,
+        chain: &Chain,
+        (s, followed): (&State, &Option<Followed>),
+        step: Step,
+        todo: &mut Vec<Node>,
+    ) {
+        let n = self.perform(s, step, &mut self.blank());
+        let ended = match step {
+            Step::End(c, t, _) => Some((c, Who::Task(t))),
+            Step::Handled(c, _) => Some((c, Who::Control)),
+            _ => None,
+        };
+        let mut followed = followed.clone();
+        let mut first_written = false;
+        if let Some((c, who)) = ended {
+            let (_, writes) = self.named(s, c, who);
+            first_written = writes.iter().any(|it| it.0 == chain.first);
+            if let Some(it) = &mut followed {
+                let depends = it.readers.remove(&(c, who));
+                for datum in writes {
+                    let arrives = depends && datum.0 == chain.last;
+                    match chain.kind {
+                        ChainKind::Reaction if arrives => return,
+                        // A new first datum is another one.
+                        ChainKind::Age if !depends || datum.0 == chain.first => {
+                            it.data.remove(&datum);
+                        }
+                        _ if depends => {
+                            it.data.insert(datum);
+                        }
+                        _ => {}
+                    }
+                }
+            }
+        }
+        let executing =
+            |s: &State, c: usize, who: Who| matches!(s.doing(c, who), Some(Doing::Executing(_)));
+        let everybody = (0..n.components.len()).flat_map(|c| n.everybody(c).map(move |it| (c, it)));
+        let began: Vec<(usize, Who)> = everybody
+            .filter(|&(c, who)| executing(&n, c, who))
+            .filter(|&(c, who)| ended == Some((c, who)) || !executing(s, c, who))
+            .collect();
+        if let Some(it) = &mut followed {
+            self.read(it, &n, &began);
+            it.data.retain(|it| match it.1 {
+                Some((c, Some((t, slot)))) => n.components[c].tasks[t].slots[slot].is_some(),
+                Some((c, None)) => {
+                    matches!(
+                        n.components[c].control,
+                        Control::Codel(..) | Control::Rest(..)
+                    )
+                }
+                None => true,
+            });
+            if it.data.is_empty() && it.readers.is_empty() {
+                return;
+            }
+        }
+        self.come_to(chain, (n, followed), (&began, first_written), todo);
+    }
+
+    /// Notes a state, and everything that may be followed from it on.
+    fn come_to(
+        &self,
+        chain: &Chain,
+        (s, followed): Node,
+        (began, first_written): (&[(usize, Who)], bool),
+        todo: &mut Vec<Node>,
+    ) {
+        if followed.is_none() {
+            let mut it = Followed::default();
+            let first = (chain.first.clone(), None);
+            if chain.external && chain.kind == ChainKind::Age {
+                for &(c, who) in began {
+                    if self.named(&s, c, who).0.contains(&first) {
+                        let mut it = Followed::default();
+                        it.readers.insert((c, who));
+                        todo.push((s.clone(), Some(it)));
+                    }
+                }
+            } else if chain.external {
+                it.data.insert(first);
+                todo.push((s.clone(), Some(it)));
+            } else if first_written {
+                it.data.insert(first);
+                self.read(&mut it, &s, began);
+                todo.push((s.clone(), Some(it)));
+            }
+        }
+        todo.push((s, followed));
+    }
+
+    fn read(&self, it: &mut Followed, s: &State, began: &[(usize, Who)]) {
+        for &(c, who) in began {
+            let (reads, _) = self.named(s, c, who);
+            if reads.iter().any(|datum| it.data.contains(datum)) {
+                it.readers.insert((c, who));
+            }
+        }
+    }
+
+    /// What the codel that somebody is at reads and writes.
+    fn named(&self, s: &State, c: usize, who: Who) -> (Vec<Kept>, Vec<Kept>) {
+        let slot = match (&s.components[c].control, who) {
+            (Control::Codel(request, ..), Who::Control) => request.slot,
+            (_, Who::Control) => None,
+            (_, Who::Task(t)) => s.slot(c, t).map(|slot| (t, slot)),
+        };
+        let Some(codel) = s.codel(self.system, c, who) else {
+            return Default::default();
+        };
+        let codel = &self.system.components[c].codels[codel];
+        let kept = |it: &Datum| match it {
+            Datum::Variable(..) => (it.clone(), Some((c, slot))),
+            _ => (it.clone(), None),
+        };
+        let all = |list: &[Datum]| list.iter().map(kept).collect();
+        (all(&codel.reads), all(&codel.writes))
+    }
+}
