@@ -172,10 +172,12 @@ pub(super) struct Client {
     pub(super) outstanding: bool,
     /// The last request for each service, and the last one of all.
     pub(super) tracked: Vec<(usize, usize, Tracked)>,
-    /// Instances that it may abort, in order of acceptance: component, service, node, and task and slot until it is
-    /// reported.
-    pub(super) instances: Vec<(usize, usize, usize, Option<(usize, usize)>)>,
+    /// Instances that it may abort, in order of acceptance.
+    pub(super) instances: Vec<Accepted>,
 }
+
+/// An instance that was accepted: component, service, node, and task and slot until it is reported.
+pub(super) type Accepted = (usize, usize, usize, Option<(usize, usize)>);
 
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(crate) struct State {
