@@ -78,12 +78,10 @@ pub fn run(
             stepper.perform(action, &mut seen);
             continue;
         }
-        // What has come already comes first: time never leaves it behind.
-        if let Some(message) = live.hosts().wait(0) {
-            live.message(message);
-            continue;
+        // Also when it is always behind, a run ends when it is asked to.
+        if interrupted() {
+            return End::Interrupted;
         }
-        let now = ticks(live.hosts().now());
         let left = until.saturating_sub(stepper.now());
         if left == 0 {
             return End::Done;
@@ -93,21 +91,28 @@ pub fn run(
             live.is_running(executor) || work.is_some_and(|it| live.is_outside(&it))
         };
         let next = stepper.next_moment_but(&open);
-        let next = next.map_or(u64::MAX, u64::from);
-        let passed = now.saturating_sub(stepper.now()).min(left).min(next);
+        let due = next.map_or(u64::MAX, u64::from).min(left);
+        let now = ticks(live.hosts().now());
+        let late = now.saturating_sub(stepper.now()) >= due;
+        // What has come already comes first: time never leaves it behind. Else nothing happens until something is due,
+        // and the processor is for others.
+        let message = match live.hosts().wait(0) {
+            None if !late => {
+                let deadline = stepper.now().saturating_add(due);
+                let deadline = start.saturating_add(deadline.saturating_mul(pace.nanos));
+                let patience = live.hosts().now().saturating_add(PATIENCE);
+                live.hosts().wait(deadline.min(patience))
+            }
+            other => other,
+        };
+        let now = ticks(live.hosts().now());
+        let passed = now.saturating_sub(stepper.now()).min(due);
         if passed > 0 {
             at_once = 0;
             stepper.pass(u32::try_from(passed).unwrap_or(u32::MAX), &mut seen);
             watch.moment(stepper);
-            continue;
         }
-        if interrupted() {
-            return End::Interrupted;
-        }
-        let deadline = stepper.now().saturating_add(next.min(left));
-        let deadline = start.saturating_add(deadline.saturating_mul(pace.nanos));
-        let patience = live.hosts().now().saturating_add(PATIENCE);
-        if let Some(message) = live.hosts().wait(deadline.min(patience)) {
+        if let Some(message) = message {
             live.message(message);
         }
     }
