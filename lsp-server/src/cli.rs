@@ -16,6 +16,7 @@ mod man;
 mod model;
 mod monitor;
 mod new;
+mod outputs;
 mod release;
 mod report;
 mod run;

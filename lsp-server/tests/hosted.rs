@@ -438,3 +438,27 @@ fn the_examples_run_with_their_stubs_on_both_clocks() {
         assert_eq!(processes(&directory), Vec::<String>::new());
     }
 }
+
+#[test]
+fn a_signal_ends_a_simulated_run_with_its_report_and_profile() {
+    let directory = with_body("");
+    let arguments = [
+        "run",
+        "good/good.gen",
+        "--clock",
+        "real",
+        "--simulate",
+        "all",
+        "--socket",
+        "s",
+        "--profile",
+        "log",
+    ];
+    let mut run = Listening::start(&directory, &arguments);
+    run.signal("-TERM");
+    let ended = run.0.wait().expect("it ends");
+    assert!(matches!(ended.code(), Some(1 | 3)), "{ended}");
+    // It has its name when it is complete.
+    assert!(directory.path().join("log").exists());
+    assert!(!directory.path().join("s").exists());
+}

@@ -309,3 +309,43 @@ fn chains_that_are_not_followed_are_named() {
     assert!(notes.iter().any(named), "{notes:?}");
     assert_eq!(report["checks"].as_array().map(Vec::len), Some(1));
 }
+
+#[test]
+fn what_is_read_is_not_written() {
+    let text = "component c { task t { period 10 ms; codel<start> f() yield pause::start wcet 1 ms; }; };\n";
+    let directory = Directory::new(&[
+        ("c.gen", text),
+        (
+            "c.scn",
+            "scenario s { use \"c.gen\"; check schedulable *; }\n",
+        ),
+    ]);
+    let before = |name: &str| std::fs::read(directory.path().join(name)).expect("it is there");
+    let (specification, scenario) = (before("c.gen"), before("c.scn"));
+    std::fs::hard_link(
+        directory.path().join("c.gen"),
+        directory.path().join("also.json"),
+    )
+    .expect("a link");
+    for (arguments, why) in [
+        (
+            &["run", "c.scn", "--profile", "./c.gen"][..],
+            "would be lost",
+        ),
+        (&["run", "c.scn", "--profile", "c.scn"], "would be lost"),
+        (&["run", "c.scn", "--trace", "also.json"], "would be lost"),
+        (&["verify", "c.scn", "--trace", "c.scn"], "would be lost"),
+        (
+            &["run", "c.scn", "--profile", "x.json", "--trace", "./x.json"],
+            "two contents",
+        ),
+        (&["run", "c.scn", "--profile", "."], "a directory"),
+        (&["run", "c.scn", "--trace", "x"], "pftrace"),
+    ] {
+        let output = directory.run(arguments);
+        assert_eq!(status(&output), 2, "{arguments:?}");
+        assert!(stderr(&output).contains(why), "{}", stderr(&output));
+    }
+    assert_eq!(before("c.gen"), specification);
+    assert_eq!(before("c.scn"), scenario);
+}

@@ -21,7 +21,7 @@ use super::session::{display, is_standard_input};
 use super::verify::told::Told;
 use super::verify::{Cores, PolicyName, SemanticsName, cores, interrupt, one_problem};
 use super::wcet::{PIECE, given, read_log};
-use super::{Outcome, Reading};
+use super::{Outcome, Reading, outputs};
 use crate::files::disk::Stream;
 
 /// How long to wait for more of a log that is followed.
@@ -93,6 +93,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let Some((session, problem)) = one_problem(&files.texts, &arguments.reading)? else {
         return Ok(Outcome::Unusable);
     };
+    let written: Vec<&Utf8Path> = arguments.trace.iter().map(|it| it.as_path()).collect();
+    let read = problem
+        .files()
+        .chain(files.logs.iter().map(|it| it.as_path()));
+    outputs::check(&written, read)?;
     let options = Options {
         cores: arguments.cores.map(|it| it.0),
         policy: arguments.policy.map(PolicyName::policy),

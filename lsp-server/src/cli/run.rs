@@ -11,7 +11,7 @@ mod text;
 
 use std::io::Write;
 
-use camino::Utf8PathBuf;
+use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, ValueEnum};
 use dotgen_analysis::model::Seconds;
 use dotgen_runtime::decide;
@@ -27,7 +27,7 @@ use num_rational::Ratio;
 
 use super::verify::told::Told;
 use super::verify::{Cores, PolicyName, SemanticsName, body, cores, interrupt, parsed, problems};
-use super::{Outcome, Reading, trace};
+use super::{Outcome, Reading, outputs, trace};
 use crate::verification::Problem;
 use crate::verification::timeline::Ending;
 use recorder::Recorder;
@@ -244,6 +244,16 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     }
     if arguments.trace.is_some() && all.len() > 1 {
         anyhow::bail!("`--trace` writes one file: run one scenario at a time");
+    }
+    let written = arguments.profile.iter().chain(&arguments.trace);
+    let written: Vec<&Utf8Path> = written.map(|it| it.as_path()).collect();
+    outputs::check(&written, all.iter().flat_map(|it| it.1.files()))?;
+    if let Some(path) = &arguments.trace
+        && !matches!(path.extension(), Some(PERFETTO | "json"))
+    {
+        anyhow::bail!(
+            "`--trace {path}`: name a FILE.{PERFETTO} for Perfetto, or a FILE.json for the trace viewer"
+        );
     }
     let mut answers = Vec::new();
     for (session, problem) in all {

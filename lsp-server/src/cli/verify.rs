@@ -26,7 +26,7 @@ use dotgen_timing::verify::{Cancel, Options, settings};
 use self::progress::Doing;
 use self::told::Told;
 use super::session::{self, Session, SourceFile, Trouble};
-use super::{Outcome, Reading, trace};
+use super::{Outcome, Reading, outputs, trace};
 use crate::files::vfs;
 use crate::verification::Problem;
 use crate::verification::first::{self, FirstAnswer};
@@ -226,6 +226,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let mut answers = Vec::new();
     let interrupt = interrupt::on_terminal();
     let (all, mut trouble) = problems(&arguments.files, &arguments.reading);
+    let written: Vec<&Utf8Path> = arguments.trace.iter().map(|it| it.as_path()).collect();
+    outputs::check(&written, all.iter().flat_map(|it| it.1.files()))?;
     for (session, problem) in all {
         if !problem.errors.is_empty() {
             Told::about(&session, &problem, problem.errors.clone())?.print()?;

@@ -37,6 +37,16 @@ pub struct Problem {
     pub errors: Vec<Diagnostic>,
 }
 
+impl Problem {
+    /// Every file that it was made from.
+    pub fn files(&self) -> impl Iterator<Item = &Utf8Path> {
+        let used = self.units.iter().flat_map(|it| &it.files);
+        std::iter::once(&self.path)
+            .chain(used)
+            .map(|it| it.as_path())
+    }
+}
+
 /// A file that a scenario uses.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Used {
