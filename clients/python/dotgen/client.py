@@ -6,7 +6,6 @@ import collections
 import json
 import os
 import pathlib
-import queue
 import socket
 import stat
 import tempfile
@@ -42,23 +41,53 @@ class Failed(Error):
 
 
 class _Exchange:
-    """A request and what came back."""
+    """A request and what came back. Many threads may look at it."""
 
     def __init__(self) -> None:
-        self.answers: queue.Queue[dict[str, Any] | None] = queue.Queue()
+        self._changed = threading.Condition()
+        self._answers: collections.deque[dict[str, Any]] = collections.deque()
+        self._over = False
+
+    def put(self, answer: dict[str, Any] | None) -> None:
+        """Something came; None: nothing comes any more."""
+        with self._changed:
+            if answer is None:
+                self._over = True
+            else:
+                if answer["event"] == "data" and len(self._answers) > _BEHIND:
+                    self._answers.popleft()
+                self._answers.append(answer)
+            self._changed.notify_all()
 
     def next(self, timeout: float | None = None) -> dict[str, Any]:
-        try:
-            answer = self.answers.get(timeout=timeout)
-        except queue.Empty:
-            raise TimeoutError("nothing came in time") from None
-        if answer is None:
-            # Whoever asks again is told again.
-            self.answers.put(None)
-            raise Lost("the run has ended")
+        """Takes what came first."""
+        with self._changed:
+            self._await(lambda: self._answers, timeout)
+            answer = self._answers.popleft()
         if answer["event"] == "error":
             raise Wrong(answer["message"])
         return answer
+
+    def find(self, events: tuple[str, ...], timeout: float | None = None) -> dict[str, Any]:
+        """The first answer of some kinds; it stays for whoever asks again."""
+        with self._changed:
+            self._await(lambda: self.seen(*events, "error") is not None, timeout)
+            answer = self.seen(*events, "error")
+        assert answer is not None
+        if answer["event"] == "error":
+            raise Wrong(answer["message"])
+        return answer
+
+    def seen(self, *events: str) -> dict[str, Any] | None:
+        """Likewise, if it has come already."""
+        with self._changed:
+            return next((it for it in self._answers if it["event"] in events), None)
+
+    def _await(self, there: Callable[[], object], timeout: float | None) -> None:
+        if not self._changed.wait_for(lambda: there() or self._over, timeout):
+            raise TimeoutError("nothing came in time")
+        if not there():
+            raise Lost("the run has ended")
 
 
 class Activity:
@@ -68,35 +97,20 @@ class Activity:
         self._connection = connection
         self._number = number
         self._exchange = exchange
-        self._end: dict[str, Any] | None = None
-        self._accepted = False
-        self._lock = threading.Lock()
-
-    def _take(self, timeout: float | None) -> None:
-        answer = self._exchange.next(timeout)
-        if answer["event"] == "accepted":
-            self._accepted = True
-        elif answer["event"] in ("done", "failed"):
-            self._end = answer
-            self._connection._forget(self._number)
 
     def wait(self, timeout: float | None = None) -> Any:
         """Waits for the end and returns the outputs: a value if there is one, else a dictionary."""
-        with self._lock:
-            while self._end is None:
-                self._take(timeout)
-            if self._end["event"] == "failed":
-                raise Failed(self._end["exception"], self._end.get("detail"))
-            return _outputs(self._end["output"])
+        end = self._exchange.find(("done", "failed"), timeout)
+        self._connection._forget(self._number)
+        if end["event"] == "failed":
+            raise Failed(end["exception"], end.get("detail"))
+        return _outputs(end["output"])
 
     def accepted(self, timeout: float | None = None) -> Activity:
         """Waits until it is accepted; raises Failed if it is not."""
-        with self._lock:
-            while not self._accepted and self._end is None:
-                self._take(timeout)
-            end = self._end
-        if end is not None and end["event"] == "failed" and not self._accepted:
-            raise Failed(end["exception"], end.get("detail"))
+        first = self._exchange.find(("accepted", "done", "failed"), timeout)
+        if first["event"] == "failed":
+            raise Failed(first["exception"], first.get("detail"))
         return self
 
     def abort(self) -> None:
@@ -107,15 +121,10 @@ class Activity:
     @property
     def status(self) -> str:
         """sent, running, done or failed."""
-        with self._lock:
-            while self._end is None:
-                try:
-                    self._take(0.001)
-                except TimeoutError:
-                    break
-            if self._end is not None:
-                return str(self._end["event"])
-            return "running" if self._accepted else "sent"
+        end = self._exchange.seen("done", "failed")
+        if end is not None:
+            return str(end["event"])
+        return "running" if self._exchange.seen("accepted") else "sent"
 
 
 def _outputs(it: Any) -> Any:
@@ -218,19 +227,22 @@ class Connection:
                     with self._lock:
                         exchange = self._exchanges.get(answer.get("id"))
                     if exchange is not None:
-                        if answer["event"] == "data" and exchange.answers.qsize() > _BEHIND:
-                            exchange.answers.get()
-                        exchange.answers.put(answer)
+                        exchange.put(answer)
         except (OSError, ValueError):
             pass
         with self._lock:
             self._ended = True
             exchanges = list(self._exchanges.values())
         for exchange in exchanges:
-            exchange.answers.put(None)
+            exchange.put(None)
 
     def _send(self, request: dict[str, Any]) -> tuple[int, _Exchange]:
         exchange = _Exchange()
+        try:
+            # NaN and infinity are no JSON.
+            words = json.dumps(request, allow_nan=False)
+        except (TypeError, ValueError) as error:
+            raise Wrong(f"this cannot be sent: {error}") from None
         with self._lock:
             if self._ended:
                 raise Lost("the run has ended")
@@ -238,7 +250,7 @@ class Connection:
             number = self._next
             self._exchanges[number] = exchange
             try:
-                self._socket.sendall(json.dumps({"id": number, **request}).encode() + b"\n")
+                self._socket.sendall(f'{{"id": {number}, {words[1:]}\n'.encode())
             except OSError:
                 raise Lost("the run has ended") from None
         return number, exchange

@@ -140,11 +140,14 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         "" => display(&problem.path),
         name => name.to_owned(),
     };
+    let nothing = reports.iter().all(empty);
     match arguments.format {
+        // A table of nothing says less than the error.
+        Format::Text if nothing => {}
         Format::Text => text::print(&title, &reports)?,
         Format::Json => print_json(&title, &reports)?,
     }
-    if reports.iter().all(empty) {
+    if nothing {
         bail!("the log has no line of a codel of {title}");
     }
     let deviates = reports.iter().any(|it| it.1.deviation_count > 0);

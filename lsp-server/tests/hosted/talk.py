@@ -1,6 +1,7 @@
 """Talks to the components of this folder, which run at a socket, and compares what it hears."""
 
 import sys
+import threading
 
 import dotgen
 
@@ -65,6 +66,21 @@ def main(path):
     assert endless.wait(10) == -1
     assert endless.status == "done"
 
+    # Whoever waits keeps nobody from aborting.
+    endless = echo.count(n=10**6, ack=True)
+
+    def wait() -> None:
+        try:
+            endless.wait(30)
+        except dotgen.Failed:
+            pass  # It had not begun yet.
+
+    waiting = threading.Thread(target=wait)
+    waiting.start()
+    endless.abort()
+    waiting.join(20)
+    assert not waiting.is_alive() and endless.status in ("done", "failed")
+
     last = next(it for it in reader.seen if it[0]["y"] == 3)
     assert [it["x"] for it in last] == [3.0, 2.0, 1.0]
     assert next(it for it in reader.sum if it == 31)
@@ -73,6 +89,7 @@ def main(path):
         lambda: echo.count(1, 2),
         lambda: echo.count(m=1),
         lambda: echo.count(n="many"),
+        lambda: echo.count(n=float("nan")),
         lambda: robot.load("nobody"),
     ):
         try:
