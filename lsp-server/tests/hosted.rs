@@ -221,6 +221,11 @@ fn values_cross_between_codels_ports_and_a_client_in_python() {
             (status(&counted), stdout(&counted).as_str()),
             (0, "{\"seen\":3}\n")
         );
+        if language == "c" {
+            let nonsense = call("count", "{\"n\": -1}");
+            assert_eq!(status(&nonsense), 1, "{}", stdout(&nonsense));
+            assert!(stderr(&nonsense).contains("::genom::bad_transition"));
+        }
         let failed = call("fail", "{\"code\": 2}");
         assert_eq!(status(&failed), 1);
         assert!(stderr(&failed).contains("::echo::e_bad {\"code\":2}"));

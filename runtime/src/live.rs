@@ -71,6 +71,8 @@ struct Running {
     /// Whether it runs in a host.
     real: bool,
     ran: Option<Ran>,
+    /// It has yielded what the model does not know.
+    undeclared: bool,
 }
 
 /// How long a codel may take on the virtual clock before its component counts as blocked.
@@ -223,6 +225,7 @@ impl<'p> Live<'p> {
             work,
             real,
             ran: None,
+            undeclared: false,
         });
         let (Some(codel), true) = (codel, real) else {
             return;
@@ -371,6 +374,9 @@ impl<'p> Live<'p> {
                 event: ran.name.clone(),
             });
             // As with an exception, servers end what has yielded something else.
+            if let Some(Some(running)) = self.running.get_mut(executor) {
+                running.undeclared = true;
+            }
             return Some(self.exceptional(&work, outcomes));
         };
         match outcomes.iter().position(|&it| it == wanted) {
@@ -451,7 +457,8 @@ impl<'p> Live<'p> {
             _ => outcome == 0,
         };
         let Some(ran) = running.ran else { return };
-        let failed = ran.how == How::Exception || !usual;
+        // A codel without `throws` has no exception in the model: its end stands for it.
+        let failed = ran.how == How::Exception || running.undeclared || !usual;
         if failed && let Some(it) = self.instance(work) {
             let name = match ran.how {
                 How::Exception => ran.name.clone(),

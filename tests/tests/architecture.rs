@@ -183,8 +183,9 @@ const CIRCLES: &[(&str, &str, &[&str])] = &[
     (
         "analysis",
         "ide::completion",
-        &["codel", "initializer", "statement"],
+        &["codel", "keywords", "statement"],
     ),
+    ("analysis", "ide::completion", &["initializer", "parameter"]),
     ("codegen", "", &["builtin", "command"]),
     ("codegen", "codels", &["allow", "command", "folder"]),
     ("codegen", "template", &["api", "closure"]),

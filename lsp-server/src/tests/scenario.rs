@@ -133,7 +133,7 @@ async fn completion_knows_the_place() {
         ),
         (
             "scenario a { use \"pump.gen\"; client c { $0",
-            "send await delay repeat choice",
+            "send await delay repeat choice abort kill connect",
         ),
         (
             "scenario a { use \"pump.gen\"; client c { again: send $0 } }",
@@ -141,7 +141,7 @@ async fn completion_knows_the_place() {
         ),
         (
             "scenario a { use \"pump.gen\"; client c { choice { } $0",
-            "or send await delay repeat choice",
+            "or send await delay repeat choice abort kill connect",
         ),
         (
             "scenario a { use \"pump.gen\"; client c { x: send pump.drain; } check always $0",

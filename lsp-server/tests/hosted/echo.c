@@ -52,6 +52,7 @@ genom_event
 do_count(int32_t n, int32_t *seen, const genom_context self)
 {
   (void)self;
+  if (n < 0) return "nonsense";
   return ++*seen < n ? echo_pause_start : echo_ether;
 }
 
