@@ -243,7 +243,10 @@ fn a_component_whose_codel_crashes_ends_alone() {
     }
     let directory = with_body("abort();");
     for clock in ["virtual", "real"] {
-        let more = ["--until", "500ms", "--clock", clock, "--socket", "s"];
+        let mut more = vec!["--until", "500ms", "--clock", clock];
+        if clock == "real" {
+            more.extend(["--socket", "s"]);
+        }
         let report = run_bad(&directory, &more);
         let lost = violation(&report, "lost");
         assert_eq!(lost["component"], "bad");
@@ -423,8 +426,11 @@ fn the_examples_run_with_their_stubs_on_both_clocks() {
         for clock in ["virtual", "real"] {
             let mut arguments = vec!["run"];
             arguments.extend(paths.iter().map(String::as_str));
-            let options = "--bounds none --format json --until 300ms --socket s --clock";
+            let options = "--bounds none --format json --until 300ms --clock";
             arguments.extend(options.split(' ').chain([clock]));
+            if clock == "real" {
+                arguments.extend(["--socket", "s"]);
+            }
             let output = directory.run(&arguments);
             let report = json_of(&output);
             assert!(
@@ -442,6 +448,33 @@ fn the_examples_run_with_their_stubs_on_both_clocks() {
         }
         assert_eq!(processes(&directory), Vec::<String>::new());
     }
+}
+
+#[test]
+fn whoever_watches_is_told_that_a_component_is_gone() {
+    if !compilers() {
+        return;
+    }
+    let directory = components("c");
+    let path = "echo/codels/echo.c";
+    let text = std::fs::read_to_string(directory.path().join(path)).expect("it is there");
+    let crash = "(void)self;\n  if (n == 13) __builtin_trap();\n";
+    let text = text.replace("if (n < 0) return", &format!("{crash}  if (n < 0) return"));
+    directory.write(path, text.as_bytes());
+    let options = "run echo/echo.gen reader/reader.gen --clock real --bounds none --socket s";
+    let arguments: Vec<&str> = options.split(' ').collect();
+    let run = Listening::start(&directory, &arguments);
+    let crashed = directory.run(&["call", "--socket", "s", "echo", "count", "{\"n\": 13}"]);
+    assert_eq!(status(&crashed), 1);
+    assert!(stderr(&crashed).contains("::dotgen::lost"));
+    let watched = directory.run(&["watch", "--socket", "s", "echo/each"]);
+    assert_eq!(status(&watched), 1, "{}", stdout(&watched));
+    assert!(
+        stderr(&watched).contains("`echo` was ended by signal"),
+        "{}",
+        stderr(&watched)
+    );
+    drop(run);
 }
 
 #[test]

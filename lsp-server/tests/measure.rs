@@ -269,6 +269,64 @@ fn what_comes_from_a_macro_is_left_to_people() {
 }
 
 #[test]
+fn comments_within_a_time_are_left_to_people() {
+    let directory = files();
+    let text = SPEC.replace("wcet 2 ms;", "wcet /* by hand */ 2 us;");
+    put(&directory, "cell.gen", &text);
+    let output = dotgen(&directory, &["wcet", "import", "run.out", "cell.gen"]);
+    assert_eq!(status(&output), 1, "{}", stderr(&output));
+    assert!(stdout(&output).contains("a comment stands within"));
+    assert!(
+        directory
+            .read("cell.gen")
+            .contains("wcet /* by hand */ 2 us;")
+    );
+
+    let text = SPEC.replace(
+        "component",
+        "#pragma wcet beat_main 2 us /* by hand */\ncomponent",
+    );
+    put(&directory, "cell.gen", &text.replace(" wcet 2 ms;", ";"));
+    let output = dotgen(&directory, &["wcet", "import", "run.out", "cell.gen"]);
+    assert!(
+        directory.read("cell.gen").contains("/* by hand */"),
+        "{}",
+        stdout(&output)
+    );
+
+    let files = files();
+    let text = SCENARIO.replace("[5,100] us;", "[5,100] /* a; b */ us;");
+    put(&files, "cell.scn", &text);
+    let arguments = [
+        "wcet",
+        "import",
+        "run.out",
+        "cell.scn",
+        "--as",
+        "sidecar",
+        "--replace",
+    ];
+    let output = dotgen(&files, &arguments);
+    assert_eq!(status(&output), 2, "{}", stdout(&output));
+    assert_eq!(files.read("cell.scn"), text);
+}
+
+#[test]
+fn a_log_without_runs_is_an_error() {
+    let directory = files();
+    put(&directory, "empty.out", "");
+    put(&directory, "garbage.out", "no\nlog\n");
+    for (log, why) in [
+        ("empty.out", "it is empty"),
+        ("garbage.out", "2 lines not of a log"),
+    ] {
+        let output = dotgen(&directory, &["wcet", "stats", log]);
+        assert_eq!(status(&output), 2, "{log}");
+        assert!(stderr(&output).contains(why), "{}", stderr(&output));
+    }
+}
+
+#[test]
 fn a_scenario_can_have_the_times() {
     let directory = files();
     import(&directory, &["run.out", "cell.scn", "--as", "sidecar"]);

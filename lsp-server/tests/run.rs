@@ -319,6 +319,7 @@ fn what_is_read_is_not_written() {
             "c.scn",
             "scenario s { use \"c.gen\"; check schedulable *; }\n",
         ),
+        ("codel.c", "int f;\n"),
     ]);
     let before = |name: &str| std::fs::read(directory.path().join(name)).expect("it is there");
     let (specification, scenario) = (before("c.gen"), before("c.scn"));
@@ -334,7 +335,10 @@ fn what_is_read_is_not_written() {
         ),
         (&["run", "c.scn", "--profile", "c.scn"], "would be lost"),
         (&["run", "c.scn", "--trace", "also.json"], "would be lost"),
-        (&["verify", "c.scn", "--trace", "c.scn"], "would be lost"),
+        (&["verify", "c.scn", "--trace", "c.scn"], "FILE.json"),
+        (&["run", "c.scn", "--profile", "codel.c"], "would be lost"),
+        (&["run", "c.scn", "--socket", "s"], "--clock real"),
+        (&["run", "c.scn", "--seed", "-1"], "invalid"),
         (
             &["run", "c.scn", "--profile", "x.json", "--trace", "./x.json"],
             "two contents",

@@ -40,6 +40,8 @@ pub struct Wanted {
 pub enum Refusal {
     /// The codel, or the time that it has, comes from a macro.
     Macro,
+    /// A comment stands within the time that it has.
+    Comment,
 }
 
 /// What is to be done to a text, and what cannot be.
@@ -141,6 +143,9 @@ fn function(
         if !old.split_whitespace().any(|it| it == name) {
             return Err(Refusal::Macro);
         }
+        if has_comment(&old) {
+            return Err(Refusal::Comment);
+        }
         let kept = old.trim_end().len();
         return Ok(vec![FileEdit {
             path,
@@ -177,6 +182,9 @@ fn function(
                 if !inside || range.end > it.range.end || !(word || bare) {
                     return Err(Refusal::Macro);
                 }
+                if has_comment(&old) {
+                    return Err(Refusal::Comment);
+                }
                 let word = if word { "wcet " } else { "" };
                 (range.clone(), format!("{word}{}", written(micros)))
             }
@@ -188,6 +196,11 @@ fn function(
         });
     }
     Ok(edits)
+}
+
+/// Whether something in a text may be a comment.
+fn has_comment(text: &str) -> bool {
+    text.contains("//") || text.contains("/*")
 }
 
 /// A pragma above a declaration; where that does not begin its line, at the end of the file, where it means
@@ -247,6 +260,8 @@ pub fn scenario(
         });
         match known.and_then(|(from, lower, unit)| Some((from, statement_end(from)?, lower, unit)))
         {
+            // A comment there, and all that follows its first semicolon, would be lost.
+            Some((from, end, ..)) if has_comment(text.get(from..end).unwrap_or_default()) => {}
             Some((from, end, lower, unit)) => {
                 let unit = unit.seconds();
                 let lower = unit * num_rational::Ratio::from_integer(i128::from(lower) * 1_000_000);

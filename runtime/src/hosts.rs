@@ -133,6 +133,9 @@ pub trait Hosts {
     /// Tells whoever wanted something what became of it.
     fn answer(&mut self, id: u64, answer: Answer);
 
+    /// Tells whoever watches that a component is gone, and how it ended.
+    fn gone(&mut self, component: usize, why: &str);
+
     /// Tells whoever watches that an output port has new data.
     fn published(&mut self, component: usize, port: u32, id: &str, data: &[u8]);
 }

@@ -328,6 +328,7 @@ impl<'p> Live<'p> {
         if !std::mem::replace(&mut self.alive[component], false) {
             return;
         }
+        self.hosts.gone(component, &why);
         let mut culprit = None;
         for it in self.running.iter_mut().flatten() {
             let codel = it.work.codel();

@@ -151,6 +151,8 @@ class Port:
                 answer = exchange.next()
                 if answer["event"] == "data":
                     yield answer["value"]
+                elif answer["event"] == "lost":
+                    raise Lost(answer["message"])
         finally:
             self._connection._forget(number)
 
@@ -225,8 +227,12 @@ class Connection:
                 for line in lines:
                     answer = json.loads(line)
                     with self._lock:
-                        exchange = self._exchanges.get(answer.get("id"))
-                    if exchange is not None:
+                        if answer.get("id") is None:
+                            # What was not understood may be any request.
+                            asked = list(self._exchanges.values())
+                        else:
+                            asked = [self._exchanges[it] for it in (answer["id"],) if it in self._exchanges]
+                    for exchange in asked:
                         exchange.put(answer)
         except (OSError, ValueError):
             pass

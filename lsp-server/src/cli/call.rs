@@ -39,7 +39,10 @@ pub(super) struct Call {
 
 /// Print what a component writes to an output port, one JSON value a line
 ///
-/// Ends with the run, or with Ctrl-C.
+/// Ends with the run, with its component, or with Ctrl-C.
+///
+/// Exit status: 0 when the run has ended or all values came, 1 when the component is gone, 2 if nothing could be
+/// watched.
 #[derive(Debug, Args)]
 pub(super) struct Watch {
     /// COMPONENT/PORT
@@ -123,8 +126,13 @@ pub(super) fn watch(arguments: &Watch) -> anyhow::Result<Outcome> {
     let mut left = arguments.count;
     while left != Some(0) {
         let Some(it) = talk.hear()? else { break };
-        if it["event"] != "data" {
-            continue;
+        match it["event"].as_str() {
+            Some("data") => {}
+            Some("lost") => {
+                told(it["message"].as_str().unwrap_or("the component is gone"));
+                return Ok(Outcome::Errors);
+            }
+            _ => continue,
         }
         let mut out = std::io::stdout();
         match it["instance"].as_str() {

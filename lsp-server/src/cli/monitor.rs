@@ -16,12 +16,13 @@ use dotgen_timing::remark::together;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::verify::{Interrupt, Options, SystemInput, prepare};
 
+use super::outputs::{self, Output, PERFETTO};
 use super::run::bounds;
 use super::session::{display, is_standard_input};
 use super::verify::told::Told;
 use super::verify::{Cores, PolicyName, SemanticsName, cores, interrupt, one_problem};
 use super::wcet::{PIECE, given, read_log};
-use super::{Outcome, Reading, outputs};
+use super::{Outcome, Reading};
 use crate::files::disk::Stream;
 
 /// How long to wait for more of a log that is followed.
@@ -93,7 +94,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let Some((session, problem)) = one_problem(&files.texts, &arguments.reading)? else {
         return Ok(Outcome::Unusable);
     };
-    let written: Vec<&Utf8Path> = arguments.trace.iter().map(|it| it.as_path()).collect();
+    let trace = arguments.trace.iter();
+    let written: Vec<Output<'_>> = trace
+        .map(|path| Output {
+            path,
+            endings: &[PERFETTO],
+        })
+        .collect();
     let read = problem
         .files()
         .chain(files.logs.iter().map(|it| it.as_path()));

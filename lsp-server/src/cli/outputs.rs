@@ -2,14 +2,29 @@
 
 use anyhow::bail;
 use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_codegen::codels::source::Grammar;
+
+/// Ending of the names of traces that Perfetto opens.
+pub(super) const PERFETTO: &str = "pftrace";
+
+/// Ending of the names of traces for the trace viewer.
+pub(super) const VIEWER: &str = "json";
+
+/// A file to be written.
+pub(super) struct Output<'f> {
+    pub(super) path: &'f Utf8Path,
+    /// What its name may end in; empty: in anything.
+    pub(super) endings: &'static [&'static str],
+}
 
 /// Looks at the files to be written, before anything is done.
 ///
 /// # Errors
 ///
-/// One of them is a directory, is among those that the command has `read`, or is given twice.
+/// One of them is a directory, has another ending, is among those that the command has `read`, is some other source
+/// that is there already, or is given twice.
 pub(super) fn check<'f>(
-    outputs: &[&Utf8Path],
+    outputs: &[Output<'_>],
     read: impl IntoIterator<Item = &'f Utf8Path>,
 ) -> anyhow::Result<()> {
     if outputs.is_empty() {
@@ -17,13 +32,21 @@ pub(super) fn check<'f>(
     }
     let read: Vec<Identity> = read.into_iter().map(Identity::of).collect();
     let mut before: Vec<Identity> = Vec::new();
-    for path in outputs {
+    for &Output { path, endings } in outputs {
         if path.is_dir() {
             bail!("`{path}` is a directory; name a file to be written");
         }
+        let fits = |it: &&str| path.extension() == Some(it);
+        if !endings.is_empty() && !endings.iter().any(fits) {
+            let names: Vec<String> = endings.iter().map(|it| format!("FILE.{it}")).collect();
+            bail!(
+                "`{path}` does not say what it is to be; name it {}",
+                names.join(" or ")
+            );
+        }
         let identity = Identity::of(path);
-        if read.contains(&identity) {
-            bail!("`{path}` is read by this command and would be lost; name another file");
+        if read.contains(&identity) || path.exists() && is_source(path) {
+            bail!("`{path}` is a source and would be lost; name another file");
         }
         if before.contains(&identity) {
             bail!("`{path}` is to get two contents; name two files");
@@ -31,6 +54,13 @@ pub(super) fn check<'f>(
         before.push(identity);
     }
     Ok(())
+}
+
+/// Whether a name is that of something that people write: codels and settings are not among the files that are read
+/// before a run.
+fn is_source(path: &Utf8Path) -> bool {
+    let other = matches!(path.extension(), Some("gen" | "idl" | "scn" | "toml"));
+    other || Grammar::of_path(path.as_str()).is_some()
 }
 
 /// What a path leads to, however it is spelled.

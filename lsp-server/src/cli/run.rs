@@ -11,7 +11,7 @@ mod text;
 
 use std::io::Write;
 
-use camino::{Utf8Path, Utf8PathBuf};
+use camino::Utf8PathBuf;
 use clap::{Args, ValueEnum};
 use dotgen_analysis::model::Seconds;
 use dotgen_runtime::decide;
@@ -25,9 +25,10 @@ use dotgen_timing::scn::names::Names;
 use dotgen_timing::verify::{Options, Prepared, SystemInput, prepare};
 use num_rational::Ratio;
 
+use super::outputs::{self, Output, PERFETTO, VIEWER};
 use super::verify::told::Told;
 use super::verify::{Cores, PolicyName, SemanticsName, body, cores, interrupt, parsed, problems};
-use super::{Outcome, Reading, outputs, trace};
+use super::{Outcome, Reading, trace};
 use crate::verification::Problem;
 use crate::verification::timeline::Ending;
 use recorder::Recorder;
@@ -59,7 +60,7 @@ pub(super) struct Arguments {
 
     /// How long to run: a number with a unit (us, ms, s, min, h) [default: 10s; on the real clock until
     /// Ctrl-C]
-    #[arg(long, value_name = "TIME", value_parser = time)]
+    #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true)]
     until: Option<Seconds>,
 
     /// What requests of the scenario's clients send: pump.fill={"height": 2}
@@ -75,7 +76,12 @@ pub(super) struct Arguments {
     runs: u64,
 
     /// What chance depends on
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 0,
+        allow_negative_numbers = true
+    )]
     seed: u64,
 
     /// How long codels take, within their intervals
@@ -176,9 +182,6 @@ enum Format {
     Json,
 }
 
-/// Ending of the names of traces that Perfetto opens.
-const PERFETTO: &str = "pftrace";
-
 /// A file, and how many of what are in it.
 type Written = (Utf8PathBuf, u64, Contents);
 
@@ -245,16 +248,17 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     if arguments.trace.is_some() && all.len() > 1 {
         anyhow::bail!("`--trace` writes one file: run one scenario at a time");
     }
-    let written = arguments.profile.iter().chain(&arguments.trace);
-    let written: Vec<&Utf8Path> = written.map(|it| it.as_path()).collect();
-    outputs::check(&written, all.iter().flat_map(|it| it.1.files()))?;
-    if let Some(path) = &arguments.trace
-        && !matches!(path.extension(), Some(PERFETTO | "json"))
-    {
+    if arguments.socket.is_some() && arguments.clock == Clock::Virtual {
         anyhow::bail!(
-            "`--trace {path}`: name a FILE.{PERFETTO} for Perfetto, or a FILE.json for the trace viewer"
+            "`--socket` is for `--clock real`: on the virtual clock nobody can ask in time"
         );
     }
+    let output = |path, endings| Output { path, endings };
+    let log = arguments.profile.iter().map(|it| output(it, &[]));
+    let trace = arguments.trace.iter();
+    let trace = trace.map(|it| output(it, &[PERFETTO, VIEWER]));
+    let written: Vec<Output<'_>> = log.chain(trace).collect();
+    outputs::check(&written, all.iter().flat_map(|it| it.1.files()))?;
     let mut answers = Vec::new();
     for (session, problem) in all {
         if !problem.errors.is_empty() {

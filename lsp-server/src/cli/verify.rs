@@ -25,8 +25,9 @@ use dotgen_timing::verify::{Cancel, Options, settings};
 
 use self::progress::Doing;
 use self::told::Told;
+use super::outputs::{self, Output, VIEWER};
 use super::session::{self, Session, SourceFile, Trouble};
-use super::{Outcome, Reading, outputs, trace};
+use super::{Outcome, Reading, trace};
 use crate::files::vfs;
 use crate::verification::Problem;
 use crate::verification::first::{self, FirstAnswer};
@@ -226,7 +227,13 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let mut answers = Vec::new();
     let interrupt = interrupt::on_terminal();
     let (all, mut trouble) = problems(&arguments.files, &arguments.reading);
-    let written: Vec<&Utf8Path> = arguments.trace.iter().map(|it| it.as_path()).collect();
+    let trace = arguments.trace.iter();
+    let written: Vec<Output<'_>> = trace
+        .map(|path| Output {
+            path,
+            endings: &[VIEWER],
+        })
+        .collect();
     outputs::check(&written, all.iter().flat_map(|it| it.1.files()))?;
     for (session, problem) in all {
         if !problem.errors.is_empty() {
@@ -286,14 +293,14 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             sensitivity,
         });
     }
-    if let Some(path) = &arguments.trace {
-        write_trace(path, &answers)?;
-    }
     if !answers.is_empty() {
         match arguments.format {
             Format::Text => text::print(&answers, arguments.explain)?,
             Format::Json => json::print(&answers)?,
         }
+    }
+    if let Some(path) = &arguments.trace {
+        write_trace(path, &answers)?;
     }
     Ok(
         trouble.outcome(if answers.iter().any(|it| it.report.refuted()) {

@@ -31,6 +31,8 @@ enum Arrival {
 pub(crate) trait Outside {
     /// What became of a request.
     fn answer(&mut self, id: u64, answer: Answer);
+    /// A component is gone, and how it ended.
+    fn gone(&mut self, component: usize, why: &str);
     /// An output port has new data.
     fn published(&mut self, component: usize, port: u32, id: &str, data: &[u8]);
 }
@@ -322,6 +324,12 @@ impl Hosts for Children {
     fn answer(&mut self, id: u64, answer: Answer) {
         if let Some(it) = &mut self.outside {
             it.answer(id, answer);
+        }
+    }
+
+    fn gone(&mut self, component: usize, why: &str) {
+        if let Some(it) = &mut self.outside {
+            it.gone(component, why);
         }
     }
 

@@ -3,10 +3,11 @@
 use std::collections::HashMap;
 use std::fs::Permissions;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::net::Shutdown;
 use std::os::unix::fs::PermissionsExt as _;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard};
 
 use dotgen_analysis::model::{Component, PortDir, ServiceKind, Spec, TypeId, TypeKind};
@@ -63,6 +64,8 @@ struct State {
     watchers: Vec<Watcher>,
     /// The newest data of output ports.
     data: HashMap<(usize, u32, String), Vec<u8>>,
+    /// Components that are gone, and how they ended.
+    gone: HashMap<usize, String>,
 }
 
 struct Asked {
@@ -85,13 +88,22 @@ struct Watcher {
 struct Client {
     number: u64,
     lines: SyncSender<String>,
+    stream: Arc<UnixStream>,
 }
 
 impl Client {
-    /// Whoever does not read is not waited for.
-    fn say(&self, mut it: Value, id: &Value) {
+    /// Answers. Whoever does not read is not waited for, but let go, as he would miss the answer.
+    fn say(&self, it: Value, id: &Value) {
+        if !self.offer(it, id) {
+            let _ = self.stream.shutdown(Shutdown::Both);
+        }
+    }
+
+    /// Tells something that may be missed. Whether there was room for it.
+    fn offer(&self, mut it: Value, id: &Value) -> bool {
         it["id"] = id.clone();
-        let _ = self.lines.try_send(format!("{it}\n"));
+        let sent = self.lines.try_send(format!("{it}\n"));
+        !matches!(sent, Err(TrySendError::Full(_)))
     }
 }
 
@@ -140,20 +152,23 @@ pub(crate) fn listen(
         for (stream, number) in listener.incoming().zip(0u64..) {
             let Ok(stream) = stream else { continue };
             let shared = accepting.clone();
-            std::thread::spawn(move || serve(&shared, &stream, number));
+            std::thread::spawn(move || serve(&shared, stream, number));
         }
     });
     Ok((server, Box::new(Teller { shared })))
 }
 
-fn serve(shared: &Shared, stream: &UnixStream, number: u64) {
-    let Ok(output) = stream.try_clone() else {
-        return;
-    };
+fn serve(shared: &Shared, stream: UnixStream, number: u64) {
+    let stream = Arc::new(stream);
     let (lines, queue) = sync_channel(BEHIND);
-    std::thread::spawn(move || write(output, &queue));
-    let client = Client { number, lines };
-    let mut input = BufReader::new(stream);
+    let output = stream.clone();
+    std::thread::spawn(move || write(&output, &queue));
+    let client = Client {
+        number,
+        lines,
+        stream: stream.clone(),
+    };
+    let mut input = BufReader::new(&*stream);
     let mut line = Vec::new();
     loop {
         line.clear();
@@ -182,7 +197,7 @@ fn serve(shared: &Shared, stream: &UnixStream, number: u64) {
     state.requests.retain(|_, it| it.client.number != number);
 }
 
-fn write(mut output: UnixStream, queue: &Receiver<String>) {
+fn write(mut output: &UnixStream, queue: &Receiver<String>) {
     for line in queue {
         if output.write_all(line.as_bytes()).is_err() {
             return;
@@ -203,7 +218,11 @@ fn answer(
     }
     if let Some(path) = text("watch") {
         let (component, port) = port(shared, path)?;
-        shared.state().watchers.push(Watcher {
+        let mut state = shared.state();
+        if let Some(why) = state.gone.get(&component) {
+            return Ok(Some(lost(&shared.known[component], why)));
+        }
+        state.watchers.push(Watcher {
             client: client.clone(),
             id: id.clone(),
             component,
@@ -244,6 +263,12 @@ fn answer(
         return Ok(Some(json!({"event": "description", "components": all})));
     }
     Err("a request has `call`, `abort`, `watch`, `read` or `describe`".to_owned())
+}
+
+/// What whoever watches a component is told when nothing comes from it any more.
+fn lost(known: &Known, why: &str) -> Value {
+    let name = &known.component().name;
+    json!({"event": "lost", "message": format!("`{name}` {why}")})
 }
 
 fn component(shared: &Shared, name: &str) -> Result<usize, String> {
@@ -406,6 +431,19 @@ impl Outside for Teller {
         }
     }
 
+    fn gone(&mut self, component: usize, why: &str) {
+        let mut state = self.shared.state();
+        state.gone.insert(component, why.to_owned());
+        let told = lost(&self.shared.known[component], why);
+        state.watchers.retain(|it| {
+            let stays = it.component != component;
+            if !stays {
+                it.client.say(told.clone(), &it.id);
+            }
+            stays
+        });
+    }
+
     fn published(&mut self, component: usize, port: u32, id: &str, data: &[u8]) {
         let mut state = self.shared.state();
         let known = &self.shared.known[component];
@@ -418,7 +456,7 @@ impl Outside for Teller {
                 value.unwrap_or(Value::Null)
             });
             let told = json!({"event": "data", "instance": id, "value": value});
-            it.client.say(told, &it.id);
+            it.client.offer(told, &it.id);
         }
         state
             .data

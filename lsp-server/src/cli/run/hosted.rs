@@ -16,7 +16,7 @@ use dotgen_timing::system::settings::Settings;
 use dotgen_timing::verify::Prepared;
 
 use crate::cli::codels::build;
-use crate::cli::report::{self, Format, Report};
+use crate::cli::report::{self, Report};
 use crate::cli::session::Session;
 use crate::features::codels::Disk;
 use crate::protocol::convert::{Encoding, Lines};
@@ -82,7 +82,8 @@ pub(super) fn build<'s>(
     }
     if failed {
         said.finish();
-        report::print(&said, Format::Text)?;
+        // On the error output: what comes of a run may be read by a program.
+        report::text::print_errors(&said.diagnostics, &said.texts)?;
         report::note("codels that do not compile cannot run; `--simulate all` does without them");
         return Ok(None);
     }

@@ -368,7 +368,8 @@ fn check_scenario(
     };
     ensure!(
         parsed.errors.is_empty() && times.iter().all(stands),
-        "the times cannot be written into `{}`; nothing was written",
+        "the times cannot be written into `{}`, for example because a comment stands within a `duration`; nothing was \
+         written: write them by hand",
         display(&problem.path)
     );
     Ok(())

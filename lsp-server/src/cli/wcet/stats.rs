@@ -1,7 +1,8 @@
 //! `dotgen wcet stats`
 
-use std::io::Write;
+use std::io::{IsTerminal, Write};
 
+use anyhow::bail;
 use camino::Utf8PathBuf;
 use clap::{Args, ValueEnum};
 use dotgen_analysis::terminal;
@@ -10,7 +11,7 @@ use dotgen_recording::statistics::{Collector, Group, Times, lines};
 use serde::Serialize;
 
 use super::read_log;
-use crate::cli::Outcome;
+use crate::cli::{Outcome, report};
 
 /// Print statistics of logs: times of execution, cycles, transitions
 ///
@@ -51,8 +52,23 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         collector.file_ended();
     }
     let groups = collector.groups_in_order();
+    if groups.is_empty() {
+        let why = told(&collector.left).join("; ");
+        let why = if why.is_empty() { "it is empty" } else { &why };
+        bail!("there is no run of a codel in what was read: {why}");
+    }
     let text = match arguments.format {
-        Format::Sum => lines(&groups),
+        Format::Sum => {
+            for it in told(&collector.left) {
+                report::note(&it);
+            }
+            let text = lines(&groups);
+            // Programs get the names as they are.
+            match std::io::stdout().is_terminal() {
+                true => terminal::text(&text).into_owned(),
+                false => text,
+            }
+        }
         Format::Json => {
             let document = Document {
                 format: 1,

@@ -180,7 +180,8 @@ impl Builder<'_> {
         let mut found: Vec<(usize, &Path)> = Vec::new();
         for path in paths {
             let service = program::Resolve::service(self, path).ok();
-            if let Some(it) = service.filter(|&it| !can[it])
+            // What a client with an error would request is not known.
+            if let Some(it) = service.filter(|&it| requested[it] && !can[it])
                 && found.iter().all(|other| other.0 != it)
             {
                 found.push((it, path));

@@ -5,6 +5,7 @@ use std::io::Write;
 use clap::builder::styling::{AnsiColor, Style};
 use dotgen_analysis::model::Seconds;
 use dotgen_analysis::terminal;
+use dotgen_recording::edits::Refusal;
 use dotgen_recording::matching::Stray;
 use dotgen_recording::propose::{Decision, written};
 use num_rational::Ratio;
@@ -85,12 +86,14 @@ pub(super) fn print(answer: &Answer, only_shown: bool) -> anyhow::Result<()> {
     for it in told(&answer.left) {
         writeln!(out, "{TITLE}left out{TITLE:#}: {it}")?;
     }
-    for (function, _) in &answer.refused {
+    for (function, why) in &answer.refused {
+        let why = match why {
+            Refusal::Macro => "its declaration, or the time it has, comes from a macro",
+            Refusal::Comment => "a comment stands within the time it has",
+        };
         writeln!(
             out,
-            "{BAD}not written{BAD:#}: the time of {function}: its declaration, or the time it has, \
-             comes from a macro; \
-             write it there by hand"
+            "{BAD}not written{BAD:#}: the time of {function}: {why}; write it there by hand"
         )?;
     }
     for path in answer.changed.keys() {
@@ -171,13 +174,15 @@ pub(super) fn print_json(answer: &Answer) -> anyhow::Result<()> {
             "runs": runs,
         })
     });
+    let refused = answer.refused.iter();
+    let refused = refused.map(|(function, why)| json!({ "function": function, "why": why }));
     let document = json!({
         "format": 1,
         "codels": codels.collect::<Vec<Value>>(),
         "never-seen": never.map(|it| it.path.as_str()).collect::<Vec<_>>(),
         "unknown": strays.collect::<Vec<Value>>(),
         "left": answer.left,
-        "refused": answer.refused.iter().map(|it| it.0.as_str()).collect::<Vec<_>>(),
+        "refused": refused.collect::<Vec<Value>>(),
         "changed": answer.changed.keys().map(|it| display(it)).collect::<Vec<_>>(),
     });
     let text = serde_json::to_string_pretty(&document)? + "\n";
