@@ -1,13 +1,6 @@
 //! What is seen along runs is what verification says can be seen, on random systems of all that the servers
 //! do.
 
-use std::sync::Arc;
-
-use camino::Utf8Path;
-use dotgen_analysis::diagnostic::Severity;
-use dotgen_analysis::host::{
-    AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags, UnitResult,
-};
 use dotgen_runtime::decide::Durations;
 use dotgen_runtime::engine::End;
 use dotgen_runtime::judge::Verdict as Held;
@@ -17,66 +10,15 @@ use dotgen_timing::report::{Value, Verdict};
 use dotgen_timing::scn::parse;
 use dotgen_timing::verify::{Cancel, Options, Question, SystemInput, prepare, verify};
 
-#[allow(dead_code, reason = "shared with the tests of verification")]
-#[path = "../../timing/tests/agreement/servers/random.rs"]
-mod random;
+#[path = "support/random_systems.rs"]
+mod random_systems;
 
-/// What the random texts are made with.
-mod systems {
-    pub(crate) struct Dice(fastrand::Rng);
-
-    impl Dice {
-        pub(crate) fn new(seed: u64) -> Self {
-            Dice(fastrand::Rng::with_seed(seed))
-        }
-
-        pub(crate) fn below(&mut self, n: u32) -> u32 {
-            self.0.u32(..n)
-        }
-
-        pub(crate) fn in_ten(&mut self, n: u32) -> bool {
-            self.below(10) < n
-        }
-
-        pub(crate) fn pick<T: Copy>(&mut self, from: &[T]) -> T {
-            from[self.0.usize(..from.len())]
-        }
-    }
-}
-
-struct Nothing;
-
-impl Loader for Nothing {
-    fn read(&self, _: &Utf8Path) -> FileContent {
-        FileContent::Missing
-    }
-
-    fn packages(&self, _: &[String]) -> Result<PackageFlags, String> {
-        Ok(PackageFlags::default())
-    }
-}
-
-/// `None` if the specification has errors: machines are drawn at random.
-fn load(host: &AnalysisHost, text: &str) -> Option<UnitResult> {
-    let input = BatchInput {
-        inputs: vec![Input::Text {
-            name: "test.gen".into(),
-            text: text.into(),
-        }],
-        ..BatchInput::default()
-    };
-    let unit = host.analysis().batch(&input).expect("nobody cancels");
-    let mut errors = unit.diagnostics.iter();
-    let error = errors.any(|it| it.severity == Severity::Error);
-    (!error).then_some(unit)
-}
+use random_systems::{load, random, systems};
 
 /// How many checks were compared; `None` if the system is no legal one, or too large.
 fn compare(seed: u64) -> Option<usize> {
     let texts = random::texts(&mut systems::Dice::new(seed));
-    let host = AnalysisHost::new(Arc::new(Nothing));
-    let units = texts.specifications.iter().map(|it| load(&host, it));
-    let units: Vec<UnitResult> = units.collect::<Option<_>>()?;
+    let units = load(&texts.specifications)?;
     let input = SystemInput {
         specs: units.iter().map(|it| &*it.spec).collect(),
     };

@@ -1,13 +1,8 @@
 //! Recorded runs held to the model again: what was run deviates nowhere, and what is planted is found.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
-use camino::Utf8Path;
-use dotgen_analysis::diagnostic::Severity;
-use dotgen_analysis::host::{
-    AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags, UnitResult,
-};
+use dotgen_analysis::host::UnitResult;
 use dotgen_recording::log;
 use dotgen_recording::monitor::{Monitor, Report};
 use dotgen_runtime::decide::Durations;
@@ -20,44 +15,10 @@ use dotgen_timing::scn::{parse, parse_check};
 use dotgen_timing::system::Ticks;
 use dotgen_timing::verify::{Cancel, Options, Prepared, SystemInput, prepare, verify};
 
-#[allow(dead_code, reason = "shared with the tests of verification")]
-#[path = "../../timing/tests/agreement/servers/random.rs"]
-mod random;
+#[path = "support/random_systems.rs"]
+mod random_systems;
 
-/// What the random texts are made with.
-mod systems {
-    pub(crate) struct Dice(fastrand::Rng);
-
-    impl Dice {
-        pub(crate) fn new(seed: u64) -> Self {
-            Dice(fastrand::Rng::with_seed(seed))
-        }
-
-        pub(crate) fn below(&mut self, n: u32) -> u32 {
-            self.0.u32(..n)
-        }
-
-        pub(crate) fn in_ten(&mut self, n: u32) -> bool {
-            self.below(10) < n
-        }
-
-        pub(crate) fn pick<T: Copy>(&mut self, from: &[T]) -> T {
-            from[self.0.usize(..from.len())]
-        }
-    }
-}
-
-struct Nothing;
-
-impl Loader for Nothing {
-    fn read(&self, _: &Utf8Path) -> FileContent {
-        FileContent::Missing
-    }
-
-    fn packages(&self, _: &[String]) -> Result<PackageFlags, String> {
-        Ok(PackageFlags::default())
-    }
-}
+use random_systems::{load, random, systems};
 
 /// A scenario with its specifications.
 struct Recorder {
@@ -68,22 +29,8 @@ struct Recorder {
 impl Recorder {
     /// `None` if a specification has errors: machines are drawn at random.
     fn new(specifications: &[String], scenario: &str) -> Option<Recorder> {
-        let host = AnalysisHost::new(Arc::new(Nothing));
-        let load = |text: &String| {
-            let input = BatchInput {
-                inputs: vec![Input::Text {
-                    name: "test.gen".into(),
-                    text: text.as_str().into(),
-                }],
-                ..BatchInput::default()
-            };
-            let unit = host.analysis().batch(&input).expect("nobody cancels");
-            let mut errors = unit.diagnostics.iter();
-            let error = errors.any(|it| it.severity == Severity::Error);
-            (!error).then_some(unit)
-        };
         Some(Recorder {
-            units: specifications.iter().map(load).collect::<Option<_>>()?,
+            units: load(specifications)?,
             scenario: scenario.to_owned(),
         })
     }
