@@ -105,7 +105,13 @@ pub trait Processes: Send + Sync {
 
     /// What the system does not keep a confined program from.
     fn gaps(&self) -> Vec<Gap>;
+
+    /// Measures the space that folders take on the disk, each time it is called.
+    fn meter(&self, folders: Vec<PathBuf>) -> Meter;
 }
+
+/// The bytes that some folders take now.
+pub type Meter = Box<dyn Fn() -> u64 + Send>;
 
 /// A temporary folder.
 pub trait Folder: fmt::Debug + Send {

@@ -6,7 +6,7 @@
 //!   So no code has to run between `fork` and `exec`, where little is safe;
 //! - a program has a process group of its own, with all that it starts;
 //! - a helper ([`watcher`]) holds a pipe to this process and knows groups and temporary folders: when the
-//!   pipe breaks, it ends the ones and removes the others.
+//!   pipe breaks, it ends the ones and removes the others. It also finishes what writes several files.
 
 pub(crate) mod confine;
 pub(crate) mod folders;
@@ -22,9 +22,12 @@ use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, LazyLock, OnceLock};
 
 use dotgen_codegen::process::{
-    Channels, Folder, Gap, Group, Process, Processes, Program, Resources,
+    Channels, Folder, Gap, Group, Meter, Process, Processes, Program, Resources,
 };
 
+#[cfg(test)]
+pub(crate) use watcher::carry_out;
+pub(crate) use watcher::{Move, Watched};
 use watcher::Watcher;
 
 /// The subcommand.
@@ -78,6 +81,10 @@ impl Processes for System {
             None => vec![Gap::Files, Gap::Programs, Gap::Network, Gap::Resources],
         }
     }
+
+    fn meter(&self, folders: Vec<PathBuf>) -> Meter {
+        Box::new(move || folders.iter().map(|it| folders::size(it)).sum())
+    }
 }
 
 /// Runs a command whose input is empty and whose output is read; for short questions to tools.
@@ -99,6 +106,12 @@ pub(crate) fn ask(
     let mut process = run(command, Channels::Pipes)?;
     drop(process.child.stdin.take());
     Ok(process)
+}
+
+/// Has moves of files finished when this process is killed before it has done them all. The promise holds as
+/// long as the result lives; there is none where the helper cannot be started.
+pub(crate) fn finish(moves: &[Move]) -> Option<Watched> {
+    Watcher::get().map(|it| it.moves(moves))
 }
 
 /// The command that becomes a program.

@@ -425,6 +425,30 @@ fn a_confined_template_writes_below_the_current_folder() {
 }
 
 #[test]
+fn a_confined_template_that_fills_its_folder_is_stopped() {
+    if !tcl() {
+        return;
+    }
+    let flood = |size: usize| {
+        format!("while 1 {{ set f [file tempfile name]; puts $f [string repeat x {size}]; close $f }}\n")
+    };
+    let (large, empty) = (flood(1_000_000), flood(0));
+    let directory = project(&[
+        ("large/template.tcl", &large),
+        ("empty/template.tcl", &empty),
+    ]);
+    for template in ["large", "empty"] {
+        let output = generate(&directory, &["--confined", template]);
+        let text = stderr(&output);
+        assert!(
+            text.contains("the template has written more than it may"),
+            "{template}: {text}"
+        );
+        assert_eq!(status(&output), 1, "{template}");
+    }
+}
+
+#[test]
 fn texts_end_at_their_memory_and_stay_in_their_folders() {
     let double = "{% set ns = namespace(x='xxxxxxxxxxxxxxxx') %}{% for i in range(40) %}{% set ns.x = ns.x ~ ns.x %}{% endfor %}{{ ns.x }}";
     let rule = |path: &str, source: &str| {

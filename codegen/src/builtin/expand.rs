@@ -135,7 +135,7 @@ impl Remote {
         };
         let process = Arc::new(Mutex::new(process));
         let ended = Arc::default();
-        let watch = host::watch(limits, &process, &ended);
+        let watch = host::watch(limits, None, &process, &ended);
         let mut remote = Remote {
             process,
             to,

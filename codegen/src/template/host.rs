@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use crate::process::{Access, Channels, Process, Processes, Program, Resources};
+use crate::process::{Access, Channels, Meter, Process, Processes, Program, Resources};
 
 const PRELUDE: &str = include_str!("prelude.tcl");
 
@@ -88,6 +88,10 @@ pub fn find_tclsh() -> Result<PathBuf, String> {
 const RUNNING: u8 = 0;
 const TIMED_OUT: u8 = 1;
 const CANCELLED: u8 = 2;
+const TOO_LARGE: u8 = 3;
+
+/// How often it is asked whether a run is cancelled, and how much it has written.
+const STEP: Duration = Duration::from_millis(20);
 
 /// A running interpreter. Dropping it kills the process.
 pub(crate) struct Host {
@@ -111,6 +115,12 @@ impl Host {
         access: Option<Access>,
     ) -> Result<Host, String> {
         let tclsh = find_tclsh()?;
+        // Where a template writes files itself, the system limits each of them, not how many there are.
+        let folders = access.as_ref().map(|it| it.write.clone());
+        let space = (limits.output.zip(folders)).map(|(most, folders)| Space {
+            most,
+            used: processes.meter(folders),
+        });
         let mut process = processes
             .start(&Program {
                 path: tclsh.clone(),
@@ -143,7 +153,7 @@ impl Host {
             .map_err(|error| format!("cannot talk to tclsh: {error}"))?;
         let child = Arc::new(Mutex::new(process));
         let ended = Arc::new(AtomicU8::new(RUNNING));
-        let watch = watch(limits, &child, &ended);
+        let watch = watch(limits, space, &child, &ended);
         Ok(Host {
             child,
             to,
@@ -238,17 +248,25 @@ pub(crate) fn why_stopped(ended: &AtomicU8) -> Option<&'static str> {
     match ended.load(Ordering::Acquire) {
         TIMED_OUT => Some("stopped: the template took too long"),
         CANCELLED => Some("cancelled"),
+        TOO_LARGE => Some("stopped: the template has written more than it may"),
         _ => None,
     }
 }
 
-/// Kills the process when its time is over or the run is cancelled.
+/// What a process may write in its folders.
+pub(crate) struct Space {
+    most: u64,
+    used: Meter,
+}
+
+/// Kills the process when its time is over, the run is cancelled, or it has written too much.
 pub(crate) fn watch(
     limits: &Limits,
+    space: Option<Space>,
     child: &Arc<Mutex<Process>>,
     ended: &Arc<AtomicU8>,
 ) -> Option<mpsc::Sender<()>> {
-    if limits.time.is_none() && limits.cancel.is_none() {
+    if limits.time.is_none() && limits.cancel.is_none() && space.is_none() {
         return None;
     }
     let deadline = limits.time.map(|time| Instant::now() + time);
@@ -261,10 +279,9 @@ pub(crate) fn watch(
                 Some(deadline) => deadline.saturating_duration_since(Instant::now()),
                 None => Duration::MAX,
             };
-            let step = if cancel.is_some() {
-                step.min(Duration::from_millis(20))
-            } else {
-                step
+            let step = match cancel.is_some() || space.is_some() {
+                true => step.min(STEP),
+                false => step,
             };
             match stop.recv_timeout(step) {
                 Err(RecvTimeoutError::Timeout) => {}
@@ -275,6 +292,9 @@ pub(crate) fn watch(
             }
             if deadline.is_some_and(|deadline| Instant::now() >= deadline) {
                 break TIMED_OUT;
+            }
+            if space.as_ref().is_some_and(|it| (it.used)() > it.most) {
+                break TOO_LARGE;
             }
         };
         ended.store(reason, Ordering::Release);

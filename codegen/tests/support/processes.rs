@@ -1,11 +1,11 @@
 //! Starts programs for tests: nothing is confined, and only memory is limited.
 
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
 use dotgen_codegen::process::{
-    Channels, Folder, Gap, Group, Process, Processes, Program, Resources,
+    Channels, Folder, Gap, Group, Meter, Process, Processes, Program, Resources,
 };
 
 pub(crate) struct Plain;
@@ -51,6 +51,10 @@ impl Processes for Plain {
     fn gaps(&self) -> Vec<Gap> {
         Vec::new()
     }
+
+    fn meter(&self, _: Vec<PathBuf>) -> Meter {
+        Box::new(|| 0)
+    }
 }
 
 struct Alone;
@@ -62,7 +66,7 @@ impl Group for Alone {
 }
 
 #[derive(Debug)]
-struct Temporary(Option<tempfile::TempDir>, std::path::PathBuf);
+struct Temporary(Option<tempfile::TempDir>, PathBuf);
 
 impl Folder for Temporary {
     fn path(&self) -> &Path {

@@ -51,7 +51,7 @@ impl Disk for SystemDisk {
     }
 
     fn write(&self, files: &[NewContent]) -> Result<(), WriteError> {
-        write::write(files, &mut |_| Ok(()))
+        write::write(files, &mut write::Promised::default(), &mut |_| Ok(()))
     }
 
     #[cfg(unix)]

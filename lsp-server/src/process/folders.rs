@@ -12,6 +12,8 @@ use super::watcher::{Watched, Watcher};
 const PREFIX: &str = "dotgen-";
 /// Younger folders may not be locked yet.
 const YOUNG: Duration = Duration::from_secs(60);
+/// What a file takes at least on usual file systems, in bytes.
+const BLOCK: u64 = 4096;
 
 #[derive(Debug)]
 struct Temporary {
@@ -56,6 +58,17 @@ pub(super) fn create(parent: Option<&Path>) -> io::Result<Box<dyn Folder>> {
         path,
         watched,
     }))
+}
+
+/// The space that a folder takes, in bytes. Every entry counts as a block at least, so that a flood of empty files
+/// counts too.
+pub(super) fn size(folder: &Path) -> u64 {
+    let entries = walkdir::WalkDir::new(folder).into_iter().flatten();
+    let space = |it: walkdir::DirEntry| {
+        let length = it.metadata().map_or(0, |it| it.len());
+        length.next_multiple_of(BLOCK).max(BLOCK)
+    };
+    entries.map(space).sum()
 }
 
 /// Removes what processes have left that were killed together with their helpers.

@@ -1,7 +1,8 @@
 //! The helper that cleans up after a process that was killed: `dotgen confined watch`.
 //!
 //! It reads, from a pipe that only its process holds, which process groups and temporary folders there
-//! are. When the pipe breaks, that process is gone, however it ended.
+//! are, and which files are about to take the place of others. When the pipe breaks, that process is
+//! gone, however it ended.
 
 use std::ffi::OsStr;
 use std::io::{Read, Write};
@@ -21,7 +22,16 @@ pub(super) struct Watcher {
 
 /// What the helper knows of. Dropped when there is nothing left to clean up.
 #[derive(Debug)]
-pub(super) struct Watched(Vec<u8>);
+pub(crate) struct Watched(Vec<u8>);
+
+/// One of several changes of files that belong together.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Move {
+    /// The file.
+    pub(crate) from: PathBuf,
+    /// Whose place it takes; `None` when it is removed.
+    pub(crate) to: Option<PathBuf>,
+}
 
 impl Watcher {
     /// The helper; started when it is first wanted. `None` where it cannot be.
@@ -51,6 +61,11 @@ impl Watcher {
         let mut item = b"f".to_vec();
         item.extend_from_slice(path.as_os_str().as_encoded_bytes());
         self.tell(item)
+    }
+
+    /// Files to be moved, all of them. The helper does what is not done yet.
+    pub(super) fn moves(&self, moves: &[Move]) -> Watched {
+        self.tell(packed(moves))
     }
 
     fn tell(&self, item: Vec<u8>) -> Watched {
@@ -90,8 +105,10 @@ pub(super) fn serve(mut pipe: impl Read) {
         }
     }
     for item in &items {
-        if let Some((b'g', id)) = item.split_first() {
-            end_group(id);
+        match item.split_first() {
+            Some((b'g', id)) => end_group(id),
+            Some((b'm', moves)) => carry_out(&unpacked(moves)),
+            _ => {}
         }
     }
     // Folders last: nobody writes in them any more.
@@ -100,6 +117,50 @@ pub(super) fn serve(mut pipe: impl Read) {
             let _ = std::fs::remove_dir_all(path_of(path));
         }
     }
+}
+
+/// Does those moves that are not done yet.
+pub(crate) fn carry_out(moves: &[Move]) {
+    for it in moves {
+        // Fails for what the process has done itself.
+        let _ = match &it.to {
+            Some(to) => std::fs::rename(&it.from, to),
+            None => std::fs::remove_file(&it.from),
+        };
+    }
+}
+
+/// All moves as one item: a message that is cut off is none, so it is all of them or nothing. Each path is
+/// preceded by its length and a colon; no path stands for a removal.
+fn packed(moves: &[Move]) -> Vec<u8> {
+    let mut item = b"m".to_vec();
+    for it in moves {
+        for path in [Some(&it.from), it.to.as_ref()] {
+            let path = path.map_or(&b""[..], |it| it.as_os_str().as_encoded_bytes());
+            item.extend(format!("{}:", path.len()).into_bytes());
+            item.extend_from_slice(path);
+        }
+    }
+    item
+}
+
+fn unpacked(mut bytes: &[u8]) -> Vec<Move> {
+    let mut paths = Vec::new();
+    while let Some((path, rest)) = first_path(bytes) {
+        paths.push(path);
+        bytes = rest;
+    }
+    let one = |pair: &[&[u8]]| Move {
+        from: path_of(pair[0]),
+        to: (!pair[1].is_empty()).then(|| path_of(pair[1])),
+    };
+    paths.chunks_exact(2).map(one).collect()
+}
+
+fn first_path(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
+    let colon = bytes.iter().position(|it| *it == b':')?;
+    let length = str::from_utf8(&bytes[..colon]).ok()?.parse().ok()?;
+    bytes[colon + 1..].split_at_checked(length)
 }
 
 fn end_group(id: &[u8]) {
@@ -128,6 +189,36 @@ fn path_of(bytes: &[u8]) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn moves_that_were_told_whole_are_done() {
+        let directory = tempfile::tempdir().expect("a directory");
+        let make = |name: &str| {
+            let path = directory.path().join(name);
+            std::fs::write(&path, name).expect("a file");
+            path
+        };
+        // A newline and a colon are letters of a name.
+        let names = ["new:1", "new\n2", "new3"];
+        let moves = names.map(|name| Move {
+            from: make(name),
+            to: Some(directory.path().join(name.replace("new", "file"))),
+        });
+        let second = Move {
+            from: make("second"),
+            to: None,
+        };
+        let whole = packed(&[moves[0].clone(), moves[1].clone(), second]);
+        let mut told = [b"+", &*whole, b"\0+", &packed(&moves[2..]), b"\0"].concat();
+        told.pop();
+        serve(&*told);
+        let content = |name: &str| std::fs::read_to_string(directory.path().join(name)).ok();
+        let text = |it: &str| Some(it.to_owned());
+        assert_eq!(
+            ["file:1", "file\n2", "second", "file3", "new3"].map(content),
+            [text("new:1"), text("new\n2"), None, None, text("new3")]
+        );
+    }
 
     #[test]
     fn what_is_left_is_removed() {

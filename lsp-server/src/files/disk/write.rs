@@ -1,8 +1,9 @@
 //! Writing files of users: each is whole at any moment, and of several all are changed or none.
 //!
 //! New content goes into temporary files beside the old ones; when all of it is on the disk, they are renamed
-//! over the old ones. What was changed is put back when a rename fails in the middle. A temporary file is locked
-//! as long as its writer lives, so the next writer knows which are left over from one that was killed.
+//! over the old ones. What was changed is put back when a rename fails in the middle. Of several files the helper
+//! of this process knows the renames, and does those that a kill has kept this process from. A temporary file is
+//! locked as long as its writer lives, so the next writer knows which are left over from one that was killed.
 
 #[cfg(test)]
 mod tests;
@@ -12,6 +13,8 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use dotgen_codegen::disk::{NewContent, WriteError};
+
+use crate::process::{self, Move, Watched};
 
 /// What the names of temporary files begin with: those with new content, and second names of old files.
 const NEW: &str = ".dotgen-new-";
@@ -48,24 +51,61 @@ pub(super) enum Step {
 /// Called before each step; an error makes the step fail.
 pub(super) type Hook<'a> = &'a mut dyn FnMut(Step) -> io::Result<()>;
 
+/// Whoever does the rest of moves that belong together when this process is killed.
+pub(super) trait Finisher {
+    /// From now on it is these moves, in place of those before.
+    fn promise(&mut self, moves: Vec<Move>);
+}
+
+/// The helper of this process.
+#[derive(Default)]
+pub(super) struct Promised(Option<Watched>);
+
+impl Finisher for Promised {
+    fn promise(&mut self, moves: Vec<Move>) {
+        // The new promise is made before the old one is taken back.
+        self.0 = match moves.is_empty() {
+            true => None,
+            false => process::finish(&moves),
+        };
+    }
+}
+
 /// See `Disk::write`.
-pub(super) fn write(files: &[NewContent], hook: Hook<'_>) -> Result<(), WriteError> {
+pub(super) fn write(
+    files: &[NewContent],
+    finisher: &mut dyn Finisher,
+    hook: Hook<'_>,
+) -> Result<(), WriteError> {
     let mut batch = Batch::default();
     let done = batch
         .stage_all(files, hook)
-        .and_then(|()| batch.replace_all(hook));
-    match done {
+        .and_then(|()| batch.remember_all(hook));
+    let done = done.and_then(|()| {
+        if files.len() > 1 {
+            finisher.promise(batch.moves());
+        }
+        batch.replace_all(hook)
+    });
+    let done = match done {
         Ok(()) => {
             batch.finish(hook);
             Ok(())
         }
-        Err((at, reason)) => Err(WriteError {
-            path: files.get(at).map(|it| it.path.clone()).unwrap_or_default(),
-            reason,
-            changed: batch.put_back(hook),
-            of: files.len(),
-        }),
-    }
+        Err((at, reason)) => {
+            if files.len() > 1 {
+                finisher.promise(batch.moves_back());
+            }
+            Err(WriteError {
+                path: files.get(at).map(|it| it.path.clone()).unwrap_or_default(),
+                reason,
+                changed: batch.put_back(hook),
+                of: files.len(),
+            })
+        }
+    };
+    finisher.promise(Vec::new());
+    done
 }
 
 /// Index of the file that cannot be written, and why.
@@ -183,13 +223,53 @@ impl Batch {
         Ok(())
     }
 
-    fn replace_all(&mut self, hook: Hook<'_>) -> Result<(), Failed> {
+    /// Old files get second names where several files are changed.
+    fn remember_all(&mut self, hook: Hook<'_>) -> Result<(), Failed> {
         let several = self.files.len() > 1;
         for (at, file) in self.files.iter_mut().enumerate() {
             if let (true, Some(old), Content::File(..)) = (several, &mut file.old, &file.content) {
                 old.remember(&file.target, hook).map_err(|it| (at, it))?;
             }
         }
+        Ok(())
+    }
+
+    /// What puts every file in its place, and takes the second names away.
+    fn moves(&self) -> Vec<Move> {
+        let staged = self.files.iter().filter_map(|file| match &file.content {
+            Content::File(temporary, _) => Some(Move {
+                from: absolute(temporary),
+                to: Some(absolute(&file.target)),
+            }),
+            Content::Stream(_) => None,
+        });
+        let seconds = self.files.iter().filter_map(Staged::second);
+        staged.chain(seconds.map(removal)).collect()
+    }
+
+    /// What makes everything as it was.
+    fn moves_back(&self) -> Vec<Move> {
+        let mut moves = Vec::new();
+        for file in &self.files {
+            match (file.replaced, file.second(), &file.content) {
+                (true, Some(second), _) => moves.push(Move {
+                    from: absolute(second),
+                    to: Some(absolute(&file.target)),
+                }),
+                (true, None, Content::File(..)) if file.old.is_none() => {
+                    moves.push(removal(&file.target));
+                }
+                (false, second, Content::File(temporary, _)) => {
+                    moves.push(removal(temporary));
+                    moves.extend(second.map(removal));
+                }
+                _ => {}
+            }
+        }
+        moves
+    }
+
+    fn replace_all(&mut self, hook: Hook<'_>) -> Result<(), Failed> {
         // What cannot be put back comes last.
         for stream in [false, true] {
             for (at, file) in self.files.iter_mut().enumerate() {
@@ -203,10 +283,8 @@ impl Batch {
 
     /// All is in place: removes second names, and brings the renames to the disk.
     fn finish(self, hook: Hook<'_>) {
-        for old in self.files.iter().filter_map(|it| it.old.as_ref()) {
-            if let Some(second) = &old.second
-                && hook(Step::Forget).is_ok()
-            {
+        for second in self.files.iter().filter_map(Staged::second) {
+            if hook(Step::Forget).is_ok() {
                 let _ = std::fs::remove_file(second);
             }
         }
@@ -220,7 +298,7 @@ impl Batch {
     fn put_back(self, hook: Hook<'_>) -> Vec<(PathBuf, io::Error)> {
         let mut stuck = Vec::new();
         for file in self.files.iter().rev() {
-            let second = file.old.as_ref().and_then(|it| it.second.as_ref());
+            let second = file.second();
             if file.replaced {
                 let undone = hook(Step::PutBack).and_then(|()| match (&file.old, second) {
                     (Some(_), Some(second)) => std::fs::rename(second, &file.target),
@@ -252,6 +330,11 @@ impl Batch {
 }
 
 impl Staged {
+    /// The second name of the old file.
+    fn second(&self) -> Option<&PathBuf> {
+        self.old.as_ref().and_then(|it| it.second.as_ref())
+    }
+
     fn replace(&mut self, hook: Hook<'_>) -> io::Result<()> {
         hook(Step::Replace)?;
         match &self.content {
@@ -312,6 +395,18 @@ fn followed(path: &Path) -> io::Result<PathBuf> {
         }
     }
     Err(io::Error::other("too many links that lead to links"))
+}
+
+/// The helper works in another folder.
+fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+}
+
+fn removal(path: impl AsRef<Path>) -> Move {
+    Move {
+        from: absolute(path.as_ref()),
+        to: None,
+    }
 }
 
 fn directory_of(path: &Path) -> &Path {

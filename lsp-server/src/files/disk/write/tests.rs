@@ -53,10 +53,24 @@ fn map(files: &[(&str, &str)]) -> BTreeMap<String, String> {
         .collect()
 }
 
+/// What was promised last.
+#[derive(Default)]
+struct Kept(Vec<Move>);
+
+impl Finisher for Kept {
+    fn promise(&mut self, moves: Vec<Move>) {
+        self.0 = moves;
+    }
+}
+
+fn written(files: &[NewContent], hook: Hook<'_>) -> Result<(), WriteError> {
+    write(files, &mut Kept::default(), hook)
+}
+
 /// How many steps the writing of a fixture has.
 fn steps(fixture: &Fixture) -> Vec<Step> {
     let mut all = Vec::new();
-    let done = write(&fixture.files, &mut |step| {
+    let done = written(&fixture.files, &mut |step| {
         all.push(step);
         Ok(())
     });
@@ -83,7 +97,7 @@ fn a_step_that_fails_leaves_everything_as_it_was() {
     for fails in 0..count {
         let fixture = fixture();
         let (mut at, mut failed) = (0, None);
-        let done = write(&fixture.files, &mut |step| {
+        let done = written(&fixture.files, &mut |step| {
             at += 1;
             if at - 1 != fails {
                 return Ok(());
@@ -114,7 +128,7 @@ fn a_step_that_fails_leaves_everything_as_it_was() {
 fn what_cannot_be_put_back_is_named() {
     let fixture = fixture();
     let mut replaced = 0;
-    let done = write(&fixture.files, &mut |step| match step {
+    let done = written(&fixture.files, &mut |step| match step {
         Step::Replace if replaced == 1 => Err(ErrorKind::StorageFull.into()),
         Step::Replace => {
             replaced += 1;
@@ -134,19 +148,59 @@ fn what_cannot_be_put_back_is_named() {
 }
 
 /// A panic in the hook stands for the end of the process: nothing is cleaned up, and locks are given back.
-fn killed_at(fixture: &Fixture, step: usize) {
+/// Returns what was promised. Where a step is to fail, that one does.
+fn killed_at(fixture: &Fixture, step: usize, fails: Option<usize>) -> Vec<Move> {
     let mut at = 0;
+    let mut kept = Kept::default();
     let quiet = std::panic::take_hook();
     std::panic::set_hook(Box::new(|_| {}));
     let killed = catch_unwind(AssertUnwindSafe(|| {
-        write(&fixture.files, &mut |_| {
+        write(&fixture.files, &mut kept, &mut |_| {
             at += 1;
             assert!(at - 1 != step, "killed");
-            Ok(())
+            match Some(at - 1) == fails {
+                true => Err(ErrorKind::StorageFull.into()),
+                false => Ok(()),
+            }
         })
     }));
     std::panic::set_hook(quiet);
     assert!(killed.is_err());
+    kept.0
+}
+
+/// All of them, or none.
+#[test]
+fn after_a_kill_at_any_step_the_helper_finishes() {
+    let all = steps(&fixture());
+    let after = map(&[
+        ("a.c", "new a.c\n"),
+        ("b.c", "new b.c\n"),
+        ("sub/c.c", "new sub/c.c\n"),
+    ]);
+    let replaces = |to: usize| all[..to].iter().filter(|it| **it == Step::Replace).count();
+    for step in 0..all.len() {
+        let fixture = fixture();
+        process::carry_out(&killed_at(&fixture, step, None));
+        let (files, _) = contents(fixture.directory.path());
+        let expected = match all[step] == Step::Replace || replaces(step) > 0 {
+            true => &after,
+            false => &map(&BEFORE),
+        };
+        assert_eq!(&files, expected, "{step}: {:?}", all[step]);
+    }
+}
+
+/// What fails is undone, also when the process is killed while it does that.
+#[test]
+fn after_a_kill_while_files_are_put_back_the_helper_finishes() {
+    let all = steps(&fixture());
+    let last = all.iter().rposition(|it| *it == Step::Replace).unwrap();
+    for step in last + 1..last + 3 {
+        let fixture = fixture();
+        process::carry_out(&killed_at(&fixture, step, Some(last)));
+        assert_eq!(contents(fixture.directory.path()), (map(&BEFORE), 0), "{step}");
+    }
 }
 
 #[test]
@@ -155,7 +209,7 @@ fn files_are_whole_after_a_kill_at_any_step_and_the_next_write_cleans_up() {
     let mut seen = 0;
     for step in 0..count {
         let fixture = fixture();
-        killed_at(&fixture, step);
+        killed_at(&fixture, step, None);
         let (files, leftovers) = contents(fixture.directory.path());
         seen += leftovers;
         for (name, old) in BEFORE {
@@ -188,7 +242,7 @@ fn kill_9_at_any_step() {
                 mode: None,
             })
             .collect();
-        let _ = write(&files, &mut |_| {
+        let _ = written(&files, &mut |_| {
             if left == 0 {
                 let own = std::process::id().to_string();
                 let _ = std::process::Command::new("kill")
@@ -227,7 +281,7 @@ fn kill_9_at_any_step() {
 fn cleaned_up(fixture: &Fixture, step: usize) {
     let leftovers = || contents(fixture.directory.path()).1;
     for _ in 0..200 {
-        write(&fixture.files, &mut |_| Ok(())).unwrap();
+        written(&fixture.files, &mut |_| Ok(())).unwrap();
         if leftovers() == 0 {
             return;
         }
@@ -239,11 +293,11 @@ fn cleaned_up(fixture: &Fixture, step: usize) {
 fn files_of_a_writer_that_lives_are_not_cleaned_up() {
     let fixture = fixture();
     let mut inner = None;
-    let done = write(&fixture.files, &mut |step| {
+    let done = written(&fixture.files, &mut |step| {
         if step == Step::Sync && inner.is_none() {
             // Another writer in the same folder, in the middle of ours.
             inner = Some(contents(fixture.directory.path()).1);
-            write(&fixture.files[1..2], &mut |_| Ok(())).unwrap();
+            written(&fixture.files[1..2], &mut |_| Ok(())).unwrap();
             assert_eq!(Some(contents(fixture.directory.path()).1), inner);
         }
         Ok(())
@@ -274,7 +328,7 @@ fn mode_stays_links_are_followed_and_permissions_are_given() {
         new("dangling", Some(0o755)),
         new("b.c", Some(0o600)),
     ];
-    write(&files, &mut |_| Ok(())).unwrap();
+    written(&files, &mut |_| Ok(())).unwrap();
     assert_eq!(std::fs::read(at("a.c")).unwrap(), b"x");
     assert_eq!(
         (mode("a.c"), mode("nothing.c"), mode("b.c")),
@@ -282,7 +336,7 @@ fn mode_stays_links_are_followed_and_permissions_are_given() {
     );
     assert!(at("again").is_symlink() && at("dangling").is_symlink());
     symlink("loop", at("loop")).unwrap();
-    let error = write(&[new("loop", None)], &mut |_| Ok(()))
+    let error = written(&[new("loop", None)], &mut |_| Ok(()))
         .unwrap_err()
         .to_string();
     assert!(error.contains("too many links"), "{error}");
@@ -297,7 +351,7 @@ fn directories_in_the_way_are_told() {
         mode: None,
     };
     std::fs::create_dir(fixture.directory.path().join("d")).unwrap();
-    let refused = |name: &str| write(&[at(name)], &mut |_| Ok(())).unwrap_err().to_string();
+    let refused = |name: &str| written(&[at(name)], &mut |_| Ok(())).unwrap_err().to_string();
     assert!(
         refused("d").ends_with("d`: is a directory"),
         "{}",
