@@ -430,7 +430,8 @@ fn a_confined_template_that_fills_its_folder_is_stopped() {
         return;
     }
     let flood = |size: usize| {
-        format!("while 1 {{ set f [file tempfile name]; puts $f [string repeat x {size}]; close $f }}\n")
+        let text = format!("[string repeat x {size}]");
+        format!("while 1 {{ set f [open [dotgen template tmpdir]/[incr i] w]; puts -nonewline $f {text}; close $f }}\n")
     };
     let (large, empty) = (flood(1_000_000), flood(0));
     let directory = project(&[
@@ -444,7 +445,7 @@ fn a_confined_template_that_fills_its_folder_is_stopped() {
             text.contains("the template has written more than it may"),
             "{template}: {text}"
         );
-        assert_eq!(status(&output), 1, "{template}");
+        assert_eq!(status(&output), 2, "{template}");
     }
 }
 
