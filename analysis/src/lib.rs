@@ -16,6 +16,7 @@ pub mod markdown;
 pub mod model;
 pub mod model_json;
 pub mod parallel;
+pub mod progress;
 pub mod quantity;
 mod queries;
 pub mod release;

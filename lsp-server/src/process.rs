@@ -25,10 +25,10 @@ use dotgen_codegen::process::{
     Channels, Folder, Gap, Group, Meter, Process, Processes, Program, Resources,
 };
 
+use watcher::Watcher;
 #[cfg(test)]
 pub(crate) use watcher::carry_out;
 pub(crate) use watcher::{Move, Watched};
-use watcher::Watcher;
 
 /// The subcommand.
 const COMMAND: &str = "confined";

@@ -36,6 +36,7 @@ pub(crate) fn custom_methods(builder: LspServiceBuilder<Backend>) -> LspServiceB
         .custom_method("test/panic", Backend::test_panic)
         .custom_method("test/forever", Backend::test_forever)
         .custom_method("test/second", Backend::test_second)
+        .custom_method("test/everywhere", Backend::test_everywhere)
 }
 
 impl Backend {
@@ -72,6 +73,29 @@ impl Backend {
         }
         let uri = params.text_document.uri.clone();
         self.dispatch.document(uri, params, handle).await
+    }
+
+    /// Does a quarter of its work, and the rest when it is not cancelled: never.
+    async fn test_everywhere(&self, params: DocumentParams) -> Result<()> {
+        fn handle(
+            snapshot: &Snapshot,
+            subject: Option<&Subject>,
+            _: &DocumentParams,
+        ) -> Cancellable<()> {
+            snapshot.progress.expect(4);
+            snapshot.progress.step();
+            loop {
+                if let Some(subject) = subject {
+                    snapshot.analysis.line_index(&subject.path)?;
+                }
+                std::thread::yield_now();
+            }
+        }
+        let uri = params.text_document.uri.clone();
+        let uri = Some(uri);
+        self.dispatch
+            .everywhere("Testing", uri, params, handle)
+            .await
     }
 
     /// Works until it is cancelled as long as some document has its first version.

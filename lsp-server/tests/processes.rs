@@ -431,7 +431,9 @@ fn a_confined_template_that_fills_its_folder_is_stopped() {
     }
     let flood = |size: usize| {
         let text = format!("[string repeat x {size}]");
-        format!("while 1 {{ set f [open [dotgen template tmpdir]/[incr i] w]; puts -nonewline $f {text}; close $f }}\n")
+        format!(
+            "while 1 {{ set f [open [dotgen template tmpdir]/[incr i] w]; puts -nonewline $f {text}; close $f }}\n"
+        )
     };
     let (large, empty) = (flood(1_000_000), flood(0));
     let directory = project(&[

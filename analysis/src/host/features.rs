@@ -9,6 +9,7 @@ use super::{Analysis, Cancellable};
 use crate::{
     diagnostic::FileEdit,
     ide::{self, *},
+    progress::Progress,
     source_map::bytes,
 };
 
@@ -176,14 +177,16 @@ impl Analysis {
     }
 
     /// The edits that give what is under the cursor another name everywhere, or why it cannot have
-    /// that name.
+    /// that name. The parts of the work are the specifications that are looked through, and those that are
+    /// compiled with the new name.
     pub fn rename(
         &self,
         at: &FilePosition,
         new_name: &str,
+        progress: &Progress,
     ) -> Cancellable<Result<Vec<FileEdit>, RenameError>> {
         let found = self.in_file(&at.path, |view| {
-            ide::rename::rename(view, at.offset, new_name)
+            ide::rename::rename(view, at.offset, new_name, progress)
         })?;
         Ok(found.unwrap_or_else(|| Err(RenameError("The file cannot be read".to_owned()))))
     }

@@ -22,6 +22,7 @@ use super::{
     speculate::{Comparison, compare_some},
     view::place,
 };
+use crate::progress::Progress;
 use crate::{
     base::{Db, SourceFile, lexed, normalize},
     diagnostic::FileEdit,
@@ -102,6 +103,7 @@ pub(crate) fn rename(
     view: &FileView<'_>,
     at: usize,
     new_name: &str,
+    progress: &Progress,
 ) -> Result<Vec<FileEdit>, RenameError> {
     let old = prepare(view, at)?.info;
     check_name(new_name)?;
@@ -114,7 +116,7 @@ pub(crate) fn rename(
     let is_macro = targets.iter().any(|it| matches!(it, Target::Macro(..)));
     let places = match is_macro {
         true => macro_places(view, at, &old),
-        false => places_of(view, &targets, &old, new_name)?,
+        false => places_of(view, &targets, &old, new_name, progress)?,
     };
     let db = view.db;
     let mut edits = Vec::with_capacity(places.len());
@@ -140,7 +142,7 @@ pub(crate) fn rename(
         Target::Definition(id) => Some(view.elaborated().definition(*id).kind),
         _ => None,
     });
-    check_meaning(view, &edits, kind, &old, new_name)?;
+    check_meaning(view, &edits, kind, (&old, new_name), progress)?;
     Ok(edits)
 }
 
@@ -171,6 +173,7 @@ fn places_of(
     targets: &[Target],
     old: &str,
     new_name: &str,
+    progress: &Progress,
 ) -> Result<Places, RenameError> {
     let db = view.db;
     let mut identities: Vec<Identity> = Vec::new();
@@ -191,8 +194,11 @@ fn places_of(
             roots.extend(roots_of(db, it.file));
         }
         roots.retain(|it| seen.insert(*it));
+        progress.expect(roots.len());
         let found = parallel::over(db, &roots, |db, &root| {
-            mentions(db, unit_of_root(db, root), &fresh, old, roots.len())
+            let found = mentions(db, unit_of_root(db, root), &fresh, old, roots.len());
+            progress.step();
+            found
         });
         for (place, identity) in found.into_iter().flatten() {
             places.insert(place);
@@ -335,8 +341,8 @@ fn check_meaning(
     view: &FileView<'_>,
     edits: &[FileEdit],
     kind: Option<DefKind>,
-    old: &str,
-    new_name: &str,
+    (old, new_name): (&str, &str),
+    progress: &Progress,
 ) -> Result<(), RenameError> {
     let differs = |db: &dyn Db, it: &Comparison| {
         let taken = || clash::taken(db, it, kind, new_name);
@@ -360,7 +366,7 @@ fn check_meaning(
     let fresh = Fresh::new(view.db, edits, old, new_name);
     let here = view.unit.inputs(view.db);
     let tried = |db: &dyn Db, root| here.contains(&root) || !fresh.in_unit_of(db, root);
-    match compare_some(view.db, edits, tried, differs).first() {
+    match compare_some(view.db, edits, tried, differs, progress).first() {
         Some(why) => refuse(format!("`{old}` cannot be called `{new_name}`: {why}")),
         None => Ok(()),
     }

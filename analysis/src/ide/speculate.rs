@@ -11,6 +11,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::resolve::elaborated_of_many;
+use crate::progress::Progress;
 
 use crate::{
     base::{Db, RootDatabase, SourceFile},
@@ -58,7 +59,7 @@ pub(crate) fn compare<R: Send>(
     edits: &[FileEdit],
     differs: impl Fn(&dyn Db, &Comparison) -> Option<R> + Sync,
 ) -> Vec<R> {
-    compare_some(db, edits, |_, _| true, differs)
+    compare_some(db, edits, |_, _| true, differs, &Progress::default())
 }
 
 /// As [`compare`], for the units that are `tried`, by root.
@@ -67,6 +68,7 @@ pub(crate) fn compare_some<R: Send>(
     edits: &[FileEdit],
     tried: impl Fn(&dyn Db, SourceFile) -> bool + Sync,
     differs: impl Fn(&dyn Db, &Comparison) -> Option<R> + Sync,
+    progress: &Progress,
 ) -> Vec<R> {
     let mut by_file: FxHashMap<SourceFile, Vec<&FileEdit>> = FxHashMap::default();
     for it in edits {
@@ -81,6 +83,7 @@ pub(crate) fn compare_some<R: Send>(
     let mut roots: Vec<SourceFile> = roots.into_iter().flatten().collect();
     roots.sort_by_key(|it| it.path(db).clone());
     let batches: Vec<&[SourceFile]> = roots.chunks(BATCH).collect();
+    progress.expect(roots.len());
     let found = parallel::over(db, &batches, |db, batch| {
         let mut texts: FxHashMap<Utf8PathBuf, String> = FxHashMap::default();
         for file in batch
@@ -109,6 +112,7 @@ pub(crate) fn compare_some<R: Send>(
                 new_errors: new_errors(db, unit, &other, there),
             };
             found.extend(differs(db, &comparison));
+            progress.step();
         }
         found
     });

@@ -1,5 +1,6 @@
 //! Which files a unit visits, and what is said about those it cannot.
 
+use crate::progress::Progress;
 use crate::{
     host::{BatchInput, Change, Config, Input, PackageFlags},
     test_support::{Fixture, diagnostic_line},
@@ -333,14 +334,20 @@ fn names_are_found_and_changed_in_very_many_units() {
     let (analysis, at) = (fixture.analysis(), fixture.at());
     let found = analysis.references(&at, true).unwrap().unwrap();
     assert_eq!(found.len(), 41);
-    let edits = analysis.rename(&at, "renamed").unwrap().unwrap();
+    let edits = analysis
+        .rename(&at, "renamed", &Progress::default())
+        .unwrap()
+        .unwrap();
     let places: Vec<_> = edits.iter().map(|it| (&it.path, &it.range)).collect();
     let wanted: Vec<_> = found
         .iter()
         .map(|it| (&it.place.path, &it.place.range))
         .collect();
     assert_eq!(places, wanted);
-    let refused = analysis.rename(&at, "other").unwrap().unwrap_err();
+    let refused = analysis
+        .rename(&at, "other", &Progress::default())
+        .unwrap()
+        .unwrap_err();
     assert!(refused.0.contains("other"), "{refused}");
 }
 

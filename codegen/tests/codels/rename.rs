@@ -7,6 +7,7 @@ use std::sync::Arc;
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::{AnalysisHost, FileContent, Loader, PackageFlags};
 use dotgen_analysis::ide::FilePosition;
+use dotgen_analysis::progress::Progress;
 use dotgen_codegen::codels::edit::apply;
 use dotgen_codegen::codels::expected::Expected;
 use dotgen_codegen::codels::files::{Files, FilesConfig, Sources};
@@ -88,7 +89,10 @@ impl Before {
             path: self.root.clone(),
             offset,
         };
-        let edits = analysis.rename(&at, to).expect("not cancelled").ok()?;
+        let edits = analysis
+            .rename(&at, to, &Progress::default())
+            .expect("not cancelled")
+            .ok()?;
         let unit = analysis
             .edited_root_unit(&self.root, &edits)
             .expect("not cancelled");

@@ -1,9 +1,125 @@
 //! Work-done progress, for clients that show it.
 
-use crate::protocol::types::{Client, ProgressToken};
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Begins to show progress; `None` if the client cannot.
-pub(crate) async fn begin(client: &Client, wanted: bool, title: &str) -> Option<Progress> {
+use crate::protocol::types::{
+    Client, ProgressParams, ProgressParamsValue, ProgressToken, WorkDoneProgress,
+    WorkDoneProgressBegin, WorkDoneProgressEnd, WorkDoneProgressReport, notification,
+};
+
+/// What is shown as going on, and how it is stopped.
+#[derive(Clone)]
+pub(crate) struct Shown {
+    client: Client,
+    inner: Arc<Mutex<Inner>>,
+}
+
+#[derive(Default)]
+struct Inner {
+    next: u64,
+    /// What stops each, by its token.
+    stops: BTreeMap<String, Box<dyn Fn() + Send>>,
+}
+
+/// One that is shown. It is to be ended.
+pub(crate) struct Running {
+    shown: Shown,
+    name: String,
+}
+
+impl Shown {
+    pub(crate) fn new(client: Client) -> Shown {
+        Shown {
+            client,
+            inner: Arc::default(),
+        }
+    }
+
+    fn inner(&self) -> MutexGuard<'_, Inner> {
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Begins to show one that can be cancelled; `None` if the client refuses.
+    pub(crate) async fn begin(
+        &self,
+        title: &str,
+        stop: impl Fn() + Send + 'static,
+    ) -> Option<Running> {
+        let running = self.create().await?;
+        running.show(title, stop).await;
+        Some(running)
+    }
+
+    /// Asks the client to make one. It is not shown yet.
+    pub(crate) async fn create(&self) -> Option<Running> {
+        let name = {
+            let mut inner = self.inner();
+            inner.next += 1;
+            format!("dotgen/{}", inner.next)
+        };
+        let token = ProgressToken::String(name.clone());
+        self.client.create_work_done_progress(token).await.ok()?;
+        Some(Running {
+            shown: self.clone(),
+            name,
+        })
+    }
+
+    /// `window/workDoneProgress/cancel`
+    pub(crate) fn cancel(&self, token: &ProgressToken) {
+        if let ProgressToken::String(name) = token
+            && let Some(stop) = self.inner().stops.get(name)
+        {
+            stop();
+        }
+    }
+}
+
+impl Running {
+    /// Shows it.
+    pub(crate) async fn show(&self, title: &str, stop: impl Fn() + Send + 'static) {
+        let name = self.name.clone();
+        self.shown.inner().stops.insert(name, Box::new(stop));
+        let begin = WorkDoneProgressBegin {
+            title: title.to_owned(),
+            cancellable: Some(true),
+            ..WorkDoneProgressBegin::default()
+        };
+        self.tell(WorkDoneProgress::Begin(begin)).await;
+    }
+
+    /// Says how much is done, in percent.
+    pub(crate) async fn report(&self, percentage: u32) {
+        let report = WorkDoneProgressReport {
+            cancellable: Some(true),
+            percentage: Some(percentage),
+            ..WorkDoneProgressReport::default()
+        };
+        self.tell(WorkDoneProgress::Report(report)).await;
+    }
+
+    /// It is done, or it was stopped.
+    pub(crate) async fn end(self) {
+        self.shown.inner().stops.remove(&self.name);
+        let end = WorkDoneProgressEnd::default();
+        self.tell(WorkDoneProgress::End(end)).await;
+    }
+
+    async fn tell(&self, value: WorkDoneProgress) {
+        let params = ProgressParams {
+            token: ProgressToken::String(self.name.clone()),
+            value: ProgressParamsValue::WorkDone(value),
+        };
+        let client = &self.shown.client;
+        client
+            .send_notification::<notification::Progress>(params)
+            .await;
+    }
+}
+
+/// Begins to show something that cannot be cancelled; `None` if the client cannot show it.
+pub(crate) async fn begin(client: &Client, wanted: bool, title: &str) -> Option<Unstoppable> {
     if !wanted {
         return None;
     }
@@ -13,10 +129,10 @@ pub(crate) async fn begin(client: &Client, wanted: bool, title: &str) -> Option<
 }
 
 /// Ends it.
-pub(crate) async fn end(progress: Option<Progress>, message: String) {
+pub(crate) async fn end(progress: Option<Unstoppable>, message: String) {
     if let Some(progress) = progress {
         progress.finish_with_message(message).await;
     }
 }
 
-type Progress = tower_lsp::OngoingProgress<tower_lsp::Unbounded, tower_lsp::NotCancellable>;
+type Unstoppable = tower_lsp::OngoingProgress<tower_lsp::Unbounded, tower_lsp::NotCancellable>;

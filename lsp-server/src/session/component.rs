@@ -11,7 +11,12 @@ impl Backend {
         params: component::NewComponentParams,
     ) -> Result<Vec<component::InterfaceInfo>> {
         self.dispatch
-            .everywhere(None, params, component::interfaces)
+            .everywhere(
+                "Looking for interfaces",
+                None,
+                params,
+                component::interfaces,
+            )
             .await
     }
 

@@ -6,17 +6,20 @@
 //! - A client that cancels drops the future here; the guard then stops the work too.
 //! - A panic is an internal error of that request and of nothing else.
 
+use std::pin::{Pin, pin};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use dotgen_analysis::host::{Cancellable, CancellationToken, Cancelled};
-use tokio::sync::{Semaphore, oneshot};
+use dotgen_analysis::progress::Progress;
+use tokio::sync::{Notify, Semaphore, oneshot};
 
 use crate::features::language::Language;
 use crate::features::language_of;
 use crate::panic;
 use crate::protocol::outbox::Outbox;
+use crate::protocol::progress::Shown;
 use crate::protocol::types::{self, MessageType, Uri};
 use crate::session::post::Post;
 use crate::workspace::snapshot::{Snapshot, Subject};
@@ -24,6 +27,12 @@ use crate::workspace::snapshot::{Snapshot, Subject};
 /// How often a request is tried. At the start the list of files and the settings arrive in a row;
 /// whatever is changed elsewhere more often than that would make the client wait for nothing.
 const ATTEMPTS: u32 = 4;
+
+/// How often is looked how far an answer is.
+const TICK: Duration = Duration::from_millis(100);
+
+/// What takes longer, in ticks, is shown.
+const PATIENCE: u32 = 5;
 
 /// A request on its way to the writer.
 pub(crate) struct Read {
@@ -89,6 +98,21 @@ impl Drop for CancelOnDrop {
     }
 }
 
+/// What those who wait see of the work.
+#[derive(Default)]
+struct Seen {
+    progress: Arc<Progress>,
+    /// It is under way, and the client can show that.
+    wanted: AtomicBool,
+}
+
+impl Seen {
+    fn percent(&self) -> u32 {
+        let (done, known) = self.progress.parts();
+        u32::try_from(done * 100 / known.max(1)).unwrap_or(100)
+    }
+}
+
 enum Outcome<R> {
     Done(R),
     Unknown,
@@ -113,6 +137,7 @@ pub(crate) struct Dispatcher {
     background: Arc<Semaphore>,
     panic_shown: Arc<AtomicBool>,
     outbox: Outbox,
+    running: Shown,
 }
 
 impl Dispatcher {
@@ -121,6 +146,7 @@ impl Dispatcher {
             reads,
             background: Arc::new(Semaphore::new(2)),
             panic_shown: Arc::default(),
+            running: Shown::new(outbox.client().clone()),
             outbox,
         }
     }
@@ -128,6 +154,11 @@ impl Dispatcher {
     /// The client, for conversations of a command.
     pub(crate) fn client(&self) -> &types::Client {
         self.outbox.client()
+    }
+
+    /// What the client is shown as going on.
+    pub(crate) fn running(&self) -> &Shown {
+        &self.running
     }
 
     /// Messages in order.
@@ -168,7 +199,8 @@ impl Dispatcher {
             }
             _ => Ok(R::default()),
         };
-        self.run(Some(uri), About::default(), params, work).await
+        self.run(Some(uri), About::default(), params, Arc::default(), work)
+            .await
     }
 
     /// A request that the language of the document answers.
@@ -189,13 +221,16 @@ impl Dispatcher {
             }
             None => Ok(R::default()),
         };
-        self.run(Some(uri), About::default(), params, work).await
+        self.run(Some(uri), About::default(), params, Arc::default(), work)
+            .await
     }
 
     /// A request whose answer is wrong when a part of the workspace is not known yet: an edit of every place. It waits
-    /// until all files are listed, which the client is shown as progress.
+    /// until all files are listed, which the client is shown as progress. When the answer takes long, so is that, by
+    /// its title, and the user may stop it.
     pub(crate) async fn everywhere<P, R>(
         &self,
+        title: &str,
         uri: Option<Uri>,
         params: P,
         handler: fn(&Snapshot, Option<&Subject>, &P) -> Cancellable<R>,
@@ -212,7 +247,59 @@ impl Dispatcher {
             whole: true,
             bulk: true,
         };
-        self.run(uri, about, params, work).await
+        let seen = Arc::new(Seen::default());
+        let answer = pin!(self.run(uri, about, params, seen.clone(), work));
+        self.shown(title, &seen, answer).await
+    }
+
+    /// Waits for an answer, and shows how far it is when that takes long.
+    async fn shown<R>(
+        &self,
+        title: &str,
+        seen: &Seen,
+        mut answer: Pin<&mut impl Future<Output = types::Result<R>>>,
+    ) -> types::Result<R> {
+        let mut ticks = tokio::time::interval(TICK);
+        ticks.tick().await;
+        for _ in 0..PATIENCE {
+            tokio::select! {
+                answer = &mut answer => return answer,
+                _ = ticks.tick() => {}
+            }
+        }
+        // As long as it is not admitted, something else is shown.
+        while !seen.wanted.load(Ordering::Acquire) {
+            tokio::select! {
+                answer = &mut answer => return answer,
+                _ = ticks.tick() => {}
+            }
+        }
+        let running = tokio::select! {
+            answer = &mut answer => return answer,
+            running = self.running.create() => running,
+        };
+        let Some(running) = running else {
+            return answer.await;
+        };
+        let stopped = Arc::new(Notify::new());
+        let stop = stopped.clone();
+        running.show(title, move || stop.notify_one()).await;
+        let mut told = 0;
+        let answer = loop {
+            tokio::select! {
+                answer = &mut answer => break answer,
+                () = stopped.notified() => break Err(types::Error::request_cancelled()),
+                _ = ticks.tick() => {
+                    let percent = seen.percent();
+                    if percent > told {
+                        told = percent;
+                        running.report(told).await;
+                    }
+                }
+            }
+        };
+        running.end().await;
+        answer
     }
 
     /// A request that says itself what it is about: something to be resolved.
@@ -227,7 +314,8 @@ impl Dispatcher {
     {
         let work =
             move |snapshot: &Snapshot, _: Option<&Subject>, params: &P| handler(snapshot, params);
-        self.run(None, About::default(), params, work).await
+        self.run(None, About::default(), params, Arc::default(), work)
+            .await
     }
 
     /// A request about the whole workspace. Few at a time, so that they never keep the others from
@@ -248,7 +336,7 @@ impl Dispatcher {
             bulk: true,
             ..About::default()
         };
-        self.run(None, about, params, work).await
+        self.run(None, about, params, Arc::default(), work).await
     }
 
     async fn run<P, R, F>(
@@ -256,6 +344,7 @@ impl Dispatcher {
         uri: Option<Uri>,
         about: About,
         params: P,
+        seen: Arc<Seen>,
         work: F,
     ) -> types::Result<R>
     where
@@ -269,7 +358,7 @@ impl Dispatcher {
         let mut expected = None;
         for _attempt in 0..ATTEMPTS {
             let (reply, answer) = oneshot::channel();
-            let params = params.clone();
+            let (params, seen) = (params.clone(), seen.clone());
             self.reads.send(Read {
                 subject: uri.clone(),
                 bulk: about.bulk,
@@ -278,7 +367,7 @@ impl Dispatcher {
                 control: control.clone(),
                 work: Box::new(move |admission| {
                     // The client may have gone meanwhile.
-                    let _ = reply.send(attempt(admission, &*params, work));
+                    let _ = reply.send(attempt(admission, &*params, &seen, work));
                 }),
             });
             match answer.await {
@@ -309,10 +398,16 @@ impl Dispatcher {
 fn attempt<P, R>(
     admission: Admission,
     params: &P,
+    seen: &Seen,
     work: impl Fn(&Snapshot, Option<&Subject>, &P) -> Cancellable<R>,
 ) -> Outcome<R> {
     let (snapshot, subject) = match admission {
-        Admission::Admitted(snapshot, subject) => (snapshot, subject),
+        Admission::Admitted(mut snapshot, subject) => {
+            snapshot.progress = seen.progress.clone();
+            let wanted = snapshot.client.progress;
+            seen.wanted.store(wanted, Ordering::Release);
+            (snapshot, subject)
+        }
         Admission::UnknownDocument => return Outcome::Unknown,
         Admission::Outdated => return Outcome::Outdated,
     };

@@ -236,24 +236,26 @@ impl LanguageServer for Backend {
 
     async fn rename(&self, params: RenameParams) -> Result<Option<WorkspaceEdit>> {
         let uri = document_of(&params.text_document_position);
-        let answer =
-            self.dispatch.everywhere(
-                Some(uri),
-                params,
-                |snapshot, subject, params| match subject {
-                    Some(subject) => {
-                        let language = language_of(snapshot, &subject.path);
-                        language.rename(snapshot, subject, params)
-                    }
-                    None => Ok(Default::default()),
-                },
-            );
+        let answer = self.dispatch.everywhere(
+            "Renaming",
+            Some(uri),
+            params,
+            |snapshot, subject, params| match subject {
+                Some(subject) => {
+                    let language = language_of(snapshot, &subject.path);
+                    language.rename(snapshot, subject, params)
+                }
+                None => Ok(Default::default()),
+            },
+        );
         answer.await?.into_response()
     }
 
     async fn will_rename_files(&self, params: RenameFilesParams) -> Result<Option<WorkspaceEdit>> {
         let files = |snapshot: &_, _: Option<&_>, params: &_| rename::files(snapshot, params);
-        let answer = self.dispatch.everywhere(None, params, files);
+        let answer = self
+            .dispatch
+            .everywhere("Updating includes", None, params, files);
         answer.await?.into_response()
     }
 

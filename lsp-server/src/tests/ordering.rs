@@ -1,4 +1,4 @@
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::client::{Client, document, pulling};
 
@@ -8,7 +8,7 @@ async fn start() -> Client {
     Client::start(json!({ "capabilities": pulling() })).await
 }
 
-fn insert(line: u32, character: u32, text: &str) -> serde_json::Value {
+fn insert(line: u32, character: u32, text: &str) -> Value {
     let at = json!({ "line": line, "character": character });
     json!([{ "range": { "start": at, "end": at }, "text": text }])
 }
@@ -129,5 +129,39 @@ async fn an_edit_out_of_range_drops_the_document_until_its_text_is_known_again()
     assert_eq!(client.ok("test/text", document(URI)).await, json!(null));
     client.change(URI, 4, json!([{ "text": "whole" }])).await;
     assert_eq!(client.ok("test/text", document(URI)).await, "whole");
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn what_takes_long_is_shown_and_can_be_stopped() {
+    let mut capabilities = pulling();
+    capabilities["window"] = json!({ "workDoneProgress": true });
+    let params = json!({ "capabilities": capabilities });
+    let answers = vec![("window/workDoneProgress/create", Value::Null)];
+    let mut client = Client::start_answering(params, answers).await;
+    client.open(URI, "a").await;
+    let id = client.begin("test/everywhere", document(URI)).await;
+    let mut shown = Vec::new();
+    let token = loop {
+        let told = client.notification("$/progress").await;
+        let value = &told["value"];
+        let what = value.get("title").or(value.get("percentage"));
+        shown.push(what.cloned().unwrap_or_default());
+        if value["kind"] == "report" {
+            break told["token"].clone();
+        }
+    };
+    assert_eq!(shown, [json!("Testing"), json!(25)]);
+    let stop = json!({ "token": token });
+    client.notify("window/workDoneProgress/cancel", stop).await;
+    assert_eq!(client.end(id).await.expect_err("stopped")["code"], -32800);
+    let end = client.notification("$/progress").await;
+    assert_eq!(
+        (&end["token"], &end["value"]["kind"]),
+        (&token, &json!("end"))
+    );
+    // The work has ended too: a change need not wait for it.
+    client.change(URI, 2, json!([{ "text": "b" }])).await;
+    assert_eq!(client.ok("test/text", document(URI)).await, "b");
     client.finish().await;
 }

@@ -13,6 +13,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::{Analysis, Cancellable, UnitResult};
 use dotgen_analysis::ide::FilePosition;
 use dotgen_analysis::parallel;
+use dotgen_analysis::progress::Progress;
 use rustc_hash::FxHashMap;
 
 use crate::config::Config;
@@ -80,6 +81,8 @@ pub struct Snapshot {
     pub(crate) vfs: Arc<Vfs>,
     /// What is known of sources of codels.
     pub(crate) codels: Arc<codels::Cache>,
+    /// How far the answer is, for whoever shows it.
+    pub(crate) progress: Arc<Progress>,
     /// Shared by all snapshots that live.
     readers: Arc<()>,
     lines: RefCell<FxHashMap<Utf8PathBuf, Option<Arc<Lines>>>>,
@@ -124,6 +127,7 @@ impl Snapshot {
             templates: Arc::default(),
             vfs,
             codels,
+            progress: Arc::default(),
             readers,
             lines: RefCell::default(),
         }
@@ -144,6 +148,7 @@ impl Snapshot {
             templates: self.templates.clone(),
             vfs: self.vfs.clone(),
             codels: self.codels.clone(),
+            progress: self.progress.clone(),
             readers: self.readers.clone(),
             lines: RefCell::default(),
         }

@@ -1,8 +1,12 @@
+use crate::progress::Progress;
 use crate::test_support::Fixture;
 
 /// The fixture with the edits applied, in its own form.
 fn renamed(fixture: &Fixture, new_name: &str) -> Result<String, String> {
-    let edits = fixture.analysis().rename(&fixture.at(), new_name).unwrap();
+    let edits = fixture
+        .analysis()
+        .rename(&fixture.at(), new_name, &Progress::default())
+        .unwrap();
     let edits = edits.map_err(|it| it.0)?;
     let mut out = String::new();
     for path in fixture.paths() {
@@ -239,7 +243,10 @@ fn there_and_back_is_the_identity() {
         let Ok(prepared) = fixture.analysis().prepare_rename(&at).unwrap() else {
             continue;
         };
-        let edits = fixture.analysis().rename(&at, "other_name").unwrap();
+        let edits = fixture
+            .analysis()
+            .rename(&at, "other_name", &Progress::default())
+            .unwrap();
         let edits = edits.unwrap_or_else(|it| panic!("{:?}: {it}", prepared));
         let there = crate::ide::speculate::apply(text, &edits);
         assert_ne!(there, text);
@@ -251,7 +258,7 @@ fn there_and_back_is_the_identity() {
         };
         let edits = fixture
             .analysis()
-            .rename(&at, &prepared.info)
+            .rename(&at, &prepared.info, &Progress::default())
             .unwrap()
             .unwrap();
         assert_eq!(crate::ide::speculate::apply(&there, &edits), text);
@@ -311,4 +318,17 @@ fn other_units_are_tried_where_the_new_name_may_meet_another() {
         "place",
         &shared(other).replace("pose", "place").replace("$0", ""),
     );
+}
+
+#[test]
+fn the_work_is_counted() {
+    let fixture = Fixture::new(
+        "//- /types.idl\nstruct $0point { long x; };\n//- /a.gen\n#include \"types.idl\"\ncomponent a { ids { point p; }; };\n\
+         //- /b.gen\n#include \"types.idl\"\ncomponent b { ids { point p; }; };\n",
+    );
+    let progress = Progress::default();
+    let renamed = fixture.analysis().rename(&fixture.at(), "place", &progress);
+    assert!(renamed.unwrap().is_ok());
+    let (done, known) = progress.parts();
+    assert!(done == known && known >= 2, "{done} of {known}");
 }

@@ -55,7 +55,7 @@ pub(crate) fn rename_at(
     at: &FilePosition,
     new_name: &str,
 ) -> Cancellable<Refusable<WorkspaceEdit>> {
-    let mut edits = match snapshot.analysis.rename(at, new_name)? {
+    let mut edits = match snapshot.analysis.rename(at, new_name, &snapshot.progress)? {
         Ok(edits) => edits,
         Err(error) => return Ok(Refusable(Err(error.0))),
     };

@@ -5,7 +5,7 @@
 //! in memory; nothing is written before the user has seen it.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use camino::{Utf8Path, Utf8PathBuf};
@@ -20,6 +20,7 @@ use crate::features::generation::run::{self, Job};
 use crate::features::generation::{GENERATE, OPTIONS, REMEMBER, TEMPLATES};
 use crate::protocol::convert::uri;
 use crate::protocol::outbox::Outbox;
+use crate::protocol::progress::Running;
 use crate::protocol::types::*;
 
 /// Argument of the commands.
@@ -43,12 +44,9 @@ fn yes() -> bool {
     true
 }
 
-/// What runs go on, and what was said about templates.
+/// What was said about templates.
 #[derive(Default)]
 pub(crate) struct Generation {
-    next: AtomicU64,
-    /// Runs that can be cancelled, by the token of their progress.
-    running: Mutex<BTreeMap<String, Arc<AtomicBool>>>,
     /// Files of templates with a diagnostic, by the template that failed.
     reported: Mutex<BTreeMap<String, BTreeSet<Utf8PathBuf>>>,
 }
@@ -161,11 +159,13 @@ impl Backend {
         let _guard = StopOnDrop(cancel.clone());
         let names: Vec<&str> = choices.iter().map(|it| it.template.as_str()).collect();
         let title = format!("Generating {}", names.join(", "));
-        let token = self.begin_progress(&job, &title, &cancel).await;
+        let progress = self.begin_progress(&job, &title, &cancel).await;
         let work = job.clone();
         let stop = cancel.clone();
         let plan = blocking(move || plan(&work, choices, &stop)).await;
-        self.end_progress(token).await;
+        if let Some(progress) = progress {
+            progress.end().await;
+        }
         let plan = plan?;
         if cancel.load(Ordering::Acquire) {
             return Ok(Some(json!({ "status": "cancelled" })));
@@ -273,51 +273,19 @@ impl Backend {
         job: &Job,
         title: &str,
         cancel: &Arc<AtomicBool>,
-    ) -> Option<ProgressToken> {
+    ) -> Option<Running> {
         if !job.client.progress {
             return None;
         }
-        let number = self.generation.next.fetch_add(1, Ordering::Relaxed);
-        let name = format!("dotgen/generate/{number}");
-        let token = ProgressToken::String(name.clone());
-        let client = self.dispatch.client();
-        client.create_work_done_progress(token.clone()).await.ok()?;
-        lock(&self.generation.running).insert(name, cancel.clone());
-        let begin = WorkDoneProgressBegin {
-            title: title.to_owned(),
-            cancellable: Some(true),
-            ..WorkDoneProgressBegin::default()
-        };
-        progress(client, &token, WorkDoneProgress::Begin(begin)).await;
-        Some(token)
-    }
-
-    async fn end_progress(&self, token: Option<ProgressToken>) {
-        let Some(token) = token else { return };
-        if let ProgressToken::String(name) = &token {
-            lock(&self.generation.running).remove(name);
-        }
-        let end = WorkDoneProgress::End(WorkDoneProgressEnd::default());
-        progress(self.dispatch.client(), &token, end).await;
+        let cancel = cancel.clone();
+        let cancel = move || cancel.store(true, Ordering::Release);
+        self.dispatch.running().begin(title, cancel).await
     }
 
     /// `window/workDoneProgress/cancel`
     pub(crate) async fn cancel_progress(&self, params: WorkDoneProgressCancelParams) {
-        if let ProgressToken::String(name) = &params.token
-            && let Some(run) = lock(&self.generation.running).get(name)
-        {
-            run.store(true, Ordering::Release);
-        }
+        self.dispatch.running().cancel(&params.token);
     }
-}
-
-async fn progress(client: &Client, token: &ProgressToken, value: WorkDoneProgress) {
-    client
-        .send_notification::<notification::Progress>(ProgressParams {
-            token: token.clone(),
-            value: ProgressParamsValue::WorkDone(value),
-        })
-        .await;
 }
 
 fn publish_problem(outbox: &Outbox, path: &Utf8Path, line: u32, message: String) {

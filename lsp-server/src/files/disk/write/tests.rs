@@ -199,7 +199,11 @@ fn after_a_kill_while_files_are_put_back_the_helper_finishes() {
     for step in last + 1..last + 3 {
         let fixture = fixture();
         process::carry_out(&killed_at(&fixture, step, Some(last)));
-        assert_eq!(contents(fixture.directory.path()), (map(&BEFORE), 0), "{step}");
+        assert_eq!(
+            contents(fixture.directory.path()),
+            (map(&BEFORE), 0),
+            "{step}"
+        );
     }
 }
 
@@ -351,7 +355,11 @@ fn directories_in_the_way_are_told() {
         mode: None,
     };
     std::fs::create_dir(fixture.directory.path().join("d")).unwrap();
-    let refused = |name: &str| written(&[at(name)], &mut |_| Ok(())).unwrap_err().to_string();
+    let refused = |name: &str| {
+        written(&[at(name)], &mut |_| Ok(()))
+            .unwrap_err()
+            .to_string()
+    };
     assert!(
         refused("d").ends_with("d`: is a directory"),
         "{}",
