@@ -135,7 +135,8 @@ pub(crate) fn rename(
             new_text: new_name.to_owned(),
         });
     }
-    edits.sort_by(|a, b| (&a.path, a.range.start).cmp(&(&b.path, b.range.start)));
+    // By the text of paths: their parts, compared one by one, take a second where there are many edits.
+    edits.sort_by(|a, b| (a.path.as_str(), a.range.start).cmp(&(b.path.as_str(), b.range.start)));
     edits.dedup();
     check_macros(view, &edits, new_name, is_macro)?;
     let kind = targets.iter().find_map(|it| match it {
@@ -438,7 +439,8 @@ pub(crate) fn files_moved(db: &dyn Db, moves: &[(Utf8PathBuf, Utf8PathBuf)]) -> 
             }
         }
     }
-    edits.sort_by(|a, b| (&a.path, a.range.start).cmp(&(&b.path, b.range.start)));
+    // By the text of paths: their parts, compared one by one, take a second where there are many edits.
+    edits.sort_by(|a, b| (a.path.as_str(), a.range.start).cmp(&(b.path.as_str(), b.range.start)));
     edits.dedup();
     edits
 }

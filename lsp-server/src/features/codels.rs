@@ -277,9 +277,20 @@ fn is_concerned(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<bool> {
     if text.is_some_and(|it| it.contains("allow(")) {
         return Ok(true);
     }
-    let root = snapshot.analysis.root_of(path)?;
-    let files = snapshot.analysis.files_of_root(&root)?;
-    Ok(files.iter().any(|it| config.folder_of(it).is_dir()))
+    may_have_sources(snapshot, &snapshot.analysis.root_of(path)?)
+}
+
+/// Whether there is a folder of codels for a file of the unit of a root, on the disk or in the editor. Told without
+/// asking what the specification means.
+pub(crate) fn may_have_sources(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<bool> {
+    let Some(config) = &snapshot.config.codels else {
+        return Ok(false);
+    };
+    let files = snapshot.analysis.files_of_root(root)?;
+    let is_there = |folder: Utf8PathBuf| {
+        folder.is_dir() || snapshot.open.keys().any(|it| it.starts_with(&folder))
+    };
+    Ok(files.iter().any(|it| is_there(config.folder_of(it))))
 }
 
 /// The folders of a unit, without what the units of other roots show.

@@ -8,6 +8,7 @@ mod tokens;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
 
+use dotgen_analysis::host::Cancellable;
 use serde_json::Value;
 use tokio::sync::mpsc::{UnboundedSender, unbounded_channel};
 use tokio::sync::watch;
@@ -19,6 +20,7 @@ use crate::protocol::types::*;
 use crate::session::dispatch::Dispatcher;
 use crate::session::post::Post;
 use crate::session::writer::{Event, Mutation, State};
+use crate::workspace::snapshot::{Snapshot, Subject};
 
 use tokens::TokenResults;
 
@@ -125,6 +127,23 @@ impl Backend {
         &self,
         params: verification::VerificationParams,
     ) -> Result<Option<verification::VerificationResult>> {
+        self.verified(params, verification::present).await
+    }
+
+    /// `dotgen/trace`
+    pub(crate) async fn trace(
+        &self,
+        params: verification::VerificationParams,
+    ) -> Result<Option<verification::TraceShown>> {
+        self.verified(params, verification::trace).await
+    }
+
+    /// Shows a verification, by what makes something to show of it.
+    async fn verified<R: Send + 'static>(
+        &self,
+        params: verification::VerificationParams,
+        show: fn(&Snapshot, &Subject, &verification::Question) -> Cancellable<Option<R>>,
+    ) -> Result<Option<R>> {
         let uri = params.text_document.uri.clone();
         let found = self
             .dispatch
@@ -137,30 +156,7 @@ impl Backend {
             shown: prepared.answer().await,
             params,
         };
-        self.dispatch
-            .document(uri, question, verification::present)
-            .await
-    }
-
-    /// `dotgen/trace`
-    pub(crate) async fn trace(
-        &self,
-        params: verification::VerificationParams,
-    ) -> Result<Option<verification::TraceShown>> {
-        let uri = params.text_document.uri.clone();
-        let found = self
-            .dispatch
-            .document(uri.clone(), params.clone(), verification::prepare);
-        let Some(prepared) = found.await? else {
-            return Ok(None);
-        };
-        let question = verification::Question {
-            shown: prepared.answer().await,
-            params,
-        };
-        self.dispatch
-            .document(uri, question, verification::trace)
-            .await
+        self.dispatch.document(uri, question, show).await
     }
 
     /// `dotgen/sensitivity`

@@ -1,5 +1,6 @@
 //! From codels to functions and back.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use camino::{Utf8Path, Utf8PathBuf};
@@ -144,18 +145,22 @@ pub(crate) fn rename(
     snapshot: &Snapshot,
     edits: &[FileEdit],
 ) -> Cancellable<Result<Renaming, String>> {
-    let mut roots: Vec<Utf8PathBuf> = Vec::new();
-    for path in edits.iter().map(|it| &it.path) {
-        for root in snapshot.analysis.roots_containing(path)? {
-            let root = snapshot.analysis.root_of(&root)?;
-            if !roots.contains(&root) {
-                roots.push(root);
-            }
-        }
+    let edited: BTreeSet<&Utf8PathBuf> = edits.iter().map(|it| &it.path).collect();
+    let mut containing: BTreeSet<Utf8PathBuf> = BTreeSet::new();
+    for path in edited {
+        containing.extend(snapshot.analysis.roots_containing(path)?);
+    }
+    let mut roots: BTreeSet<Utf8PathBuf> = BTreeSet::new();
+    for root in containing {
+        roots.insert(snapshot.analysis.root_of(&root)?);
     }
     let mut out = Renaming::default();
     let texts = Texts::new(snapshot);
     for root in roots {
+        // Of a unit without sources the model is not asked for: there may be a thousand.
+        if !codels::may_have_sources(snapshot, &root)? {
+            continue;
+        }
         for compared in codels::around(snapshot, &root)? {
             // What the rename makes of a unit is compiled only where sources might follow.
             if !compared.folders().any(|it| it.sources.exists) {
