@@ -270,11 +270,8 @@ fn bring_up(snapshot: &Snapshot, folders: &mut [Folder], earlier: &Good) -> Canc
 /// Whether something can be said of a specification and its codels: a folder for them is there, or a comment allows
 /// findings. Told without asking what the specification means.
 fn is_concerned(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<bool> {
-    let Some(config) = &snapshot.config.codels else {
-        return Ok(false);
-    };
     let text = snapshot.analysis.text(path)?;
-    if text.is_some_and(|it| it.contains("allow(")) {
+    if snapshot.config.codels.is_some() && text.is_some_and(|it| it.contains("allow(")) {
         return Ok(true);
     }
     may_have_sources(snapshot, &snapshot.analysis.root_of(path)?)
