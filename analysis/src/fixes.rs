@@ -20,6 +20,7 @@ use dotgen_syntax::{
 
 use crate::{
     diagnostic::{FileEdit, Fix},
+    lists::appended,
     source_map::bytes,
 };
 
@@ -141,7 +142,8 @@ impl Place<'_> {
         })
     }
 
-    pub(crate) fn connect_or_remove_codel(&self) -> Vec<TextFix> {
+    /// `paused`: a transition that does not pause would close a cycle.
+    pub(crate) fn connect_or_remove_codel(&self, paused: bool) -> Vec<TextFix> {
         let mut fixes = Vec::new();
         let Some(codel) = self.node::<ast::CodelProperty>(self.range) else {
             return fixes;
@@ -156,10 +158,11 @@ impl Place<'_> {
         // The codel before it is where the transition was forgotten, more often than not.
         let before = std::iter::successors(codel.syntax().prev_sibling(), SyntaxNode::prev_sibling)
             .find_map(ast::CodelProperty::cast);
-        if let (Some(state), Some(before)) = (state, before)
-            && let Some(fix) = add_yield(before.syntax(), state.trim())
-        {
-            fixes.push(fix);
+        if let (Some(state), Some(before)) = (state, before) {
+            let state = state.trim();
+            let pause = paused.then(|| format!("pause::{state}"));
+            let ways = pause.as_deref().into_iter().chain([state]);
+            fixes.extend(ways.filter_map(|it| add_yield(before.syntax(), it)));
         }
         fixes.push(TextFix {
             plain: false,
@@ -368,13 +371,20 @@ fn add_yield(codel: &SyntaxNode, state: &str) -> Option<TextFix> {
         return None;
     }
     let name = codel.descendants().find_map(ast::Codel::cast)?.name()?;
+    let base = codel.text_range().start();
+    let items = yields.states().map(|it| {
+        let end = end_of(it.syntax());
+        bytes(TextRange::new(it.syntax().text_range().start(), end) - base)
+    });
+    let edits = appended(&codel.text().to_string(), &items.collect::<Vec<_>>(), state);
+    let edits = edits.into_iter().filter_map(|(range, text)| {
+        let at = TextSize::try_from(range.start).ok()?;
+        Some((TextRange::empty(base + at), text))
+    });
     Some(TextFix {
         plain: false,
         title: format!("Let `{}` yield `{state}`", name.syntax().text()),
-        edits: vec![(
-            TextRange::empty(end_of(yields.syntax())),
-            format!(", {state}"),
-        )],
+        edits: edits.collect(),
     })
 }
 

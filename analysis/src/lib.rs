@@ -12,6 +12,7 @@ pub mod host;
 pub mod ide;
 pub mod item_tree;
 pub mod lint;
+pub mod lists;
 pub mod markdown;
 pub mod model;
 pub mod model_json;

@@ -167,6 +167,26 @@ impl Process {
         Ok((self.child.wait()?, printed))
     }
 
+    /// Waits for the end of the program, with nothing to read for it. What it has printed on its output, if there are
+    /// pipes; what it has printed on its error output is dropped.
+    ///
+    /// # Errors
+    /// As the system tells them.
+    pub fn output(mut self) -> io::Result<(ExitStatus, Vec<u8>)> {
+        drop(self.child.stdin.take());
+        let errors = self.child.stderr.take().map(|mut errors| {
+            // A full pipe would stop the program.
+            std::thread::spawn(move || io::copy(&mut errors, &mut io::sink()))
+        });
+        let mut printed = Vec::new();
+        if let Some(mut output) = self.child.stdout.take() {
+            output.read_to_end(&mut printed)?;
+        }
+        // What could not be read was to be dropped.
+        let _ = errors.map(std::thread::JoinHandle::join);
+        Ok((self.child.wait()?, printed))
+    }
+
     /// Waits for the end of the program.
     ///
     /// # Errors

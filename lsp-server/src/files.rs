@@ -1,6 +1,7 @@
 //! Files: as analysis sees them, as users have them, and packages.
 
 pub mod disk;
+pub(crate) mod history;
 pub mod vfs;
 
 /// "permission denied", without the number of the operating system.

@@ -78,18 +78,25 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
         ));
     }
     reached.extend(from_stop);
-    for (_, codel) in &machine.codels {
+    let before = std::iter::once(None).chain(machine.codels.iter().map(|it| Some(it.1)));
+    for ((_, codel), before) in machine.codels.iter().zip(before) {
         let is_reached = codel
             .triggers
             .iter()
             .any(|it| reached.contains(it.name.as_str()));
         if !is_reached {
             if complete && let Some(state) = codel.triggers.first() {
+                // The codel before is the first that is offered to lead here.
+                let in_cycle = before.is_some_and(|before| {
+                    let is_before = |it: &str| before.triggers.iter().any(|s| s.name == it);
+                    machine.reaches_without_pause(&state.name, is_before)
+                });
                 found.push(
                     Finding::new(
                         Using::Unreachable {
                             state: state.name.clone(),
                             owner: owner.name(),
+                            in_cycle,
                         },
                         codel.src,
                     )

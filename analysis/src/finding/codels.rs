@@ -114,7 +114,7 @@ findings! {
         "fsm/stop-without-ether" StopWithoutEther { owner: OwnerName }
             => "in {owner}, no path leads from `stop` to `ether`, so it could never be interrupted",
                "let a codel reached from `stop` yield `ether`";
-        "fsm/unreachable-state" Unreachable { state: Name, owner: OwnerName }
+        "fsm/unreachable-state" Unreachable { state: Name, owner: OwnerName, in_cycle: bool }
             => "state `{state}` of {owner} can be reached neither from `start` nor from `stop`";
         "ether-codel" EtherCodel
             => "`ether` is the end of the state machine",
@@ -154,7 +154,7 @@ impl Using {
             }
             Using::Undefined { state, .. } => here.declare_state(state),
             Using::UndeclaredThrow { exception, .. } => here.declare_throw(exception),
-            Using::Unreachable { .. } => here.connect_or_remove_codel(),
+            Using::Unreachable { in_cycle, .. } => here.connect_or_remove_codel(*in_cycle),
             _ => Vec::new(),
         }
     }

@@ -70,6 +70,22 @@ impl<'m> Machine<'m> {
             .filter_map(|s| self.position(&s.name))
     }
 
+    /// Whether one of some states is reached from a state without a pause, or is that state: a transition from there
+    /// to `from` that does not pause would close a cycle.
+    pub fn reaches_without_pause(&self, from: &str, is_wanted: impl Fn(&str) -> bool) -> bool {
+        let mut seen = vec![false; self.codels.len()];
+        let mut pending: Vec<usize> = self.position(from).into_iter().collect();
+        let mut found = is_wanted(from);
+        while let Some(v) = pending.pop().filter(|_| !found) {
+            if !std::mem::replace(&mut seen[v], true) {
+                let mut yields = self.at(v).yields.iter();
+                found = yields.any(|it| !it.paused && is_wanted(&it.name));
+                pending.extend(self.continues(v));
+            }
+        }
+        found
+    }
+
     /// Cycles without `pause::`, one for each group of states that reach each other that way; each
     /// begins with its first vertex.
     pub fn cycles_without_pause(&self) -> Vec<Vec<usize>> {

@@ -14,6 +14,7 @@ use serde::Serialize;
 use super::{
     drift::{DriftCode, Repair},
     edit::{Edit, apply, unified_diff},
+    expected::{Expected, state_text},
     repair::ByHand,
     stub::NewFile,
 };
@@ -72,6 +73,19 @@ pub struct SyncOptions {
     pub remove_yields: Vec<(String, String)>,
     /// Only these kinds; all when empty.
     pub only: Vec<DriftCode>,
+}
+
+impl SyncOptions {
+    /// Whether a repair takes away a yield that is named.
+    fn removes(&self, expected: &Expected<'_>, repair: &Repair) -> bool {
+        let Repair::RemoveYield { at, index } = repair else {
+            return false;
+        };
+        let codel = expected.component().codel(*at);
+        let state = codel.yields.get(*index).map(state_text);
+        let mut all = self.remove_yields.iter();
+        all.any(|it| it.0 == codel.name && Some(&it.1) == state.as_ref())
+    }
 }
 
 /// Rounds of `sync`: an edit of the specification makes comments stale, whose repair is the last.
@@ -180,31 +194,27 @@ fn round(
         let mut stubs: BTreeMap<u32, Vec<_>> = BTreeMap::new();
         for drift in &findings {
             let wanted = options.only.is_empty() || options.only.contains(&drift.code);
-            let Some(repair) = drift.repairs.first().filter(|_| wanted) else {
+            let Some(expected) = all.iter().find(|it| it.component == drift.component) else {
                 continue;
             };
-            if let Repair::RemoveYield { at, index } = repair {
-                let expected = all.iter().find(|it| it.component == drift.component);
-                let codel = expected.map(|it| it.component().codel(*at));
-                let state = codel.and_then(|it| Some((it, it.yields.get(*index)?)));
-                let named = state.is_some_and(|(codel, state)| {
-                    let state = super::expected::state_text(state);
-                    let mut all = options.remove_yields.iter();
-                    all.any(|it| it.0 == codel.name && it.1 == state)
-                });
-                if !named {
-                    continue;
-                }
+            if !wanted {
+                continue;
             }
+            let named = |repair: &&Repair| options.removes(expected, repair);
+            let stub_options = project.stub_options(&folder.specification);
+            let repairs = project.repairs(&folder, expected, &stub_options);
+            let ordered = repairs.ordered(drift);
+            let first = ordered.first().copied();
+            let first = first.filter(|it| !matches!(it, Repair::RemoveYield { .. }));
+            // What is a choice is left, and told as what is left.
+            let first = first.filter(|it| !it.is_choice());
+            let Some(repair) = drift.repairs.iter().find(named).or(first) else {
+                continue;
+            };
             if let Repair::Stub { at } = repair {
                 stubs.entry(drift.component).or_default().push(*at);
                 continue;
             }
-            let Some(expected) = all.iter().find(|it| it.component == drift.component) else {
-                continue;
-            };
-            let options = project.stub_options(&folder.specification);
-            let repairs = project.repairs(&folder, expected, &options);
             let title = repairs.title(repair);
             if let Some(one) = repairs.edit(repair)
                 && !one.is_empty()

@@ -124,7 +124,7 @@ pub struct Drift {
     pub expected: Option<String>,
     /// What stands in the source instead.
     pub found: Option<String>,
-    /// Ways to mend it, the best first.
+    /// Ways to mend it, the best first as far as the texts tell; see [`super::repair::Repairs::ordered`].
     pub repairs: Vec<Repair>,
 }
 
@@ -182,6 +182,20 @@ pub enum Repair {
         /// The exception.
         exception: TypeId,
     },
+    /// Add a state to the `yield` list of a codel, with a pause that the code does not make yet: without it, the codel
+    /// would be in a cycle without `pause::`.
+    AddPausedYield {
+        /// The codel.
+        at: CodelRef,
+        /// The state, without `pause::`.
+        state: String,
+        /// What its function returns then.
+        returns: Respelling,
+    },
+    /// Let a function return an event that is declared, where it returns one that is not.
+    ReturnDeclared(Respelling),
+    /// Let a function raise an exception that is declared, where it raises one that is not.
+    RaiseDeclared(Respelling),
     /// Rename a function to the name of a codel, everywhere in the sources.
     RenameFunction {
         /// Present name.
@@ -205,6 +219,31 @@ pub enum Repair {
         /// Start of the function.
         start: usize,
     },
+}
+
+impl Repair {
+    /// Whether it changes what code does, so that it does what the specification allows.
+    pub fn changes_code(&self) -> bool {
+        matches!(self, Repair::ReturnDeclared(_) | Repair::RaiseDeclared(_))
+    }
+
+    /// Whether only people can know that it is right, so that it is never made unasked.
+    pub fn is_choice(&self) -> bool {
+        self.changes_code() || matches!(self, Repair::AddPausedYield { .. })
+    }
+}
+
+/// Another name in some places of a source.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Respelling {
+    /// The function around them.
+    pub function: Name,
+    /// The file.
+    pub path: Utf8PathBuf,
+    /// Each place, with what is to stand there.
+    pub places: Vec<(Range<usize>, String)>,
+    /// The new name as the mapping spells it.
+    pub to: String,
 }
 
 /// What the comparison depends on beside the two sides.

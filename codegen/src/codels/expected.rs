@@ -147,6 +147,13 @@ impl<'a> Expected<'a> {
         }
     }
 
+    /// The event that pauses before a state, given the one that does not; `None` for what is no state.
+    pub(crate) fn paused(&self, event: &str) -> Option<String> {
+        let (paused, state) = cut_tag(event, &self.component().name);
+        let scopes = event.strip_suffix(state).filter(|_| !paused)?;
+        (!scopes.is_empty()).then(|| format!("{scopes}pause{}{state}", self.separator()))
+    }
+
     /// What stands between scopes in names.
     pub fn separator(&self) -> &'static str {
         match self.language {

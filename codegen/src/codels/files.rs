@@ -5,6 +5,7 @@
 //! believed; else every C and C++ file of the folder counts.
 
 use std::sync::Arc;
+use std::time::SystemTime;
 
 use camino::{Utf8Component, Utf8Path, Utf8PathBuf};
 use rustc_hash::FxHashMap;
@@ -208,6 +209,19 @@ pub trait Files {
     fn read(&self, path: &Utf8Path) -> Option<Arc<str>>;
     /// Files below a folder, subfolders included, relative to it; `None` when it is not there.
     fn list(&self, folder: &Utf8Path) -> Option<Vec<Utf8PathBuf>>;
+    /// When a file got the text that it has; `None` when nobody knows.
+    fn changed(&self, _path: &Utf8Path) -> Option<Changed> {
+        None
+    }
+}
+
+/// When a file got its text. The later is the greater.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Changed {
+    /// At a moment: that of its last commit, or, where it differs from that, of its time stamp.
+    At(SystemTime),
+    /// It is open in an editor, with changes that are not saved.
+    Unsaved,
 }
 
 impl Sources {

@@ -12,7 +12,7 @@ use dotgen_analysis::model::{CodelRef, Owner};
 use dotgen_analysis::source_map::Locations;
 
 use super::{
-    drift::Repair,
+    drift::{Drift, Repair, Respelling},
     edit::Edit,
     expected::{Expected, owner_words},
     files::{Files, IndexedFile, Sources},
@@ -32,6 +32,15 @@ pub struct Repairs<'a> {
     pub text: &'a dyn Files,
     /// How stubs are written.
     pub stubs: &'a StubOptions,
+}
+
+/// Other names in a source.
+fn respelled(names: &Respelling) -> Edit {
+    let mut edit = Edit::default();
+    for (range, text) in &names.places {
+        edit.replace(&names.path, range.clone(), text.as_str());
+    }
+    edit
 }
 
 impl Repairs<'_> {
@@ -70,6 +79,13 @@ impl Repairs<'_> {
                     self.exception_name(*exception)
                 )
             }
+            Repair::AddPausedYield { at, state, returns } => format!(
+                "Add `yield pause::{state}` to codel `{}`, and return `{}`",
+                component.codel(*at).name,
+                returns.to
+            ),
+            Repair::ReturnDeclared(it) => format!("Return `{}` from `{}`", it.to, it.function),
+            Repair::RaiseDeclared(it) => format!("Raise `{}` in `{}`", it.to, it.function),
             Repair::RenameFunction { from, to } => {
                 format!("Rename the function `{from}` to `{to}`")
             }
@@ -90,6 +106,11 @@ impl Repairs<'_> {
             Repair::AddYield { at, state } => self.add_yield(*at, state),
             Repair::RemoveYield { at, index } => self.remove_yield(*at, *index),
             Repair::AddThrow { owner, exception } => self.add_throw(*owner, *exception),
+            Repair::AddPausedYield { at, state, returns } => {
+                let mut edit = self.add_yield(*at, &format!("pause::{state}"))?;
+                edit.merge(respelled(returns)).then_some(edit)
+            }
+            Repair::ReturnDeclared(it) | Repair::RaiseDeclared(it) => Some(respelled(it)),
             Repair::RenameFunction { from, to } => Some(self.rename_function(from, to)),
             Repair::RenameCodel { from, to } => self.rename_codel(from, to),
             Repair::DeclareCodel { path, start, .. } => {
@@ -97,6 +118,26 @@ impl Repairs<'_> {
                 self.declare_codel(function, path)
             }
         }
+    }
+
+    /// The repairs of a finding, the best first. Where some change what the specification allows and others what the code
+    /// does, the side that was changed last is meant: the other one follows it.
+    pub fn ordered<'d>(&self, drift: &'d Drift) -> Vec<&'d Repair> {
+        let mut out: Vec<&Repair> = drift.repairs.iter().collect();
+        let code = out.iter().filter(|it| it.changes_code()).count();
+        if code > 0 && code < out.len() && self.specification_is_newer(drift) {
+            out.sort_by_key(|it| !it.changes_code());
+        }
+        out
+    }
+
+    /// Whether the specification has been changed after the source.
+    fn specification_is_newer(&self, drift: &Drift) -> bool {
+        let specification = drift.spec.first().and_then(|it| self.locations.locate(*it));
+        let changed = |it: &Utf8Path| self.text.changed(it);
+        let specification = specification.and_then(|it| changed(&it.path));
+        let source = drift.source.as_ref().and_then(|it| changed(&it.path));
+        specification.zip(source).is_some_and(|(a, b)| a > b)
     }
 
     /// Renames a codel and its function, in every place of the specification and of the sources.

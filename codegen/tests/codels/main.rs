@@ -3,6 +3,7 @@
 
 mod clone;
 mod detect;
+mod directions;
 mod example;
 mod golden;
 mod project;

@@ -23,7 +23,9 @@ use dotgen_codegen::codels::allow;
 use dotgen_codegen::codels::command::{Side, diagnostics};
 use dotgen_codegen::codels::drift::{Drift, Repair};
 use dotgen_codegen::codels::expected::Expected;
-use dotgen_codegen::codels::files::{Files, FilesConfig, IndexedFile, Sources as SourceFiles};
+use dotgen_codegen::codels::files::{
+    Changed, Files, FilesConfig, IndexedFile, Sources as SourceFiles,
+};
 use dotgen_codegen::codels::folder::{self, Folder};
 use dotgen_codegen::codels::repair::Repairs;
 use dotgen_codegen::codels::stub::StubOptions;
@@ -31,7 +33,7 @@ use dotgen_codegen::template::notice;
 use rustc_hash::FxHasher;
 
 use super::language::{Language, answered_by};
-use crate::files::vfs;
+use crate::files::{history, vfs};
 use crate::protocol::types::{
     self, CodeActionParams, CodeActionResponse, CodeLens, CodeLensParams, ReferenceParams,
 };
@@ -80,6 +82,10 @@ impl Files for Disk {
                 .collect()
         })
     }
+
+    fn changed(&self, path: &Utf8Path) -> Option<Changed> {
+        history::changed(path).map(Changed::At)
+    }
 }
 
 /// The files of a snapshot. After a cancellation nothing can be read.
@@ -124,6 +130,14 @@ impl Files for Texts<'_> {
                 Some(listing)
             }
             None => (!open.is_empty()).then_some(open),
+        }
+    }
+
+    fn changed(&self, path: &Utf8Path) -> Option<Changed> {
+        let is_saved = || self.read(path).as_deref() == Disk.read(path).as_deref();
+        match self.snapshot.open.contains_key(path) && !is_saved() {
+            true => Some(Changed::Unsaved),
+            false => Disk.changed(path),
         }
     }
 }

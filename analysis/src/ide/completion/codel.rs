@@ -14,7 +14,7 @@ use crate::{
         SymbolKind,
         context::{BodyKind, Context, Word},
     },
-    model::{Codel, Component, ComponentKind},
+    model::{Codel, Component, ComponentKind, fsm},
 };
 
 /// After `codel`.
@@ -170,12 +170,15 @@ fn states(
             .any(|it| it == state);
         let kind = CompletionKind::Symbol(SymbolKind::State);
         let definition = names.state(state);
+        // What would go round without a pause is most likely meant to pause.
+        let closes = yields && !paused && machine.closing.iter().any(|it| it == state);
+        let rank = u8::from(yields && !has_codel && !paused);
+        let (plain, pausing) = if closes { (2, rank) } else { (rank, 2) };
         if !used(state, paused) {
-            out.add(state, kind, u8::from(yields && !has_codel && !paused))
-                .definition = definition;
+            out.add(state, kind, plain).definition = definition;
         }
         if yields && !paused && !used(state, true) {
-            out.add(format!("pause::{state}"), kind, 2).definition = definition;
+            out.add(format!("pause::{state}"), kind, pausing).definition = definition;
         }
     }
     if yields && !paused && !used("ether", false) {
@@ -240,6 +243,8 @@ struct Machine {
     here: Vec<SmolStr>,
     /// Led to from some codel.
     targets: Vec<SmolStr>,
+    /// A transition there from the codel that the cursor is in would close a cycle without pause.
+    closing: Vec<SmolStr>,
     activity: bool,
     /// Of an interface: the component may have more codels.
     open: bool,
@@ -254,6 +259,7 @@ impl Machine {
             implemented: Vec::new(),
             here: written_triggers(context.current()),
             targets: Vec::new(),
+            closing: Vec::new(),
             activity: body == BodyKind::Activity,
             open: false,
         };
@@ -274,6 +280,11 @@ impl Machine {
                 for codel in codels {
                     machine.codel(codel, names.is_around(codel.node));
                 }
+                let known = fsm::Machine::new(codels);
+                let here = |it: &str| machine.here.iter().any(|here| here == it);
+                let states = machine.states.iter().chain(&machine.here);
+                let closing = states.filter(|it| known.reaches_without_pause(it, here));
+                machine.closing = closing.cloned().collect();
             }
         }
         machine

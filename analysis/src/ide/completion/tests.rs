@@ -202,7 +202,7 @@ fn states_of_the_machine() {
     );
     check(
         &in_arm("task u { codel<start> f() yield $0"),
-        "start | ether | pause::start | pause::",
+        "pause::start | ether | start | pause::",
     );
     has(
         &in_arm("task u { codel<start> f() yield start, $0"),
@@ -215,17 +215,24 @@ fn states_of_the_machine() {
     // The next codel is not a state.
     check(
         &in_arm("task u { codel<start> f() yield $0\n codel<go> g() yield ether; };"),
-        "start | go | ether | pause::start | pause::go | pause::",
+        "pause::start | go | ether | start | pause::go | pause::",
     );
     check(&in_arm("task u { codel<start> f() $0"), "yield | wcet");
     // What the execution time is said with is no state.
     check(
         &in_arm("task u { codel<start> f() yield $0 wcet 3 us; codel<go> g() yield ether; };"),
-        "go | start | ether | pause::go | pause::start | pause::",
+        "go | pause::start | ether | pause::go | start | pause::",
     );
     check(
         &in_arm("task u { codel<start> f() yield go, $0 wcet 3 us; codel<go> g() yield ether; };"),
-        "start | ether | pause::go | pause::start | pause::",
+        "pause::start | ether | pause::go | start | pause::",
+    );
+    // Round by way of others.
+    check(
+        &in_arm(
+            "task u { codel<start> f() yield go; codel<go> g() yield $0; codel<on> h() yield go; };",
+        ),
+        "pause::start | pause::go | pause::on | ether | start | go | on | pause::",
     );
     has(
         &in_arm("const long N = 1; task u { codel<start> f() yield $0 wcet N * 2 us; };"),

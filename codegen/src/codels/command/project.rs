@@ -14,7 +14,7 @@ use crate::codels::{
     allow,
     drift::Drift,
     expected::Expected,
-    files::{Files, FilesConfig, Indexes, Sources},
+    files::{Changed, Files, FilesConfig, Indexes, Sources},
     folder::{self, Folder},
     repair::Repairs,
     stub::StubOptions,
@@ -177,5 +177,9 @@ impl Files for Project<'_> {
             }
             None => (!below.is_empty()).then_some(below),
         }
+    }
+
+    fn changed(&self, path: &Utf8Path) -> Option<Changed> {
+        self.files.changed(path)
     }
 }

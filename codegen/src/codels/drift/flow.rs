@@ -1,11 +1,13 @@
 //! Events that are returned and exceptions that are raised, against what the specification allows.
 
-use dotgen_analysis::model::{CodelKind, CodelRef, TypeId};
+use dotgen_analysis::model::fsm::Machine;
+use dotgen_analysis::model::{CodelKind, CodelRef, TypeId, TypeKind};
+use dotgen_syntax::near::nearest;
 use rustc_hash::FxHashSet;
 use smol_str::SmolStr;
 
 use super::finding::{Differing, States};
-use super::{Check, Drift, Found, Repair};
+use super::{Check, Drift, Found, Repair, Respelling};
 use crate::codels::{
     expected::{Expected, cut_tag, state_text},
     source::{Body, Call, Span, Value},
@@ -14,6 +16,9 @@ use crate::lang::Language;
 
 /// How many helpers deep a returned value is followed.
 const HELPERS: usize = 4;
+
+/// How many declared events or exceptions are offered instead of one that is not.
+const WAYS: usize = 3;
 
 /// What is known about what the definitions of one codel return.
 #[derive(Default)]
@@ -248,10 +253,107 @@ impl Flow<'_> {
         drift.found = Some(event.to_owned());
         for &at in &self.check.function.uses {
             if let Some(state) = self.reachable_state(at, event) {
+                drift.repairs.extend(self.paused_yield(at, &state, event));
                 drift.repairs.push(Repair::AddYield { at, state });
             }
         }
+        let declared = self.returnable(event).into_iter();
+        let declared = declared.filter_map(|it| self.returning(event, &it));
+        for way in declared.map(Repair::ReturnDeclared) {
+            if !drift.repairs.contains(&way) {
+                drift.repairs.push(way);
+            }
+        }
         drift
+    }
+
+    /// The pause before a state, with its yield where that is not there, if without one the machine would be in a cycle that does not pause.
+    fn paused_yield(&self, at: CodelRef, state: &str, event: &str) -> Option<Repair> {
+        let component = self.expected().component();
+        let machine = Machine::new(component.codels_of(at.owner));
+        let own = &component.codel(at).triggers;
+        let is_own = |it: &str| own.iter().any(|own| own.name == it);
+        if state.starts_with("pause::") || !machine.reaches_without_pause(state, is_own) {
+            return None;
+        }
+        let paused = self.expected().paused(event)?;
+        let returns = self.returning(event, &paused)?;
+        let mut yields = component.codel(at).yields.iter();
+        Some(match yields.any(|it| it.paused && it.name == state) {
+            true => Repair::ReturnDeclared(returns),
+            false => Repair::AddPausedYield {
+                at,
+                state: state.to_owned(),
+                returns,
+            },
+        })
+    }
+
+    /// Events that the function may return instead of one: the nearest by name first. Those that it returns nowhere
+    /// yet go alone, if there are some.
+    fn returnable(&self, event: &str) -> Vec<SmolStr> {
+        let expected = self.expected();
+        let component = expected.component();
+        let mut all: Vec<SmolStr> = Vec::new();
+        for &at in &self.check.function.uses {
+            let codel = component.codel(at);
+            let yields = codel.yields.iter().map(|it| expected.spelling(it.event));
+            match codel.kind {
+                CodelKind::Fsm => all.extend(yields),
+                _ => all.push(expected.ok().into()),
+            }
+        }
+        let mut seen = FxHashSet::default();
+        all.retain(|it| it != event && seen.insert(it.clone()));
+        let unused = |it: &SmolStr| !self.returned_places(it).next().is_some();
+        if all.iter().any(unused) {
+            all.retain(unused);
+        }
+        let near = nearest(event, all.iter().map(SmolStr::as_str)).map(SmolStr::from);
+        all.sort_by_key(|it| Some(it) != near.as_ref());
+        all.truncate(WAYS);
+        all
+    }
+
+    /// Where the function returns an event, by its name.
+    fn returned_places<'s>(&'s self, event: &'s str) -> impl Iterator<Item = &'s Span> {
+        let values = self.body.returns.iter().flat_map(|it| &it.values);
+        values.filter_map(move |it| match it {
+            Value::Name { name, span, .. } => {
+                (self.event(name).as_deref() == Some(event)).then_some(span)
+            }
+            _ => None,
+        })
+    }
+
+    /// Another event where the function returns one by its name; `None` when it comes from a helper.
+    fn returning(&self, event: &str, to: &str) -> Option<Respelling> {
+        self.respelled(self.returned_places(event), event, to)
+    }
+
+    /// Another name at some places of the function, as short as the one that stands there.
+    fn respelled<'s>(
+        &self,
+        places: impl Iterator<Item = &'s Span>,
+        from: &str,
+        to: &str,
+    ) -> Option<Respelling> {
+        let text = &self.found.file.text;
+        let mut out: Vec<(Span, String)> = Vec::new();
+        for span in places {
+            let written = text.get(span.clone())?;
+            let left_out = from.strip_suffix(written).unwrap_or_default();
+            let short = to.strip_prefix(left_out).unwrap_or(to).to_owned();
+            if out.iter().all(|it| it.0 != *span) {
+                out.push((span.clone(), short));
+            }
+        }
+        (!out.is_empty()).then(|| Respelling {
+            function: self.check.function.name.clone(),
+            path: self.found.file.path.clone(),
+            places: out,
+            to: to.to_owned(),
+        })
     }
 
     /// The state that an event stands for, if the state machine of the codel has it.
@@ -363,7 +465,46 @@ impl Flow<'_> {
                 drift.repairs.push(Repair::AddThrow { owner, exception });
             }
         }
+        let declared = self.raisable(name, exception).into_iter();
+        let declared = declared.filter_map(|it| self.raising(name, &it));
+        drift.repairs.extend(declared.map(Repair::RaiseDeclared));
         drift
+    }
+
+    /// Declared exceptions that can be raised instead of one with the same arguments: those without details, as others
+    /// have types of their own.
+    fn raisable(&self, name: &str, exception: Option<TypeId>) -> Vec<SmolStr> {
+        let expected = self.expected();
+        let is_plain = |it: TypeId| match &expected.spec.ty(it).kind {
+            TypeKind::Exception { members } => members.is_empty(),
+            _ => false,
+        };
+        let mut calls = self.body.calls.iter();
+        let plain = match exception {
+            Some(it) => is_plain(it),
+            // In C, the context is all that it is given.
+            None => calls.any(|it| it.name == name && it.arguments == 1),
+        };
+        let throws = self.check.function.throws.iter().copied();
+        let throws = throws.filter(|&it| plain && is_plain(it) && Some(it) != exception);
+        let mut all: Vec<SmolStr> = throws.map(|it| expected.spelling(it)).collect();
+        all.sort();
+        let near = nearest(name, all.iter().map(SmolStr::as_str)).map(SmolStr::from);
+        all.sort_by_key(|it| Some(it) != near.as_ref());
+        all.truncate(WAYS);
+        all
+    }
+
+    /// Another exception where the function raises one itself.
+    fn raising(&self, name: &str, to: &str) -> Option<Respelling> {
+        let throws = self.body.throws.iter().map(|it| (&it.name, &it.span));
+        let calls = self.body.calls.iter().map(|it| (&it.name, &it.span));
+        let places = throws.chain(calls).filter(|it| it.0 == name);
+        let from = match self.exception(&name.into()) {
+            Some(it) => self.expected().spelling(it),
+            None => name.into(),
+        };
+        self.respelled(places.map(|it| it.1), &from, to)
     }
 
     fn owners(&self) -> String {
@@ -414,6 +555,19 @@ fn never_yielded(
             drift.expected = Some(event.to_string());
             if codel.yields.len() > 1 {
                 drift.repairs.push(Repair::RemoveYield { at, index });
+            }
+            // What the code returns and may not, may have been meant for this.
+            let mut others: Vec<&SmolStr> = outcome.returned.iter().collect();
+            others.retain(|it| !check.function.returns.contains(*it));
+            others.sort();
+            for found in definitions {
+                let Some(body) = &found.function.body else {
+                    continue;
+                };
+                let found = *found;
+                let flow = Flow { check, found, body };
+                let ways = others.iter().filter_map(|it| flow.returning(it, &event));
+                drift.repairs.extend(ways.map(Repair::ReturnDeclared));
             }
             out.push(drift);
         }

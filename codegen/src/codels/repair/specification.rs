@@ -6,6 +6,7 @@
 use std::{ops::Range, sync::Arc};
 
 use camino::Utf8PathBuf;
+use dotgen_analysis::lists::appended;
 use dotgen_analysis::model::{CodelRef, Owner, Src, State, TypeId};
 
 use super::Repairs;
@@ -47,14 +48,18 @@ impl Repairs<'_> {
     }
 
     pub(super) fn add_yield(&self, at: CodelRef, state: &str) -> Option<Edit> {
-        let codel = self.expected.component().codel(at);
-        let last = self.state(codel.yields.last()?)?;
+        let yields = &self.expected.component().codel(at).yields;
+        let last = self.state(yields.last()?)?;
+        // What a macro has written tells nothing of how the list is laid out.
+        let items: Option<Vec<Range<usize>>> = yields
+            .iter()
+            .map(|it| Some(self.state(it).filter(|it| it.path == last.path)?.range))
+            .collect();
+        let items = items.unwrap_or_else(|| vec![last.range.clone()]);
         let mut edit = Edit::default();
-        edit.replace(
-            &last.path,
-            last.range.end..last.range.end,
-            format!(", {state}"),
-        );
+        for (range, text) in appended(&last.text, &items, state) {
+            edit.replace(&last.path, range, text);
+        }
         Some(edit)
     }
 
@@ -91,10 +96,12 @@ impl Repairs<'_> {
         let (at, body) = self.body(owner)?;
         let name = self.exception_name(exception);
         let mut edit = Edit::default();
-        if let Some(end) = property_end(&at.text, body.clone(), &["throw", "throws"]) {
-            edit.replace(&at.path, end..end, format!(", {name}"));
-        } else {
+        let items = property_items(&at.text, body.clone(), &["throw", "throws"]);
+        if items.is_empty() {
             self.add_property(&at, body, &format!("throw {name};"), &mut edit);
+        }
+        for (range, text) in appended(&at.text, &items, &name) {
+            edit.replace(&at.path, range, text);
         }
         Some(edit)
     }
@@ -230,26 +237,37 @@ fn body_after(text: &str, from: usize) -> Option<Range<usize>> {
     None
 }
 
-/// Where the value of the last of some properties of a body ends: before its `;`.
-fn property_end(text: &str, body: Range<usize>, names: &[&str]) -> Option<usize> {
-    let text = text.get(..body.end)?;
-    let (mut first, mut inside, mut found, mut end) = (true, false, None, body.start);
+/// The values in the list of the last of some properties of a body.
+fn property_items(text: &str, body: Range<usize>, names: &[&str]) -> Vec<Range<usize>> {
+    let text = text.get(..body.end).unwrap_or_default();
+    let (mut first, mut inside, mut next) = (true, false, true);
+    let (mut found, mut items): (Vec<Range<usize>>, Vec<Range<usize>>) = Default::default();
     for (at, token) in (Scan {
         text,
         at: body.start,
     }) {
-        if token == ";" {
-            if inside {
-                found = Some(end);
+        match token {
+            ";" => {
+                if inside {
+                    found = std::mem::take(&mut items);
+                }
+                (first, inside) = (true, false);
             }
-            (first, inside) = (true, false);
-            continue;
+            _ if first => {
+                (inside, next) = (names.contains(&token), true);
+                first = false;
+            }
+            "," => next = true,
+            _ if inside => {
+                let end = at + token.len();
+                match items.last_mut().filter(|_| !next) {
+                    Some(item) => item.end = end,
+                    None => items.push(at..end),
+                }
+                next = false;
+            }
+            _ => {}
         }
-        if first {
-            inside = names.contains(&token);
-            first = false;
-        }
-        end = at + token.len();
     }
     found
 }
@@ -268,10 +286,12 @@ mod tests {
     }
 
     #[test]
-    fn properties_end_before_their_semicolon() {
-        let text = "{ doc \"throw x;\"; throw a,\n  b /* c */ ; codel f(); }";
-        let end = property_end(text, 1..text.len() - 1, &["throw"]).unwrap();
-        assert!(text[..end].ends_with("  b"));
-        assert_eq!(property_end(text, 1..text.len() - 1, &["validate"]), None);
+    fn the_values_of_a_property_are_found() {
+        let text = "{ doc \"throw x;\"; throw a,\n  b::c /* c */ ; codel f(); }";
+        let body = 1..text.len() - 1;
+        let items = property_items(text, body.clone(), &["throw"]);
+        let items: Vec<&str> = items.into_iter().map(|it| &text[it]).collect();
+        assert_eq!(items, ["a", "b::c"]);
+        assert_eq!(property_items(text, body, &["validate"]), []);
     }
 }

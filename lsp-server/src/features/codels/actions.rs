@@ -152,13 +152,17 @@ impl Work<'_> {
             Ok(())
         };
         let name = |at: CodelRef| expected.component().codel(at).name.as_str();
-        for (rank, repair) in drift.repairs.iter().enumerate() {
+        let ordered = repairs.ordered(drift);
+        let only = |it: &Repair| {
+            ordered.len() == 1 && !matches!(it, Repair::RemoveYield { .. }) && !it.is_choice()
+        };
+        for &repair in &ordered {
             if let Some(edit) = repairs.edit(repair) {
                 let written = match repair {
                     Repair::Stub { at } => Some(name(*at)),
                     _ => None,
                 };
-                push(repairs.title(repair), &edit, written, rank == 0)?;
+                push(repairs.title(repair), &edit, written, only(repair))?;
             }
             if let Repair::Stub { at } = repair {
                 for (title, codels) in more_stubs(&repairs, at.owner) {

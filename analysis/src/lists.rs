@@ -1,0 +1,162 @@
+//! Lists with commas (`yield`, `throw`, parameters), extended as their author has laid them out.
+
+use std::ops::Range;
+
+/// A line of a list that is longer than this is broken where other lines of the list are.
+const LONG: usize = 80;
+
+/// The insertions that put an item behind the last of a list: with the separator, the line break and the indentation
+/// that stand between the others, and with a comment left at the item that it is about. `items` are the ranges of the
+/// items in text order; nothing for an empty list.
+pub fn appended(text: &str, items: &[Range<usize>], item: &str) -> Vec<(Range<usize>, String)> {
+    let Some(last) = items.last() else {
+        return Vec::new();
+    };
+    let separators: Vec<Separator> = items
+        .windows(2)
+        .filter_map(|it| Separator::read(text.get(it[0].end..it[1].start)?))
+        .collect();
+    let start_of_line = |at: usize| text[..at].rfind('\n').map_or(0, |it| it + 1);
+    let mut separator = separators.last().cloned().unwrap_or_default();
+    let column = last.end - start_of_line(last.end);
+    if !separator.breaks()
+        && column + 2 + item.len() > LONG
+        && let Some(broken) = separators.iter().rev().find(|it| it.breaks())
+    {
+        separator = broken.clone();
+    }
+    let Separator { before, after } = separator;
+    let behind = text.get(last.end..).unwrap_or_default();
+    let blanks = behind.len() - behind.trim_start_matches([' ', '\t']).len();
+    let comment = &behind[blanks..];
+    let here = |at: usize, text: String| (at..at, text);
+    if comment.starts_with("//") {
+        let end = comment.find(['\r', '\n']).unwrap_or(comment.len());
+        let end = last.end + blanks + end;
+        if before.contains('\n') {
+            return vec![here(end, format!("{before},{after}{item}"))];
+        }
+        let line = match after.contains('\n') {
+            true => after,
+            // Below the item before.
+            false => format!("\n{}", " ".repeat(last.start - start_of_line(last.start))),
+        };
+        return vec![here(last.end, ",".to_owned()), here(end, line + item)];
+    }
+    let length = comment.strip_prefix("/*").and_then(|it| it.find("*/"));
+    let inline = length.filter(|it| !comment[..*it].contains('\n'));
+    let at = inline.map_or(last.end, |it| last.end + blanks + it + 4);
+    vec![here(at, format!("{before},{after}{item}"))]
+}
+
+/// The blanks around a comma.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Separator {
+    before: String,
+    after: String,
+}
+
+impl Default for Separator {
+    fn default() -> Separator {
+        Separator {
+            before: String::new(),
+            after: " ".to_owned(),
+        }
+    }
+}
+
+impl Separator {
+    /// What stands between two items, without its comments; `None` if that is more than a comma.
+    fn read(gap: &str) -> Option<Separator> {
+        let mut sides = [String::new(), String::new()];
+        let (mut side, mut rest) = (0, gap);
+        while let Some(first) = rest.chars().next() {
+            let length = match first {
+                '/' if rest.starts_with("//") => rest.find('\n').unwrap_or(rest.len()),
+                '/' if rest.starts_with("/*") => rest.find("*/")? + 2,
+                ',' if side == 0 => {
+                    side = 1;
+                    1
+                }
+                it if it.is_whitespace() => {
+                    if it != '\r' {
+                        sides[side].push(it);
+                    }
+                    it.len_utf8()
+                }
+                _ => return None,
+            };
+            rest = &rest[length..];
+        }
+        let [before, after] = sides.map(|it| match it.rfind('\n') {
+            // Neither empty lines nor the blanks in front of a comment.
+            Some(at) => it[at..].to_owned(),
+            None => it.get(..1).unwrap_or_default().to_owned(),
+        });
+        (side == 1).then_some(Separator { before, after })
+    }
+
+    fn breaks(&self) -> bool {
+        self.before.contains('\n') || self.after.contains('\n')
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The list of the words `a1`, `b2`, … in a text, with `new` behind the last.
+    #[track_caller]
+    fn check(text: &str, wanted: &str) {
+        let mut items = Vec::new();
+        let mut at = 0;
+        while let Some(found) = text[at..].find(|it: char| it.is_ascii_digit()) {
+            items.push(at + found - 1..at + found + 1);
+            at += found + 1;
+        }
+        let mut out = text.to_owned();
+        for (range, insert) in appended(text, &items, "new").into_iter().rev() {
+            out.replace_range(range, &insert);
+        }
+        assert_eq!(out, wanted);
+    }
+
+    #[test]
+    fn an_item_follows_as_the_others_do() {
+        check("yield a1;", "yield a1, new;");
+        check("yield a1,b2;", "yield a1,b2,new;");
+        check("yield a1,\n      b2;", "yield a1,\n      b2,\n      new;");
+        check("yield a1\n  , b2;", "yield a1\n  , b2\n  , new;");
+        check("yield a1,\n\n\tb2\n;", "yield a1,\n\n\tb2,\n\tnew\n;");
+    }
+
+    #[test]
+    fn comments_stay_at_their_items() {
+        check(
+            "yield a1, // one\n      b2; // two",
+            "yield a1, // one\n      b2,\n      new; // two",
+        );
+        check(
+            "yield a1, // one\n      b2 // two\n  ;",
+            "yield a1, // one\n      b2, // two\n      new\n  ;",
+        );
+        check("yield a1 // one\n;", "yield a1, // one\n      new\n;");
+        check("yield a1 /* one */;", "yield a1 /* one */, new;");
+        check(
+            "a1 // one\n, b2 // two\n;",
+            "a1 // one\n, b2 // two\n, new\n;",
+        );
+    }
+
+    #[test]
+    fn a_line_that_gets_long_is_broken_as_others_are() {
+        let long = format!("a1,\n b2, {}c3;", " ".repeat(72));
+        check(&long, &long.replace(';', ",\n new;"));
+    }
+
+    #[test]
+    fn what_is_no_list_gets_a_comma() {
+        check("yield a1 x b2;", "yield a1 x b2, new;");
+        assert_eq!(appended("yield ;", &[], "new"), []);
+    }
+}

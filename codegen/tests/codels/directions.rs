@@ -1,0 +1,268 @@
+//! Both ways to bring yields and throws in order, and how lists of a specification are extended.
+
+use std::sync::Arc;
+use std::time::{Duration, SystemTime};
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_codegen::codels::command::{Project, SyncOptions, sync};
+use dotgen_codegen::codels::edit::apply;
+use dotgen_codegen::codels::files::{Changed, Files, FilesConfig};
+use dotgen_codegen::codels::repair::Repairs;
+use dotgen_codegen::codels::stub::StubOptions;
+
+use crate::project::host_over;
+use crate::support::{Fixture, Memory};
+
+const SPECIFICATION: &str = "/c.gen";
+const SOURCE: &str = "/codels/c_t_codels.c";
+
+/// The files of a fixture, of which one was changed last.
+struct Dated<'a> {
+    files: &'a Memory,
+    last: &'a str,
+}
+
+impl Files for Dated<'_> {
+    fn read(&self, path: &Utf8Path) -> Option<Arc<str>> {
+        Files::read(self.files, path)
+    }
+
+    fn list(&self, folder: &Utf8Path) -> Option<Vec<Utf8PathBuf>> {
+        self.files.list(folder)
+    }
+
+    fn changed(&self, path: &Utf8Path) -> Option<Changed> {
+        let seconds = if path == self.last { 2 } else { 1 };
+        Some(Changed::At(
+            SystemTime::UNIX_EPOCH + Duration::from_secs(seconds),
+        ))
+    }
+}
+
+/// The ways to mend each finding in their order, and what the first file that one touches becomes.
+fn ways(specification: &str, source: &str, last: &str) -> Vec<Vec<(String, String)>> {
+    let name = if specification.contains("lang") {
+        "c_t_codels.cc"
+    } else {
+        "c_t_codels.c"
+    };
+    let fixture = Fixture::new(specification, &[(name, source)]);
+    let expected = fixture.expected();
+    let stubs = StubOptions::default();
+    let files = Dated {
+        files: &fixture.files,
+        last,
+    };
+    let repairs = Repairs {
+        expected: &expected,
+        sources: &fixture.sources,
+        locations: &*fixture.unit.locations,
+        text: &files,
+        stubs: &stubs,
+    };
+    let found = fixture.check();
+    let of = |it| -> Vec<(String, String)> {
+        let ordered = repairs.ordered(it).into_iter();
+        let made = ordered.map(|it| {
+            let edit = repairs.edit(it).expect("the repair has an edit");
+            let texts = edit
+                .changed
+                .iter()
+                .map(|(path, edits)| apply(&files.read(path).expect("it is there"), edits));
+            (repairs.title(it), texts.collect())
+        });
+        made.collect()
+    };
+    found.iter().map(of).collect()
+}
+
+fn titles(specification: &str, source: &str, last: &str) -> Vec<Vec<String>> {
+    let all = ways(specification, source, last);
+    let titles = |it: Vec<(String, String)>| it.into_iter().map(|it| it.0).collect();
+    all.into_iter().map(titles).collect()
+}
+
+const MACHINE: &str = "component c {\n  task t {\n    codel<start> f() yield main, ether;\n    \
+     codel<main> g() yield pause::main, stop;\n    codel<stop> h() yield ether;\n  };\n};\n";
+
+/// The codels of [`MACHINE`]; `f` returns what is wanted.
+fn machine(returned: &str) -> String {
+    format!(
+        "genom_event f(const genom_context self) {{ if (1) return {returned}; return c_ether; }}\n\
+         genom_event g(const genom_context self) {{ if (1) return c_pause_main; return c_stop; }}\n\
+         genom_event h(const genom_context self) {{ return c_ether; }}\n"
+    )
+}
+
+#[test]
+fn what_was_changed_last_is_meant() {
+    let declare = "Add `yield stop` to codel `f`";
+    let comply = "Return `c_main` from `f`";
+    let drop = "Remove `main` from the yields of codel `f`";
+    let code = machine("c_stop");
+    assert_eq!(
+        titles(MACHINE, &code, SOURCE),
+        [[declare, comply], [drop, comply]]
+    );
+    assert_eq!(
+        titles(MACHINE, &code, SPECIFICATION),
+        [[comply, declare], [comply, drop]]
+    );
+    // Nobody knows.
+    assert_eq!(titles(MACHINE, &code, "")[0], [declare, comply]);
+    let after = &ways(MACHINE, &code, SPECIFICATION)[0][0].1;
+    assert_eq!(*after, machine("c_main"));
+}
+
+#[test]
+fn an_event_that_is_misspelt_is_the_nearest_declared_one() {
+    let found = titles(MACHINE, &machine("c_mian"), SOURCE);
+    assert_eq!(found[0], ["Return `c_main` from `f`"]);
+}
+
+#[test]
+fn names_stay_as_short_as_they_are() {
+    let specification = "component c {\n  lang \"c++\";\n  task t {\n    codel<start> f() yield main, ether;\n    \
+         codel<main> g() yield ether;\n  };\n};\n";
+    let source = |event: &str| {
+        format!(
+            "using namespace c;\ngenom::event f() {{ if (1) return {event}; return ether; }}\n\
+             genom::event g() {{ return ether; }}\n"
+        )
+    };
+    let found = ways(specification, &source("start"), SPECIFICATION);
+    assert_eq!(found[0][0].0, "Return `::c::main` from `f`");
+    assert_eq!(found[0][0].1, source("main"));
+    let found = ways(specification, &source("c::start"), SPECIFICATION);
+    assert_eq!(found[0][0].1, source("c::main"));
+}
+
+#[test]
+fn a_cycle_without_pause_is_offered_with_one_first() {
+    let code = machine("c_main").replace("return c_stop", "return c_main");
+    let all = ways(MACHINE, &code, SOURCE);
+    let titles: Vec<&str> = all[0].iter().map(|it| it.0.as_str()).collect();
+    // It pauses before `main` already, so that a pause is no new yield.
+    assert_eq!(titles[0], "Return `c_pause_main` from `g`", "{titles:?}");
+    assert!(titles.contains(&"Add `yield main` to codel `g`"));
+    let specification = MACHINE.replace("yield pause::main, stop", "yield stop");
+    let code = machine("c_main").replace("c_pause_main", "c_main");
+    let all = ways(&specification, &code, SOURCE);
+    let titles: Vec<&str> = all[0].iter().map(|it| it.0.as_str()).collect();
+    assert_eq!(
+        titles[..2],
+        [
+            "Add `yield pause::main` to codel `g`, and return `c_pause_main`",
+            "Add `yield main` to codel `g`"
+        ]
+    );
+    let both = format!(
+        "{}{}",
+        specification.replace("yield stop;", "yield stop, pause::main;"),
+        machine("c_main")
+    );
+    assert_eq!(all[0][0].1, both);
+}
+
+const THROWING: &str = "component c {\n  exception e_one, e_two;\n  exception e_more { long n; };\n  task t {\n    \
+     throw e_one;\n    codel<start> f() yield ether;\n  };\n};\n";
+
+#[test]
+fn exceptions_go_both_ways() {
+    let code = "genom_event f(const genom_context self) { if (1) return c_e_two(self); return c_ether; }\n";
+    let declare = "Add `throw e_two` to task `t`";
+    let comply = "Raise `c_e_one` in `f`";
+    assert_eq!(titles(THROWING, code, SOURCE), [[declare, comply]]);
+    let all = ways(THROWING, code, SPECIFICATION);
+    assert_eq!(all[0][0].0, comply);
+    assert_eq!(all[0][0].1, code.replace("c_e_two", "c_e_one"));
+    assert_eq!(
+        all[0][1].1,
+        THROWING.replace("throw e_one", "throw e_one, e_two")
+    );
+    // With details, another exception has another type of them.
+    let code = "genom_event f(const genom_context self) { c_e_more_detail d; if (1) return c_e_more(&d, self); return c_ether; }\n";
+    assert_eq!(
+        titles(THROWING, code, SOURCE),
+        [["Add `throw e_more` to task `t`"]]
+    );
+    // What is not declared at all.
+    let code =
+        "genom_event f(const genom_context self) { if (1) return c_e_on(self); return c_ether; }\n";
+    assert_eq!(titles(THROWING, code, SOURCE), [["Raise `c_e_one` in `f`"]]);
+}
+
+/// What `sync` makes of a specification and a source.
+fn synced(specification: &str, source: &str, last: &str) -> (String, String) {
+    let fixture = Fixture::new(specification, &[("c_t_codels.c", source)]);
+    let files = Dated {
+        files: &fixture.files,
+        last,
+    };
+    let mut over = crate::project::Overlay {
+        disk: false,
+        ..Default::default()
+    };
+    over.texts.extend(fixture.files.0.clone());
+    let mut host = host_over(Arc::new(over), Vec::new());
+    let mut project = Project::new(
+        &mut host,
+        &files,
+        FilesConfig::default(),
+        StubOptions::default(),
+    );
+    sync(
+        &mut project,
+        &[SPECIFICATION.into()],
+        &SyncOptions::default(),
+    );
+    let text = |path: &str| project.text(path.into()).unwrap_or_default().to_string();
+    (text(SPECIFICATION), text(SOURCE))
+}
+
+#[test]
+fn sync_takes_nothing_back_that_was_changed_last() {
+    let code = machine("c_stop");
+    let declared = MACHINE.replace("yield main, ether;", "yield main, ether, stop;");
+    assert_eq!(synced(MACHINE, &code, SOURCE), (declared, code.clone()));
+    // What the code is to do instead is for people to say.
+    let same = (MACHINE.to_owned(), code.clone());
+    assert_eq!(synced(MACHINE, &code, SPECIFICATION), same);
+}
+
+#[test]
+fn sync_makes_no_cycle_without_pause() {
+    let specification = MACHINE.replace("yield pause::main, stop", "yield stop");
+    let code = machine("c_main").replace("c_pause_main", "c_main");
+    assert_eq!(
+        synced(&specification, &code, SOURCE),
+        (specification, code.clone())
+    );
+}
+
+#[test]
+fn lists_are_extended_as_they_are_laid_out() {
+    let check = |list: &str, wanted: &str| {
+        let specification = MACHINE.replace("yield main, ether;", list);
+        let all = ways(&specification, &machine("c_stop"), SOURCE);
+        let declared = all[0].iter().find(|it| it.0.starts_with("Add"));
+        let declared = &declared.expect("it can be declared").1;
+        assert_eq!(*declared, MACHINE.replace("yield main, ether;", wanted));
+    };
+    check(
+        "yield main,\n          ether;",
+        "yield main,\n          ether,\n          stop;",
+    );
+    check("yield main,ether;", "yield main,ether,stop;");
+    check(
+        "yield main\n    , ether // the end\n    ;",
+        "yield main\n    , ether // the end\n    , stop\n    ;",
+    );
+    let throws = THROWING.replace("throw e_one;", "throws\n      e_one,\n      e_more;");
+    let code = "genom_event f(const genom_context self) { if (1) return c_e_two(self); return c_ether; }\n";
+    let all = ways(&throws, code, SOURCE);
+    assert_eq!(
+        all[0][0].1,
+        throws.replace("e_more;\n    codel", "e_more,\n      e_two;\n    codel")
+    );
+}
