@@ -21,6 +21,7 @@ pub mod glue;
 pub mod headers;
 pub mod hosted;
 pub mod links;
+mod mapping;
 pub mod rename;
 pub mod repair;
 pub mod source;

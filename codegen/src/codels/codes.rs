@@ -82,6 +82,15 @@ pub const CODES: &[CodelCode] = &[
         source: "/** Codel c_start of task t.\n *\n * Triggered by c_start.\n * Yields to c_ether.\n */\ngenom_event c_start(const genom_context self)\n{\n  return c_run;\n}\ngenom_event c_run(const genom_context self)\n{\n  return c_pause_run;\n}\n",
         fix: "Refresh the comment.",
     },
+    CodelCode {
+        code: DriftCode::UnknownMember,
+        meaning: "code that uses a member which its mapped type does not have",
+        why: "It does not compile. The member was renamed in the specification, or taken out of it.",
+        specification: "component c {\n  ids { double speed; };\n  function f() { codel c_f(inout ::ids); };\n};\n",
+        source: "genom_event c_f(c_ids *ids, const genom_context self)\n{\n  ids->sped = 1.;\n  return genom_ok;\n}\n",
+        fix: "Use the name that the specification has now; the quick fix changes it in all sources, where one member \
+              can be meant.",
+    },
 ];
 
 /// The entry of a kind.

@@ -6,6 +6,7 @@
 mod comment;
 pub mod finding;
 mod flow;
+mod members;
 mod orphan;
 mod signature;
 
@@ -42,11 +43,13 @@ pub enum DriftCode {
     Orphan,
     /// The comment of the skeleton is no longer true.
     StaleComment,
+    /// The code uses a member that its mapped type does not have.
+    UnknownMember,
 }
 
 impl DriftCode {
     /// Every kind.
-    pub const ALL: [DriftCode; 7] = [
+    pub const ALL: [DriftCode; 8] = [
         DriftCode::MissingDefinition,
         DriftCode::SignatureMismatch,
         DriftCode::UndeclaredYield,
@@ -54,6 +57,7 @@ impl DriftCode {
         DriftCode::UndeclaredThrow,
         DriftCode::Orphan,
         DriftCode::StaleComment,
+        DriftCode::UnknownMember,
     ];
 
     /// The kind of a difference.
@@ -70,6 +74,7 @@ impl DriftCode {
             }
             Differing::Orphan { .. } | Differing::Renamed { .. } => DriftCode::Orphan,
             Differing::StaleComment { .. } => DriftCode::StaleComment,
+            Differing::NoMember { .. } | Differing::FormerMember { .. } => DriftCode::UnknownMember,
         }
     }
 
@@ -83,6 +88,7 @@ impl DriftCode {
             DriftCode::UndeclaredThrow => "codel/undeclared-throw",
             DriftCode::Orphan => "codel/orphan",
             DriftCode::StaleComment => "codel/stale-comment",
+            DriftCode::UnknownMember => "codel/unknown-member",
         }
     }
 
@@ -196,6 +202,18 @@ pub enum Repair {
     ReturnDeclared(Respelling),
     /// Let a function raise an exception that is declared, where it raises one that is not.
     RaiseDeclared(Respelling),
+    /// Give a member the name that the specification has for it now, everywhere in the sources, and the parameters of
+    /// codels that are called after it.
+    FollowMember {
+        /// The mapped structure.
+        structure: Name,
+        /// Name in the sources.
+        from: Name,
+        /// Name in the specification.
+        to: Name,
+        /// Files and places.
+        places: Vec<(Utf8PathBuf, Range<usize>)>,
+    },
     /// Rename a function to the name of a codel, everywhere in the sources.
     RenameFunction {
         /// Present name.
@@ -295,6 +313,7 @@ pub fn check(all: &[Expected<'_>], sources: &Sources, options: &DriftOptions) ->
             flow::check(&check, &definitions, &mut out);
             comment::check(&check, &definitions, &mut out);
         }
+        members::check(expected, sources, options, &mut out);
     }
     let alone = |it: &&Found<'_>| !renamed.contains(&it.place());
     let certain = orphan::are_certain(all, options);

@@ -24,7 +24,7 @@ use super::{
     folder::Folder,
     source::{
         Generated, Span, comment, parse,
-        place::{is_declared, names_parameter, names_structure, opened, qualifiers},
+        place::{names_parameter, names_structure, opened, qualifiers, renamable},
         preorder,
         types::{Scope, Types, scopes},
     },
@@ -368,24 +368,9 @@ impl<'a> File<'a> {
             if named.is_none_or(|it| it.name.as_ref() != Some(&from)) {
                 continue;
             }
-            let mut places = Vec::new();
-            let (mut taken, mut declared) = (false, 0);
-            preorder(function, |node| {
-                if matches!(node.kind(), "identifier" | "preproc_arg") {
-                    let span = node.byte_range();
-                    let name = self.file.text.get(span.clone()).unwrap_or_default();
-                    taken |= name == to.as_str();
-                    if name == from.as_str() && qualifiers(node, &self.file.text).is_empty() {
-                        declared += usize::from(is_declared(node));
-                        places.push(span);
-                    }
-                }
-                true
-            });
-            if !taken && declared == 1 {
-                for span in places {
-                    self.edit(span, &to);
-                }
+            let grammar = self.file.index.grammar;
+            for span in renamable(&self.file.text, grammar, found, &from, &to) {
+                self.edit(span, &to);
             }
         }
     }

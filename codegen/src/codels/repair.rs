@@ -86,6 +86,12 @@ impl Repairs<'_> {
             ),
             Repair::ReturnDeclared(it) => format!("Return `{}` from `{}`", it.to, it.function),
             Repair::RaiseDeclared(it) => format!("Raise `{}` in `{}`", it.to, it.function),
+            Repair::FollowMember {
+                structure,
+                from,
+                to,
+                ..
+            } => format!("Rename member `{from}` of `{structure}` to `{to}` in the codels"),
             Repair::RenameFunction { from, to } => {
                 format!("Rename the function `{from}` to `{to}`")
             }
@@ -111,6 +117,13 @@ impl Repairs<'_> {
                 edit.merge(respelled(returns)).then_some(edit)
             }
             Repair::ReturnDeclared(it) | Repair::RaiseDeclared(it) => Some(respelled(it)),
+            Repair::FollowMember { to, places, .. } => {
+                let mut edit = Edit::default();
+                for (path, range) in places {
+                    edit.replace(path, range.clone(), to.as_str());
+                }
+                Some(edit)
+            }
             Repair::RenameFunction { from, to } => Some(self.rename_function(from, to)),
             Repair::RenameCodel { from, to } => self.rename_codel(from, to),
             Repair::DeclareCodel { path, start, .. } => {

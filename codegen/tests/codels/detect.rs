@@ -451,7 +451,7 @@ fn states_and_exceptions_go_where_they_belong() {
     let spec = task("", "", "main /* x */").replace("  task t", "  /* yield { ; */ task t");
     let (changed, _) = repaired(&spec, "c_t_codels.c", &format!("{G}{f}"));
     assert!(
-        changed.contains("codel<start> f() yield main, ether /* x */;"),
+        changed.contains("codel<start> f() yield main /* x */, ether;"),
         "{changed}"
     );
     let f = "genom_event f(const genom_context self) { if (g) return c_e_two(0, self); return c_main; }\n";

@@ -131,7 +131,7 @@ fn names_stay_as_short_as_they_are() {
         )
     };
     let found = ways(specification, &source("start"), SPECIFICATION);
-    assert_eq!(found[0][0].0, "Return `::c::main` from `f`");
+    assert_eq!(found[0][0].0, "Return `c::main` from `f`");
     assert_eq!(found[0][0].1, source("main"));
     let found = ways(specification, &source("c::start"), SPECIFICATION);
     assert_eq!(found[0][0].1, source("c::main"));

@@ -6,6 +6,7 @@ mod detect;
 mod directions;
 mod example;
 mod golden;
+mod members;
 mod project;
 mod rename;
 mod repair;

@@ -9,11 +9,11 @@ use smol_str::SmolStr;
 
 use crate::codels::{
     expected::{Expected, owner_words},
+    mapping,
     source::{Grammar, Span, parse, types},
     stub::types_header,
 };
-use crate::lang::{LangError, Language, MapObject};
-use dotgen_analysis::model::TypeId;
+use crate::lang::LangError;
 
 /// A name with the scopes that it is declared in, outermost first; C has none.
 pub(super) type Scoped = (Vec<SmolStr>, SmolStr);
@@ -55,19 +55,16 @@ impl std::fmt::Display for NoNames {
     }
 }
 
-/// The mapped types and the prototypes, without what only a compiler needs.
+/// The mapped types and the prototypes.
 fn mapping(expected: &Expected<'_>) -> Result<String, LangError> {
-    let all = (0..expected.spec.types.len() as u32).map(|it| MapObject::Type(TypeId(it)));
-    let mut out = expected.mapper().mapping(&all.collect::<Vec<_>>(), false)?;
+    let mut out = mapping::types(expected)?;
     out.push('\n');
     for function in &expected.functions {
         if let Ok(signature) = &function.signature {
             out += &format!("{signature};\n");
         }
     }
-    // A macro that the grammars would take for the declared name.
-    let blank = " ".repeat("genom_extern_weak".len());
-    Ok(out.replace("genom_extern_weak", &blank))
+    Ok(out)
 }
 
 impl Names {
@@ -75,10 +72,7 @@ impl Names {
     pub(super) fn new(before: &Expected<'_>, after: &Expected<'_>) -> Result<Names, NoNames> {
         let text = |it| mapping(it).map_err(|it| NoNames::Mapping(it.message));
         let (old, new) = (text(before)?, text(after)?);
-        let grammar = match before.language {
-            Language::Cxx => Grammar::Cxx,
-            _ => Grammar::C,
-        };
+        let grammar = mapping::grammar(before);
         let mut out = Names {
             grammar: Some(grammar),
             ..Names::default()

@@ -3,7 +3,7 @@
 use smol_str::SmolStr;
 use tree_sitter::Node;
 
-use super::preorder;
+use super::{Function, Grammar, Span, parse, preorder};
 
 /// The scopes that are written in front of a name: `a` and `b` of `a::b::c`.
 pub(crate) fn qualifiers(node: Node<'_>, text: &str) -> Vec<SmolStr> {
@@ -88,4 +88,52 @@ pub(crate) fn is_declared(node: Node<'_>) -> bool {
         }
     }
     false
+}
+
+/// The places of a parameter in a function: where it is declared and used. Empty when the function declares another
+/// variable of its name, or has the new name for something else.
+pub(crate) fn renamable(
+    text: &str,
+    grammar: Grammar,
+    function: &Function,
+    from: &str,
+    to: &str,
+) -> Vec<Span> {
+    let tree = parse(text, grammar);
+    let found = tree.as_ref().and_then(|tree| {
+        let span = &function.span;
+        let root = tree.root_node();
+        root.descendant_for_byte_range(span.start, span.end)
+    });
+    let mut places = Vec::new();
+    let (mut taken, mut declared) = (false, 0);
+    if let Some(node) = found {
+        preorder(node, |node| {
+            if matches!(node.kind(), "identifier" | "preproc_arg") {
+                let span = node.byte_range();
+                let name = text.get(span.clone()).unwrap_or_default();
+                taken |= name == to;
+                if name == from && qualifiers(node, text).is_empty() {
+                    declared += usize::from(is_declared(node));
+                    places.push(span);
+                }
+            }
+            true
+        });
+    }
+    if taken || declared != 1 {
+        places.clear();
+    }
+    places
+}
+
+/// Words that stand behind `.` or `->` in a text, or look so.
+pub(crate) fn field_words(text: &str) -> impl Iterator<Item = &str> {
+    let dots = text.match_indices('.').chain(text.match_indices("->"));
+    dots.filter_map(|(at, sign)| {
+        let rest = text.get(at + sign.len()..)?.trim_start();
+        let part = |it: char| it.is_alphanumeric() || it == '_';
+        let end = rest.find(|it| !part(it)).unwrap_or(rest.len());
+        (end > 0 && !rest.starts_with(|it: char| it.is_ascii_digit())).then(|| &rest[..end])
+    })
 }

@@ -53,6 +53,18 @@ impl Types {
         });
     }
 
+    /// Structures with their members.
+    pub(crate) fn structures(
+        &self,
+    ) -> impl Iterator<Item = (&SmolStr, &FxHashMap<SmolStr, CType>)> {
+        self.members.iter()
+    }
+
+    /// The members of a structure.
+    pub(crate) fn members_of(&self, structure: &str) -> Option<&FxHashMap<SmolStr, CType>> {
+        self.find(structure).map(|it| it.1)
+    }
+
     fn value(&mut self, name: SmolStr, ty: CType) {
         self.values
             .entry(name)
@@ -190,7 +202,7 @@ impl Types {
     }
 
     /// What `[]` and `*` give.
-    fn element(&self, ty: &CType) -> Option<CType> {
+    pub(crate) fn element(&self, ty: &CType) -> Option<CType> {
         let mut ty = self.canonical(ty);
         if matches!(ty.layers.first(), Some(Layer::Reference { .. })) {
             ty.layers.remove(0);
