@@ -142,13 +142,35 @@ fn comments_between_parameters_stay() {
 }
 
 #[test]
+fn parameters_stay_as_they_are_laid_out() {
+    // Each on a line of its own.
+    check(
+        "in w, inout v, in n",
+        "genom_event f (double  w,\n               double v,\n               genom_context self )\n{\n  return c_ether;\n}\n",
+        "genom_event f (double  w,\n               double *v,\n               int32_t n,\n               genom_context self )\n{\n  return c_ether;\n}\n",
+    );
+    // A line break of its own, and one parameter less.
+    check(
+        "in w",
+        "genom_event\nf(\n    double w\n  , double v\n  , genom_context self\n)\n{\n  return c_ether;\n}\n",
+        "genom_event\nf(\n    double w\n  , genom_context self\n)\n{\n  return c_ether;\n}\n",
+    );
+    // Comments stay where every parameter does.
+    check(
+        "in w, out v",
+        "genom_event f(double w, /* metres */ double v, // how far\n              genom_context self)\n{\n  return c_ether;\n}\n",
+        "genom_event f(double w, /* metres */ double *v, // how far\n              genom_context self)\n{\n  return c_ether;\n}\n",
+    );
+}
+
+#[test]
 fn a_parameter_that_is_gone_and_used_is_named() {
     let (text, report) = synced(
         "in n",
         "genom_event f(double v, int n, const genom_context self)\n{\n  use(v);\n  return c_ether;\n}\n",
     );
     assert!(
-        text.contains("f(int32_t n, const genom_context self)"),
+        text.contains("f(int n, const genom_context self)"),
         "{text}"
     );
     assert!(text.contains("use(v)"), "{text}");

@@ -116,7 +116,9 @@ impl Repairs<'_> {
             ),
             _ => text,
         };
-        let text = with_comments(file, function, &pairs, &text).unwrap_or(text);
+        let text = laid_out(file, function, wanted, &pairs, &text)
+            .or_else(|| with_comments(file, function, &pairs, &text))
+            .unwrap_or(text);
         let mut edit = Edit::default();
         if function.is_static {
             let start = function.span.start;
@@ -302,6 +304,69 @@ fn change(from: &CType, to: &CType) -> Change {
         (false, true) if pointer(from) => Change::ToValue,
         _ => Change::Same,
     }
+}
+
+/// The prototype as the function has it, with what changes in it: its head, parameters that stay, and what stands between
+/// them. A new parameter follows as the others do. `None` when comments would lose their parameter, or when the head
+/// changes.
+fn laid_out(
+    file: &IndexedFile,
+    function: &Function,
+    wanted: &[Parameter],
+    pairs: &[Pair],
+    prototype: &str,
+) -> Option<String> {
+    let text = &file.text;
+    let found = &function.parameters;
+    let (first, last) = (found.first()?, found.last()?);
+    let head = text.get(function.signature_span.start..first.span.start)?;
+    let tail = text.get(last.span.end..function.signature_span.end)?;
+    let open = prototype.find('(')?;
+    let declarations = split(prototype[open + 1..].strip_suffix(')')?);
+    if words(head) != words(&prototype[..=open]) || declarations.len() != pairs.len() {
+        return None;
+    }
+    let gaps = found.windows(2);
+    let gaps = gaps.map(|it| text.get(it[0].span.end..it[1].span.start));
+    let gaps: Vec<&str> = gaps.collect::<Option<_>>()?;
+    let is_plain = |it: &&str| !it.contains(['/', '#', '"']);
+    let kept = in_place(pairs, found.len());
+    if !kept && !gaps.iter().chain([&head, &tail]).all(is_plain) {
+        return None;
+    }
+    let mut out = head.to_owned();
+    for (index, ((pair, wanted), declaration)) in
+        pairs.iter().zip(wanted).zip(&declarations).enumerate()
+    {
+        if let Some(before) = index.checked_sub(1) {
+            let usual = gaps.last().copied().unwrap_or(", ");
+            out += gaps.get(before).copied().unwrap_or(usual);
+        }
+        let same = pair.found.map(|it| &found[it]).filter(|it| {
+            // What is given by value may be `const` or not.
+            let by_value = it.ty.layers.is_empty() && wanted.ty.layers.is_empty();
+            let same_type = it.ty == wanted.ty || by_value && it.ty.base == wanted.ty.base;
+            same_type && it.name.as_deref().unwrap_or_default() == pair.name
+        });
+        match same {
+            Some(same) => out += text.get(same.span.clone())?,
+            None => out += declaration,
+        }
+    }
+    Some(out + tail)
+}
+
+/// A text without its blanks, but for those that keep words apart.
+fn words(text: &str) -> String {
+    let mut out = String::new();
+    for word in text.split_whitespace() {
+        let part = |it: char| it.is_alphanumeric() || it == '_';
+        if out.ends_with(part) && word.starts_with(part) {
+            out.push(' ');
+        }
+        out += word;
+    }
+    out
 }
 
 /// The prototype with the comments that stand between the parameters, each parameter on a line of its
