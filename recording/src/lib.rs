@@ -13,5 +13,6 @@ pub mod matching;
 pub mod measured;
 pub mod monitor;
 pub mod propose;
+pub mod replay;
 pub mod statistics;
 pub mod trace;

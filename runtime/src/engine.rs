@@ -36,7 +36,10 @@ pub trait Watch {
     fn see(&mut self, stepper: &Stepper, seen: &Seen);
 
     /// Something is about to be done.
-    fn act(&mut self, now: u64, action: Action);
+    fn act(&mut self, stepper: &Stepper, action: Action);
+
+    /// Somebody outside interrupts the activity that has a place.
+    fn interrupt(&mut self, stepper: &Stepper, place: usize);
 
     /// Time has passed.
     fn moment(&mut self, stepper: &Stepper);
@@ -115,7 +118,7 @@ pub fn run(
             return End::Standstill;
         }
         let action = choose(actions, &works, decide, live.as_deref_mut(), &mut outcomes);
-        watch.act(stepper.now(), action);
+        watch.act(stepper, action);
         stepper.perform(action, &mut seen);
     }
 }

@@ -59,7 +59,7 @@ pub fn run(
         }
         seen.clear();
         live.accept(stepper, &mut told);
-        live.abort(stepper);
+        live.abort(stepper, watch);
         engine::tell_broken(stepper, live, watch);
         if watch.is_over() {
             return End::Stopped;
@@ -75,6 +75,7 @@ pub fn run(
                 return End::Standstill;
             }
             let action = engine::choose(&allowed, &works, decide, Some(live), &mut outcomes);
+            watch.act(stepper, action);
             stepper.perform(action, &mut seen);
             continue;
         }

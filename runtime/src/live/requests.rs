@@ -3,6 +3,7 @@
 use dotgen_timing::explore::{Stepper, Work};
 
 use super::{BLOCKED, Instance, Live};
+use crate::engine::Watch;
 use crate::hosts::{Answer, Call, Message};
 
 impl Live<'_> {
@@ -153,10 +154,11 @@ impl Live<'_> {
     }
 
     /// Interrupts what somebody outside wants no more.
-    pub fn abort(&mut self, stepper: &mut Stepper) {
+    pub fn abort(&mut self, stepper: &mut Stepper, watch: &mut dyn Watch) {
         for id in std::mem::take(&mut self.aborts) {
             let of = |it: &Option<Instance>| it.as_ref().is_some_and(|it| it.wanted == Some(id));
             if let Some(place) = self.places.iter().position(of) {
+                watch.interrupt(stepper, place);
                 stepper.interrupt(place);
             }
             let mut waiting = None;

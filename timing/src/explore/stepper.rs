@@ -9,7 +9,7 @@ use super::observe::{self, Observer};
 use super::rules::{Action, Enabled, Rules, with_rules};
 use super::state::{Clocks, Stages, State, TaskStatus, phase};
 use crate::property::Predicate;
-use crate::system::{Ticks, TimedSystem};
+use crate::system::{FOREVER, Ticks, TimedSystem};
 
 /// What is looked at along a run, beside jobs and ticks.
 #[derive(Debug, Clone, Default)]
@@ -182,6 +182,33 @@ impl<'s> Stepper<'s> {
         self.walk.decide(executor, time);
     }
 
+    /// What an executor takes a ticket or waits for, or executes; `None` if that is nothing.
+    pub fn work(&self, executor: usize) -> Option<Work> {
+        self.walk.work(executor)
+    }
+
+    /// The service that a client requests next, if its next step is a request.
+    pub fn requests(&self, client: usize) -> Option<usize> {
+        self.walk.requests(client)
+    }
+
+    /// How many executors there are.
+    pub fn executors(&self) -> usize {
+        self.walk.executors()
+    }
+
+    /// The least and the greatest time until what an executor executes may end, and must; `None` if it executes
+    /// nothing.
+    pub fn window(&self, executor: usize) -> Option<(Ticks, Ticks)> {
+        self.walk.window(executor)
+    }
+
+    /// Lets what an executor executes end from now on, and when it wants: nothing of the system does that, but
+    /// whoever follows another run may have to.
+    pub fn release(&mut self, executor: usize) {
+        self.walk.release(executor);
+    }
+
     /// How long nothing new is possible. `None`: nothing will ever happen again.
     pub fn next_moment(&self) -> Option<Ticks> {
         self.walk.next_moment(&|_| false)
@@ -250,6 +277,11 @@ trait Walk {
     fn possible(&self, out: &mut Enabled);
     fn perform(&mut self, action: Action, seen: &mut Vec<Seen>);
     fn decide(&mut self, executor: usize, time: Ticks);
+    fn work(&self, executor: usize) -> Option<Work>;
+    fn requests(&self, client: usize) -> Option<usize>;
+    fn executors(&self) -> usize;
+    fn window(&self, executor: usize) -> Option<(Ticks, Ticks)>;
+    fn release(&mut self, executor: usize);
     fn next_moment(&self, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks>;
     fn pass(&mut self, time: Ticks, seen: &mut Vec<Seen>);
     fn job(&self, task: usize) -> Option<Ticks>;
@@ -440,6 +472,34 @@ impl<R: Rules> Walk for Walker<R> {
         // A window within the window: fewer runs, all of them runs of the system.
         let time = time.clamp(a, b);
         l.set_window(&mut self.s, executor, (time, time));
+    }
+
+    fn work(&self, executor: usize) -> Option<Work> {
+        let known = executor < self.executors();
+        known.then(|| self.rules.work(&self.s, executor)).flatten()
+    }
+
+    fn requests(&self, client: usize) -> Option<usize> {
+        let at = self.rules.position(&self.s, client);
+        let client = self.rules.system().clients.get(client)?;
+        client.steps.get(at)?.requests()
+    }
+
+    fn executors(&self) -> usize {
+        self.rules.frame().executors()
+    }
+
+    fn window(&self, executor: usize) -> Option<(Ticks, Ticks)> {
+        let l = self.rules.frame();
+        let executes = executor < l.executors() && l.is_executing(&self.s, executor);
+        executes.then(|| l.window(&self.s, executor))
+    }
+
+    fn release(&mut self, executor: usize) {
+        if self.window(executor).is_some() {
+            let l = self.rules.frame();
+            l.set_window(&mut self.s, executor, (0, FOREVER));
+        }
     }
 
     fn next_moment(&self, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks> {

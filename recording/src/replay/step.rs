@@ -1,0 +1,233 @@
+//! A step of a recorded run, by names: what is recorded, and what a model can do, in the same words.
+
+use dotgen_timing::explore::{Action, Stepper, Work};
+use dotgen_timing::system::{TimedSystem, Yield};
+
+/// What an exception leads to.
+pub(super) const EXCEPTION: &str = "exception";
+
+/// The rule by which a step is done. The numbers are sections of the timed semantics.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize,
+)]
+#[serde(rename_all = "kebab-case")]
+pub enum Rule {
+    /// A tick comes (4, 21).
+    Tick,
+    /// A task is released (4).
+    Release,
+    /// A task gets a core (9).
+    Grant,
+    /// A thread takes the core of another (22).
+    Preempt,
+    /// Threads become ready in an order (22).
+    Ready,
+    /// A task begins a pass (21).
+    Pass,
+    /// A codel takes a ticket (21).
+    Ticket,
+    /// A codel gets its locks (6, 21).
+    Locks,
+    /// A codel ends: when, and with what (2, 5).
+    End,
+    /// A delay of a client ends (14).
+    Delay,
+    /// A task wakes the others of its component (21).
+    Wake,
+    /// A control task takes a request (7).
+    Request,
+    /// A control task has executed its codels, and replies (21).
+    Reply,
+    /// A control task handles the end of activities (7, 21).
+    Signal,
+    /// A component that was killed gets on with its end (18).
+    Shut,
+    /// A client goes on (14).
+    Proceed,
+    /// Somebody outside interrupts an activity.
+    Abort,
+}
+
+impl Rule {
+    /// The rule in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Rule::Tick => "ticks come each period, from the start of their clock",
+            Rule::Release => "a task is released by its tick",
+            Rule::Grant => "cores are granted by the policy",
+            Rule::Preempt | Rule::Ready => "the operating system gives cores by the policy",
+            Rule::Pass => "a task begins a pass when it is runnable",
+            Rule::Ticket => "a codel takes a ticket when its turn has come",
+            Rule::Locks => "a codel gets its locks when nobody has them, in the order of the queue",
+            Rule::End => "a codel ends within its time, with one of its yields",
+            Rule::Delay => "a delay ends within its time",
+            Rule::Wake => "a task wakes the others of its component when a pass ends",
+            Rule::Request => "a control task takes what a client sends, one request at a time",
+            Rule::Reply => "a control task replies when its codels have ended",
+            Rule::Signal => "the end of an activity is handled by the control task",
+            Rule::Shut => "a component that is killed ends what it executes",
+            Rule::Proceed => "a client goes on when what it waits for has come",
+            Rule::Abort => "an activity is interrupted by services that say so",
+        }
+    }
+}
+
+/// A step.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct Step {
+    /// Units of the system since the start.
+    pub time: u64,
+    /// The rule.
+    pub rule: Rule,
+    /// Whose step: a task, a component, a client.
+    pub of: String,
+    /// What it is about: a codel, a service, whom.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub what: String,
+    /// What it leads to: the yield of a codel, the next step of a client.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub to: String,
+}
+
+impl Step {
+    /// What an action that is possible would be.
+    pub fn new(system: &TimedSystem, stepper: &Stepper, action: Action) -> Step {
+        let task = |it: usize| system.task_path(it);
+        let component = |it: usize| system.components[it].name.clone();
+        let client = |it: usize| system.clients[it].name.clone();
+        let thread = |executor: usize| match stepper.work(executor) {
+            Some(work) => whose(system, &work),
+            None => format!("#{executor}"),
+        };
+        let what = |executor: usize| {
+            let work = stepper.work(executor);
+            work.map_or(String::new(), |it| about(system, &it))
+        };
+        let none = String::new;
+        let (rule, of, what, to) = match action {
+            Action::Tick { task: it } => (Rule::Tick, task(it), none(), none()),
+            Action::Release { task: it } => (Rule::Release, task(it), none(), none()),
+            Action::Grant { task: it } => (Rule::Grant, task(it), none(), none()),
+            Action::Begin { task: it } => (Rule::Pass, task(it), none(), none()),
+            Action::Wake { task: it } => (Rule::Wake, task(it), none(), none()),
+            Action::Ticket { executor } => {
+                (Rule::Ticket, thread(executor), what(executor), none())
+            }
+            Action::Acquire { executor } => {
+                (Rule::Locks, thread(executor), what(executor), none())
+            }
+            Action::Finish { executor, outcome } => {
+                let work = stepper.work(executor);
+                let rule = match work {
+                    Some(Work::Delay { .. }) => Rule::Delay,
+                    _ => Rule::End,
+                };
+                let to = work.map_or(none(), |it| outcome_of(system, &it, outcome));
+                (rule, thread(executor), what(executor), to)
+            }
+            Action::Preempt { executor, by } => {
+                (Rule::Preempt, format!("#{by}"), format!("#{executor}"), none())
+            }
+            Action::Ready { executor } => (Rule::Ready, format!("#{executor}"), none(), none()),
+            Action::Reply { component: it } => (Rule::Reply, component(it), none(), none()),
+            Action::Shut { component: it } => (Rule::Shut, component(it), none(), none()),
+            Action::Signal { component: it } => (Rule::Signal, component(it), none(), none()),
+            Action::Proceed { client: it, next } => {
+                (Rule::Proceed, client(it), none(), next.to_string())
+            }
+            Action::Request { client: it, next } => {
+                let what = stepper.requests(it);
+                let what = what.map_or(none(), |it| system.service_path(it));
+                (Rule::Request, client(it), what, next.to_string())
+            }
+            // No step of a run.
+            Action::Mark { .. } => (Rule::Proceed, none(), none(), none()),
+        };
+        Step {
+            time: stepper.now(),
+            rule,
+            of,
+            what,
+            to,
+        }
+    }
+
+    /// Somebody outside interrupts the activity that has a place.
+    pub fn abort(system: &TimedSystem, stepper: &Stepper, place: usize) -> Step {
+        let service = stepper.activity(place);
+        let service = service.and_then(|it| system.automata.get(it)?.service);
+        Step {
+            time: stepper.now(),
+            rule: Rule::Abort,
+            of: service.map_or(String::new(), |it| system.service_path(it)),
+            what: place.to_string(),
+            to: String::new(),
+        }
+    }
+
+    /// The step in words, without its time.
+    pub fn words(&self) -> String {
+        let Step { of, what, to, .. } = self;
+        match self.rule {
+            Rule::Tick => format!("a tick of `{of}`"),
+            Rule::Release => format!("`{of}` is released"),
+            Rule::Grant => format!("`{of}` gets a core"),
+            Rule::Preempt => format!("thread {of} takes the core of thread {what}"),
+            Rule::Ready => format!("thread {of} is ready"),
+            Rule::Pass => format!("`{of}` begins a pass"),
+            Rule::Ticket => format!("`{what}` takes a ticket"),
+            Rule::Locks => format!("`{what}` gets its locks"),
+            Rule::End => format!("`{what}` ends with `{to}`"),
+            Rule::Delay => format!("a delay of client `{of}` ends"),
+            Rule::Wake => format!("`{of}` wakes the other tasks"),
+            Rule::Request => format!("client `{of}` requests `{what}`"),
+            Rule::Reply => format!("the control task of `{of}` replies"),
+            Rule::Signal => format!("the control task of `{of}` handles what has ended"),
+            Rule::Shut => format!("`{of}` gets on with its end"),
+            Rule::Proceed => format!("client `{of}` goes on"),
+            Rule::Abort => format!("somebody outside interrupts `{of}`"),
+        }
+    }
+}
+
+/// Who executes something.
+fn whose(system: &TimedSystem, work: &Work) -> String {
+    match *work {
+        Work::State { task, .. } => system.task_path(task),
+        Work::Control { service, .. } => {
+            system.components[system.services[service].component].name.clone()
+        }
+        Work::Delay { client } => system.clients[client].name.clone(),
+    }
+}
+
+/// What is executed. An activity is told apart from others of its service by its place.
+fn about(system: &TimedSystem, work: &Work) -> String {
+    match *work {
+        Work::State { codel, slot, .. } => format!("{}#{slot}", system.codels[codel].path),
+        Work::Control { codel, number, .. } => format!("{}#{number}", system.codels[codel].path),
+        Work::Delay { .. } => String::new(),
+    }
+}
+
+fn outcome_of(system: &TimedSystem, work: &Work, outcome: usize) -> String {
+    match *work {
+        Work::State {
+            automaton, state, ..
+        } => {
+            let machine = system.machine_of(automaton);
+            let name = |it: usize| machine.states.get(it).map_or("", |it| it.name.as_str());
+            let yields = machine.states.get(state).map(|it| it.yields.as_slice());
+            match yields.and_then(|it| it.get(outcome)) {
+                Some(&Yield::Next(to)) => name(to).to_owned(),
+                Some(&Yield::Pause(to)) => format!("pause::{}", name(to)),
+                Some(Yield::End) => "ether".to_owned(),
+                None => EXCEPTION.to_owned(),
+            }
+        }
+        Work::Control { .. } if outcome == 0 => "ok".to_owned(),
+        Work::Control { .. } => EXCEPTION.to_owned(),
+        Work::Delay { .. } => outcome.to_string(),
+    }
+}
