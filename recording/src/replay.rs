@@ -35,7 +35,7 @@ pub enum What {
     Undeclared,
     /// It is not possible there; these steps would be.
     Impossible { possible: Vec<Step> },
-    /// Time has passed although this had to happen first.
+    /// Something else, or time, came although this had to come first.
     Omitted { due: Step },
     /// The recording goes back in time.
     Backwards,
@@ -88,6 +88,8 @@ pub struct Replay<'s> {
     begun: Vec<(u64, (Ticks, Ticks))>,
     /// Executors whose end was let go, because they took longer.
     longer: Vec<bool>,
+    /// Executors that had no core when time passed last.
+    waited: Vec<bool>,
     possible: Possible,
     seen: Vec<Seen>,
     /// Nobody knows any more which state the run is in.
@@ -117,6 +119,7 @@ impl<'s> Replay<'s> {
             outside: outside.unwrap_or(system.clients.len()),
             begun: vec![(0, (0, FOREVER)); executors],
             longer: vec![false; executors],
+            waited: vec![false; executors],
             possible: Possible::default(),
             lost: false,
             report: Report {
@@ -148,20 +151,22 @@ impl<'s> Replay<'s> {
         self.stepper.possible(&mut self.possible);
         let mut found = self.find(step);
         if found.is_none()
-            && let Some((executor, limit)) = self.too_early(step)
+            && let Some(executor) = self.ends(step)
         {
-            let took = self.took(executor);
-            self.differs(step, step.rule, What::Shorter { took, limit });
-            self.stepper.release(executor);
-            self.stepper.possible(&mut self.possible);
-            found = self.find(step);
+            found = self.find_end(executor, step);
         }
         let Some(action) = found else {
+            // What was tried for the end of a codel has gone by.
+            self.stepper.possible(&mut self.possible);
             let actions = self.possible.actions().iter().take(TOLD);
             let possible = actions.map(|&it| Step::new(self.system, &self.stepper, it));
-            let possible = possible.collect();
+            let possible: Vec<Step> = possible.collect();
             self.lost = true;
-            return self.differs(step, step.rule, What::Impossible { possible });
+            let due = possible.first().filter(|_| self.possible.is_committed());
+            return match due.cloned() {
+                Some(due) => self.differs(step, due.rule, What::Omitted { due }),
+                None => self.differs(step, step.rule, What::Impossible { possible }),
+            };
         };
         self.about(step, action);
         self.stepper.perform(action, &mut self.seen);
@@ -195,22 +200,41 @@ impl<'s> Replay<'s> {
         actions.find(|&it| Step::new(self.system, &self.stepper, it) == *step)
     }
 
-    /// Who ends with a step before he may, and the least time that he has to take.
-    fn too_early(&self, step: &Step) -> Option<(usize, Ticks)> {
-        if !matches!(step.rule, Rule::End | Rule::Delay) {
+    /// The action by which an executor ends that may not: it took less time than it must; or it has executed all it
+    /// wanted to when it lost its core, and needs none any more.
+    fn find_end(&mut self, executor: usize, step: &Step) -> Option<Action> {
+        let (least, _) = self.stepper.window(executor)?;
+        if least == 0 && self.waited[executor] {
             return None;
         }
-        let mut executing = (0..self.stepper.executors())
-            .filter(|&it| self.stepper.window(it).is_some_and(|(least, _)| least > 0));
-        let found = executing.find(|&executor| {
-            let ends = Action::Finish {
-                executor,
-                outcome: 0,
-            };
-            let it = Step::new(self.system, &self.stepper, ends);
+        self.stepper.set_window(executor, (0, 0));
+        self.stepper.possible(&mut self.possible);
+        let found = self.find(step)?;
+        if least > 0 {
+            let (took, limit) = (self.took(executor), self.begun[executor].1.0);
+            self.differs(step, step.rule, What::Shorter { took, limit });
+        }
+        Some(found)
+    }
+
+    /// Who ends with a step, if he executes what it says.
+    fn ends(&self, step: &Step) -> Option<usize> {
+        let ends = matches!(step.rule, Rule::End | Rule::Delay);
+        let mut executing =
+            (0..self.stepper.executors()).filter(|&it| ends && self.stepper.window(it).is_some());
+        executing.find(|&executor| {
+            let it = self.end_of(executor);
             (it.rule, &it.of, &it.what) == (step.rule, &step.of, &step.what)
-        })?;
-        Some((found, self.begun[found].1.0))
+        })
+    }
+
+    /// The step by which an executor would end.
+    fn end_of(&self, executor: usize) -> Step {
+        let ends = Action::Finish {
+            executor,
+            outcome: 0,
+        };
+        Step::new(self.system, &self.stepper, ends)
     }
 
     /// What is to be said of a step that is possible.
@@ -257,8 +281,17 @@ impl<'s> Replay<'s> {
             let jump = self.stepper.next_moment_but(&|_| true);
             let jump = jump.map_or(left, u64::from).clamp(1, left);
             let jump = Ticks::try_from(jump).unwrap_or(FOREVER - 1);
+            let window = |it: &Stepper<'_>, executor| it.window(executor);
+            let executors = 0..self.stepper.executors();
+            let before: Vec<_> = executors.map(|it| window(&self.stepper, it)).collect();
             self.stepper.pass(jump, &mut self.seen);
             self.seen.clear();
+            for (executor, before) in before.into_iter().enumerate() {
+                // Where there is no limit nobody sees whether it got on.
+                let known = before.filter(|it| it.1 != FOREVER);
+                self.waited[executor] =
+                    known.is_some_and(|it| window(&self.stepper, executor) == Some(it));
+            }
         }
         true
     }
@@ -268,7 +301,7 @@ impl<'s> Replay<'s> {
         let mut any = false;
         for executor in 0..self.stepper.executors() {
             if self.stepper.window(executor).is_some_and(|it| it.1 == 0) {
-                self.stepper.release(executor);
+                self.stepper.set_window(executor, (0, FOREVER));
                 self.longer[executor] = true;
                 any = true;
             }
@@ -280,11 +313,7 @@ impl<'s> Replay<'s> {
         if !std::mem::take(&mut self.longer[executor]) {
             return;
         }
-        let ends = Action::Finish {
-            executor,
-            outcome: 0,
-        };
-        let whose = Step::new(self.system, &self.stepper, ends);
+        let whose = self.end_of(executor);
         let (took, limit) = (self.took(executor), self.begun[executor].1.1);
         let step = match step.what.is_empty() && step.of.is_empty() {
             // The recording has ended before it has.
@@ -301,9 +330,7 @@ impl<'s> Replay<'s> {
     fn abort(&mut self, step: &Step) {
         let place = step.what.parse().ok();
         let place = place.filter(|&it| it < self.stepper.places());
-        let known = place.filter(|&it| {
-            Step::abort(self.system, &self.stepper, it) == *step
-        });
+        let known = place.filter(|&it| Step::abort(self.system, &self.stepper, it) == *step);
         let Some(place) = known else {
             self.lost = true;
             let possible = Vec::new();

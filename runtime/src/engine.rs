@@ -3,7 +3,7 @@
 use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Work};
 
 use crate::decide::Decide;
-use crate::live::{Broken, Live};
+use crate::live::{Broken, Live, Published};
 
 /// Actions at one moment after which time is taken to stand still. A system has some for each task, codel
 /// and client.
@@ -43,6 +43,9 @@ pub trait Watch {
 
     /// Time has passed.
     fn moment(&mut self, stepper: &Stepper);
+
+    /// An output port of a component has new data.
+    fn wrote(&mut self, stepper: &Stepper, written: &Published);
 
     /// A codel that is executed did what it must not.
     fn broke(&mut self, stepper: &Stepper, broken: Broken);
@@ -131,8 +134,11 @@ pub(crate) fn note(works: &mut Vec<Option<Work>>, executor: usize, work: Work) {
     works[executor] = Some(work);
 }
 
-/// Passes on what codels did that they must not.
+/// Passes on what codels did that they must not, and what they wrote.
 pub(crate) fn tell_broken(stepper: &Stepper, live: &mut Live<'_>, watch: &mut dyn Watch) {
+    for it in live.take_published() {
+        watch.wrote(stepper, &it);
+    }
     for it in live.take_broken() {
         watch.broke(stepper, it);
     }

@@ -50,6 +50,19 @@ pub enum Broken {
     },
 }
 
+/// New data of an output port.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Published {
+    /// The component of the system.
+    pub component: usize,
+    /// The port, by number in its model.
+    pub port: u32,
+    /// Its instance, for a port that is `multiple`.
+    pub id: String,
+    /// The bytes of the value.
+    pub data: Vec<u8>,
+}
+
 /// A request that is being worked on.
 #[derive(Debug)]
 struct Instance {
@@ -97,6 +110,9 @@ pub struct Live<'p> {
     fault: Option<String>,
     /// Not told yet.
     broken: Vec<Broken>,
+    /// Whether what is written to ports is kept to be told, and what is not told yet.
+    keeps_data: bool,
+    published: Vec<Published>,
     /// Requests from outside, by component.
     wanted: Vec<VecDeque<Wanted>>,
     /// Requests from outside that are to end.
@@ -121,6 +137,8 @@ impl<'p> Live<'p> {
             next_instance: 1,
             fault: None,
             broken: Vec::new(),
+            keeps_data: false,
+            published: Vec::new(),
             wanted: (0..components).map(|_| VecDeque::new()).collect(),
             aborts: Vec::new(),
             system,
@@ -154,6 +172,16 @@ impl<'p> Live<'p> {
     /// What was broken since this was asked last.
     pub fn take_broken(&mut self) -> Vec<Broken> {
         std::mem::take(&mut self.broken)
+    }
+
+    /// Keeps what is written to ports, for whoever records the run.
+    pub fn keep_data(&mut self) {
+        self.keeps_data = true;
+    }
+
+    /// What was written to ports since this was asked last, if it is [kept](Self::keep_data).
+    pub fn take_published(&mut self) -> Vec<Published> {
+        std::mem::take(&mut self.published)
     }
 
     /// Whether a component is there.
@@ -479,6 +507,14 @@ impl<'p> Live<'p> {
 
     fn publish(&mut self, component: usize, port: u32, id: &str, data: &[u8]) {
         self.hosts.published(component, port, id, data);
+        if self.keeps_data {
+            self.published.push(Published {
+                component,
+                port,
+                id: id.to_owned(),
+                data: data.to_vec(),
+            });
+        }
         for feed in &self.parts.feeds {
             if feed.from != (component, port) || !self.alive[feed.to.0] {
                 continue;

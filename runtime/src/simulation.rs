@@ -9,7 +9,7 @@ use dotgen_timing::verify::Prepared;
 use crate::decide::{Drawn, Durations};
 use crate::engine::{self, End, Watch};
 use crate::judge::Judge;
-use crate::live::{Broken, Live};
+use crate::live::{Broken, Live, Published};
 use crate::paced::{self, Pace};
 use crate::profile::Profile;
 use crate::tally::Tally;
@@ -62,12 +62,48 @@ pub struct Execution<'l, 'p> {
     pub pace: Option<Pace>,
 }
 
-/// Runs a system. `bounds` are those on the response times of its tasks, where they are known.
+/// Whoever records a run.
+pub trait Record {
+    /// Something is about to be done.
+    fn act(&mut self, stepper: &Stepper, action: Action);
+
+    /// Somebody outside is about to interrupt the activity that has a place.
+    fn interrupt(&mut self, stepper: &Stepper, place: usize);
+
+    /// An output port has new data.
+    fn wrote(&mut self, stepper: &Stepper, written: &Published);
+
+    /// The run is over.
+    fn end(&mut self, stepper: &Stepper);
+}
+
+/// Runs a system without recording it: see [`simulate_recorded`].
 pub fn simulate<'p, W: Write>(
     prepared: &'p Prepared,
     bounds: Vec<Option<Ticks>>,
     plan: &Plan,
     profile: Option<&mut Profile<'p, W>>,
+    execution: Option<Execution<'_, 'p>>,
+    interrupted: &dyn Fn() -> bool,
+) -> Outcome<'p> {
+    simulate_recorded(
+        prepared,
+        bounds,
+        plan,
+        profile,
+        None,
+        execution,
+        interrupted,
+    )
+}
+
+/// Runs a system. The first run is told to whoever records it. `bounds` are those on the response times of its tasks, where they are known.
+pub fn simulate_recorded<'p, W: Write>(
+    prepared: &'p Prepared,
+    bounds: Vec<Option<Ticks>>,
+    plan: &Plan,
+    profile: Option<&mut Profile<'p, W>>,
+    record: Option<&mut dyn Record>,
     mut execution: Option<Execution<'_, 'p>>,
     interrupted: &dyn Fn() -> bool,
 ) -> Outcome<'p> {
@@ -82,8 +118,12 @@ pub fn simulate<'p, W: Write>(
         offset: 0,
         stop_at_violation: plan.stop_at_violation,
         recorded: plan.record.then(Run::default),
+        record,
         first: true,
     };
+    if let (Some(execution), Some(_)) = (&mut execution, &observer.record) {
+        execution.live.keep_data();
+    }
     let mut end = End::Done;
     let mut runs = 0;
     while runs < plan.runs {
@@ -123,6 +163,9 @@ pub fn simulate<'p, W: Write>(
                 false => stepper.now(),
             };
         }
+        if let Some(record) = observer.record.as_mut().filter(|_| observer.first) {
+            record.end(&stepper);
+        }
         observer.first = false;
         observer.offset += stepper.now();
         runs += 1;
@@ -149,7 +192,7 @@ pub fn simulate<'p, W: Write>(
     }
 }
 
-struct Observer<'o, 'p, W> {
+struct Observer<'o, 'r, 'p, W> {
     system: &'p TimedSystem,
     tally: Tally,
     judge: Judge<'p>,
@@ -158,11 +201,12 @@ struct Observer<'o, 'p, W> {
     offset: u64,
     stop_at_violation: bool,
     recorded: Option<Run>,
+    record: Option<&'r mut dyn Record>,
     /// It is the first run that goes on.
     first: bool,
 }
 
-impl<W: Write> Watch for Observer<'_, '_, W> {
+impl<W: Write> Watch for Observer<'_, '_, '_, W> {
     fn see(&mut self, stepper: &Stepper, seen: &Seen) {
         if let Some(profile) = &mut self.profile {
             profile.see(&mut self.tally, stepper, seen, self.offset);
@@ -171,12 +215,28 @@ impl<W: Write> Watch for Observer<'_, '_, W> {
         self.judge.see(stepper, seen);
     }
 
-    fn act(&mut self, now: u64, action: Action) {
+    fn act(&mut self, stepper: &Stepper, action: Action) {
+        let now = stepper.now();
+        if let Some(record) = self.record.as_mut().filter(|_| self.first) {
+            record.act(stepper, action);
+        }
         if let Some(run) = self.recorded.as_mut().filter(|_| self.first) {
             match run.steps.len() < RECORDED {
                 true => run.steps.push((now, action)),
                 false => run.left_out = true,
             }
+        }
+    }
+
+    fn interrupt(&mut self, stepper: &Stepper, place: usize) {
+        if let Some(record) = self.record.as_mut().filter(|_| self.first) {
+            record.interrupt(stepper, place);
+        }
+    }
+
+    fn wrote(&mut self, stepper: &Stepper, written: &Published) {
+        if let Some(record) = self.record.as_mut().filter(|_| self.first) {
+            record.wrote(stepper, written);
         }
     }
 

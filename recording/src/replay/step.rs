@@ -111,12 +111,8 @@ impl Step {
             Action::Grant { task: it } => (Rule::Grant, task(it), none(), none()),
             Action::Begin { task: it } => (Rule::Pass, task(it), none(), none()),
             Action::Wake { task: it } => (Rule::Wake, task(it), none(), none()),
-            Action::Ticket { executor } => {
-                (Rule::Ticket, thread(executor), what(executor), none())
-            }
-            Action::Acquire { executor } => {
-                (Rule::Locks, thread(executor), what(executor), none())
-            }
+            Action::Ticket { executor } => (Rule::Ticket, thread(executor), what(executor), none()),
+            Action::Acquire { executor } => (Rule::Locks, thread(executor), what(executor), none()),
             Action::Finish { executor, outcome } => {
                 let work = stepper.work(executor);
                 let rule = match work {
@@ -126,9 +122,12 @@ impl Step {
                 let to = work.map_or(none(), |it| outcome_of(system, &it, outcome));
                 (rule, thread(executor), what(executor), to)
             }
-            Action::Preempt { executor, by } => {
-                (Rule::Preempt, format!("#{by}"), format!("#{executor}"), none())
-            }
+            Action::Preempt { executor, by } => (
+                Rule::Preempt,
+                format!("#{by}"),
+                format!("#{executor}"),
+                none(),
+            ),
             Action::Ready { executor } => (Rule::Ready, format!("#{executor}"), none(), none()),
             Action::Reply { component: it } => (Rule::Reply, component(it), none(), none()),
             Action::Shut { component: it } => (Rule::Shut, component(it), none(), none()),
@@ -195,9 +194,9 @@ impl Step {
 fn whose(system: &TimedSystem, work: &Work) -> String {
     match *work {
         Work::State { task, .. } => system.task_path(task),
-        Work::Control { service, .. } => {
-            system.components[system.services[service].component].name.clone()
-        }
+        Work::Control { service, .. } => system.components[system.services[service].component]
+            .name
+            .clone(),
         Work::Delay { client } => system.clients[client].name.clone(),
     }
 }

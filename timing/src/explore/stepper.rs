@@ -9,7 +9,7 @@ use super::observe::{self, Observer};
 use super::rules::{Action, Enabled, Rules, with_rules};
 use super::state::{Clocks, Stages, State, TaskStatus, phase};
 use crate::property::Predicate;
-use crate::system::{FOREVER, Ticks, TimedSystem};
+use crate::system::{Ticks, TimedSystem};
 
 /// What is looked at along a run, beside jobs and ticks.
 #[derive(Debug, Clone, Default)]
@@ -140,6 +140,11 @@ impl Possible {
         &self.enabled.actions
     }
 
+    /// Whether they are part of the step that made them possible: nothing else may come between.
+    pub fn is_committed(&self) -> bool {
+        self.enabled.committed
+    }
+
     /// Whether time may pass first.
     pub fn may_wait(&self) -> bool {
         self.enabled.is_calm()
@@ -203,10 +208,10 @@ impl<'s> Stepper<'s> {
         self.walk.window(executor)
     }
 
-    /// Lets what an executor executes end from now on, and when it wants: nothing of the system does that, but
-    /// whoever follows another run may have to.
-    pub fn release(&mut self, executor: usize) {
-        self.walk.release(executor);
+    /// Decides anew when what an executor executes may end, and must: nothing of the system does that, but whoever
+    /// follows another run may have to. Within the [window](Self::window) it had the run stays one of the system.
+    pub fn set_window(&mut self, executor: usize, window: (Ticks, Ticks)) {
+        self.walk.set_window(executor, window);
     }
 
     /// How long nothing new is possible. `None`: nothing will ever happen again.
@@ -281,7 +286,7 @@ trait Walk {
     fn requests(&self, client: usize) -> Option<usize>;
     fn executors(&self) -> usize;
     fn window(&self, executor: usize) -> Option<(Ticks, Ticks)>;
-    fn release(&mut self, executor: usize);
+    fn set_window(&mut self, executor: usize, window: (Ticks, Ticks));
     fn next_moment(&self, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks>;
     fn pass(&mut self, time: Ticks, seen: &mut Vec<Seen>);
     fn job(&self, task: usize) -> Option<Ticks>;
@@ -495,10 +500,10 @@ impl<R: Rules> Walk for Walker<R> {
         executes.then(|| l.window(&self.s, executor))
     }
 
-    fn release(&mut self, executor: usize) {
+    fn set_window(&mut self, executor: usize, window: (Ticks, Ticks)) {
         if self.window(executor).is_some() {
             let l = self.rules.frame();
-            l.set_window(&mut self.s, executor, (0, FOREVER));
+            l.set_window(&mut self.s, executor, window);
         }
     }
 

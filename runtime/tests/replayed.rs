@@ -1,0 +1,341 @@
+//! Recorded runs followed step by step: every run is one of the model, and a rule that was another one is named.
+
+use dotgen_analysis::host::UnitResult;
+use dotgen_recording::replay::{Replay, Report, Rule, Step, What, opened};
+use dotgen_runtime::decide::Durations;
+use dotgen_runtime::live::Published;
+use dotgen_runtime::profile::Profile;
+use dotgen_runtime::simulation::{Plan, Record, simulate_recorded};
+use dotgen_timing::explore::{Action, Stepper};
+use dotgen_timing::scn::parse;
+use dotgen_timing::scn::semantics::LockRule;
+use dotgen_timing::system::{FOREVER, LockOrder, Policy, TimedSystem, Yield};
+use dotgen_timing::verify::{Options, Prepared, SystemInput, prepare};
+
+#[path = "support/random_systems.rs"]
+mod random_systems;
+
+use random_systems::{load, random, systems};
+
+/// Steps by names.
+struct Recording<'s> {
+    system: &'s TimedSystem,
+    steps: Vec<Step>,
+    end: u64,
+}
+
+impl Record for Recording<'_> {
+    fn act(&mut self, stepper: &Stepper, action: Action) {
+        self.steps.push(Step::new(self.system, stepper, action));
+    }
+
+    fn interrupt(&mut self, stepper: &Stepper, place: usize) {
+        self.steps.push(Step::abort(self.system, stepper, place));
+    }
+
+    fn wrote(&mut self, _: &Stepper, _: &Published) {}
+
+    fn end(&mut self, stepper: &Stepper) {
+        self.end = stepper.now();
+    }
+}
+
+fn record(prepared: &Prepared, until: u64, seed: u64, durations: Durations) -> (Vec<Step>, u64) {
+    let system = &prepared.built.system;
+    let plan = Plan {
+        until,
+        runs: 1,
+        seed,
+        durations,
+        stop_at_violation: false,
+        record: false,
+    };
+    let mut recording = Recording {
+        system,
+        steps: Vec::new(),
+        end: 0,
+    };
+    let none: Option<&mut Profile<Vec<u8>>> = None;
+    let bounds = vec![None; system.tasks.len()];
+    simulate_recorded(
+        prepared,
+        bounds,
+        &plan,
+        none,
+        Some(&mut recording),
+        None,
+        &|| false,
+    );
+    (recording.steps, recording.end)
+}
+
+fn replay(verified: &TimedSystem, steps: &[Step], end: u64) -> Report {
+    let system = opened(verified);
+    let mut replay = Replay::new(&system, verified, None);
+    for it in steps {
+        replay.step(it);
+    }
+    replay.end(end)
+}
+
+fn prepared(units: &[UnitResult], scenario: &str) -> Option<Prepared> {
+    let input = SystemInput {
+        specs: units.iter().map(|it| &*it.spec).collect(),
+    };
+    let prepared = prepare(&input, &parse(scenario).scenario, &Options::default());
+    (!prepared.report.has_errors()).then_some(prepared)
+}
+
+/// How many systems: `DOTGEN_RUN_SYSTEMS`, by default some dozens.
+fn systems_to_run() -> u64 {
+    let given = std::env::var("DOTGEN_RUN_SYSTEMS").ok();
+    given.and_then(|it| it.parse().ok()).unwrap_or(60)
+}
+
+#[test]
+fn every_run_is_one_of_the_model() {
+    let (mut compared, mut seed, mut all) = (0, 0, 0);
+    let (mut changed, mut found) = (0u64, 0u64);
+    while compared < systems_to_run() {
+        assert!(seed < 20 * systems_to_run() + 100, "few systems are legal");
+        let mut dice = systems::Dice::new(seed);
+        let texts = match seed % 2 {
+            0 => random::texts(&mut dice),
+            _ => random::varied(&mut dice),
+        };
+        seed += 1;
+        let Some(units) = load(&texts.specifications) else {
+            continue;
+        };
+        let Some(prepared) = prepared(&units, &texts.scenario) else {
+            continue;
+        };
+        let system = &prepared.built.system;
+        for durations in [Durations::Worst, Durations::Random, Durations::Best] {
+            let (steps, end) = record(&prepared, 1_000, seed, durations);
+            let report = replay(system, &steps, end);
+            let shown = || {
+                format!(
+                    "seed {}, {durations:?}\n{:#?}\n{}\n{}\n{}",
+                    seed - 1,
+                    report.differences.first(),
+                    (steps.iter().take(report.followed as usize + 1))
+                        .map(|it| format!("{} {}", it.time, it.words()))
+                        .collect::<Vec<_>>()
+                        .join("\n"),
+                    texts.specifications.join("\n"),
+                    texts.scenario
+                )
+            };
+            assert_eq!(report.difference_count, 0, "{}", shown());
+            assert_eq!(report.followed, steps.len() as u64, "{}", shown());
+            assert_eq!(report.time, end);
+            all += report.steps;
+            // One outcome that no rule allows.
+            let ends: Vec<usize> = (0..steps.len())
+                .filter(|&it| steps[it].rule == Rule::End && steps[it].to != "ok")
+                .collect();
+            if ends.is_empty() {
+                continue;
+            }
+            let at = ends[dice.below(ends.len() as u32) as usize];
+            let mut wrong = steps.clone();
+            wrong[at].to = "nowhere".to_owned();
+            let report = replay(system, &wrong, end);
+            let first = report.differences.first().expect("it is found");
+            assert_eq!((first.number, first.rule), (at as u64 + 1, Rule::End));
+            // A step that is left out: what follows shows it, unless the system would have done without it.
+            let mut wrong = steps.clone();
+            wrong.remove(at);
+            changed += 1;
+            found += u64::from(replay(system, &wrong, end).difference_count > 0);
+        }
+        compared += 1;
+    }
+    assert!(all > 100 * systems_to_run(), "{all} steps say little");
+    assert!(found * 10 > changed * 9, "{found} of {changed} are found");
+}
+
+const PLANT: &str = r#"
+component plant {
+  version "1.0"; lang "c";
+  ids { long a, b; };
+  exception e_full;
+  task fast {
+    period 10 ms;
+    codel<start> fast_start(out a) yield pause::main wcet 1 ms;
+    codel<main> fast_main(inout a) yield pause::main, pause::other wcet 2 ms;
+    codel<other> fast_other(inout a) yield pause::main wcet 2 ms;
+  };
+  task late {
+    period 10 ms;
+    codel<start> late_start(inout a) yield pause::start wcet 1 ms;
+  };
+  task side {
+    period 10 ms;
+    codel<start> side_start(inout b) yield pause::start wcet 1 ms;
+  };
+  task slow {
+    period 30 ms; delay 5 ms;
+    codel<start> slow_start(inout a) yield pause::start wcet 3 ms;
+  };
+  activity go(in long x) {
+    task fast;
+    validate go_check(in x) wcet 1 ms;
+    throw e_full;
+    codel<start> go_start(in x, inout b) yield pause::start, ether wcet 1 ms;
+  };
+};
+"#;
+
+const SCENARIO: &str = r#"
+scenario plant {
+  use "plant.gen";
+  cores 1;
+  policy fifo;
+  duration plant.slow.start [1,3] ms;
+  client c { repeat * { delay [7,9] ms; send plant.go; await ended; } }
+}
+"#;
+
+type Change = (&'static str, &'static [Rule], fn(&mut TimedSystem));
+
+fn codel<'s>(system: &'s mut TimedSystem, path: &str) -> &'s mut dotgen_timing::system::Codel {
+    let mut all = system.codels.iter_mut();
+    all.find(|it| it.path == path).expect("it is there")
+}
+
+/// Systems with one rule that is another one.
+const CHANGES: &[Change] = &[
+    ("a longer period", &[Rule::Tick], |it| {
+        let period = it.tasks[0].period.as_mut().expect("periodic");
+        *period += *period / 2;
+    }),
+    ("a shorter period", &[Rule::Tick], |it| {
+        let period = it.tasks[1].period.as_mut().expect("periodic");
+        *period /= 2;
+    }),
+    ("a codel that takes longer", &[Rule::End], |it| {
+        codel(it, "plant.fast.main").upper *= 2;
+        codel(it, "plant.fast.main").lower = codel(it, "plant.fast.main").upper;
+    }),
+    ("a codel that takes less", &[Rule::End], |it| {
+        codel(it, "plant.slow.start").lower = 0;
+        codel(it, "plant.slow.start").upper = 0;
+    }),
+    ("a codel without limit", &[Rule::End], |it| {
+        codel(it, "plant.go.start").upper = FOREVER;
+        codel(it, "plant.go.start").lower = 20_000;
+    }),
+    ("another yield", &[Rule::End], |it| {
+        let machine = it.machines.iter_mut().find(|it| it.name == "plant.fast");
+        let machine = machine.expect("a permanent activity");
+        let other = machine.states.iter().position(|it| it.name == "other");
+        let start = machine.states.iter_mut().find(|it| it.name == "start");
+        start.expect("a state").yields = vec![Yield::Pause(other.expect("a state"))];
+    }),
+    ("a pause that is none", &[Rule::End], |it| {
+        let machine = it.machines.iter_mut().find(|it| it.name == "plant.fast");
+        let states = &mut machine.expect("a permanent activity").states;
+        let main = states
+            .iter()
+            .position(|it| it.name == "main")
+            .expect("a state");
+        let other = states
+            .iter_mut()
+            .find(|it| it.name == "other")
+            .expect("a state");
+        other.yields = vec![Yield::Next(main)];
+    }),
+    ("more cores", &[Rule::Grant], |it| {
+        it.platform.cores = Some(2);
+    }),
+    ("a lock that nobody needs", &[Rule::Locks], |it| {
+        it.platform.cores = None;
+        for codel in &mut it.codels {
+            codel.conflicts = Default::default();
+        }
+    }),
+    (
+        "locks as they come, which nobody needs to wait for",
+        &[Rule::Locks],
+        |it| {
+            it.platform.cores = None;
+            it.platform.locks = LockOrder::Free;
+            it.platform.semantics.locks = LockRule::Free;
+        },
+    ),
+    ("another policy", &[Rule::Release], |it| {
+        it.platform.policy = Policy::Priority;
+    }),
+    ("a client that does not wait", &[Rule::Delay], |it| {
+        for step in it.clients.iter_mut().flat_map(|it| &mut it.steps) {
+            if let dotgen_timing::system::ClientAction::Delay(least, _) = &mut step.action {
+                *least = 0;
+            }
+        }
+    }),
+    ("an exception that is not declared", &[Rule::End], |it| {
+        codel(it, "plant.fast.main").throws = true;
+    }),
+];
+
+#[test]
+fn a_rule_that_was_another_one_is_named() {
+    let units = load(&[PLANT.to_owned()]).expect("it is legal");
+    let prepared = prepared(&units, SCENARIO).expect("it is complete");
+    let until = prepared.ticks(num_rational::Ratio::from_integer(2));
+    for (name, rules, change) in CHANGES {
+        let mut other = prepared.clone();
+        change(&mut other.built.system);
+        for seed in 0..3 {
+            let (steps, end) = record(&other, until, seed, Durations::Random);
+            let mut verified = prepared.built.system.clone();
+            // Otherwise there is one core, and nobody has to wait for a lock.
+            if name.contains("nobody needs") {
+                verified.platform.cores = None;
+            }
+            let report = replay(&verified, &steps, end);
+            let first = report.differences.first();
+            let rule = first.map(|it| it.rule);
+            assert!(
+                rule.is_some_and(|it| rules.contains(&it)),
+                "{name}: {rule:?} {first:#?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_run_is_followed_beyond_a_wrong_time_and_not_beyond_what_is_impossible() {
+    let units = load(&[PLANT.to_owned()]).expect("it is legal");
+    let prepared = prepared(&units, SCENARIO).expect("it is complete");
+    let system = &prepared.built.system;
+    let until = prepared.ticks(num_rational::Ratio::from_integer(2));
+    let mut slower = prepared.clone();
+    let upper = codel(&mut slower.built.system, "plant.slow.start").upper;
+    codel(&mut slower.built.system, "plant.slow.start").upper = upper + 1;
+    let (steps, end) = record(&slower, until, 1, Durations::Worst);
+    let report = replay(system, &steps, end);
+    assert_eq!(report.followed, steps.len() as u64);
+    assert!(report.difference_count > 50, "{}", report.difference_count);
+    for it in &report.differences {
+        let (took, limit) = (u64::from(upper) + 1, upper);
+        assert_eq!(it.what, What::Longer { took, limit });
+        assert!(it.step.what.starts_with("plant.slow.start"), "{it:?}");
+    }
+    let (steps, end) = record(&prepared, until, 1, Durations::Worst);
+    let ticks = |it: &Step| it.rule == Rule::Tick && it.of == "plant.slow";
+    let tick = steps.iter().position(|it| ticks(it) && it.time > end / 2);
+    let (before, after) = steps.split_at(tick.expect("it is periodic"));
+    let due = after[0].clone();
+    // A task that is dead from a moment on.
+    let others = after.iter().filter(|it| it.of != "plant.slow");
+    let steps: Vec<Step> = before.iter().chain(others).cloned().collect();
+    let report = replay(system, &steps, end);
+    assert_eq!(report.difference_count, 1);
+    let first = &report.differences[0];
+    assert_eq!(first.rule, Rule::Tick, "{first:?}");
+    assert_eq!(first.what, What::Omitted { due }, "{first:?}");
+    assert!(report.followed < report.steps);
+}
