@@ -16,6 +16,7 @@ pub mod system;
 pub mod turn;
 mod types;
 pub(crate) mod visit;
+pub mod way;
 
 use num_rational::Ratio;
 use serde::{Deserialize, Serialize};

@@ -7,6 +7,7 @@ pub use dotgen_analysis::lint::duration;
 use dotgen_analysis::model::fsm;
 use dotgen_analysis::model::mutex;
 use dotgen_analysis::model::turn::Turn;
+use dotgen_analysis::model::way::Way;
 use dotgen_analysis::model::{Codel, CodelRef, Component, Owner, Seconds, Spec, Src};
 use dotgen_analysis::quantity::load;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -15,23 +16,29 @@ use serde::{Deserialize, Serialize};
 use crate::graph::{Direction, Edge, Graph, Line, LineStyle, Node, Origin, Shape};
 
 /// What to show besides states, codels and transitions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Options {
-    /// Execution times, and a shade by their share of the period.
+    /// Execution times.
     pub wcet: bool,
+    /// The share of the period that they take, with a shade.
+    pub load: bool,
     /// Per state, the longest sum of execution times from there to the next pause or the end.
     pub paths: bool,
     /// Per codel, how many others it excludes.
     pub locks: bool,
+    /// States that the reader goes through, in order; the way that takes longest is marked.
+    pub way: Vec<String>,
 }
 
 impl Default for Options {
     fn default() -> Options {
         Options {
             wcet: true,
+            load: true,
             paths: false,
             locks: false,
+            way: Vec::new(),
         }
     }
 }
@@ -82,6 +89,7 @@ pub fn graph(spec: &Spec, component: &Component, owner: Owner, options: Options)
     }
     machine.entries();
     machine.notes(owner, task);
+    machine.way();
     Some(machine.graph)
 }
 
@@ -150,16 +158,21 @@ impl Machine<'_> {
             classes.push("async".to_owned());
             description.push_str(", asynchronous");
         }
-        if let Some(wcet) = codel.wcet.as_ref().filter(|_| self.options.wcet) {
-            let shown = duration(wcet.value);
-            description.push_str(&format!(", at most {shown}"));
-            let mut text = format!("≤ {shown}");
-            if let Some(period) = self.period.filter(|p| p.numer() > &0) {
+        if let Some(wcet) = &codel.wcet {
+            let mut parts: Vec<String> = Vec::new();
+            if self.options.wcet {
+                let shown = duration(wcet.value);
+                description.push_str(&format!(", at most {shown}"));
+                parts.push(format!("≤ {shown}"));
+            }
+            if let Some(period) = self.period.filter(|p| self.options.load && p.numer() > &0) {
                 let share = wcet.value / period;
                 classes.extend(heat(share));
-                text.push_str(&format!(" · {}", load(share)));
+                parts.push(load(share));
             }
-            lines.push(Line::new(LineStyle::Detail, text));
+            if !parts.is_empty() {
+                lines.push(Line::new(LineStyle::Detail, parts.join(" · ")));
+            }
         }
         if self.options.paths {
             let several = states.len() > 1;
@@ -294,6 +307,51 @@ impl Machine<'_> {
         })
     }
 
+    /// Marks the longest way through the states that were chosen, and says how long it is.
+    fn way(&mut self) {
+        let way = self.options.way.clone();
+        let named: Vec<&str> = way.iter().map(String::as_str).collect();
+        for state in &named {
+            if let Some(id) = self.node_of.get(*state).cloned() {
+                self.graph.nodes.iter_mut().for_each(|it| {
+                    if it.id == id {
+                        it.mark();
+                    }
+                });
+            }
+        }
+        let Some(found) = self.model.way(&named) else {
+            return;
+        };
+        if let Way::Longest { states, .. } = &found {
+            for pair in states.windows(2) {
+                let ends = (self.node_of.get(&pair[0]), self.node_of.get(&pair[1]));
+                let (Some(from), Some(to)) = ends else {
+                    continue;
+                };
+                let several = self
+                    .graph
+                    .nodes
+                    .iter()
+                    .any(|it| it.id == *to && it.names.len() > 1);
+                let mut edges = self.graph.edges.iter_mut();
+                let step = edges.find(|it| {
+                    it.from == *from && it.to == *to && (!several || it.label.ends_with(&pair[1]))
+                });
+                if let Some(step) = step {
+                    step.mark();
+                }
+                let (from, to) = (from.clone(), to.clone());
+                for node in &mut self.graph.nodes {
+                    if node.id == from || node.id == to {
+                        node.mark();
+                    }
+                }
+            }
+        }
+        self.graph.notes.push(in_words(&named, &found));
+    }
+
     /// What is said below the picture.
     fn notes(&mut self, owner: Owner, task: Option<&dotgen_analysis::model::Task>) {
         let Locks {
@@ -400,4 +458,33 @@ fn heat(share: Seconds) -> Option<String> {
         _ => 5,
     };
     Some(format!("heat-{level}"))
+}
+
+/// A way in a line: `start → level: at most 3 ms of execution`.
+fn in_words(named: &[&str], way: &Way) -> String {
+    let named = named.join(" → ");
+    match way {
+        Way::Longest {
+            time,
+            pauses,
+            incomplete,
+            ..
+        } => {
+            let open = if *incomplete { ", + unknown" } else { "" };
+            let pauses = match pauses {
+                0 => String::new(),
+                1 => ", 1 pause".to_owned(),
+                n => format!(", {n} pauses"),
+            };
+            format!(
+                "{named}: at most {} of execution{open}{pauses}",
+                duration(*time)
+            )
+        }
+        Way::Endless { cycle } => {
+            let cycle = cycle.join(" → ");
+            format!("{named}: no longest time, it can go round {cycle}")
+        }
+        Way::Broken { from, to } => format!("{named}: no way leads from {from} to {to}"),
+    }
 }

@@ -51,6 +51,10 @@ pub struct Node {
     pub column: Option<usize>,
     /// Nodes of one group and column stand together, in a frame with this name.
     pub group: Option<String>,
+    /// Of nodes that can be opened and closed: which they are.
+    pub open: Option<bool>,
+    /// Names of what is in it, listed or not: by these it is found.
+    pub holds: Vec<String>,
 }
 
 /// A place in the text of one of the specifications a picture is of.
@@ -90,6 +94,8 @@ pub struct Line {
     pub text: String,
     /// How it is set.
     pub style: LineStyle,
+    /// What it stands for in the text, where that is not what its node stands for.
+    pub origin: Option<Origin>,
 }
 
 impl Line {
@@ -98,7 +104,13 @@ impl Line {
         Line {
             text: text.into(),
             style,
+            origin: None,
         }
+    }
+
+    /// The same, standing for a place of its own.
+    pub fn at(self, origin: Option<Origin>) -> Line {
+        Line { origin, ..self }
     }
 }
 
@@ -131,4 +143,36 @@ pub struct Edge {
     pub origin: Option<Origin>,
     /// Arrow heads at both ends.
     pub both_ways: bool,
+}
+
+/// The class of what a reader follows: a way through a machine, a chain of data.
+pub const MARKED: &str = "marked";
+
+/// Adds the class, once.
+fn mark(classes: &mut Vec<String>) {
+    if classes.iter().all(|it| it != MARKED) {
+        classes.push(MARKED.to_owned());
+    }
+}
+
+impl Node {
+    /// Shows that it is followed.
+    pub(crate) fn mark(&mut self) {
+        mark(&mut self.classes);
+    }
+}
+
+impl Edge {
+    /// See [`Node::mark`].
+    pub(crate) fn mark(&mut self) {
+        mark(&mut self.classes);
+    }
+}
+
+impl Graph {
+    /// Whether something needs the looks of what is marked.
+    pub(crate) fn has_marks(&self) -> bool {
+        let marks = |it: &String| it == MARKED || it == "contended";
+        self.nodes.iter().any(|it| it.classes.iter().any(marks))
+    }
 }

@@ -9,6 +9,7 @@
 //! The method works top to bottom; pictures that read left to right are laid out on their side.
 
 mod acyclic;
+mod moved;
 mod order;
 mod position;
 mod rank;
@@ -22,6 +23,7 @@ use serde::{Deserialize, Serialize};
 use crate::graph::{Direction, Graph};
 use crate::text;
 
+pub use moved::moved;
 pub use size::{CARD_HEADER, LINE_PADDING, octagon};
 
 /// A point, in pixels, y downwards.
@@ -235,21 +237,25 @@ pub fn layout(graph: &Graph) -> Layout {
         placed.nodes = placed.nodes.into_iter().map(Rect::transposed).collect();
         placed.edges = placed.edges.into_iter().map(EdgePath::transposed).collect();
     }
-    placed.frames = frames(graph, &placed.nodes);
     finish(graph, placed)
 }
 
-/// A frame round the nodes of each group, wide enough for its name.
+/// A frame round the nodes of each group and column, wide enough for its name.
 fn frames(graph: &Graph, nodes: &[Rect]) -> Vec<Frame> {
     let mut frames: Vec<Frame> = Vec::new();
+    let mut columns: Vec<Option<usize>> = Vec::new();
     for (node, rect) in graph.nodes.iter().zip(nodes) {
         let Some(name) = &node.group else { continue };
-        match frames.iter_mut().find(|it| it.name == *name) {
-            Some(frame) => frame.rect = frame.rect.union(*rect),
-            None => frames.push(Frame {
-                name: name.clone(),
-                rect: *rect,
-            }),
+        let mut known = frames.iter_mut().zip(&columns);
+        match known.find(|(it, column)| it.name == *name && **column == node.column) {
+            Some((frame, _)) => frame.rect = frame.rect.union(*rect),
+            None => {
+                columns.push(node.column);
+                frames.push(Frame {
+                    name: name.clone(),
+                    rect: *rect,
+                });
+            }
         }
     }
     for Frame { name, rect } in &mut frames {
@@ -265,8 +271,10 @@ fn frames(graph: &Graph, nodes: &[Rect]) -> Vec<Frame> {
     frames
 }
 
-/// Moves everything to positive coordinates, measures the picture, and adds the notes.
+/// Draws the frames, moves everything to positive coordinates, measures the picture, and adds the notes.
 fn finish(graph: &Graph, mut layout: Layout) -> Layout {
+    layout.frames = frames(graph, &layout.nodes);
+    layout.notes.clear();
     let mut low = Point {
         x: f64::MAX,
         y: f64::MAX,

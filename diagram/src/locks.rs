@@ -122,29 +122,16 @@ impl Exclusions<'_> {
         // By task, so that what never excludes each other stands together; the control task first.
         holders.sort_by_key(|it| (task(component, *it), *it));
         holders.dedup();
-        // What is shared stands in the middle. The tasks, largest first, go to the side that has less.
-        let mut groups: Vec<&[Holder]> = holders
-            .chunk_by(|a, b| task(component, *a) == task(component, *b))
-            .collect();
-        groups.sort_by_key(|it| std::cmp::Reverse(it.len()));
-        let mut left = Vec::new();
-        let mut count = [0, 0];
-        for group in groups {
-            let side = usize::from(count[0] > count[1]);
-            if side == 0 {
-                left.push(task(component, group[0]));
-            }
-            count[side] += group.len();
-        }
-        for &holder in &holders {
+        let columns = self.columns(&holders);
+        for (&holder, &column) in holders.iter().zip(&columns) {
             let mut node = self.holder(holder);
-            let on_left = left.contains(&task(component, holder));
-            node.column = Some(if on_left { 0 } else { 2 });
+            node.column = Some(column);
             node.group = Some(task_name(component, holder));
             graph.nodes.push(node);
         }
-        for shared in &self.resources {
-            graph.nodes.push(resource(component, shared));
+        let middles = self.middles(&holders, &columns);
+        for (shared, column) in self.resources.iter().zip(middles) {
+            graph.nodes.push(resource(component, shared, column));
         }
         let mut uses: Vec<_> = self.uses.drain().collect();
         uses.sort_by_key(|it| it.0);
@@ -188,6 +175,64 @@ impl Exclusions<'_> {
                 .to_owned(),
         );
         graph
+    }
+
+    /// The column of each of the holders, which stand in order of their tasks. Columns with even numbers are of
+    /// holders, those between of what they share; there are more of them the more holders there are, so that the
+    /// picture stays about as wide as high.
+    fn columns(&self, holders: &[Holder]) -> Vec<usize> {
+        /// Holders that two columns have room for.
+        const TWO_COLUMNS: usize = 30;
+        let component = self.component;
+        let sides = match holders.len() {
+            0..=TWO_COLUMNS => 2,
+            // Where a column of holders is about four times as wide as one of them is high, with what is shared.
+            many => (many as f64 / 4.0).sqrt().ceil() as usize,
+        };
+        let room = match sides {
+            2 => holders.len(),
+            _ => holders.len().div_ceil(sides),
+        };
+        // Tasks stay together, but for those that are too many for a column.
+        let mut groups: Vec<(usize, &[Holder])> = Vec::new();
+        let mut first = 0;
+        for group in holders.chunk_by(|a, b| task(component, *a) == task(component, *b)) {
+            for part in group.chunks(room) {
+                groups.push((first, part));
+                first += part.len();
+            }
+        }
+        // The largest first, each to the side that has least.
+        groups.sort_by_key(|it| std::cmp::Reverse(it.1.len()));
+        let mut count = vec![0; sides];
+        let mut columns = vec![0; holders.len()];
+        for (first, group) in groups {
+            let least = (0..sides).min_by_key(|it| count[*it]).unwrap_or(0);
+            count[least] += group.len();
+            columns[first..first + group.len()].fill(2 * least);
+        }
+        columns
+    }
+
+    /// The column of each resource: between its holders, where the ways to them are shortest.
+    fn middles(&self, holders: &[Holder], columns: &[usize]) -> Vec<usize> {
+        let last = columns.iter().copied().max().unwrap_or(0).max(2);
+        let mut taken: FxHashMap<usize, usize> = FxHashMap::default();
+        let mut out = Vec::new();
+        for shared in 0..self.resources.len() {
+            let users = holders.iter().zip(columns);
+            let users: Vec<usize> = users
+                .filter(|(holder, _)| self.uses.contains_key(&(**holder, shared)))
+                .map(|it| *it.1)
+                .collect();
+            let far = |column: usize| users.iter().map(|it| it.abs_diff(column)).sum::<usize>();
+            let between = (1..last).step_by(2);
+            let best = between.min_by_key(|it| (far(*it), taken.get(it).copied().unwrap_or(0)));
+            let best = best.unwrap_or(1);
+            *taken.entry(best).or_default() += 1;
+            out.push(best);
+        }
+        out
     }
 
     fn holder(&self, holder: Holder) -> Node {
@@ -295,7 +340,7 @@ fn resource_id(component: &Component, shared: &Shared) -> String {
     }
 }
 
-fn resource(component: &Component, shared: &Shared) -> Node {
+fn resource(component: &Component, shared: &Shared, column: usize) -> Node {
     let id = resource_id(component, shared);
     let src = match shared {
         Shared::Port(port) => component.ports.get(*port as usize).map(|it| it.src),
@@ -318,8 +363,10 @@ fn resource(component: &Component, shared: &Shared) -> Node {
         description: format!("shared: {}", shared.describe(component).replace('`', "")),
         origin: src.map(|src| Origin { part: 0, src }),
         names: vec![id.clone()],
-        column: Some(1),
+        column: Some(column),
         group: None,
+        open: None,
+        holds: Vec::new(),
         id,
     }
 }

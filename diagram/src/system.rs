@@ -4,8 +4,10 @@
 //! the writer through the port to every reader.
 
 pub use dotgen_analysis::model::system::{Connection, Part};
-use dotgen_analysis::model::system::{System, type_name};
-use dotgen_analysis::model::{PortDir, Src};
+use std::collections::BTreeMap;
+
+use dotgen_analysis::model::system::{PortRef, System, type_name};
+use dotgen_analysis::model::{ParamSource, PortDir, Seconds, Src, Task};
 
 use crate::fsm::duration;
 use crate::graph::{Direction, Edge, Graph, Line, LineStyle, Node, Origin, Shape};
@@ -21,6 +23,49 @@ pub struct Options {
     pub services: usize,
     /// Say which services interrupt which.
     pub interrupts: bool,
+    /// Say at each port which codels exclude each other there, and how long one of them can hold it.
+    pub locks: bool,
+    /// Components that were opened (all of their ports, tasks and services are listed) or closed (they are
+    /// counted). Of the others there is a summary, or in large systems the counts.
+    pub opened: BTreeMap<String, bool>,
+    /// Chains of data that are of interest, each with the ports on its way as `component.port`, and what is known
+    /// of it.
+    pub chains: Vec<Chain>,
+}
+
+/// A chain of data through a system.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Chain {
+    /// Ports that it passes, from the first to the last, as component and port. Between them it takes the shortest
+    /// way there is.
+    pub ports: Vec<(String, String)>,
+    /// What is known of it, in a line.
+    pub says: String,
+}
+
+/// Components up to which a system shows a summary of each; those of larger ones are closed.
+const SUMMARIES: usize = 12;
+
+/// How much of a component is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Detail {
+    /// How much there is.
+    Closed,
+    /// Tasks, and the first services.
+    Summary,
+    /// Everything.
+    Open,
+}
+
+impl Options {
+    fn detail(&self, component: &str, components: usize) -> Detail {
+        match self.opened.get(component) {
+            Some(true) => Detail::Open,
+            Some(false) => Detail::Closed,
+            None if components > SUMMARIES => Detail::Closed,
+            None => Detail::Summary,
+        }
+    }
 }
 
 /// Builds the graph of a system.
@@ -33,7 +78,8 @@ pub fn graph(parts: &[Part], options: &Options) -> Graph {
         ..Graph::default()
     };
     for part in parts {
-        graph.nodes.push(card(part, options));
+        let detail = options.detail(&part.component.name, parts.len());
+        graph.nodes.push(card(part, options, detail));
         for port in part
             .component
             .ports
@@ -93,6 +139,12 @@ pub fn graph(parts: &[Part], options: &Options) -> Graph {
             }
         }
     }
+    if options.locks {
+        locks(&system, &mut graph);
+    }
+    for chain in &options.chains {
+        follow(&system, chain, &mut graph);
+    }
     let lonely = |it: &Node| it.classes.iter().any(|it| it == "unconnected");
     if graph.nodes.iter().any(lonely) {
         let note = "Dashed: input ports that nothing here feeds.";
@@ -108,19 +160,62 @@ fn origin(part: &Part, src: Src) -> Option<Origin> {
     })
 }
 
-fn card(part: &Part, options: &Options) -> Node {
+fn card(part: &Part, options: &Options, detail: Detail) -> Node {
     let component = part.component;
     let mut lines = vec![Line::new(LineStyle::Title, component.name.as_str())];
-    for task in &component.tasks {
-        let rate = task
-            .period
-            .as_ref()
-            .map_or("aperiodic".to_owned(), |p| duration(p.value));
-        lines.push(Line::new(
-            LineStyle::Detail,
-            format!("task {} · {rate}", task.name),
-        ));
+    match detail {
+        Detail::Closed => lines.push(Line::new(LineStyle::Detail, counts(part, " · "))),
+        Detail::Summary => summary(part, options, &mut lines),
+        Detail::Open => everything(part, &mut lines),
     }
+    if options.interrupts && detail != Detail::Closed {
+        interrupts(part, &mut lines);
+    }
+    let open = detail == Detail::Open;
+    let ports = component.ports.iter().map(|it| &it.name);
+    let tasks = component.tasks.iter().map(|it| &it.name);
+    let services = component.services.iter().map(|it| &it.name);
+    let names = ports.chain(tasks).chain(services);
+    let names = names.map(ToString::to_string).collect();
+    Node {
+        id: component.name.to_string(),
+        shape: Shape::Card,
+        lines,
+        classes: vec!["component".to_owned()],
+        description: format!("component {}, {}", component.name, counts(part, ", ")),
+        origin: origin(part, component.src),
+        names: vec![component.name.to_string()],
+        open: Some(open),
+        holds: names,
+        ..Node::default()
+    }
+}
+
+/// How many tasks, services and ports there are.
+fn counts(part: &Part, between: &str) -> String {
+    let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+    let component = part.component;
+    [
+        count(component.tasks.len(), "task"),
+        count(component.services.len(), "service"),
+        count(component.ports.len(), "port"),
+    ]
+    .join(between)
+}
+
+/// `task main · 5 ms`
+fn task(task: &Task) -> Line {
+    let rate = task
+        .period
+        .as_ref()
+        .map_or("aperiodic".to_owned(), |p| duration(p.value));
+    Line::new(LineStyle::Detail, format!("task {} · {rate}", task.name))
+}
+
+/// Tasks, and as many services as were asked for.
+fn summary(part: &Part, options: &Options, lines: &mut Vec<Line>) {
+    let component = part.component;
+    lines.extend(component.tasks.iter().map(task));
     if options.services > 0 {
         let shown = component.services.len().min(options.services);
         for service in &component.services[..shown] {
@@ -135,44 +230,147 @@ fn card(part: &Part, options: &Options) -> Node {
             ));
         }
     }
-    if options.interrupts {
-        for service in &component.services {
-            let list = &service.interrupts;
-            let names = if list.all {
-                "all".to_owned()
-            } else {
-                let names: Vec<&str> = list
-                    .services
-                    .iter()
-                    .map(|&i| component.services[i as usize].name.as_str())
-                    .collect();
-                names.join(", ")
-            };
-            if !names.is_empty() {
-                lines.push(Line::new(
-                    LineStyle::Detail,
-                    format!("{} interrupts {names}", service.name),
-                ));
+}
+
+/// Ports, tasks and services, each leading to its own place.
+fn everything(part: &Part, lines: &mut Vec<Line>) {
+    let component = part.component;
+    for port in &component.ports {
+        let dir = match port.dir {
+            PortDir::In => "in",
+            PortDir::Out => "out",
+        };
+        let data = type_name(part.spec, port.data);
+        let text = format!("{dir} {}: {}", port.name, data.trim_start_matches("::"));
+        lines.push(Line::new(LineStyle::Detail, text).at(origin(part, port.src)));
+    }
+    let tasks = component.tasks.iter();
+    lines.extend(tasks.map(|it| task(it).at(origin(part, it.src))));
+    for service in &component.services {
+        let text = format!("{}()", service.name);
+        lines.push(Line::new(LineStyle::Code, text).at(origin(part, service.src)));
+    }
+}
+
+fn interrupts(part: &Part, lines: &mut Vec<Line>) {
+    let component = part.component;
+    for service in &component.services {
+        let list = &service.interrupts;
+        let names = if list.all {
+            "all".to_owned()
+        } else {
+            let names: Vec<&str> = list
+                .services
+                .iter()
+                .map(|&i| component.services[i as usize].name.as_str())
+                .collect();
+            names.join(", ")
+        };
+        if !names.is_empty() {
+            lines.push(Line::new(
+                LineStyle::Detail,
+                format!("{} interrupts {names}", service.name),
+            ));
+        }
+    }
+}
+
+/// What uses the data of an output port, in any component.
+#[derive(Default)]
+struct Users {
+    /// `component.codel`
+    codels: Vec<String>,
+    components: Vec<usize>,
+    longest: Option<Seconds>,
+}
+
+/// Says at each output port that codels of several components use how many of them take turns there.
+fn locks(system: &System, graph: &mut Graph) {
+    let mut users: BTreeMap<PortRef, Users> = BTreeMap::new();
+    for (number, part) in system.parts.iter().enumerate() {
+        for codel in part.component.all_codels() {
+            let codel = part.component.codel(codel);
+            let mut ports: Vec<PortRef> = Vec::new();
+            for param in &codel.params {
+                if let ParamSource::Port(port) = param.source {
+                    ports.extend(system.data_of((number, port)));
+                }
+            }
+            ports.sort_unstable();
+            ports.dedup();
+            for port in ports {
+                let users = users.entry(port).or_default();
+                let name = format!("{}.{}", part.component.name, codel.name);
+                users.codels.push(name);
+                if users.components.last() != Some(&number) {
+                    users.components.push(number);
+                }
+                let wcet = codel.wcet.as_ref().map(|it| it.value);
+                users.longest = users.longest.max(wcet);
             }
         }
     }
-    let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
-    Node {
-        id: component.name.to_string(),
-        shape: Shape::Card,
-        lines,
-        classes: vec!["component".to_owned()],
-        description: format!(
-            "component {}, {}, {}, {}",
-            component.name,
-            count(component.tasks.len(), "task"),
-            count(component.services.len(), "service"),
-            count(component.ports.len(), "port")
-        ),
-        origin: origin(part, component.src),
-        names: vec![component.name.to_string()],
-        ..Node::default()
+    for (port, users) in users.into_iter().filter(|it| it.1.components.len() > 1) {
+        let id = system.port_name(port);
+        let Some(node) = graph.nodes.iter_mut().find(|it| it.id == id) else {
+            continue;
+        };
+        let mut text = format!("{} codels take turns", users.codels.len());
+        if let Some(longest) = users.longest {
+            text += &format!(", ≤ {} each", duration(longest));
+        }
+        node.lines.push(Line::new(LineStyle::Detail, text));
+        node.classes.push("contended".to_owned());
+        node.description += &format!(", taken in turns by {}", users.codels.join(", "));
     }
+}
+
+/// Marks the way of a chain, and says below what is known of it.
+fn follow(system: &System, chain: &Chain, graph: &mut Graph) {
+    let data = |(component, port): &(String, String)| {
+        let part = system.part(component)?;
+        let mut ports = (0..).zip(&system.parts[part].component.ports);
+        let (index, _) = ports.find(|(_, it)| it.name.as_str() == port)?;
+        let source = system.data_of((part, index)).first().copied()?;
+        Some(system.port_name(source))
+    };
+    let ports: Vec<String> = chain.ports.iter().filter_map(data).collect();
+    let mut way: Vec<String> = ports.first().cloned().into_iter().collect();
+    for pair in ports.windows(2) {
+        way.extend(shortest(graph, &pair[0], &pair[1]));
+    }
+    for node in graph.nodes.iter_mut().filter(|it| way.contains(&it.id)) {
+        node.mark();
+    }
+    for edge in &mut graph.edges {
+        let mut steps = way.windows(2);
+        if steps.any(|it| it[0] == edge.from && it[1] == edge.to) {
+            edge.mark();
+        }
+    }
+    graph.notes.push(chain.says.clone());
+}
+
+/// The nodes on a shortest way from one to another, without the first; empty if there is none.
+fn shortest(graph: &Graph, from: &str, to: &str) -> Vec<String> {
+    let mut before: BTreeMap<&str, &str> = BTreeMap::new();
+    let mut queue = std::collections::VecDeque::from([from]);
+    while let Some(node) = queue.pop_front().filter(|it| *it != to) {
+        for edge in graph.edges.iter().filter(|it| it.from == node) {
+            if edge.to != from && !before.contains_key(edge.to.as_str()) {
+                before.insert(&edge.to, node);
+                queue.push_back(&edge.to);
+            }
+        }
+    }
+    let mut way = Vec::new();
+    let mut at = to;
+    while let Some(it) = before.get(at) {
+        way.push(at.to_owned());
+        at = it;
+    }
+    way.reverse();
+    way
 }
 
 fn octagon(id: &str, name: &str, ty: String, unconnected: bool, origin: Option<Origin>) -> Node {

@@ -105,6 +105,21 @@ const DARK_CLEAR: Palette = clear(DARK);
 
 /// The style sheet of a picture.
 pub(crate) fn style(theme: Theme) -> String {
+    in_colours(theme, rules)
+}
+
+/// The additional rules of a timeline.
+pub(crate) fn timeline_style(theme: Theme) -> String {
+    in_colours(theme, timeline_rules)
+}
+
+/// The additional rules of pictures in which something is marked: a way, a chain, what is taken in turns.
+pub(crate) fn mark_style(theme: Theme) -> String {
+    in_colours(theme, mark_rules)
+}
+
+/// Rules in the colours of a theme.
+fn in_colours(theme: Theme, rules: fn(&Palette) -> String) -> String {
     match theme {
         Theme::Light => rules(&LIGHT),
         Theme::Neutral => rules(&NEUTRAL),
@@ -122,23 +137,14 @@ pub(crate) fn style(theme: Theme) -> String {
     }
 }
 
-/// The additional rules of a timeline.
-pub(crate) fn timeline_style(theme: Theme) -> String {
-    match theme {
-        Theme::Light => timeline_rules(&LIGHT),
-        Theme::Neutral => timeline_rules(&NEUTRAL),
-        Theme::Dark => timeline_rules(&DARK),
-        Theme::LightClear => timeline_rules(&LIGHT_CLEAR),
-        Theme::DarkClear => timeline_rules(&DARK_CLEAR),
-        Theme::Editor => timeline_rules(&EDITOR),
-        Theme::Auto => {
-            format!(
-                "{}@media (prefers-color-scheme:dark){{\n{}}}\n",
-                timeline_rules(&LIGHT),
-                timeline_rules(&DARK)
-            )
-        }
-    }
+fn mark_rules(p: &Palette) -> String {
+    let Palette { accent, warn, .. } = p;
+    format!(
+        ".contended .shape{{stroke:{warn};stroke-width:1.8}}\n\
+         .marked .shape{{stroke:{accent};stroke-width:2.6}}\n\
+         .marked .line{{stroke:{accent};stroke-width:2.6}}\n\
+         .marked .head{{fill:{accent};stroke:{accent}}}\n"
+    )
 }
 
 fn timeline_rules(p: &Palette) -> String {

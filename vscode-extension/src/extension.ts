@@ -29,7 +29,7 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
   const it = server;
   const tree = new SyntaxTreeView(it);
   const macros = new MacroExpansion(it);
-  const preview = new DiagramPreview(it, context.extensionUri);
+  const preview = new DiagramPreview(it, context.extensionUri, context.workspaceState);
   const inline = new InlineDiagrams(it, context.globalState);
   const verification = new VerificationPanel(it, context.extensionUri);
   const traces = new TraceViewer(it, context.extensionUri);

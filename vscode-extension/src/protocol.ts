@@ -62,18 +62,28 @@ export type DiagramKind = 'fsm' | 'system' | 'locks';
 /** What a picture shows besides the essentials. */
 export interface DiagramOptions {
   wcet?: boolean;
+  load?: boolean;
   paths?: boolean;
   locks?: boolean;
   interrupts?: boolean;
+  chains?: boolean;
 }
 
-export interface DiagramParams extends DiagramOptions {
+/** What the reader made of a system: which components are open or closed, and how far nodes were moved, in pixels. */
+export interface Arrangement {
+  opened: Record<string, boolean>;
+  moved: Record<string, [number, number]>;
+}
+
+export interface DiagramParams extends DiagramOptions, Partial<Arrangement> {
   textDocument: TextDocumentIdentifier;
   /** What is declared around it wins over the names. */
   position?: Position;
   kind: DiagramKind;
   component?: string;
   owner?: string;
+  /** States that the reader goes through. */
+  way?: string[];
   theme?: 'auto' | 'light' | 'dark' | 'light-clear' | 'dark-clear' | 'neutral' | 'editor';
   format?: 'svg' | 'dot' | 'mermaid';
 }
@@ -94,12 +104,20 @@ export interface DiagramNode {
   classes: string[];
   description: string;
   place: DiagramPlace | null;
+  /** Of its lines; empty if none has a place of its own. */
+  parts: (DiagramPlace | null)[];
+  /** Of nodes that can be opened and closed: which they are. */
+  open: boolean | null;
+  /** Names of what is in it, listed or not. */
+  holds: string[];
   codel: { name: string; states: string[]; async: boolean; params: string[]; wcet: string | null; excludes: string[] } | null;
 }
 
 export interface DiagramAnswer {
   kind: DiagramKind;
   title: string;
+  /** What is said below the picture; of a way with two ends, last. */
+  notes: string[];
   component: string | null;
   owner: string | null;
   /** Of the task, activity or component, in this document. */

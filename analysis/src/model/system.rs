@@ -139,7 +139,7 @@ impl<'a> System<'a> {
     }
 
     /// Where the data of a port is: in itself, or in the outputs that feed it.
-    fn locks(&self, port: PortRef) -> Vec<PortRef> {
+    pub fn data_of(&self, port: PortRef) -> Vec<PortRef> {
         match self.parts[port.0].component.ports[port.1 as usize].dir {
             PortDir::Out => vec![port],
             PortDir::In => self.sources(port),
@@ -153,7 +153,7 @@ impl<'a> System<'a> {
         let mut shared: Vec<PortRef> = Vec::new();
         for param in &own.params {
             if let ParamSource::Port(port) = param.source {
-                shared.extend(self.locks((part, port)));
+                shared.extend(self.data_of((part, port)));
             }
         }
         shared.sort_unstable();
@@ -166,7 +166,7 @@ impl<'a> System<'a> {
             let ports = 0..it.component.ports.len() as u32;
             let meets: Vec<Vec<PortRef>> = ports
                 .map(|port| {
-                    let mut locks = self.locks((other, port));
+                    let mut locks = self.data_of((other, port));
                     locks.retain(|it| shared.contains(it));
                     locks
                 })

@@ -11,6 +11,8 @@ use super::ranked::Ranked;
 use super::{FRAME_PADDING, LABEL_HEIGHT};
 
 const NONE: usize = usize::MAX;
+/// Distance of two edges that pass the columns of others beside each other.
+const PASSING: f64 = 4.0;
 
 /// The x coordinate of the anchor of each vertex. `gap` is the least distance of two nodes.
 pub(super) fn positions(graph: &Ranked, gap: f64) -> Vec<f64> {
@@ -145,6 +147,7 @@ fn compaction(
             (left, right)
         };
         let space = match (graph.is_dummy(left), graph.is_dummy(right)) {
+            (true, true) if graph.columns => PASSING,
             (true, true) => 14.0,
             (false, false) if graph.group_of(left) != graph.group_of(right) => {
                 gap + FRAME_PADDING + LABEL_HEIGHT
@@ -239,8 +242,11 @@ fn balance(graph: &Ranked, candidates: &mut [Vec<f64>]) -> Vec<f64> {
 
 /// Moves the nodes of each group together, `gap` apart, as near as possible to where they are.
 pub(super) fn pack_groups(graph: &Ranked, gap: f64, x: &mut [f64]) {
+    // Many columns are there to be less high: all of them are packed, and none stands lower than another.
+    let wrapped = graph.columns && graph.layers.len() > 3;
     for layer in &graph.layers {
-        if layer.iter().any(|&it| graph.group_of(it).is_none()) {
+        // What belongs to no group are pieces of edges that pass; they stay together where they are neighbours.
+        if !wrapped && layer.iter().all(|&it| graph.group_of(it).is_none()) {
             continue;
         }
         // How far each node stands from the first when all are packed; the rest of its coordinate is
@@ -252,8 +258,17 @@ pub(super) fn pack_groups(graph: &Ranked, gap: f64, x: &mut [f64]) {
                 true => 0.0,
                 false => FRAME_PADDING + LABEL_HEIGHT,
             };
+            let passing = graph.is_dummy(left) && graph.is_dummy(right);
+            let gap = if passing { PASSING } else { gap };
             let between = graph.extent[left].1 + graph.extent[right].0 + gap + frame;
             offset[i] = offset[i - 1] + between;
+        }
+        if wrapped {
+            let height = offset.last().copied().unwrap_or(0.0);
+            for (&vertex, offset) in layer.iter().zip(offset) {
+                x[vertex] = offset - height / 2.0;
+            }
+            continue;
         }
         // Least squares with increasing shifts: neighbours that would change places are pooled.
         let mut pools: Vec<(f64, usize)> = Vec::new();

@@ -26,7 +26,11 @@ pub fn svg(graph: &Graph, layout: &Layout, theme: Theme) -> String {
         escape(&graph.title)
     ));
     out.line(&format!("<title>{}</title>", escape(&graph.title)));
-    out.line(&format!("<style>\n{}</style>", theme::style(theme)));
+    let marks = match graph.has_marks() {
+        true => theme::mark_style(theme),
+        false => String::new(),
+    };
+    out.line(&format!("<style>\n{}{marks}</style>", theme::style(theme)));
     out.line(&format!(
         "<rect class=\"ground\" width=\"{w}\" height=\"{h}\"/>"
     ));
@@ -104,8 +108,14 @@ impl Svg {
         } else {
             &node.description
         });
+        // What can be reached by itself within a node makes it more than a symbol.
+        let parts = node.lines.iter().any(|it| it.origin.is_some());
+        let role = match parts {
+            true => "graphics-object",
+            false => "graphics-symbol",
+        };
         self.line(&format!(
-            "<g {attributes} tabindex=\"0\" role=\"graphics-symbol\" aria-label=\"{label}\"><title>{label}</title>"
+            "<g {attributes} tabindex=\"0\" role=\"{role}\" aria-label=\"{label}\"><title>{label}</title>"
         ));
         self.outline(node, rect);
         self.lines(node, rect);
@@ -192,7 +202,16 @@ impl Svg {
                 LineStyle::Code => "code",
                 LineStyle::Detail => "detail",
             };
-            self.text(class, Point { x, y: baseline }, anchor, &line.text);
+            let at = Point { x, y: baseline };
+            match line.origin {
+                Some(_) => {
+                    let attributes = format!(
+                        "class=\"{class} part\" data-line=\"{i}\" tabindex=\"0\" role=\"link\""
+                    );
+                    self.text_with(&attributes, at, anchor, &line.text);
+                }
+                None => self.text(class, at, anchor, &line.text),
+            }
             top += metrics.height;
             if card && i == 0 {
                 let y = number(top + CARD_HEADER / 2.0);
@@ -206,13 +225,17 @@ impl Svg {
     }
 
     fn text(&mut self, class: &str, at: Point, anchor: &str, text: &str) {
+        self.text_with(&format!("class=\"{class}\""), at, anchor, text);
+    }
+
+    fn text_with(&mut self, attributes: &str, at: Point, anchor: &str, text: &str) {
         let anchor = if anchor == "start" {
             String::new()
         } else {
             format!(" text-anchor=\"{anchor}\"")
         };
         self.line(&format!(
-            "<text class=\"{class}\" x=\"{}\" y=\"{}\"{anchor}>{}</text>",
+            "<text {attributes} x=\"{}\" y=\"{}\"{anchor}>{}</text>",
             number(at.x),
             number(at.y),
             escape(text)

@@ -2,4 +2,5 @@
 
 mod geometry;
 mod handmade;
+mod large;
 mod specifications;

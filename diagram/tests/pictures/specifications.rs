@@ -80,7 +80,12 @@ fn pictures(unit: &UnitResult) -> Vec<Graph> {
     for component in &components {
         for owner in fsm::owners(component) {
             for (wcet, paths, locks) in [(true, false, false), (true, true, true)] {
-                let options = fsm::Options { wcet, paths, locks };
+                let options = fsm::Options {
+                    wcet,
+                    paths,
+                    locks,
+                    ..fsm::Options::default()
+                };
                 graphs.extend(fsm::graph(spec, component, owner, options));
             }
         }

@@ -12,7 +12,7 @@ use dotgen_syntax::encoding;
 use serde_json::json;
 
 use super::{Outcome, Reading, report, session};
-use crate::views::pictures::{self, Form, Kind, Picture, Wish};
+use crate::views::pictures::{self, Around, Form, Kind, Picture, Wish};
 
 /// Draw a specification
 ///
@@ -52,9 +52,17 @@ pub(super) struct Arguments {
     #[arg(long)]
     paths: bool,
 
-    /// Add how many codels each codel excludes
+    /// Add how many codels each codel excludes; in a system, which take turns at a port
     #[arg(long)]
     locks: bool,
+
+    /// Mark the longest way through these states of a machine, and say how long it executes
+    #[arg(long, value_name = "STATE,…", value_delimiter = ',')]
+    way: Vec<String>,
+
+    /// Show everything of this component, in a system
+    #[arg(long, value_name = "COMPONENT")]
+    open: Vec<String>,
 
     /// Leave out execution times
     #[arg(long)]
@@ -120,6 +128,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         }
         connections.extend_from_slice(session.connections());
     }
+    let opened = arguments.open.iter().map(|it| (it.clone(), true));
     let wish = Wish {
         kind: arguments.kind,
         component: arguments.component.clone(),
@@ -129,8 +138,16 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
         locks: arguments.locks,
         services: arguments.services,
         interrupts: arguments.interrupts,
+        load: !arguments.no_wcet,
+        way: arguments.way.clone(),
+        opened: opened.collect(),
+        ..Wish::default()
     };
-    let drawn = pictures::draw(&units, &connections, &wish);
+    let around = Around {
+        connections,
+        ..Around::default()
+    };
+    let drawn = pictures::draw(&units, &around, &wish);
     if drawn.is_empty() {
         bail!("{}", nothing(&wish));
     }

@@ -1,18 +1,24 @@
 //! `dotgen/diagram`, the picture in hovers, and the commands that give a picture as text.
 
-use std::collections::VecDeque;
+use std::cell::RefCell;
+use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use base64::Engine;
+use camino::Utf8PathBuf;
 use dotgen_analysis::diagnostic::Severity;
 use dotgen_analysis::host::{Cancellable, UnitResult};
 use dotgen_analysis::ide::{DocumentSymbol, FilePosition, SymbolKind};
+use dotgen_diagram::system::Chain;
 use dotgen_diagram::theme::Theme;
+use dotgen_timing::scn::ast::{CheckKind, Item};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use crate::protocol::types::*;
-use crate::views::pictures::{self, Form, Kind, Wish};
+use crate::verification::view::View;
+use crate::views::pictures::{self, Around, Form, Kind, Wish};
 use crate::workspace::snapshot::{Snapshot, Subject};
 
 /// Parameters of `dotgen/diagram`.
@@ -96,16 +102,28 @@ pub(crate) fn handle(
         return Ok(Some(last));
     }
     let units = units(snapshot, subject, &wish)?;
-    let drawn = pictures::draw(&units, &snapshot.config.connections, &wish);
+    let around = Around {
+        connections: snapshot.config.connections.clone(),
+        chains: match wish.kind == Kind::System && wish.chains {
+            true => chains(snapshot, &units),
+            false => Vec::new(),
+        },
+    };
+    let drawn = pictures::draw(&units, &around, &wish);
     let Some(picture) = drawn.first() else {
         return Ok(None);
     };
+    let outlines: RefCell<BTreeMap<Utf8PathBuf, Vec<DocumentSymbol>>> = RefCell::default();
     let (nodes, edges) = pictures::data(&units, picture, &|it| {
         let uri = snapshot.uri(&it.path)?;
         let lines = snapshot.lines(&it.path).ok()??;
-        // The whole codel, component…, where the outline of this document knows it.
-        let whole = (it.path == subject.path).then(|| whole(&symbols, it.range.start));
-        let whole = whole.flatten().unwrap_or(it.range.clone());
+        // The whole codel, component…, where the outline of its document knows it.
+        let mut outlines = outlines.borrow_mut();
+        let outline = match outlines.entry(it.path.clone()) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(new) => new.insert(snapshot.analysis.document_symbols(&it.path).ok()?),
+        };
+        let whole = whole(outline, it.range.start).unwrap_or(it.range.clone());
         Some(json!({
             "uri": uri,
             "range": lines.range(&whole),
@@ -163,6 +181,54 @@ fn units(snapshot: &Snapshot, subject: &Subject, wish: &Wish) -> Cancellable<Vec
         return Ok(vec![snapshot.analysis.unit(&subject.path)?]);
     }
     snapshot.system_units(&subject.path)
+}
+
+/// The chains of data that scenarios of these specifications ask for, with what is known of them.
+fn chains(snapshot: &Snapshot, units: &[UnitResult]) -> Vec<Chain> {
+    let mut out: Vec<Chain> = Vec::new();
+    for entry in snapshot.verification.values() {
+        let problem = entry.places();
+        let of_system = |path: &Utf8PathBuf| units.iter().any(|it| it.files.contains(path));
+        let mut used = problem.units.iter().flat_map(|it| it.files.first());
+        if !used.any(of_system) {
+            continue;
+        }
+        let checks = problem.scenario.items.iter().filter_map(|it| match it {
+            Item::Check(check) => Some(check),
+            _ => None,
+        });
+        for check in checks {
+            let CheckKind::Chain(_, path, _) = &check.kind else {
+                continue;
+            };
+            let through = [&path.from].into_iter().chain(&path.via).chain([&path.to]);
+            let ports = through.filter_map(|it| match &it.names[..] {
+                [component, port] => Some((component.value.clone(), port.value.clone())),
+                _ => None,
+            });
+            let says = match entry.known().and_then(|it| said(it.view(), &check.range)) {
+                Some(answer) => answer,
+                None => format!("{}: not known yet", path.text()),
+            };
+            let ports = ports.collect();
+            out.push(Chain { ports, says });
+        }
+    }
+    out
+}
+
+/// The answer to a check that is written at a place: `age a.x -> b.y: ≤ 20 ms of 30 ms, proved`.
+fn said(view: View, written: &std::ops::Range<usize>) -> Option<String> {
+    let mut checks = view.checks.iter();
+    let check = checks.find(|it| it.written.as_ref() == Some(written))?;
+    let mut text = format!("{} {}", check.report.kind, check.report.of);
+    if let Some(value) = &check.value {
+        text += &format!(": {value}");
+    }
+    if let Some(limit) = &check.limit {
+        text += &format!(" of {limit}");
+    }
+    Some(format!("{text}, {}", check.outcome.word()))
 }
 
 /// Names what is declared around an offset; keeps the names there are when nothing is.
@@ -266,7 +332,7 @@ pub(crate) fn hover_image(
         return Ok(None);
     }
     let units = units(snapshot, subject, &wish)?;
-    let drawn = pictures::draw(&units, &[], &wish);
+    let drawn = pictures::draw(&units, &Around::default(), &wish);
     let Some(picture) = drawn.first() else {
         return Ok(None);
     };

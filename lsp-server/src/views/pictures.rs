@@ -1,5 +1,7 @@
 //! From units to pictures: the one way that the editor and the command line share.
 
+use std::collections::BTreeMap;
+
 use dotgen_analysis::host::UnitResult;
 use dotgen_analysis::model::mutex::{self, Excluded};
 use dotgen_analysis::model::system::parts;
@@ -8,9 +10,9 @@ use dotgen_analysis::model::{
 };
 use dotgen_analysis::source_map::{Location, Locations};
 use dotgen_diagram::graph::{Graph, Origin};
-use dotgen_diagram::layout::{Layout, layout};
+use dotgen_diagram::layout::{Layout, Point, layout, moved};
 use dotgen_diagram::render::{dot::dot, mermaid::mermaid, svg::svg};
-use dotgen_diagram::system::{self, Connection};
+use dotgen_diagram::system::{self, Chain, Connection};
 use dotgen_diagram::theme::Theme;
 use dotgen_diagram::{fsm, locks};
 use serde::{Deserialize, Serialize};
@@ -56,14 +58,34 @@ pub struct Wish {
     pub owner: Option<String>,
     /// State machines: execution times.
     pub wcet: bool,
+    /// State machines: their share of the period.
+    pub load: bool,
     /// State machines: sums of execution times up to the next pause.
     pub paths: bool,
-    /// State machines: how many codels each codel excludes.
+    /// State machines: how many codels each codel excludes. Systems: which codels take turns at a port.
     pub locks: bool,
+    /// State machines: states that the reader goes through; the longest way through them is marked and told.
+    pub way: Vec<String>,
     /// Systems: services listed in a component, at most.
     pub services: usize,
     /// Systems: which service interrupts which.
     pub interrupts: bool,
+    /// Systems: the chains of data that scenarios ask for.
+    pub chains: bool,
+    /// Systems: components that were opened or closed.
+    pub opened: BTreeMap<String, bool>,
+    /// Systems: how far nodes were moved from where they are laid out, to the right and down, in pixels. A port
+    /// goes with its component.
+    pub moved: BTreeMap<String, (i32, i32)>,
+}
+
+/// What is known of a system beside its specifications.
+#[derive(Debug, Clone, Default)]
+pub struct Around {
+    /// Which output port feeds which input port.
+    pub connections: Vec<Connection>,
+    /// Chains of data that are of interest.
+    pub chains: Vec<Chain>,
 }
 
 impl Default for Wish {
@@ -73,10 +95,15 @@ impl Default for Wish {
             component: None,
             owner: None,
             wcet: true,
+            load: true,
             paths: false,
             locks: false,
+            way: Vec::new(),
             services: 6,
             interrupts: false,
+            chains: false,
+            opened: BTreeMap::new(),
+            moved: BTreeMap::new(),
         }
     }
 }
@@ -106,11 +133,9 @@ impl Picture {
 
 /// Draws every picture that fits a wish: all machines when no owner is named, one picture of all
 /// units for a system, one of each component for locks.
-pub fn draw(units: &[UnitResult], connections: &[Connection], wish: &Wish) -> Vec<Picture> {
+pub fn draw(units: &[UnitResult], around: &Around, wish: &Wish) -> Vec<Picture> {
     if wish.kind == Kind::System {
-        return system_picture(units, connections, wish)
-            .into_iter()
-            .collect();
+        return system_picture(units, around, wish).into_iter().collect();
     }
     let mut out = Vec::new();
     for (unit, component) in components(units, wish.component.as_deref()) {
@@ -131,8 +156,10 @@ pub fn draw(units: &[UnitResult], connections: &[Connection], wish: &Wish) -> Ve
                     }
                     let options = fsm::Options {
                         wcet: wish.wcet,
+                        load: wish.load,
                         paths: wish.paths,
                         locks: wish.locks,
+                        way: wish.way.clone(),
                     };
                     let graph = fsm::graph(&unit.spec, component, it, options);
                     let name = Some(name.to_owned());
@@ -153,11 +180,7 @@ fn picture(graph: Graph, component: Option<&Component>, owner: Option<String>) -
     }
 }
 
-fn system_picture(
-    units: &[UnitResult],
-    connections: &[Connection],
-    wish: &Wish,
-) -> Option<Picture> {
+fn system_picture(units: &[UnitResult], around: &Around, wish: &Wish) -> Option<Picture> {
     let parts = parts(units.iter().map(|it| &*it.spec));
     if parts.is_empty() {
         return None;
@@ -167,11 +190,31 @@ fn system_picture(
             [one] => one.component.name.to_string(),
             several => format!("System of {} components", several.len()),
         },
-        connections: connections.to_vec(),
+        connections: around.connections.clone(),
         services: wish.services,
         interrupts: wish.interrupts,
+        locks: wish.locks,
+        opened: wish.opened.clone(),
+        chains: match wish.chains {
+            true => around.chains.clone(),
+            false => Vec::new(),
+        },
     };
-    Some(picture(system::graph(&parts, &options), None, None))
+    let mut drawn = picture(system::graph(&parts, &options), None, None);
+    let by = |id: &str| wish.moved.get(id).copied().unwrap_or_default();
+    let nodes = drawn.graph.nodes.iter();
+    let moves: Vec<Point> = nodes
+        .map(|it| {
+            let own = by(&it.id);
+            let with = it.id.split_once('.').map_or((0, 0), |(of, _)| by(of));
+            Point {
+                x: f64::from(own.0) + f64::from(with.0),
+                y: f64::from(own.1) + f64::from(with.1),
+            }
+        })
+        .collect();
+    drawn.layout = moved(&drawn.graph, drawn.layout, &moves);
+    Some(drawn)
 }
 
 /// Components of the units, or those of one name.
@@ -216,6 +259,8 @@ pub fn data(
         .iter()
         .map(|node| {
             let lines: Vec<&str> = node.lines.iter().map(|it| it.text.as_str()).collect();
+            let parts: Vec<Option<Value>> =
+                node.lines.iter().map(|it| located(it.origin)).collect();
             let detail = node.origin.and_then(|origin| {
                 let unit = units.get(origin.part)?;
                 codel_details(&unit.spec, picture.component.as_deref(), origin.src)
@@ -227,6 +272,9 @@ pub fn data(
                 "classes": node.classes,
                 "description": node.description,
                 "place": located(node.origin),
+                "parts": parts,
+                "open": node.open,
+                "holds": node.holds,
                 "codel": detail,
             })
         })

@@ -240,14 +240,17 @@ impl Snapshot {
     }
 
     /// The units of the system that a file belongs to: what lies in the same workspace folder and, in there, below the
-    /// same `dotgen.toml`.
+    /// same `dotgen.toml`; and what is open below that, or likewise below none, in whatever folder.
     pub fn system_units(&self, path: &Utf8Path) -> Cancellable<Vec<UnitResult>> {
         let folder = self.folders.iter().find(|it| path.starts_with(it));
         let project = self.config.project(path);
         let mut paths: Vec<&Utf8Path> = self
             .roots
             .iter()
-            .filter(|it| folder.is_some_and(|folder| it.starts_with(folder)))
+            .filter(|it| {
+                let beside = folder.is_some_and(|folder| it.starts_with(folder));
+                beside || self.open.contains_key(*it)
+            })
             .filter(|it| self.config.project(it) == project)
             .map(|it| it.as_path())
             .collect();

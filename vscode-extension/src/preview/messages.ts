@@ -8,6 +8,8 @@ export interface Subject {
   component?: string;
   owner?: string;
   options: DiagramOptions;
+  /** States that the reader goes through. */
+  way?: string[];
 }
 
 export interface Shown {
@@ -17,6 +19,10 @@ export interface Shown {
   width: number;
   height: number;
   nodes: DiagramNode[];
+  /** What is known of the way, once it has two ends. */
+  told: string | undefined;
+  /** Something was opened, closed or moved by hand. */
+  arranged: boolean;
 }
 
 export type ToPage =
@@ -31,7 +37,13 @@ export type ToPage =
 
 export type FromPage =
   | { type: 'ready' }
-  | { type: 'jump'; id: string }
+  /** To the node, or to one of its lines. */
+  | { type: 'jump'; id: string; line?: number }
+  | { type: 'open'; id: string; open: boolean }
+  | { type: 'move'; id: string; by: [number, number] }
+  /** Everything where it is laid out, as much of it as at first. */
+  | { type: 'arrange' }
+  | { type: 'way'; states: string[] }
   | { type: 'select'; id: string }
   | { type: 'kind'; kind: DiagramKind }
   | { type: 'options'; options: DiagramOptions }

@@ -10,6 +10,13 @@ input[type=search] { width: 8em; }
 .node { cursor: pointer; }
 .current .shape { stroke-width: 2.6px !important; stroke: var(--vscode-focusBorder) !important; fill: var(--vscode-editor-selectionHighlightBackground, none) !important; }
 .missed { opacity: .3; }
+.hit .shape { stroke-width: 2.6px !important; stroke: var(--vscode-focusBorder) !important; }
+.toggle { cursor: pointer; font-size: 12px; }
+.part { cursor: pointer; }
+.part:hover, .part:focus { text-decoration: underline; outline: none; }
+.moving { opacity: .7; cursor: grabbing; }
+button[aria-pressed=true] { color: var(--vscode-button-foreground); background: var(--vscode-button-background); outline: 1px solid var(--vscode-contrastActiveBorder, transparent); }
+#told { padding: 4px 10px; border-bottom: 1px solid var(--vscode-panel-border, var(--vscode-contrastBorder, transparent)); }
 #legend { display: flex; flex-wrap: wrap; gap: 2px 16px; padding: 4px 10px; font-size: .9em; color: var(--vscode-descriptionForeground); border-top: 1px solid var(--vscode-panel-border, var(--vscode-contrastBorder, transparent)); }
 #legend i { display: inline-block; box-sizing: border-box; width: 16px; height: 11px; margin-right: 5px; vertical-align: -1px; border: 1px solid currentColor; border-radius: 2px; }
 #legend .disc, #legend .ring { width: 11px; border-radius: 50%; }
@@ -29,15 +36,20 @@ input[type=search] { width: 8em; }
 
 const BODY = `<header role="toolbar" aria-label="Diagram">
 <select id="kind" aria-label="Kind of diagram"><option value="fsm">State machine</option><option value="system">System</option><option value="locks">Locks</option></select>
-<label class="fsm" title="Worst-case execution times, and their share of the period"><input type="checkbox" id="wcet" checked>WCET</label>
+<label class="fsm" title="Worst-case execution times"><input type="checkbox" id="wcet" checked>WCET</label>
+<label class="fsm" title="The share of the period that execution takes"><input type="checkbox" id="load" checked>Load</label>
 <label class="fsm" title="The longest time from each state to the next pause"><input type="checkbox" id="paths">Paths</label>
-<label class="fsm" title="How many codels each codel excludes"><input type="checkbox" id="locks">Locks</label>
-<label class="system" hidden><input type="checkbox" id="interrupts">Interrupts</label>
+<label class="fsm system" title="What excludes each other: codels of a component, or at a port"><input type="checkbox" id="locks">Locks</label>
+<label class="system" title="Chains of data that scenarios ask for, with their times" hidden><input type="checkbox" id="chains">Chains</label>
+<label class="system" title="Which service interrupts which" hidden><input type="checkbox" id="interrupts">Interrupts</label>
+<button class="fsm" id="way" aria-pressed="false" title="Choose states one after the other: how long does the way through them execute? (p, or Shift and click)">Way</button>
+<button class="system" id="arrange" title="Everything where it is laid out, as much of it as at first" hidden>Arrange</button>
 <input type="search" id="search" placeholder="Find" title="Find (/)" aria-label="Find in the diagram"><span id="found" role="status"></span>
 <span class="group">${ZOOM_BUTTONS}</span>
 <span class="group"><button id="svg" title="Export as SVG">SVG</button><button id="png" title="Export as PNG">PNG</button></span>
 </header>
 <div id="notice" role="status" aria-live="polite" hidden></div>
+<div id="told" role="status" aria-live="polite" hidden></div>
 <main id="view" aria-label="Picture"></main>
 <footer id="legend" aria-label="Legend"><span><i class="disc"></i>begins</span><span><i class="ring"></i>goes on here when interrupted</span><span><i class="end"></i>ether, the end</span><span><i class="pause"></i>in the next period</span><span><i class="async"></i>async</span><span><i class="missing"></i>no codel</span><span><i class="faint"></i>never reached</span><span>warm colour: share of the period</span></footer>
 <section id="details" aria-live="polite" aria-label="Details" hidden></section>`;

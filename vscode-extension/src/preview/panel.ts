@@ -2,7 +2,7 @@
 import * as vscode from 'vscode';
 import type { Server } from '../client';
 import { notRunning } from '../commands/server';
-import { diagram, LANGUAGE, type DiagramAnswer, type DiagramKind, type DiagramNode, type DiagramParams } from '../protocol';
+import { diagram, LANGUAGE, type Arrangement, type DiagramAnswer, type DiagramKind, type DiagramNode, type DiagramParams } from '../protocol';
 import { isDark } from './inline';
 import { SidePanel } from '../panel/panel';
 import { range, reveal } from '../panel/reveal';
@@ -10,6 +10,8 @@ import type { FromPage, Subject, ToPage } from './messages';
 import { page } from './page';
 
 const TYPING_PAUSE_MS = 120;
+/** Where the workspace keeps what was made of its system. */
+const ARRANGEMENT = 'diagram.arrangement';
 
 /** Argument of the command, as code lenses give it. */
 export interface Target {
@@ -31,6 +33,7 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
   constructor(
     private readonly server: Server,
     extension: vscode.Uri,
+    private readonly memory: vscode.Memento,
   ) {
     super({ type: 'dotgen.diagram', title: 'Diagram', find: false, page }, extension);
     this.subscriptions = vscode.Disposable.from(
@@ -88,7 +91,22 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
       case 'ready':
         return this.draw();
       case 'jump':
-        return this.jump(message.id);
+        return this.jump(message.id, message.line);
+      case 'open':
+        return this.arrange(({ opened, moved }) => ({ opened: { ...opened, [message.id]: message.open }, moved }));
+      case 'move':
+        return this.arrange(({ opened, moved }) => {
+          const [x, y] = moved[message.id] ?? [0, 0];
+          const [dx, dy] = message.by;
+          return { opened, moved: { ...moved, [message.id]: [Math.round(x + dx), Math.round(y + dy)] } };
+        });
+      case 'arrange':
+        return this.arrange(() => ({ opened: {}, moved: {} }));
+      case 'way':
+        if (this.subject !== undefined) {
+          this.subject = { ...this.subject, way: message.states };
+        }
+        return this.draw();
       case 'select':
         this.selected = message.id;
         return this.sendDiagnostics();
@@ -109,6 +127,15 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
     }
   }
 
+  private get arrangement(): Arrangement {
+    return this.memory.get<Arrangement>(ARRANGEMENT) ?? { opened: {}, moved: {} };
+  }
+
+  private async arrange(change: (now: Arrangement) => Arrangement): Promise<void> {
+    await this.memory.update(ARRANGEMENT, change(this.arrangement));
+    await this.draw();
+  }
+
   private refresh(delay: number): void {
     clearTimeout(this.timer);
     this.timer = setTimeout(() => void this.draw(), delay);
@@ -120,11 +147,13 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
     if (client === undefined || subject === undefined) {
       return undefined;
     }
-    const { uri, kind, component, owner, options } = subject;
+    const { uri, kind, component, owner, options, way } = subject;
     return client.sendRequest(diagram, {
       textDocument: { uri },
       kind,
       ...options,
+      ...(kind === 'system' ? this.arrangement : {}),
+      ...(way === undefined || kind !== 'fsm' ? {} : { way }),
       ...(component === undefined ? {} : { component }),
       ...(owner === undefined ? {} : { owner }),
       ...(position === undefined ? {} : { position: client.code2ProtocolConverter.asPosition(position) }),
@@ -154,6 +183,12 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
       this.send({ type: 'notice', text: this.nodes.length > 0 ? 'There is nothing to draw here; this is the last picture.' : 'There is no state machine here.' });
       return;
     }
+    const { component, owner, way } = subject;
+    // A state of the same name in another machine is another state.
+    if (way !== undefined && way.length > 0 && (answer.component !== component || answer.owner !== owner)) {
+      this.subject = { ...subject, way: [] };
+      return this.draw(position);
+    }
     this.subject = { ...subject, kind: answer.kind };
     if (answer.component !== null) {
       this.subject.component = answer.component;
@@ -165,11 +200,16 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
     this.nodes = answer.nodes;
     panel.title = answer.title;
     const { title, picture: svg, width, height, nodes } = answer;
-    this.send({ type: 'picture', shown: { subject: this.subject, title, svg, width, height, nodes } });
+    const told = answer.kind === 'fsm' && (way?.length ?? 0) > 1 ? answer.notes.at(-1) : undefined;
+    const { opened, moved } = this.arrangement;
+    const arranged = Object.keys(opened).length + Object.keys(moved).length > 0;
+    this.send({ type: 'picture', shown: { subject: this.subject, title, svg, width, height, nodes, told, arranged } });
     const stale = answer.stale === null ? undefined : `The text has an error (${answer.stale}); this is the last good picture.`;
     const incomplete = answer.incomplete === null ? undefined : `The text has an error (${answer.incomplete}); something may be missing.`;
     this.send({ type: 'notice', text: stale ?? incomplete });
-    const editor = vscode.window.visibleTextEditors.find((it) => it.document.uri.toString() === subject.uri);
+    const active = vscode.window.activeTextEditor;
+    const of = vscode.window.visibleTextEditors.find((it) => it.document.uri.toString() === subject.uri);
+    const editor = active !== undefined && this.shows(active) ? active : of;
     if (editor !== undefined) {
       this.highlight(editor);
     }
@@ -182,13 +222,20 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
       return;
     }
     const uri = editor.document.uri.toString();
+    if (this.highlight(editor) || (uri !== this.subject.uri && this.shows(editor))) {
+      return;
+    }
     if (uri !== this.subject.uri) {
       const { kind, options } = this.subject;
       this.subject = { uri, kind, options };
-    } else if (this.highlight(editor)) {
-      return;
     }
     void this.draw(editor.selection.active);
+  }
+
+  /** Whether something of the picture is written in a document. */
+  private shows(editor: vscode.TextEditor): boolean {
+    const uri = editor.document.uri.toString();
+    return this.nodes.some((it) => it.place?.uri === uri);
   }
 
   /** Marks the innermost node around the cursor; false if there is none. */
@@ -206,8 +253,9 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
     return around.length > 0;
   }
 
-  private async jump(id: string): Promise<void> {
-    const place = this.nodes.find((it) => it.id === id)?.place;
+  private async jump(id: string, line?: number): Promise<void> {
+    const node = this.nodes.find((it) => it.id === id);
+    const place = (line === undefined ? undefined : node?.parts[line]) ?? node?.place;
     if (place === undefined || place === null) {
       return;
     }

@@ -1,5 +1,8 @@
 // A picture that can be zoomed and moved: shared by the pages.
 
+/** What letters need to be read: smaller than this, a picture is larger than its view and is scrolled. */
+const READABLE = 0.7;
+
 export class Canvas {
   private scale = 1;
   private fitted = true;
@@ -14,7 +17,7 @@ export class Canvas {
   ) {
     view.addEventListener('wheel', (event) => this.wheel(event), { passive: false });
     view.addEventListener('pointerdown', (event) => this.pan(event));
-    window.addEventListener('resize', () => this.fitted && this.fit());
+    window.addEventListener('resize', () => this.fitted && this.fit(READABLE));
     const click = (id: string, action: () => void) => document.getElementById(id)?.addEventListener('click', action);
     click('in', () => this.zoomBy(1.25));
     click('out', () => this.zoomBy(0.8));
@@ -32,8 +35,27 @@ export class Canvas {
     style?.remove();
     this.view.replaceChildren(document.importNode(parsed, true));
     this.size = { width, height };
-    if (this.fitted) this.fit();
+    if (this.fitted) this.fit(READABLE);
     else this.zoom(this.scale);
+  }
+
+  /** Pixels of the window for one of the picture. */
+  get factor(): number {
+    return this.scale;
+  }
+
+  /** What is shown next is as large as this. */
+  keep(): void {
+    this.fitted = false;
+  }
+
+  /** Brings an element to the middle, large enough to be read. */
+  centre(element: Element): void {
+    if (this.scale < READABLE) {
+      this.fitted = false;
+      this.zoom(READABLE);
+    }
+    element.scrollIntoView({ block: 'center', inline: 'center' });
   }
 
   clear(): void {
@@ -41,12 +63,13 @@ export class Canvas {
     this.size = undefined;
   }
 
-  fit(): void {
+  /** All of the picture, at a scale of at least so much. */
+  fit(least = 0): void {
     if (this.size === undefined) return;
     this.fitted = true;
     const { clientWidth, clientHeight } = this.view;
     const width = (clientWidth - 4) / this.size.width;
-    this.zoom(this.wide ? Math.min(1.6, Math.max(0.5, width)) : Math.min(1.4, width, (clientHeight - 4) / this.size.height));
+    this.zoom(this.wide ? Math.min(1.6, Math.max(0.5, width)) : Math.max(least, Math.min(1.4, width, (clientHeight - 4) / this.size.height)));
   }
 
   zoomBy(factor: number, at?: MouseEvent): void {

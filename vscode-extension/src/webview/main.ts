@@ -1,6 +1,7 @@
 // The page of the preview: shows what it is sent, and tells what is done to it. It lays out nothing.
 import type { FromPage, Shown, Subject, ToPage } from '../preview/messages';
 import { Canvas } from './canvas';
+import { draggable } from './drag';
 
 declare function acquireVsCodeApi(): { postMessage(message: FromPage): void; setState(state: Subject): void };
 
@@ -10,13 +11,22 @@ const view = element('view');
 const details = element('details');
 const search = element<HTMLInputElement>('search');
 const kind = element<HTMLSelectElement>('kind');
-const OPTIONS = ['wcet', 'paths', 'locks', 'interrupts'] as const;
+const OPTIONS = ['wcet', 'load', 'paths', 'locks', 'interrupts', 'chains'] as const;
+const SHOWN_AT_FIRST: readonly string[] = ['wcet', 'load'];
+/** How far a key moves a node, in pixels. */
+const STEP = 20;
 
 const canvas = new Canvas(view, 'g.node');
 
 let shown: Shown | undefined;
 let selected: string | undefined;
 let current: string | undefined;
+/** Clicks choose the states of a way. */
+let choosing = false;
+/** The hit of the search that is in the middle. */
+let hit = 0;
+/** What was last opened or moved: it stays where it is in the window. */
+let held: string | undefined;
 
 function nodes(): SVGGElement[] {
   return [...view.querySelectorAll<SVGGElement>('g.node')];
@@ -30,28 +40,110 @@ function draw(next: Shown): void {
   if (before?.kind !== ofKind || before.component !== component || before.owner !== owner) selected = undefined;
   shown = next;
   host.setState(next.subject);
+  const placed = byId(held)?.getBoundingClientRect();
   canvas.show(next.svg, next.width, next.height);
+  const after = byId(held)?.getBoundingClientRect();
+  if (placed !== undefined && after !== undefined) view.scrollBy(after.left - placed.left, after.top - placed.top);
+  held = undefined;
   for (const node of nodes()) {
     const id = node.dataset['id'] ?? '';
     // Focus waits for the click: what it shows may move the picture away under the pointer before the button is up.
     node.addEventListener('mousedown', (event) => event.preventDefault());
-    node.addEventListener('click', () => {
+    node.addEventListener('click', (event) => {
       node.focus({ preventScroll: true });
-      choose(id, true);
+      act(id, event.target, event.shiftKey);
     });
     node.addEventListener('focus', () => choose(id, false));
+    if (ofKind === 'system') draggable(node, () => canvas.factor, together(id), (by) => move(id, by));
+    sign(node, id);
     if (id === focused) {
       node.focus({ preventScroll: true });
     }
   }
   if (selected === undefined) describe([]);
   kind.value = next.subject.kind;
-  for (const name of OPTIONS) element<HTMLInputElement>(name).checked = next.subject.options[name] ?? name === 'wcet';
-  for (const label of document.querySelectorAll<HTMLElement>('label.fsm')) label.hidden = next.subject.kind !== 'fsm';
-  for (const label of document.querySelectorAll<HTMLElement>('label.system')) label.hidden = next.subject.kind !== 'system';
+  for (const name of OPTIONS) element<HTMLInputElement>(name).checked = next.subject.options[name] ?? SHOWN_AT_FIRST.includes(name);
+  for (const tool of document.querySelectorAll<HTMLElement>('.fsm, .system')) tool.hidden = !tool.classList.contains(ofKind);
+  element('arrange').hidden ||= !next.arranged;
+  if (ofKind !== 'fsm') choosing = false;
+  tell();
   element('legend').hidden = next.subject.kind !== 'fsm';
   mark();
   find();
+}
+
+function byId(id: string | undefined): SVGGElement | undefined {
+  return id === undefined ? undefined : nodes().find((it) => it.dataset['id'] === id);
+}
+
+/** What goes where a node goes: itself, and the ports of a component. */
+function together(id: string): () => SVGGElement[] {
+  return () => nodes().filter((it) => it.dataset['id'] === id || it.dataset['id']?.startsWith(`${id}.`) === true);
+}
+
+/** The sign by which a node is opened and closed. */
+function sign(node: SVGGElement, id: string): void {
+  const open = shown?.nodes.find((it) => it.id === id)?.open ?? null;
+  const shape = node.querySelector<SVGRectElement>('rect.shape');
+  if (open === null || shape === null) return;
+  const text = document.createElementNS('http://www.w3.org/2000/svg', 'text');
+  text.classList.add('toggle');
+  text.setAttribute('x', String(shape.x.baseVal.value + shape.width.baseVal.value - 8));
+  text.setAttribute('y', String(shape.y.baseVal.value + 13));
+  text.setAttribute('text-anchor', 'middle');
+  text.setAttribute('aria-hidden', 'true');
+  text.textContent = open ? '▾' : '▸';
+  node.append(text);
+  node.setAttribute('aria-label', `${node.getAttribute('aria-label') ?? id}; ${open ? 'open, Space closes it' : 'Space opens it'}`);
+}
+
+/** What a click or a key on a node does. */
+function act(id: string, target: EventTarget | null, way: boolean): void {
+  const line = target instanceof SVGElement ? target.dataset['line'] : undefined;
+  if (target instanceof SVGElement && target.classList.contains('toggle')) toggle(id);
+  else if ((way || choosing) && shown?.subject.kind === 'fsm') goThrough(id);
+  else if (line !== undefined) {
+    choose(id, false);
+    host.postMessage({ type: 'jump', id, line: Number(line) });
+  } else choose(id, true);
+}
+
+/** Opens a component, or closes it. */
+function toggle(id: string): void {
+  const open = shown?.nodes.find((it) => it.id === id)?.open ?? null;
+  if (open === null) return;
+  held = id;
+  canvas.keep();
+  host.postMessage({ type: 'open', id, open: !open });
+}
+
+function move(id: string, by: [number, number]): void {
+  canvas.keep();
+  host.postMessage({ type: 'move', id, by });
+}
+
+/** Adds a state to the way. */
+function goThrough(id: string): void {
+  const state = shown?.nodes.find((it) => it.id === id)?.names[0];
+  if (state === undefined) return;
+  choose(id, false);
+  host.postMessage({ type: 'way', states: [...(shown?.subject.way ?? []), state] });
+}
+
+function endWay(): void {
+  choosing = false;
+  if ((shown?.subject.way ?? []).length > 0) host.postMessage({ type: 'way', states: [] });
+  tell();
+}
+
+/** Says what is known of the way. */
+function tell(): void {
+  const told = element('told');
+  const way = shown?.subject.kind === 'fsm' ? (shown.subject.way ?? []) : [];
+  element('way').setAttribute('aria-pressed', String(choosing));
+  told.hidden = !choosing && way.length === 0;
+  if (way.length === 0) told.textContent = 'Choose the states of a way, one after the other.';
+  else told.textContent = shown?.told ?? `${way.join(' → ')}: choose the next state. Escape begins anew.`;
 }
 
 const ARROWS: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
@@ -128,12 +220,24 @@ function find(): void {
   const text = search.value.trim().toLowerCase();
   for (const node of nodes()) {
     const data = shown?.nodes.find((it) => it.id === node.dataset['id']);
-    const words = [...(data?.names ?? []), ...(data?.lines ?? [])].join(' ').toLowerCase();
+    const words = [...(data?.names ?? []), ...(data?.lines ?? []), ...(data?.holds ?? [])].join(' ').toLowerCase();
     node.classList.toggle('missed', text !== '' && !words.includes(text));
   }
-  const hits = nodes().filter((it) => !it.classList.contains('missed'));
-  element('found').textContent = text === '' ? '' : `${hits.length} found`;
-  if (text !== '') reveal(hits[0]);
+  const found = text === '' ? [] : hits();
+  element('found').textContent = text === '' ? '' : `${found.length} found`;
+  hit = 0;
+  show(found[0]);
+}
+
+/** What has the text that is looked for. */
+function hits(): SVGGElement[] {
+  return nodes().filter((it) => !it.classList.contains('missed'));
+}
+
+/** Brings a hit to the middle. */
+function show(node: SVGGElement | undefined): void {
+  for (const it of nodes()) it.classList.toggle('hit', it === node);
+  if (node !== undefined) canvas.centre(node);
 }
 
 function raster(svg: string, width: number, height: number): void {
@@ -182,18 +286,44 @@ element('svg').addEventListener('click', () => host.postMessage({ type: 'export'
 element('png').addEventListener('click', () => host.postMessage({ type: 'export', format: 'png' }));
 search.addEventListener('input', find);
 search.addEventListener('keydown', (event) => {
-  if (event.key === 'Enter') nodes().find((it) => !it.classList.contains('missed'))?.focus();
+  const found = search.value.trim() === '' ? [] : hits();
+  if (found.length === 0) return;
+  if (event.key === 'Enter') found[hit]?.focus();
+  else if (event.key === 'ArrowDown' || event.key === 'ArrowUp') {
+    event.preventDefault();
+    hit = (hit + (event.key === 'ArrowDown' ? 1 : found.length - 1)) % found.length;
+    show(found[hit]);
+  }
 });
+element('way').addEventListener('click', () => {
+  if (choosing) return endWay();
+  choosing = true;
+  tell();
+});
+element('arrange').addEventListener('click', () => host.postMessage({ type: 'arrange' }));
 document.addEventListener('keydown', (event) => {
   if (event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement) return;
-  const id = event.target instanceof SVGElement ? event.target.dataset['id'] : undefined;
-  if ((event.key === 'Enter' || event.key === ' ') && id !== undefined) {
+  const target = event.target instanceof SVGElement ? event.target : undefined;
+  const id = target?.closest<SVGElement>('g.node')?.dataset['id'];
+  const arrow = ARROWS[event.key];
+  const opens = target?.dataset['line'] === undefined && typeof shown?.nodes.find((it) => it.id === id)?.open === 'boolean';
+  if (event.key === ' ' && id !== undefined && opens) {
     event.preventDefault();
-    choose(id, true);
-  } else if (event.key in ARROWS && id !== undefined && event.target instanceof SVGElement) {
+    toggle(id);
+  } else if ((event.key === 'Enter' || event.key === ' ') && id !== undefined) {
     event.preventDefault();
-    neighbour(event.target, ARROWS[event.key] ?? [0, 0])?.focus();
-  } else if (event.key === 'Escape') choose(undefined, false);
+    act(id, event.target, event.shiftKey);
+  } else if (arrow !== undefined && id !== undefined && event.shiftKey && shown?.subject.kind === 'system') {
+    event.preventDefault();
+    held = id;
+    move(id, [arrow[0] * STEP, arrow[1] * STEP]);
+  } else if (arrow !== undefined && id !== undefined && target !== undefined) {
+    event.preventDefault();
+    neighbour(target.closest('g.node') ?? target, arrow)?.focus();
+  } else if (event.key === 'Escape') {
+    choose(undefined, false);
+    endWay();
+  } else if (event.key === 'p' && shown?.subject.kind === 'fsm') element('way').click();
   else if (event.key === '/') {
     event.preventDefault();
     search.focus();

@@ -1,0 +1,195 @@
+//! How long a machine executes on its way through given states.
+
+use num_rational::Ratio;
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use super::Seconds;
+use super::fsm::Machine;
+
+/// What is known of the ways through given states.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Way {
+    /// The one that executes longest.
+    Longest {
+        /// Its states, the given ones and those between.
+        states: Vec<String>,
+        /// Sum of the worst-case execution times of the codels of all its states, the last one's included, in
+        /// seconds. What happens while it pauses is not in it.
+        time: Seconds,
+        /// How often it pauses.
+        pauses: usize,
+        /// Some codel on it has no execution time; it counts as zero.
+        incomplete: bool,
+    },
+    /// Between two of the states it can go round as often as it likes.
+    Endless {
+        /// The states it goes round, in order, the first one again at the end.
+        cycle: Vec<String>,
+    },
+    /// There is none.
+    Broken {
+        /// The state from which none leads on.
+        from: String,
+        /// The next one that was given.
+        to: String,
+    },
+}
+
+/// The best way known from a position to a goal.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Best {
+    /// Being looked at.
+    Open,
+    /// The goal is not reached from there.
+    Never,
+    /// Time up to the goal without the goal's own, and the next state with whether it pauses before.
+    Time(Seconds, (String, bool)),
+}
+
+/// States after the first, each with whether there is a pause before it.
+type Leg = Vec<(String, bool)>;
+
+impl Machine<'_> {
+    /// The way that executes longest from the first of these states through the others to the last. Where a
+    /// transition leads from one of them to the next it is taken; otherwise any states may lie between. `ether` can
+    /// be the last. None for less than two states.
+    pub fn way(&self, states: &[&str]) -> Option<Way> {
+        let (&first, rest) = states.split_first()?;
+        if rest.is_empty() {
+            return None;
+        }
+        let mut all = vec![first.to_owned()];
+        let (mut pauses, mut from) = (0, first);
+        for &to in rest {
+            match self.leg(from, to) {
+                Ok(Some(leg)) => {
+                    pauses += leg.iter().filter(|it| it.1).count();
+                    all.extend(leg.into_iter().map(|it| it.0));
+                }
+                Ok(None) => {
+                    let (from, to) = (from.to_owned(), to.to_owned());
+                    return Some(Way::Broken { from, to });
+                }
+                Err(cycle) => return Some(Way::Endless { cycle }),
+            }
+            from = to;
+        }
+        let mut time: Seconds = Ratio::from_integer(0);
+        let mut incomplete = false;
+        for (_, codel) in all.iter().filter_map(|it| self.codel(it)) {
+            match &codel.wcet {
+                Some(wcet) => time += wcet.value,
+                None => incomplete = true,
+            }
+        }
+        Some(Way::Longest {
+            states: all,
+            time,
+            pauses,
+            incomplete,
+        })
+    }
+
+    /// The transition from one state to another, or the longest way if there is none; see
+    /// [`Machine::longest_between`].
+    fn leg(&self, from: &str, to: &str) -> Result<Option<Leg>, Vec<String>> {
+        let yields = self.codel(from).map(|it| it.1.yields.iter());
+        let direct = yields.into_iter().flatten().filter(|it| it.name == to);
+        match direct.min_by_key(|it| it.paused) {
+            Some(it) => Ok(Some(vec![(to.to_owned(), it.paused)])),
+            None => self.longest_between(from, to),
+        }
+    }
+
+    /// The longest way from one state to another, without the first, each state with whether there is a pause
+    /// before it; none if there is no way, a cycle if there is no longest.
+    fn longest_between(&self, from: &str, to: &str) -> Result<Option<Leg>, Vec<String>> {
+        let mut best: FxHashMap<String, Best> = FxHashMap::default();
+        // Ways never pass `from` or `to` on the way: a choice of the reader is met where it was made.
+        let inner = |state: &str| state != from && state != to && self.position(state).is_some();
+        // Which states lead to the goal: only cycles through those matter.
+        let leads = self.leading_to(from, to);
+        // Depth first with an explicit stack: a machine may be as long as its file.
+        let mut stack: Vec<(String, bool)> = vec![(from.to_owned(), false)];
+        while let Some((state, done)) = stack.pop() {
+            let Some((_, codel)) = self.codel(&state) else {
+                continue;
+            };
+            if done {
+                let zero = Ratio::from_integer(0);
+                let own = codel.wcet.as_ref().map_or(zero, |it| it.value);
+                let mut found = Best::Never;
+                for next in &codel.yields {
+                    let beyond = match best.get(next.name.as_str()) {
+                        _ if next.name == to => zero,
+                        Some(Best::Time(time, _)) => *time,
+                        _ => continue,
+                    };
+                    let longer = match &found {
+                        Best::Time(known, _) => own + beyond > *known,
+                        _ => true,
+                    };
+                    if longer {
+                        let step = (next.name.to_string(), next.paused);
+                        found = Best::Time(own + beyond, step);
+                    }
+                }
+                best.insert(state, found);
+                continue;
+            }
+            if best.contains_key(&state) {
+                continue;
+            }
+            best.insert(state.clone(), Best::Open);
+            stack.push((state.clone(), true));
+            for next in &codel.yields {
+                let name = next.name.as_str();
+                if !inner(name) || !leads.contains(name) {
+                    continue;
+                }
+                match best.get(name) {
+                    // What is open is on the way that is being looked at.
+                    Some(Best::Open) => {
+                        let open = stack.iter().filter(|it| it.1).map(|it| it.0.clone());
+                        let mut cycle: Vec<String> = open.skip_while(|it| it != name).collect();
+                        cycle.push(name.to_owned());
+                        return Err(cycle);
+                    }
+                    Some(Best::Time(..) | Best::Never) => {}
+                    None => stack.push((name.to_owned(), false)),
+                }
+            }
+        }
+        let mut leg = Vec::new();
+        let mut at = from.to_owned();
+        while let Some(Best::Time(_, next)) = best.get(&at) {
+            leg.push(next.clone());
+            if next.0 == to {
+                return Ok(Some(leg));
+            }
+            at.clone_from(&next.0);
+        }
+        Ok(None)
+    }
+
+    /// The states from which a way leads to a goal without passing where it began.
+    fn leading_to(&self, from: &str, to: &str) -> FxHashSet<String> {
+        let mut before: FxHashMap<&str, Vec<&str>> = FxHashMap::default();
+        for (_, codel) in &self.codels {
+            for next in &codel.yields {
+                let states = codel.triggers.iter().map(|it| it.name.as_str());
+                before.entry(&next.name).or_default().extend(states);
+            }
+        }
+        let mut found = FxHashSet::default();
+        let mut pending = vec![to];
+        while let Some(state) = pending.pop() {
+            for &it in before.get(state).into_iter().flatten() {
+                if found.insert(it.to_owned()) && it != from {
+                    pending.push(it);
+                }
+            }
+        }
+        found
+    }
+}
