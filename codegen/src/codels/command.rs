@@ -156,10 +156,16 @@ pub fn sync(project: &mut Project<'_>, roots: &[Utf8PathBuf], options: &SyncOpti
             break;
         }
         out.applied.extend(applied);
+        for note in &mut out.notes {
+            note.follow(edit.changed.get(&note.path).map_or(&[], Vec::as_slice));
+        }
         for change in project.changes(&edit) {
             touched.insert(change.path.clone());
             project.overlay(change.path, change.after);
         }
+    }
+    for note in &mut out.notes {
+        note.stand_in(&project.text(&note.path).unwrap_or_default());
     }
     out.left = check(project, roots);
     for path in touched {

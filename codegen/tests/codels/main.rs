@@ -11,3 +11,4 @@ mod project;
 mod rename;
 mod repair;
 mod support;
+mod sync;

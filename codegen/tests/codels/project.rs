@@ -160,6 +160,9 @@ pub(crate) fn codels(expected: &Expected<'_>) -> BTreeMap<Utf8PathBuf, String> {
             for state in &codel.yields {
                 body += &format!("  if (0) return {};\n", expected.spelling(state.event));
             }
+            for exception in expected.throws_of(at.owner) {
+                body += &raised(expected, exception);
+            }
             let written = stub.replacen(
                 "  /* skeleton sample: insert your code */\n",
                 &format!("  /* written by a test */\n{body}"),
@@ -167,10 +170,44 @@ pub(crate) fn codels(expected: &Expected<'_>) -> BTreeMap<Utf8PathBuf, String> {
             );
             text = text.replacen(&stub, &written, 1);
         }
+        if out.is_empty() {
+            text += &reader(expected);
+        }
         let name = file.path.file_name().unwrap_or_default();
         out.insert(name.into(), text);
     }
     out
+}
+
+/// A statement that raises an exception.
+fn raised(expected: &Expected<'_>, exception: TypeId) -> String {
+    let name = expected.spelling(exception);
+    let members = match &expected.spec.ty(exception).kind {
+        TypeKind::Exception { members } => members.as_slice(),
+        _ => return String::new(),
+    };
+    match expected.language {
+        Language::Cxx => format!("  if (0) throw {name}();\n"),
+        _ if members.is_empty() => format!("  if (0) return {name}(self);\n"),
+        _ => format!("  if (0) {{ {name}_detail d; return {name}(&d, self); }}\n"),
+    }
+}
+
+/// A function that reads every member of the `ids`.
+fn reader(expected: &Expected<'_>) -> String {
+    let Some(ids) = expected.component().ids else {
+        return String::new();
+    };
+    let ty = expected.spelling(ids);
+    let (parameter, arrow) = match expected.language {
+        Language::Cxx => (format!("const {ty} &all"), "all"),
+        _ => (format!("const {ty} *all"), "(*all)"),
+    };
+    let mut out = format!("\nvoid read_all({parameter});\nvoid read_all({parameter})\n{{\n");
+    for member in members(expected, ids) {
+        out += &format!("  (void)({arrow}{member});\n");
+    }
+    out + "}\n"
 }
 
 /// How the members of a value are reached, two levels deep.

@@ -1,16 +1,12 @@
-//! What follows a new signature, and random edits of specifications whose codels compile after one `sync`.
+//! What follows a new signature: the body, calls, comments, and how the parameters are laid out.
 
 use std::sync::Arc;
 
-use camino::{Utf8Path, Utf8PathBuf};
-use dotgen_codegen::codels::command::{Project, SyncOptions, SyncReport, headers, sync};
-use dotgen_codegen::codels::files::{FilesConfig, Sources};
-use dotgen_codegen::codels::folder::folders;
+use dotgen_codegen::codels::command::{Project, SyncOptions, SyncReport, sync};
+use dotgen_codegen::codels::files::FilesConfig;
 use dotgen_codegen::codels::stub::StubOptions;
-use dotgen_codegen::lang::Language;
 
-use crate::project::{Overlay, Random, codels, examples, host_over, published};
-use crate::support::{compile, compiler, temporary, write};
+use crate::project::{Overlay, host_over};
 
 fn stubs() -> StubOptions {
     StubOptions {
@@ -192,149 +188,4 @@ fn events_and_exceptions_of_helpers_count() {
     assert_eq!(found.len(), 2, "{found:#?}");
     assert!(found[1].contains("returns `c_more`"), "{found:#?}");
     assert!(found[0].contains("raises `c_bad`"), "{found:#?}");
-}
-
-/// A change of a specification as people make it: its text, or nothing if the choice does not fit.
-fn edited(text: &str, random: &mut Random) -> Option<String> {
-    let replaced = |from: &str, to: &str, random: &mut Random| -> Option<String> {
-        let all: Vec<usize> = text.match_indices(from).map(|it| it.0).collect();
-        let &at = all.get(random.below(all.len()))?;
-        Some(format!("{}{to}{}", &text[..at], &text[at + from.len()..]))
-    };
-    match random.below(7) {
-        0 => replaced("ids in ", "ids inout ", random),
-        1 => replaced("ids out ", "ids in ", random),
-        2 => replaced("ids inout ", "ids in ", random),
-        3 => replaced("local in ", "local inout ", random),
-        4 => replaced(" yield ", " yield ether, ", random),
-        5 => {
-            // A parameter less.
-            let all: Vec<usize> = text.match_indices(", ids ").map(|it| it.0).collect();
-            let &at = all.get(random.below(all.len()))?;
-            let end = at + 1 + text[at + 1..].find([',', ')'])?;
-            Some(format!("{}{}", &text[..at], &text[end..]))
-        }
-        _ => {
-            let all: Vec<usize> = text.match_indices("codel").map(|it| it.0).collect();
-            let &at = all.get(random.below(all.len()))?;
-            let open = at + text[at..].find('(')?;
-            Some(format!("{}2{}", &text[..open], &text[open..]))
-        }
-    }
-}
-
-#[test]
-fn random_edits_compile_after_one_sync() {
-    let count = std::env::var("EDITS").ok().and_then(|it| it.parse().ok());
-    let count: usize = count.unwrap_or(100);
-    let mut all: Vec<(Utf8PathBuf, Vec<Utf8PathBuf>, Overlay)> = Vec::new();
-    for (root, includes) in examples().into_iter().chain(published()) {
-        let mut files = Overlay::default();
-        let host = host_over(Arc::new(files.clone()), includes.clone());
-        let unit = host.analysis().root_unit(&root).expect("not cancelled");
-        let found = folders(&unit, &mut |it| {
-            Sources::load(it, &FilesConfig::default(), &files)
-        });
-        let mut texts = Vec::new();
-        for folder in found {
-            let own = folder.specification == root && folder.sources.sources.is_empty();
-            for expected in folder.expected().iter().filter(|_| own) {
-                let written = codels(expected).into_iter();
-                texts.extend(written.map(|(path, text)| (folder.sources.folder.join(path), text)));
-            }
-        }
-        if !texts.is_empty() {
-            files.texts.extend(texts);
-            all.push((root, includes, files));
-        }
-    }
-    assert!(all.len() > 5, "{} components", all.len());
-    let mut random = Random(0x2545_f491_4f6c_dd1d);
-    let (mut done, mut named, mut bad) = (0, 0, Vec::new());
-    for _ in 0..40 * count {
-        if done == count {
-            break;
-        }
-        let (root, includes, files) = &all[random.below(all.len())];
-        let text = std::fs::read_to_string(root).expect("a specification");
-        let Some(text) = edited(&text, &mut random) else {
-            continue;
-        };
-        let mut files = files.clone();
-        files.texts.insert(root.clone(), text);
-        let files = Arc::new(files);
-        let mut host = host_over(files.clone(), includes.clone());
-        if !host
-            .analysis()
-            .root_unit(root)
-            .expect("not cancelled")
-            .accepted()
-        {
-            continue;
-        }
-        done += 1;
-        let mut project = Project::new(&mut host, &*files, FilesConfig::default(), stubs());
-        let report = sync(
-            &mut project,
-            std::slice::from_ref(root),
-            &SyncOptions::default(),
-        );
-        let again = sync(
-            &mut project,
-            std::slice::from_ref(root),
-            &SyncOptions::default(),
-        );
-        if !again.applied.is_empty() {
-            bad.push(format!("{root}: a second run does {:?}", again.applied));
-        }
-        // What does not compile is one of the lines that are named.
-        if !report.notes.is_empty() {
-            named += 1;
-            continue;
-        }
-        if let Some(why) = broken(&mut project, root, &files) {
-            bad.push(format!("{root}: {:?}\n{why}", report.applied));
-        }
-    }
-    assert_eq!(done, count);
-    println!(
-        "{done} edits, {} compile, {named} with their lines named",
-        done - named - bad.len()
-    );
-    assert!(
-        bad.is_empty(),
-        "{} of {done}:\n{}",
-        bad.len(),
-        bad[..bad.len().min(8)].join("\n")
-    );
-}
-
-/// What a compiler says against the first source that it does not take.
-fn broken(project: &mut Project<'_>, root: &Utf8Path, files: &Overlay) -> Option<String> {
-    let mut errors = Vec::new();
-    let found = project.folders(&[root.to_owned()], &mut errors);
-    for folder in found.iter().filter(|it| it.specification == root) {
-        for expected in folder.expected() {
-            let command = match expected.language {
-                Language::Cxx => compiler("c++")?,
-                _ => compiler("cc")?,
-            };
-            let (_guard, temporary) = temporary();
-            let written = headers(project, root, &temporary, &[]).ok()?;
-            write(&temporary, &written);
-            let sources = files
-                .texts
-                .keys()
-                .filter(|it| it.starts_with(&folder.sources.folder));
-            for path in sources {
-                let copy = temporary.join(path.file_name().unwrap_or_default());
-                let text = project.text(path).unwrap_or_default();
-                std::fs::write(&copy, &*text).expect("a temporary file");
-                if let Err(why) = compile(command, &temporary, &copy, &["-Wno-error", "-w"]) {
-                    return Some(why);
-                }
-            }
-        }
-    }
-    None
 }

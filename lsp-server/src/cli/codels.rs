@@ -320,14 +320,17 @@ fn sync(arguments: &Sync) -> anyhow::Result<Outcome> {
             let path = session::display(&it.path).into();
             report::note(&ByHand { path, ..it.clone() }.to_string());
         }
-        let left = done
-            .left
-            .findings
-            .iter()
-            .filter(|it| it.severity != Severity::Hint)
-            .count();
-        if left > 0 {
-            writeln!(out, "{left} left, see `dotgen codels check`")?;
+        let left = done.left.findings.iter();
+        let left: Vec<_> = left.filter(|it| it.severity != Severity::Hint).collect();
+        for it in &left {
+            let at = it.at.as_ref();
+            let at = at.map_or_else(String::new, |at| {
+                format!("{}:{}: ", session::display(&at.path), at.line)
+            });
+            writeln!(out, "{at}{}", it.message)?;
+        }
+        if !left.is_empty() {
+            writeln!(out, "{} left, see `dotgen codels check`", left.len())?;
             outcome = Outcome::Errors;
         }
         for error in &done.left.errors {

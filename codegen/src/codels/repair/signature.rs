@@ -11,7 +11,7 @@ use tree_sitter::Node;
 
 use super::Repairs;
 use crate::codels::{
-    edit::Edit,
+    edit::{Edit, TextEdit},
     files::IndexedFile,
     source::{CType, Function, Layer, Parameter, parse, place::is_declared, preorder},
 };
@@ -22,8 +22,11 @@ use crate::lang::Language;
 pub struct ByHand {
     /// The source.
     pub path: Utf8PathBuf,
-    /// Line, from 1, before the repair.
+    /// Line, from 1, in the text of [`ByHand::offset`].
     pub line: usize,
+    /// Byte offset: before the repair, until [`ByHand::follow`] is told of it.
+    #[serde(skip)]
+    pub offset: usize,
     /// The function.
     pub function: SmolStr,
     /// What stands there.
@@ -39,6 +42,22 @@ pub enum Unfollowed {
     /// A call of which some argument is not known, or that would lose a comment, or that is inside of another one or
     /// of the function itself.
     Call,
+}
+
+impl ByHand {
+    /// Goes along with edits of its file.
+    pub fn follow(&mut self, edits: &[TextEdit]) {
+        let mut offset = self.offset;
+        for edit in edits.iter().filter(|it| it.range.end <= self.offset) {
+            offset = offset + edit.text.len() - edit.range.len();
+        }
+        self.offset = offset;
+    }
+
+    /// Tells its line in the present text of its file.
+    pub fn stand_in(&mut self, text: &str) {
+        self.line = line_of(text, self.offset);
+    }
 }
 
 impl fmt::Display for ByHand {
@@ -178,9 +197,7 @@ impl Repairs<'_> {
                             let edits = edits.into_iter();
                             out.edits.extend(edits.map(|it| (&*file.path, it.0, it.1)));
                         }
-                        None => out
-                            .left
-                            .push((&file.path, line_of(&file.text, node.start_byte()))),
+                        None => out.left.push((file, node.start_byte())),
                     }
                 }
                 true
@@ -200,9 +217,10 @@ impl Repairs<'_> {
         };
         let pairs = pairs(&shape.parameters, function);
         let kept: FxHashSet<usize> = pairs.iter().filter_map(|it| it.found).collect();
-        let by_hand = |path: &Utf8Path, line, what| ByHand {
-            path: path.to_owned(),
-            line,
+        let by_hand = |file: &IndexedFile, offset, what| ByHand {
+            path: file.path.clone(),
+            line: line_of(&file.text, offset),
+            offset,
             function: name.into(),
             what,
         };
@@ -212,17 +230,16 @@ impl Repairs<'_> {
                 continue;
             };
             for span in uses(file, function, lost).unwrap_or_default() {
-                let line = line_of(&file.text, span.start);
                 out.push(by_hand(
-                    &file.path,
-                    line,
+                    file,
+                    span.start,
                     Unfollowed::Parameter(lost.clone()),
                 ));
             }
         }
         if function.body.is_some() {
             let calls = self.calls(name, file, function, &pairs).left.into_iter();
-            out.extend(calls.map(|(path, line)| by_hand(path, line, Unfollowed::Call)));
+            out.extend(calls.map(|(file, offset)| by_hand(file, offset, Unfollowed::Call)));
         }
         out
     }
@@ -232,8 +249,8 @@ impl Repairs<'_> {
 #[derive(Default)]
 struct Calls<'a> {
     edits: Vec<(&'a Utf8Path, Range<usize>, String)>,
-    /// Files and lines, from 1, of those that stay.
-    left: Vec<(&'a Utf8Path, usize)>,
+    /// Files and places of those that stay.
+    left: Vec<(&'a IndexedFile, usize)>,
 }
 
 /// The line of an offset, from 1.
