@@ -289,6 +289,18 @@ impl Completions {
         }
     }
 
+    /// The clause with an execution time; where that stands behind the cursor already, the keyword alone.
+    fn wcet(&mut self, context: &Context) {
+        use dotgen_syntax::SyntaxKind::{FLOAT, INT};
+        let next = context.after.next();
+        match next.is_some_and(|it| matches!(it.kind, INT | FLOAT)) {
+            true => self.keywords(&["wcet"], 1),
+            false => {
+                self.snippet("wcet", "wcet ${1:1} ms", 1);
+            }
+        }
+    }
+
     pub(super) fn finish(mut self) -> Vec<CompletionItem> {
         // A stable sort: what is of the same rank stays as it was declared.
         self.items.sort_by_key(|it| it.rank);

@@ -6,6 +6,7 @@
 //! * In a word, the item takes the place of the word; all that stands behind stays, and nothing is added.
 //! * In front of a token, the item begins something new, which may be completed by a name and a separator; in the middle
 //!   of an element, it may be meant for the name or type that follows.
+//! * In the first word of a statement, the item may also begin one in front of it.
 //! * Where the item is only the beginning of something (`port`, `in`, `pause::`), one of the items that are offered
 //!   behind it must do.
 //!
@@ -71,7 +72,13 @@ impl<'a> Bench<'a> {
         let path = self.component.path.clone();
         let all = self.with(text).root_diagnostics(&path).unwrap();
         let mut out = Errors::new();
-        for it in all.iter().filter(|it| it.severity == Severity::Error) {
+        // Two uses of one codel must agree: while one of them is changed, they cannot.
+        let own = |it: &&Diagnostic| it.code != "codel-conflict";
+        for it in all
+            .iter()
+            .filter(|it| it.severity == Severity::Error)
+            .filter(own)
+        {
             *out.entry(it.code.to_string()).or_default() += 1;
         }
         out
@@ -165,11 +172,18 @@ fn is_legal(
         let known = allowed.entry(code.clone()).or_default();
         *known = (*known).max(*count);
     }
-    let glue: &[&str] = match place.in_word {
-        true => &[""],
-        false => &["", ";", ",", " zz;", " zz,"],
-    };
+    let completed: &[&str] = &["", ";", ",", " zz;", " zz,", " zz"];
+    let mut ways: Vec<(usize, &[&str])> = Vec::new();
     for rest in ends(tokens, place) {
+        ways.push((rest, if place.in_word { &[""] } else { completed }));
+    }
+    // A new statement in front of the one that begins with the word.
+    let at = tokens.partition_point(|it| it.0.end < place.rest);
+    let begins = at == 0 || matches!(tokens[at - 1].1.as_str(), ";" | "{" | "}" | "#");
+    if let Some(word) = tokens.get(at).filter(|_| place.in_word && begins) {
+        ways.push((word.0.start, &[" ", " zz; ", "\n#"]));
+    }
+    for (rest, glue) in ways {
         let (text, more) = taken(&place.before, item);
         // What it replaces begins where the cursor is, whatever is left out.
         let rest = rest.max(place.rest + more);

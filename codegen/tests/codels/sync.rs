@@ -201,9 +201,12 @@ impl Edit<'_> {
     fn exceptions(&self) -> Vec<String> {
         let types = self.unit.spec.types.iter();
         let own = types.filter(|it| matches!(it.kind, TypeKind::Exception { .. }));
-        let own = own.filter_map(|it| it.name.as_ref().filter(|name| self.place(it.src, name).is_some()));
-        own.map(ToString::to_string)
-            .collect();
+        let own = own.filter_map(|it| {
+            it.name
+                .as_ref()
+                .filter(|name| self.place(it.src, name).is_some())
+        });
+        own.map(ToString::to_string).collect();
         let at = *all.get(random.below(all.len()))? + keyword.len();
         let plural = usize::from(text[at..].starts_with('s'));
         let list = at + plural..at + text[at..].find(';')?;

@@ -41,7 +41,7 @@ pub(super) fn clause(
             if after.last().is_some_and(|it| it.is("pause")) {
                 out.keywords(&["::"], 0);
             } else {
-                out.snippet("wcet", "wcet ${1:1} ms", 1);
+                out.wcet(context);
             }
         }
         return;

@@ -37,9 +37,7 @@ pub(super) fn in_parentheses(names: &Names<'_, '_>, context: &Context, out: &mut
     }
     // Another parameter follows without a comma.
     let next = context.after.next();
-    if context.word.is_empty()
-        && words.is_empty()
-        && list_kind(context, context.frames.len() - 1).is_some()
+    if list_kind(context, context.frames.len() - 1).is_some()
         && next.is_some_and(|it| it.is_any(DIRECTIONS) || it.is_any(SOURCES))
     {
         out.with_comma();

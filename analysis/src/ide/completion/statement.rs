@@ -347,6 +347,6 @@ pub(super) fn after_simple_codel(
     if let Some(wcet) = rest.iter().rposition(|it| it.is("wcet")) {
         quantity(names, &rest[wcet + 1..], &["s", "ms", "us"], out);
     } else if rest.last().is_some_and(|it| it.is(")")) && !timed {
-        out.snippet("wcet", "wcet ${1:1} ms", 1);
+        out.wcet(context);
     }
 }

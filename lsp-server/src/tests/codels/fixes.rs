@@ -34,7 +34,10 @@ async fn every_quick_fix_removes_what_it_is_offered_for() {
             // Only what has one way to be mended is mended unasked.
             let preferred = actions.iter().filter(|it| it["isPreferred"] == true);
             let preferred: Vec<&str> = preferred.map(title).collect();
-            assert!(preferred.iter().all(|it| !it.starts_with("Remove")), "{preferred:?}");
+            assert!(
+                preferred.iter().all(|it| !it.starts_with("Remove")),
+                "{preferred:?}"
+            );
             assert!(offered == 1 || preferred.len() < offered, "{finding}");
         }
     }
