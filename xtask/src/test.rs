@@ -373,7 +373,12 @@ fn pages() -> Result<Outcome> {
     extension::install_packages(&scripts)?;
     extension::install_packages(&extension::directory())?;
     step("Trying the pages of the extension in Chromium");
-    let arguments = ["--test", "--test-reporter=tap", "webview/trace.test.mjs"];
+    let pages = [
+        "webview/trace.test.mjs",
+        "webview/diagram.test.mjs",
+        "webview/verification.test.mjs",
+    ];
+    let arguments = [&["--test", "--test-reporter=tap"], &pages[..]].concat();
     let mut outcome = Outcome::default();
     let succeeded = run::watch(run::command(&scripts, "node", &arguments), |line| {
         tap(line, &mut outcome);

@@ -87,6 +87,11 @@ pub(crate) fn actions(
                     diagnostic.clone(),
                 )?);
             }
+            if found.diagnostic.code == diagnostics::GAVE_UP {
+                // There is no run to show; a scenario is what helps.
+                out.extend(write_out(snapshot, subject, range, diagnostic)?);
+                continue;
+            }
             let arguments = Some(vec![argument(&uri, Some(found.check))]);
             out.push(CodeAction {
                 title: "Show the timeline of the run".to_owned(),
@@ -101,15 +106,17 @@ pub(crate) fn actions(
             });
         }
     }
-    out.extend(write_out(snapshot, subject, range)?);
+    out.extend(write_out(snapshot, subject, range, None)?);
     Ok(out)
 }
 
-/// The default scenario as a file beside the specification, offered on the heading of a component.
+/// The default scenario as a file beside the specification, offered on the heading of a component, and where something
+/// was given up for want of one.
 fn write_out(
     snapshot: &Snapshot,
     subject: &Subject,
     range: &Range<usize>,
+    given_up: Option<Diagnostic>,
 ) -> Cancellable<Option<CodeAction>> {
     let path = &subject.path;
     if !snapshot.client.creates_files || path.extension() != Some("gen") {
@@ -123,7 +130,7 @@ fn write_out(
         })
     });
     let target = path.with_extension(problem::EXTENSION);
-    if !heading || target.exists() || snapshot.open.contains_key(&target) {
+    if !(heading || given_up.is_some()) || target.exists() || snapshot.open.contains_key(&target) {
         return Ok(None);
     }
     let (Some(problem), Some(uri)) = (problems::problem_of(snapshot, path)?, snapshot.uri(&target))
@@ -151,7 +158,11 @@ fn write_out(
     };
     Ok(Some(CodeAction {
         title: format!("Write the verification scenario to {file}"),
-        kind: Some(CodeActionKind::new("refactor.rewrite")),
+        kind: Some(match given_up {
+            Some(_) => CodeActionKind::QUICKFIX,
+            None => CodeActionKind::new("refactor.rewrite"),
+        }),
+        diagnostics: given_up.map(|it| vec![it]),
         edit: Some(WorkspaceEdit {
             document_changes: Some(DocumentChanges::Operations(vec![
                 DocumentChangeOperation::Op(ResourceOp::Create(create)),

@@ -283,3 +283,67 @@ async fn a_hover_over_a_codel_tells_what_it_is_in_both_languages() {
     .assert_eq(text);
     client.finish().await;
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_system_is_opened_and_moved() {
+    let (mut client, _folder, uri) = start(json!({})).await;
+    let before = draw(&mut client, &uri, json!({ "kind": "system" })).await;
+    assert_eq!(node(&before, "lift")["open"], false);
+    assert_eq!(
+        node(&before, "lift")["holds"],
+        json!(["wanted", "move", "go", "get"])
+    );
+    let wish =
+        json!({ "kind": "system", "opened": { "lift": true }, "moved": { "lift": [40, 300] } });
+    let after = draw(&mut client, &uri, wish).await;
+    let lift = node(&after, "lift");
+    assert_eq!(lift["open"], true);
+    let lines = lift["lines"].as_array().expect("lines");
+    let task = lines.iter().position(|it| it == "task move · 10 ms");
+    let place = &lift["parts"][task.expect("the task is listed")];
+    assert_eq!(place["selectionRange"]["start"], position("move {"));
+    // The port went along: it stands where it stood beside its component.
+    let height = |it: &Value| it["height"].as_f64().expect("a number");
+    assert!(height(&after) < height(&before) + 200.0, "{after}");
+    let wish = json!({ "kind": "system", "moved": { "lift.wanted": [0, 300] } });
+    let apart = draw(&mut client, &uri, wish).await;
+    assert!(height(&apart) > height(&before) + 200.0, "{apart}");
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_way_through_a_machine_is_told() {
+    let (mut client, _folder, uri) = start(json!({})).await;
+    let wish = json!({ "component": "lift", "owner": "move", "way": ["start", "up", "ether"] });
+    let answer = draw(&mut client, &uri, wish).await;
+    let notes = answer["notes"].as_array().expect("notes");
+    assert_eq!(
+        notes.last().expect("a note"),
+        "start → up → ether: at most 3 ms of execution"
+    );
+    client.finish().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn what_is_open_in_another_folder_belongs_to_the_system() {
+    const OTHER: &str = "component other { version \"1\"; lang \"c\"; email \"a@b\"; };\n";
+    let elsewhere = Folder::new(&[("other.gen", OTHER)]);
+    let (mut client, _folder, uri) = start(json!({})).await;
+    let there = elsewhere.uri("other.gen");
+    client.open(&there, OTHER).await;
+    for from in [&uri, &there] {
+        let answer = draw(&mut client, from, json!({ "kind": "system" })).await;
+        let found = ids(&answer);
+        assert!(
+            found.contains(&"lift") && found.contains(&"other"),
+            "{found:?}"
+        );
+    }
+    client.finish().await;
+}
+
+/// A node of an answer.
+fn node<'a>(answer: &'a Value, id: &str) -> &'a Value {
+    let mut nodes = answer["nodes"].as_array().expect("nodes").iter();
+    nodes.find(|it| it["id"] == id).expect("a node")
+}

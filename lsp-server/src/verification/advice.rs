@@ -1,7 +1,7 @@
 //! What to do about checks that were given up.
 
 use dotgen_timing::explore::Stop;
-use dotgen_timing::report::{Report, Verdict};
+use dotgen_timing::report::{GaveUp, Report, Verdict};
 use dotgen_timing::scn::ast::{Item, Scenario};
 
 use super::Problem;
@@ -60,7 +60,21 @@ pub(crate) fn of(
         Names::Settings => " in the settings",
     };
     let smaller = smaller(&problem.scenario, problem.is_written());
-    Some(format!("raise {limits}{place}, or {smaller}"))
+    // Where there is no scenario, more time rarely helps.
+    Some(match problem.is_written() {
+        true => format!("raise {limits}{place}, or {smaller}"),
+        false => format!("{smaller}, or raise {limits}{place}"),
+    })
+}
+
+/// What the time or room was in which an exploration did not end: `in 10 s`.
+pub(crate) fn within(it: &GaveUp) -> String {
+    match (it.reason, it.seconds) {
+        (Stop::Time, Some(seconds)) => format!("in {seconds} s"),
+        (Stop::Memory, _) => format!("in {} MB of memory", it.memory >> 20),
+        (Stop::States, _) => "within the limit of states".to_owned(),
+        _ => "before it was ended".to_owned(),
+    }
 }
 
 /// How there may be less to explore.
@@ -109,7 +123,7 @@ mod tests {
             say("s.scn", quiet, &[Stop::Cancelled], Names::Settings),
         ];
         expect_test::expect![[r#"
-            raise `--max-states`, or write a scenario whose client sends only the requests that matter
+            write a scenario whose client sends only the requests that matter, or raise `--max-states`
             raise `--max-memory`, or let the clients of the scenario send less
             raise `verification.time-limit` in the settings, or explore less: `loop once`, `durations fixed` for worst cases only, or a coarser `unit`, which rounds durations up, so that what is proved still holds and what fails may be a false alarm
             raise `verification.time-limit` and `verification.max-states` in the settings, or explore less: `loop once`, `durations fixed` for worst cases only, or a coarser `unit`, which rounds durations up, so that what is proved still holds and what fails may be a false alarm

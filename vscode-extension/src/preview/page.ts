@@ -4,7 +4,7 @@ import { page as panelPage, ZOOM_BUTTONS } from '../panel/page';
 
 const STYLE = `
 input[type=search] { width: 8em; }
-#found { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
+#found, .unseen { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
 #view { flex: 1; padding: 8px; }
 #view svg { margin: 0 auto auto; }
 .node { cursor: pointer; }
@@ -34,7 +34,7 @@ button[aria-pressed=true] { color: var(--vscode-button-foreground); background: 
 #details dd { margin: 0; font-family: var(--vscode-editor-font-family); white-space: pre-line; }
 `;
 
-const BODY = `<header role="toolbar" aria-label="Diagram">
+const BODY = `<header aria-label="Diagram"><h1 class="unseen">Diagram</h1>
 <select id="kind" aria-label="Kind of diagram"><option value="fsm">State machine</option><option value="system">System</option><option value="locks">Locks</option></select>
 <label class="fsm" title="Worst-case execution times"><input type="checkbox" id="wcet" checked>WCET</label>
 <label class="fsm" title="The share of the period that execution takes"><input type="checkbox" id="load" checked>Load</label>

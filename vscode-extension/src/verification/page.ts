@@ -19,7 +19,7 @@ a { color: var(--vscode-textLink-foreground); text-decoration: none; cursor: poi
 a:hover { text-decoration: underline; }
 a:focus-visible { outline: 1px solid var(--vscode-focusBorder); }
 .state { font-weight: 600; border-radius: 3px; padding: 1px 8px; border: 1px solid currentColor; }
-.proved { color: var(--vscode-charts-green); }
+.proved { color: color-mix(in srgb, var(--vscode-charts-green) 75%, var(--vscode-editor-foreground)); }
 .refuted, .blocked { color: var(--vscode-editorError-foreground); }
 .gave-up, .nothing { color: var(--vscode-editorWarning-foreground); }
 .stale, .running { color: var(--vscode-descriptionForeground); }
@@ -59,7 +59,7 @@ const BODY = `<header aria-label="Verification">
 <table id="checks"></table>
 <section id="run" hidden>
 <div class="run-head"><h2 id="runTitle"></h2>${ZOOM_BUTTONS}<button id="trace" title="Step through this run, below">Step Through</button><button id="dismiss" title="Close this run" hidden>Dismiss</button></div>
-<div id="view" tabindex="0" aria-label="Timeline"></div>
+<div id="view" tabindex="0" role="group" aria-label="Timeline"></div>
 <div class="legend"><span><i class="run"></i>executes</span><span><i class="lock"></i>waits for a lock</span><span><i class="core"></i>waits for a core</span><span>↑ period begins</span><span>↓ job ends</span><span>▾ request</span><span class="refuted">✕ too late</span></div>
 <details><summary>The run in words</summary><div id="events"></div></details>
 </section>

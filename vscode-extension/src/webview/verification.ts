@@ -76,7 +76,7 @@ function row(cells: (Node | string)[], numbers: number[] = []): HTMLTableRowElem
 }
 
 function heads(names: string[]): HTMLTableRowElement {
-  return node('tr', names.map((it) => node('th', it)));
+  return node('tr', names.map((it) => node(it === '' ? 'td' : 'th', it)));
 }
 
 function showHead(it: VerificationAnswer): void {

@@ -27,7 +27,7 @@ use crate::workspace::snapshot::Snapshot;
 const MISS: &str = "timing/deadline-miss";
 const EXCEEDED: &str = "timing/response-exceeded";
 const FAILED: &str = "timing/check-failed";
-const GAVE_UP: &str = "timing/gave-up";
+pub(super) const GAVE_UP: &str = "timing/gave-up";
 
 /// Places of a run that a diagnostic leads to; the last ones say most.
 const RELATED: usize = 8;
@@ -101,7 +101,12 @@ fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Fou
                 PropertyKind::Response => it.report.bound.is_some(),
                 _ => false,
             };
-            if asked && it.report.verdict == Verdict::Refuted {
+            // What was given up is told once: the same helps for all of it.
+            let given_up = it.outcome == Outcome::GaveUp
+                && it.report.kind == PropertyKind::Schedulable
+                && !entry.problem.is_written()
+                && !out.iter().any(|it: &Found| it.diagnostic.code == GAVE_UP);
+            if given_up || (asked && it.report.verdict == Verdict::Refuted) {
                 let found = diagnostic(snapshot, entry, answer, it, path, &task.range);
                 out.extend(found.map(|diagnostic| Found {
                     remedy: it.why.and_then(|it| it.remedy.clone()),
@@ -181,11 +186,19 @@ fn diagnostic(
         // What is missing is said where it is missing.
         (Outcome::Nothing, _) => return None,
         (Outcome::GaveUp, kind) => (GAVE_UP, {
-            let why = check.note.as_deref().unwrap_or("gave up");
             let reason = check.gave_up.map(|it| it.reason);
             let advice = advice::of(reason, &answer.problem, Names::Settings);
             let advice = advice.map_or(String::new(), |it| format!("; {it}"));
-            format!("`{kind} {of}` is neither proved nor refuted: {why}{advice}")
+            let why = match (&check.gave_up, &check.note) {
+                (Some(it), _) => format!(" {}", advice::within(it)),
+                (None, Some(note)) => format!(": {note}"),
+                (None, None) => String::new(),
+            };
+            let client = match answer.problem.is_written() {
+                true => "",
+                false => ": any client may send anything at any time",
+            };
+            format!("`{kind} {of}` is not settled{why}{client}{advice}")
         }),
         (_, PropertyKind::Schedulable) => {
             let last = check.run().last();
@@ -220,7 +233,7 @@ fn diagnostic(
         message +=
             "; this may be a false alarm, as durations are rounded up to the unit of the scenario";
     }
-    if path.extension() != Some(EXTENSION) {
+    if path.extension() != Some(EXTENSION) && view.outcome != Outcome::GaveUp {
         message += &match entry.problem.is_written() {
             true => format!(" (scenario `{}`)", answer.report.scenario),
             false => " (no scenario: any client, at any time)".to_owned(),

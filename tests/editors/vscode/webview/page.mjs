@@ -7,6 +7,7 @@ import { join, resolve } from 'node:path';
 import { chromium } from 'playwright-core';
 
 const extension = resolve(import.meta.dirname, '../../../../vscode-extension');
+const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const { build } = createRequire(join(extension, 'package.json'))('esbuild');
 
 /** Some of what VS Code gives to pages, from its default themes. */
@@ -36,6 +37,13 @@ export const THEMES = {
     'editorHoverWidget-background': '#000000', 'editorHoverWidget-foreground': '#ffffff', 'editorHoverWidget-border': '#6fc3df',
   },
 };
+
+/** What axe-core finds wrong with a page, a line each. */
+export async function violations(page) {
+  await page.evaluate(axe);
+  const { violations: all } = await page.evaluate(() => window.axe.run(document));
+  return all.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html.slice(0, 200)).join(' ')}`);
+}
 
 /** Bundles a page: `html` makes its text with a module of the extension, `script` is its bundle. */
 async function bundled(module, script) {

@@ -1,13 +1,10 @@
 // The trace viewer in Chromium: what it shows, the keyboard, screen readers, data that would like to be more, and how much it
 // draws of very long runs.
 import assert from 'node:assert/strict';
-import { createRequire } from 'node:module';
-import { readFileSync } from 'node:fs';
 import { after, before, test } from 'node:test';
-import { opener, THEMES } from './page.mjs';
+import { opener, THEMES, violations } from './page.mjs';
 import { MACHINE, trace } from './traces.mjs';
 
-const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 let pages;
 before(async () => (pages = await opener('src/trace/page.ts', 'src/webview/trace.ts')));
 after(() => pages.close());
@@ -22,17 +19,12 @@ async function key(it, name, times = 1) {
 for (const theme of Object.keys(THEMES)) {
   test(`names and roles for screen readers: ${theme}`, async () => {
     const it = await pages.open({ theme });
-    const violations = async () => {
-      await it.page.evaluate(axe);
-      const { violations: all } = await it.page.evaluate(() => window.axe.run(document));
-      return all.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html).join(' ')}`);
-    };
-    assert.deepEqual(await violations(), [], 'empty');
+    assert.deepEqual(await violations(it.page), [], 'empty');
     await it.send({ type: 'trace', trace: trace(40) });
     const { step } = (await it.said()).at(-1);
     await it.send({ type: 'machine', step, machine: MACHINE });
     await it.send({ type: 'notice', text: 'The text has changed.' });
-    assert.deepEqual(await violations(), [], 'with a run');
+    assert.deepEqual(await violations(it.page), [], 'with a run');
     await it.page.close();
   });
 }

@@ -1,0 +1,51 @@
+// The page of verifications in Chromium: what screen readers are told, and what the keyboard reaches.
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { opener, THEMES, violations } from './page.mjs';
+
+let pages;
+before(async () => (pages = await opener('src/verification/page.ts', 'src/webview/verification.ts')));
+after(() => pages.close());
+
+const place = { uri: 'file:///a.gen', range: { start: { line: 1, character: 2 }, end: { line: 1, character: 9 } } };
+const check = (more) => ({ name: null, check: 'response', of: 'nav.exec', verdict: 'proved', worth: null, value: '8 ms', limit: '10 ms', slack: '20 %', note: null, cause: null, remedy: null, reason: [], hasRun: false, location: place, ...more });
+const svg = '<svg xmlns="http://www.w3.org/2000/svg" width="300" height="60" viewBox="0 0 300 60"><style>text{fill:currentColor}</style><g class="bar" data-link="0" tabindex="0" role="graphics-symbol" aria-label="exec runs"><rect width="40" height="12"/></g></svg>';
+const answer = {
+  uri: 'file:///a.gen', version: 1, status: 'refuted', earlier: false, howFar: null, scenario: 'nav', written: false, platform: 'free', cores: null, policy: 'fifo', durations: 'interval',
+  errors: [], warnings: [{ message: '2 codels have no `wcet`', location: place }], advice: 'write a scenario', bounds: [{ task: 'nav.exec', bound: '9 ms' }], minimumCores: 2, assumptions: ['any client'], notes: ['a note'],
+  checks: [check({}), check({ of: 'nav.plan', verdict: 'refuted', value: '12 ms', cause: 'waits for level', remedy: 'holds up to 4 ms', reason: ['waits 6 ms'], hasRun: true }), check({ check: 'deadlock', verdict: 'gave up', value: null, limit: null, note: 'gave up after 10 s' })],
+  blocking: [{ codel: 'nav.a', location: place, by: [{ codel: 'nav.b', location: place, time: '2 ms', through: 'ids.level' }] }],
+  codels: [{ path: 'nav.exec.a', wcet: 2000, location: place }, { path: 'nav.exec.b', wcet: null, location: null }],
+  timeline: { check: 1, title: 'response nav.plan', svg, width: 300, height: 60, links: [place], events: ['0 ms: exec begins', '4 ms: plan waits'] }, states: 120, seconds: 0.4, whatIf: null,
+};
+
+for (const theme of Object.keys(THEMES)) {
+  test(`names and roles for screen readers: ${theme}`, async () => {
+    const it = await pages.open({ theme, width: 700, height: 900 });
+    assert.deepEqual(await violations(it.page), [], 'empty');
+    await it.send({ type: 'answer', subject: { uri: 'file:///a.gen' }, answer, pinned: true });
+    await it.send({ type: 'limits', limits: { state: 'running', text: 'looking', percentage: 40 } });
+    for (const closed of await it.page.locator('details').all()) await closed.evaluate((details) => (details.open = true));
+    assert.deepEqual(await violations(it.page), [], 'with an answer');
+    await it.page.close();
+  });
+}
+
+test('the keyboard alone reaches everything that can be pressed', async () => {
+  const it = await pages.open({ width: 700, height: 900 });
+  await it.send({ type: 'answer', subject: { uri: 'file:///a.gen' }, answer, pinned: false });
+  for (const closed of await it.page.locator('details').all()) await closed.evaluate((details) => (details.open = true));
+  const pressed = ':is(button, select, input, summary, a[href], [data-link]):visible';
+  const count = await it.page.locator(pressed).evaluateAll((all) => all.map((one, number) => one.setAttribute('data-test', number)).length);
+  assert.ok(count > 10, String(count));
+  await it.page.evaluate(() => { document.body.tabIndex = -1; document.body.focus(); });
+  const seen = new Set();
+  for (let i = 0; i < count + 20; i++) {
+    await it.page.keyboard.press('Tab');
+    seen.add(await it.page.evaluate(() => document.activeElement?.getAttribute('data-test')));
+  }
+  const missed = [];
+  for (let i = 0; i < count; i++) if (!seen.has(String(i))) missed.push(await it.page.locator(`[data-test="${i}"]`).evaluate((one) => one.outerHTML.slice(0, 120)));
+  assert.deepEqual(missed, []);
+  await it.page.close();
+});
