@@ -10,7 +10,7 @@ use crate::base::{Db, SourceFile};
 use crate::model::{ComponentKind, Missing, Name, Spec};
 use crate::queries::elaborated;
 use crate::source_map::{Locations, UnitLocations, bytes};
-use crate::unit::{UnitKey, preprocessed, unit_of_root, visits};
+use crate::unit::{UnitKey, preprocessed, unit_of_root, visits, walk_unit};
 
 pub mod standin;
 
@@ -74,6 +74,8 @@ pub struct Include {
     pub by: Utf8PathBuf,
     /// Where it was found.
     pub found: Option<Utf8PathBuf>,
+    /// Directories that were looked in for it, in order.
+    pub searched: Vec<Utf8PathBuf>,
     /// It is a stand-in that dotgen wrote.
     pub stand_in: bool,
     /// Byte offsets of what is written, in the file that includes it.
@@ -172,7 +174,8 @@ fn provider(name: &str) -> Provider {
 fn includes(db: &dyn Db, unit: UnitKey<'_>) -> Vec<Include> {
     let mut out: Vec<Include> = Vec::new();
     let all = &visits(db, unit).visits;
-    for visit in all {
+    let walk = walk_unit(db, unit);
+    for (number, visit) in (0..).zip(all) {
         let by = visit.key.file(db).path(db);
         for (ordinal, include) in preprocessed(db, visit.key).includes.iter().enumerate() {
             let Some(request) = &include.request else {
@@ -190,6 +193,7 @@ fn includes(db: &dyn Db, unit: UnitKey<'_>) -> Vec<Include> {
             out.push(Include {
                 path: request.path.to_string(),
                 by: by.clone(),
+                searched: walk.places(db, number, ordinal, request),
                 at: bytes(include.range),
                 stand_in: found.as_ref().is_some_and(|it| standin::is_standin(it)),
                 found,

@@ -45,7 +45,7 @@ pub use assists::{Assist, AssistKind};
 pub use call_hierarchy::{Call, CallItem, CallKey};
 pub use code_lens::{CodeLens, LensConfig, LensKind, LensText};
 pub use completion::{CodelPlace, CompletionDoc, CompletionItem, CompletionKind, plain_snippet};
-pub use document_links::MissingInclude;
+pub use document_links::{MissingInclude, MissingPackages};
 pub use inlay_hints::{InlayConfig, InlayHint, InlayKind, InlayTypes};
 pub use rename::RenameError;
 pub use rename::relative as relative_path;

@@ -64,6 +64,11 @@ impl Analysis {
         self.list(path, ide::document_links::missing_includes)
     }
 
+    /// Packages that a file requires and that are not found.
+    pub fn missing_packages(&self, path: &Utf8Path) -> Cancellable<Vec<MissingPackages>> {
+        self.list(path, ide::document_links::missing_packages)
+    }
+
     /// Coloured tokens of a file, or of the part that touches `range`.
     pub fn semantic_tokens(
         &self,

@@ -2,10 +2,15 @@
 
 use std::ops::Range;
 
-use dotgen_syntax::{TextRange, TextSize};
+use camino::Utf8PathBuf;
+use dotgen_syntax::{TextRange, TextSize, finding::preprocessing::Preprocessing, packages};
 
 use super::{DocumentLink, FileView};
-use crate::{base::SourceFile, source_map::bytes, unit::visits};
+use crate::{
+    base::SourceFile,
+    source_map::bytes,
+    unit::{serving_visit, visits, walk_unit},
+};
 
 pub(crate) fn document_links(view: &FileView<'_>) -> Vec<DocumentLink> {
     let includes = view.pre().includes.iter().enumerate();
@@ -27,6 +32,48 @@ pub struct MissingInclude {
     pub range: Range<usize>,
     /// That path as written.
     pub path: String,
+    /// Directories that were looked in, in order.
+    pub searched: Vec<Utf8PathBuf>,
+}
+
+/// A `#pragma requires` that is not met.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct MissingPackages {
+    /// What is required, as the diagnostic marks it.
+    pub range: Range<usize>,
+    /// The names of the packages, without versions.
+    pub names: Vec<String>,
+}
+
+/// What a file requires and does not get, by place.
+pub(crate) fn missing_packages(view: &FileView<'_>) -> Vec<MissingPackages> {
+    let unmet = |kind: &Preprocessing| match kind {
+        Preprocessing::Unresolved { install, .. } => Some(install.0.clone()),
+        _ => None,
+    };
+    let errors = view.pre().errors.iter();
+    let found = errors.filter_map(|it| {
+        let required = unmet(&it.kind)?;
+        let names = required.iter().flat_map(|it| packages::names(it));
+        Some(MissingPackages {
+            range: bytes(it.range),
+            names: names.map(str::to_owned).collect(),
+        })
+    });
+    found.collect()
+}
+
+/// The directories that the active include of a number was, or would be, found in: those of the unit that serves the
+/// file, in order.
+pub(crate) fn searched(view: &FileView<'_>, ordinal: usize) -> Vec<Utf8PathBuf> {
+    let include = view.pre().includes.get(ordinal);
+    let Some(request) = include.and_then(|it| it.request.as_ref()) else {
+        return Vec::new();
+    };
+    let Some((visit, _)) = serving_visit(view.db, view.unit, view.file) else {
+        return Vec::new();
+    };
+    walk_unit(view.db, view.unit).places(view.db, visit, ordinal, request)
 }
 
 /// The includes of a file that lead nowhere, by place.
@@ -34,13 +81,14 @@ pub(crate) fn missing_includes(view: &FileView<'_>) -> Vec<MissingInclude> {
     let includes = view.pre().includes.iter().enumerate();
     includes
         .filter(|(ordinal, _)| include_target(view, *ordinal).is_none())
-        .filter_map(|(_, include)| {
+        .filter_map(|(ordinal, include)| {
             let delimited = path_range(view.text(), include.range);
             let path = view.text().get(bytes(delimited))?.to_owned();
             // The name of a macro is no path.
             (delimited != include.range).then(|| MissingInclude {
                 range: bytes(delimited),
                 path,
+                searched: searched(view, ordinal),
             })
         })
         .collect()
@@ -70,6 +118,36 @@ pub(super) fn path_range(text: &str, operand: TextRange) -> TextRange {
 #[cfg(test)]
 mod tests {
     use crate::test_support::Fixture;
+
+    #[test]
+    fn where_was_looked_grows_with_the_packages() {
+        let fixture = Fixture::new(
+            "//- /sub/main.gen
+#include <a.idl>
+#pragma requires \"pose-idl >= 1\"
+#include \"a.idl\"
+#pragma requires \"other-idl >= 2\", far
+#include \"/b.idl\"
+",
+        );
+        let flags = crate::host::PackageFlags {
+            include_dirs: vec!["/pose".into()],
+            ..crate::host::PackageFlags::default()
+        };
+        let mut packages = fixture.loader.packages.lock().unwrap();
+        packages.insert("pose-idl >= 1".to_owned(), flags);
+        drop(packages);
+        let missing = fixture.analysis().missing_includes("/sub/main.gen".into());
+        let missing = missing.unwrap();
+        let searched: Vec<Vec<&str>> = missing
+            .iter()
+            .map(|it| it.searched.iter().map(|it| it.as_str()).collect())
+            .collect();
+        assert_eq!(searched, [vec![], vec!["/sub", "/pose"], vec!["/"]]);
+        let packages = fixture.analysis().missing_packages("/sub/main.gen".into());
+        let names: Vec<_> = packages.unwrap().into_iter().map(|it| it.names).collect();
+        assert_eq!(names, [["other-idl", "far"]]);
+    }
 
     #[test]
     fn links_lead_to_the_included_files() {

@@ -29,10 +29,48 @@ pub(crate) const STANDINS: &str = ".dotgen/standins";
 const MAX_VISITS: usize = 4_000;
 
 /// The result of walking a unit.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Walk {
     /// In order of inclusion; the inputs of the unit have no includer.
     pub(crate) visits: Vec<WalkVisit>,
+    /// Directories that were searched at the end, in order: it only grows.
+    search: Vec<Utf8PathBuf>,
+}
+
+impl Walk {
+    /// The directories in which the file of an active include was looked for, in order. The folder of stand-ins, which
+    /// comes last, is not among them.
+    pub(crate) fn places(
+        &self,
+        db: &dyn Db,
+        visit: u32,
+        ordinal: usize,
+        request: &IncludeRequest,
+    ) -> Vec<Utf8PathBuf> {
+        let Some(visit) = self.visits.get(visit as usize) else {
+            return Vec::new();
+        };
+        let reach = visit.searched.get(ordinal).copied().unwrap_or_default();
+        let search = self.search.get(..reach).unwrap_or(&self.search);
+        let places = places(db, search, request, visit.file);
+        places.into_iter().map(Utf8Path::to_owned).collect()
+    }
+}
+
+/// Where a file looks for what it includes, in order (language reference, 2.3).
+fn places<'a>(
+    db: &'a dyn Db,
+    search: &'a [Utf8PathBuf],
+    request: &IncludeRequest,
+    from: SourceFile,
+) -> Vec<&'a Utf8Path> {
+    if Utf8Path::new(request.path.as_str()).is_absolute() {
+        return vec![Utf8Path::new("/")];
+    }
+    let own = from.path(db).parent().filter(|_| !request.angled);
+    own.into_iter()
+        .chain(search.iter().map(Utf8PathBuf::as_path))
+        .collect()
 }
 
 /// One inclusion of one file.
@@ -43,6 +81,8 @@ pub(crate) struct WalkVisit {
     pub(crate) outcomes: Vec<Outcome>,
     /// Visit that each active include leads to.
     pub(crate) includes: Vec<Option<u32>>,
+    /// How many directories of [`Walk::search`] there were at each active include.
+    searched: Vec<usize>,
     /// The visit and the ordinal of the include that led here.
     pub(crate) includer: Option<(u32, u32)>,
 }
@@ -61,14 +101,12 @@ pub(crate) fn skeleton(db: &dyn Db, file: SourceFile) -> String {
 #[salsa::tracked]
 pub(crate) fn walk_unit<'db>(db: &'db dyn Db, unit: UnitKey<'db>) -> Walk {
     // A macro with a pragma in it may be used in any text: begin again, reading all of it.
-    let visits = walk(db, unit, false).or_else(|()| walk(db, unit, true));
-    Walk {
-        visits: visits.unwrap_or_default(),
-    }
+    let walked = walk(db, unit, false).or_else(|()| walk(db, unit, true));
+    walked.unwrap_or_default()
 }
 
 /// One attempt. Unless the walk reads whole texts, it gives up at a macro with a pragma in it.
-fn walk<'db>(db: &'db dyn Db, unit: UnitKey<'db>, whole_texts: bool) -> Result<Vec<WalkVisit>, ()> {
+fn walk<'db>(db: &'db dyn Db, unit: UnitKey<'db>, whole_texts: bool) -> Result<Walk, ()> {
     let workspace = db.workspace();
     let root = unit.inputs(db).first().map(|it| it.path(db));
     let (include_dirs, defines) = match root {
@@ -101,7 +139,10 @@ fn walk<'db>(db: &'db dyn Db, unit: UnitKey<'db>, whole_texts: bool) -> Result<V
     if walker.pragmas_in_macros && !whole_texts {
         return Err(());
     }
-    Ok(walker.visits)
+    Ok(Walk {
+        visits: walker.visits,
+        search: walker.search,
+    })
 }
 
 /// The state of a walk.
@@ -144,6 +185,7 @@ impl<'db> Walker<'db> {
             entry: entry.clone(),
             outcomes: Vec::new(),
             includes: Vec::new(),
+            searched: Vec::new(),
             includer,
         });
         self.depth += 1;
@@ -176,14 +218,7 @@ impl<'db> Walker<'db> {
         from: SourceFile,
     ) -> Result<SourceFile, IncludeError> {
         let name = Utf8Path::new(request.path.as_str());
-        let own = from.path(self.db).parent().filter(|_| !request.angled);
-        let dirs: Vec<&Utf8Path> = match name.is_absolute() {
-            true => vec![Utf8Path::new("/")],
-            false => own
-                .into_iter()
-                .chain(self.search.iter().map(Utf8PathBuf::as_path))
-                .collect(),
-        };
+        let dirs = places(self.db, &self.search, request, from);
         // What stands in for a file that is nowhere else.
         let root = self.visits.first().map(|it| it.file.path(self.db));
         let standins = root.and_then(|it| it.parent()).map(|it| it.join(STANDINS));
@@ -230,7 +265,10 @@ impl Host for VisitHost<'_, '_> {
     ) -> Result<MacroEnv, IncludeError> {
         let walker = &mut *self.walker;
         let ordinal = walker.visits[self.visit].includes.len() as u32;
-        walker.visits[self.visit].includes.push(None);
+        let searched = walker.search.len();
+        let visit = &mut walker.visits[self.visit];
+        visit.includes.push(None);
+        visit.searched.push(searched);
         let result = if walker.cut_off {
             Err(IncludeError::Silent)
         } else if walker.depth >= MAX_DEPTH {

@@ -11,7 +11,7 @@ pub(crate) mod folding_range;
 pub(crate) mod formatting;
 pub(crate) mod goto;
 pub(crate) mod hover;
-pub(crate) mod include_paths;
+pub(crate) mod search_paths;
 pub(crate) mod inlay_hint;
 pub(crate) mod references;
 pub(crate) mod rename;

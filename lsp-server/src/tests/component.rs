@@ -118,3 +118,46 @@ async fn a_file_that_is_not_found_is_searched_where_it_is() {
     client.ignore("textDocument/publishDiagnostics");
     drop(client);
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_package_that_is_not_found_is_searched_where_it_is() {
+    let folder = Folder::new(&[
+        ("arm.gen", "#pragma requires \"pose-idl >= 1\"\n"),
+        (
+            "devel/lib/pkgconfig/pose-idl.pc",
+            "Name: pose\nDescription: x\nVersion: 1.2\n",
+        ),
+    ]);
+    let mut capable = super::client::pulling();
+    capable["textDocument"]["codeAction"] =
+        json!({ "codeActionLiteralSupport": { "codeActionKind": { "valueSet": [] } } });
+    capable["workspace"] = json!({
+        "workspaceEdit": { "documentChanges": true, "resourceOperations": ["create"] }
+    });
+    let mut client = Client::start(folder.params(capable)).await;
+    let uri = folder.uri("arm.gen");
+    client.open(&uri, &folder.read("arm.gen")).await;
+    let mut params = super::client::document(&uri);
+    let at = json!({ "line": 0, "character": 22 });
+    params["range"] = json!({ "start": at, "end": at });
+    params["context"] = json!({ "diagnostics": [] });
+    let actions = client.ok("textDocument/codeAction", params).await;
+    let title = "Search `devel/lib/pkgconfig` for packages, in dotgen.toml";
+    let mut all = actions.as_array().expect("actions").iter();
+    let action = all.find(|it| it["title"] == title);
+    let action = action.unwrap_or_else(|| panic!("{actions:#}"));
+    let toml = "package-paths = [\"devel/lib/pkgconfig\"]\n";
+    assert!(
+        action["edit"].to_string().contains("pkgconfig"),
+        "{action:#}"
+    );
+    // With it, the package is found.
+    folder.write("dotgen.toml", toml);
+    let event = folder.event("dotgen.toml", 1);
+    client
+        .notify("workspace/didChangeWatchedFiles", event)
+        .await;
+    assert_eq!(client.pulled(&uri).await, [""; 0]);
+    client.ignore("textDocument/publishDiagnostics");
+    drop(client);
+}

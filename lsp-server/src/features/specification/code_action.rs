@@ -9,7 +9,7 @@ use crate::features::convert::diagnostic;
 use crate::features::convert::edit::{
     Review, edit_of, gathered, is_wanted, with_edit, workspace_edit,
 };
-use crate::features::specification::include_paths;
+use crate::features::specification::search_paths;
 use crate::protocol::types::*;
 use crate::views::fixes::together;
 use crate::workspace::snapshot::{Snapshot, Subject};
@@ -65,7 +65,7 @@ pub(crate) fn handle(
         refactorings(snapshot, subject, &range, params, &mut actions)?;
         return Ok(Some(actions));
     }
-    include_paths::fixes(snapshot, subject, &range, &mut actions)?;
+    search_paths::fixes(snapshot, subject, &range, &mut actions)?;
     let mut codes: Vec<&str> = Vec::new();
     let mut offered: Vec<&Fix> = Vec::new();
     // What is wrong here comes first, then what is wrong elsewhere and mended here.

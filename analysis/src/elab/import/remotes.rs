@@ -1,0 +1,89 @@
+//! What `uses` makes of the services of an interface: remote services, as those that it uses itself.
+
+use crate::{
+    elab::{DefId, context::Elaborator, property::union},
+    finding::{Finding, names::Naming},
+    model::{ParamDir, Remote, Src, TypeId, TypeKind},
+    release::Change,
+};
+
+impl Elaborator<'_> {
+    pub(super) fn import_as_remotes(&mut self, index: u32, interface: u32, at: Src) {
+        let with_locals = self.spec.release.has(Change::RemoteCallsWithoutLocals);
+        for number in 0..self.components[interface as usize].services.len() {
+            let from = &self.spec.components[interface as usize];
+            let service = &from.services[number];
+            let mut throws = from.throws.clone();
+            if let Some(task) = service.task {
+                union(
+                    &mut throws,
+                    from.tasks[task as usize].throws.iter().copied(),
+                );
+            }
+            union(&mut throws, service.throws.iter().copied());
+            let remote = Remote {
+                name: service.name.clone(),
+                src: service.src,
+                kind: service.kind,
+                params: service
+                    .params
+                    .iter()
+                    .filter(|it| with_locals || it.dir != ParamDir::Local)
+                    .cloned()
+                    .collect(),
+                ty: TypeId(0),
+                interface,
+                service: number as u32,
+                throws,
+            };
+            let def = self.components[interface as usize].services[number].def;
+            self.add_remote(index, remote, def, at);
+        }
+    }
+
+    pub(super) fn import_remotes(&mut self, index: u32, interface: u32, at: Src) {
+        for number in 0..self.components[interface as usize].remotes.len() {
+            let remote = self.spec.components[interface as usize].remotes[number].clone();
+            let def = self.components[interface as usize].remotes[number];
+            self.add_remote(index, remote, def, at);
+        }
+    }
+
+    fn add_remote(&mut self, index: u32, mut remote: Remote, def: DefId, at: Src) {
+        let state = &self.components[index as usize];
+        if let Some(&service) = state.service_by_name.get(&remote.name) {
+            let place = self.spec.components[index as usize].services[service as usize].src;
+            self.report(
+                Finding::new(
+                    Naming::RemoteTaken {
+                        name: remote.name.clone(),
+                    },
+                    at,
+                )
+                .related(place, "the service")
+                .related(remote.src, "the remote service"),
+            );
+            self.lose(index, &remote.name);
+            return;
+        }
+        let scope = state.scope;
+        if let Some(clash) = self.scopes.clash(scope, &remote.name, false) {
+            self.report_clash(scope, &remote.name, at, clash);
+            self.lose(index, &remote.name);
+            return;
+        }
+        let number = self.spec.components[index as usize].remotes.len() as u32;
+        let kind = TypeKind::Remote {
+            component: index,
+            remote: number,
+        };
+        let ty = self.named(kind, scope, remote.name.clone(), remote.src);
+        self.type_defs[ty.0 as usize] = Some(def);
+        self.declare_at(scope, &remote.name, at, ty);
+        remote.ty = ty;
+        let state = &mut self.components[index as usize];
+        state.remote_by_name.insert(remote.name.clone(), number);
+        state.remotes.push(def);
+        self.spec.components[index as usize].remotes.push(remote);
+    }
+}

@@ -1,0 +1,204 @@
+//! What `provides` and `extends` make of the services of an interface: services of the importer.
+
+use crate::{
+    elab::{
+        DefId,
+        context::Elaborator,
+        property::{join_doc, union},
+        types::equal,
+    },
+    finding::{Finding, services::Declaring},
+    model::{Param, ParamDir, Service, ServiceKind, Src},
+    release::Change,
+};
+
+impl<'a> Elaborator<'a> {
+    /// Adds the services of an interface, without their codels. Gives the pairs of their and our
+    /// index whose codels are to be added.
+    pub(super) fn import_services(
+        &mut self,
+        index: u32,
+        interface: u32,
+        at: Src,
+    ) -> Vec<(u32, u32)> {
+        let mut pairs = Vec::new();
+        for number in 0..self.components[interface as usize].services.len() {
+            let service = self.spec.components[interface as usize].services[number].clone();
+            if self.taken_by_other(index, &service.name, at) {
+                continue;
+            }
+            let params = self.imported_params(index, interface, number, &service);
+            let known = self.components[index as usize]
+                .service_by_name
+                .get(&service.name)
+                .copied();
+            let own = match known {
+                Some(own) => {
+                    if !self.check_kind(index, own, service.kind, at) {
+                        continue;
+                    }
+                    let plain: Vec<&Param> = params
+                        .iter()
+                        .map(|(it, _)| it)
+                        .filter(|it| it.dir != ParamDir::Local)
+                        .collect();
+                    self.compare_params(index, own, &plain, at, Some(at));
+                    self.merge_locals(index, own, &params, at);
+                    let known = &mut self.spec.components[index as usize].services[own as usize];
+                    known.src = service.src;
+                    own
+                }
+                None => {
+                    let def = self.components[interface as usize].services[number].def;
+                    let own = self.insert_service(
+                        index,
+                        &service.name,
+                        service.kind,
+                        service.src,
+                        def,
+                        Some(interface),
+                    );
+                    for (param, def) in params {
+                        self.push_param(index, own, param, def);
+                    }
+                    let paths = self.components[interface as usize].services[number]
+                        .paths
+                        .clone();
+                    self.components[index as usize].services[own as usize].paths = paths;
+                    own
+                }
+            };
+            self.import_service_properties(index, interface, number, own, &service, at);
+            let codels = &self.components[interface as usize].services[number].codels;
+            self.import_states(index, codels.clone());
+            pairs.push((number as u32, own));
+        }
+        pairs
+    }
+
+    /// The parameters of a service of an interface, as the importing component sees them.
+    fn imported_params(
+        &mut self,
+        index: u32,
+        interface: u32,
+        number: usize,
+        service: &Service,
+    ) -> Vec<(Param, DefId)> {
+        let state = &self.components[interface as usize].services[number];
+        let defs = state.params.clone();
+        let mut params: Vec<Param> = service.params.clone();
+        if service.kind == ServiceKind::Attribute {
+            // Their paths start from the ids of the interface.
+            let inits: Vec<_> = params.iter().map(|it| it.init.clone()).collect();
+            let names: Vec<_> = params.iter().map(|it| it.name.clone()).collect();
+            params.clear();
+            for source in state.paths.clone() {
+                let param = self.in_visit(source.visit, |this| {
+                    this.within(source.scope, this.container, |this| {
+                        this.attribute_param(index, source.decl)
+                    })
+                });
+                let Some(mut param) = param else { continue };
+                if let Some(known) = names.iter().position(|it| *it == param.name) {
+                    param.init = inits[known].clone();
+                }
+                params.push(param);
+            }
+        }
+        params.into_iter().zip(defs).collect()
+    }
+
+    fn merge_locals(&mut self, index: u32, service: u32, params: &[(Param, DefId)], at: Src) {
+        for (local, def) in params.iter().filter(|(it, _)| it.dir == ParamDir::Local) {
+            let known = &self.spec.components[index as usize].services[service as usize];
+            let old = known.params.iter().find(|it| it.name == local.name);
+            let Some(old) = old else {
+                self.push_param(index, service, local.clone(), *def);
+                continue;
+            };
+            let same = old.dir == local.dir && equal(&self.spec, old.ty, local.ty);
+            if !same {
+                let place = old.src;
+                self.report(
+                    Finding::new(
+                        Declaring::OtherLocal {
+                            name: local.name.clone(),
+                            service: known.name.clone(),
+                        },
+                        at,
+                    )
+                    .related(local.src, "in the interface")
+                    .related(place, "here"),
+                );
+            }
+        }
+    }
+
+    fn import_service_properties(
+        &mut self,
+        index: u32,
+        interface: u32,
+        number: usize,
+        own: u32,
+        service: &Service,
+        at: Src,
+    ) {
+        let theirs = self.components[interface as usize].services[number].clone();
+        let task = service.task.and_then(|it| {
+            let name = &self.spec.components[interface as usize].tasks[it as usize].name;
+            self.components[index as usize]
+                .task_by_name
+                .get(name)
+                .copied()
+        });
+        let to = &mut self.spec.components[index as usize].services[own as usize];
+        let state = &mut self.components[index as usize].services[own as usize];
+        if let Some(doc) = &service.doc {
+            join_doc(&mut to.doc, doc);
+        }
+        union(&mut to.throws, service.throws.iter().copied());
+        union(&mut state.lists[0].names, theirs.lists[0].names.clone());
+        let mut conflicts: Vec<(&'static str, Src, Src)> = Vec::new();
+        let keeps_task = self.spec.release.has(Change::MergedProperties);
+        let mut kept_task = false;
+        for word in ["task", "before", "after"] {
+            let Some(&place) = theirs.given.get(word) else {
+                continue;
+            };
+            if let Some(&ours) = state.given.get(word) {
+                if word == "task" && keeps_task {
+                    kept_task = true;
+                    continue;
+                }
+                conflicts.push((word, place, ours));
+                continue;
+            }
+            state.given.insert(word, at);
+            match word {
+                "task" => to.task = task,
+                "before" => state.lists[1] = theirs.lists[1].clone(),
+                _ => state.lists[2] = theirs.lists[2].clone(),
+            }
+        }
+        if kept_task {
+            self.newer(
+                Change::MergedProperties,
+                "a second `task` of an activity",
+                at,
+            );
+        }
+        for (word, place, ours) in conflicts {
+            self.report(
+                Finding::new(
+                    Declaring::ServicePropertyImported {
+                        service: service.name.clone(),
+                        word,
+                    },
+                    at,
+                )
+                .related(place, "in the interface")
+                .related(ours, "the other one"),
+            );
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! Fixes for an included file or a required package that is not found: the settings search its directory.
+
+use std::ops::Range;
+
+use camino::{Utf8Path, Utf8PathBuf};
+use dotgen_analysis::host::{Cancellable, FileContent};
+use dotgen_codegen::codels::edit::{Edit, line_edits};
+use toml_edit::{Array, DocumentMut, value};
+
+use crate::config;
+use crate::features::convert::edit::{Review, edit_of, with_edit};
+use crate::files::vfs;
+use crate::protocol::types::*;
+use crate::workspace::snapshot::{Snapshot, Subject};
+
+/// Directories that are offered.
+const MOST_DIRECTORIES: usize = 3;
+
+/// Where pkg-config's files are below the prefix of an installation.
+const BELOW_PREFIX: [&str; 3] = ["lib/pkgconfig", "share/pkgconfig", "lib64/pkgconfig"];
+
+/// A setting that is a list of directories.
+struct Setting {
+    key: &'static str,
+    /// What is looked for there.
+    wanted: &'static str,
+}
+
+const INCLUDES: Setting = Setting {
+    key: "include-paths",
+    wanted: "included files",
+};
+
+const PACKAGES: Setting = Setting {
+    key: "package-paths",
+    wanted: "packages",
+};
+
+/// For every included file and every required package of a range that is not found: the directories in which it is.
+pub(crate) fn fixes(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    range: &Range<usize>,
+    out: &mut Vec<CodeActionOrCommand>,
+) -> Cancellable<()> {
+    let touches = |it: &Range<usize>| it.start <= range.end && range.start <= it.end;
+    let includes = snapshot.analysis.missing_includes(&subject.path)?;
+    let includes = includes.into_iter().filter(|it| touches(&it.range));
+    let packages = snapshot.analysis.missing_packages(&subject.path)?;
+    let packages = packages.into_iter().filter(|it| touches(&it.range));
+    let Some(project) = project(snapshot, &subject.path) else {
+        return Ok(());
+    };
+    for it in includes {
+        for directory in below(&project, Utf8Path::new(&it.path)) {
+            add(snapshot, &project, &INCLUDES, &directory, out)?;
+        }
+    }
+    for name in packages.flat_map(|it| it.names) {
+        // What has its requirement not met, but is found, is of a wrong version: no directory mends that.
+        let file = format!("{name}.pc");
+        let mut found = below(&project, Utf8Path::new(&file));
+        for prefix in prefixes() {
+            let all = BELOW_PREFIX.iter().map(|it| prefix.join(it));
+            found.extend(all.filter(|it| it.join(&file).is_file()));
+        }
+        found.truncate(MOST_DIRECTORIES);
+        for directory in found {
+            add(snapshot, &project, &PACKAGES, &directory, out)?;
+        }
+    }
+    Ok(())
+}
+
+/// Where robotpkg installs: where its variable says, then where its manual does.
+fn prefixes() -> Vec<Utf8PathBuf> {
+    let said = ["ROBOTPKG_BASE", "DEVEL_BASE", "INSTALL_PATH"];
+    let said = said.iter().filter_map(|it| std::env::var(it).ok());
+    let home = std::env::var("HOME").ok().map(Utf8PathBuf::from);
+    let homes = home.iter().map(|it| it.join("openrobots"));
+    let mut out: Vec<Utf8PathBuf> = Vec::new();
+    let usual = std::iter::once(Utf8PathBuf::from("/opt/openrobots"));
+    for it in said.map(Utf8PathBuf::from).chain(usual).chain(homes) {
+        if it.is_absolute() && !out.contains(&it) {
+            out.push(it);
+        }
+    }
+    out
+}
+
+/// The action that adds a directory to a setting.
+fn add(
+    snapshot: &Snapshot,
+    project: &Utf8Path,
+    setting: &Setting,
+    directory: &Utf8Path,
+    out: &mut Vec<CodeActionOrCommand>,
+) -> Cancellable<()> {
+    let Some(edit) = edit(project, setting, directory) else {
+        return Ok(());
+    };
+    let name = match directory.as_str() {
+        "" => ".",
+        name => name,
+    };
+    let action = CodeAction {
+        title: format!(
+            "Search `{name}` for {}, in {}",
+            setting.wanted,
+            config::FILE_NAME
+        ),
+        kind: Some(CodeActionKind::QUICKFIX),
+        ..CodeAction::default()
+    };
+    let edit = edit_of(snapshot, Review::None, &edit)?;
+    out.extend(with_edit(snapshot, action, edit).map(CodeActionOrCommand::CodeAction));
+    Ok(())
+}
+
+/// Where the configuration of a document is, or would be.
+fn project(snapshot: &Snapshot, path: &Utf8Path) -> Option<Utf8PathBuf> {
+    if let Some(project) = snapshot.config.project(path) {
+        return Some(project.directory.clone());
+    }
+    let around = snapshot.folders.iter().filter(|it| path.starts_with(it));
+    around.max_by_key(|it| it.as_str().len()).cloned()
+}
+
+/// The directories below a folder in which a file is, relative to the folder.
+fn below(folder: &Utf8Path, wanted: &Utf8Path) -> Vec<Utf8PathBuf> {
+    let Some(extension) = wanted.extension() else {
+        return Vec::new();
+    };
+    let all = vfs::files_below(folder, &[extension]).into_iter();
+    let found = all.filter(|it| it.ends_with(wanted));
+    let directory = |it: Utf8PathBuf| {
+        let up = it.ancestors().nth(wanted.components().count())?;
+        Some(up.strip_prefix(folder).ok()?.to_owned())
+    };
+    found.filter_map(directory).take(MOST_DIRECTORIES).collect()
+}
+
+/// The configuration with one more directory; `None` if it cannot be edited, or has it already.
+fn edit(project: &Utf8Path, setting: &Setting, directory: &Utf8Path) -> Option<Edit> {
+    let path = project.join(config::FILE_NAME);
+    let mut edit = Edit::default();
+    match vfs::read(&path) {
+        FileContent::Text(before) => {
+            let after = with_directory(&before, setting, directory)?;
+            for it in line_edits(&before, &after) {
+                edit.replace(&path, it.range, it.text);
+            }
+        }
+        _ if path.exists() => return None,
+        _ => {
+            edit.created
+                .insert(path, with_directory("", setting, directory)?);
+        }
+    }
+    Some(edit)
+}
+
+/// The text of a configuration with one more directory in a setting. Everything else stays, comments too.
+fn with_directory(text: &str, setting: &Setting, directory: &Utf8Path) -> Option<String> {
+    let directory = match directory.as_str() {
+        "" => ".".to_owned(),
+        other => other.replace('\\', "/"),
+    };
+    let mut document: DocumentMut = text.parse().ok()?;
+    let entry = document
+        .entry(setting.key)
+        .or_insert_with(|| value(Array::new()));
+    let paths = entry.as_value_mut().and_then(|it| it.as_array_mut())?;
+    if paths.iter().any(|it| it.as_str() == Some(&directory)) {
+        return None;
+    }
+    paths.push(directory);
+    Some(document.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_directory_is_added_and_the_rest_stays() {
+        for (before, after) in [
+            ("", "include-paths = [\"idl\"]\n"),
+            (
+                "# ours\ninclude-paths = [\"a\"] # here\n[codels]\ncheck = false\n",
+                "# ours\ninclude-paths = [\"a\", \"idl\"] # here\n[codels]\ncheck = false\n",
+            ),
+            (
+                "release = \"2.99.41\"\n",
+                "release = \"2.99.41\"\ninclude-paths = [\"idl\"]\n",
+            ),
+        ] {
+            assert_eq!(
+                with_directory(before, &INCLUDES, Utf8Path::new("idl")).as_deref(),
+                Some(after)
+            );
+            assert_eq!(
+                with_directory(after, &INCLUDES, Utf8Path::new("idl")),
+                None,
+                "it is there"
+            );
+        }
+        assert_eq!(
+            with_directory("include-paths = 1\n", &INCLUDES, Utf8Path::new("idl")),
+            None
+        );
+        assert_eq!(
+            with_directory("= no toml", &INCLUDES, Utf8Path::new("idl")),
+            None
+        );
+    }
+}
