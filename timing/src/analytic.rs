@@ -28,12 +28,14 @@ mod demand;
 mod instances;
 mod preempted;
 mod queue;
+mod reaction;
 mod rivals;
 mod ways;
 
 use std::cell::OnceCell;
 
 use self::demand::{Demand, Jobs, Kind};
+pub use self::reaction::reaction_bound;
 use self::rivals::{Rivals, excluded};
 use self::ways::{Ways, resumed};
 use crate::scn::semantics::Semantics;

@@ -143,16 +143,26 @@ impl Group<'_> {
         let (Verdict::Unknown, Some(bound)) = (out.verdict, analysed.of_task(check)) else {
             return;
         };
-        let beyond = match check.what {
-            What::Response(_, limit) => self.ticks(limit).is_some_and(|limit| bound > limit),
-            _ => true,
+        let within = match check.what {
+            What::Response(_, limit) => self.ticks(limit).is_none_or(|limit| bound <= limit),
+            _ => false,
         };
-        if beyond {
+        self.bounded_by(("response-time analysis", "a job takes"), bound, within, out);
+    }
+
+    /// What was not settled has a bound by analysis, which is an answer if it is within the limit. `by`: by which analysis, and what it
+    /// says, before "at most".
+    pub(super) fn bounded_by(
+        &self,
+        (by, what): (&str, &str),
+        bound: Ticks,
+        within: bool,
+        out: &mut CheckReport,
+    ) {
+        if !within {
             if let Some(note) = &mut out.note {
                 let bound = self.in_words(bound);
-                note.push_str(&format!(
-                    "; by response-time analysis a job takes at most {bound}"
-                ));
+                note.push_str(&format!("; by {by} {what} at most {bound}"));
             }
             return;
         }
@@ -168,7 +178,7 @@ impl Group<'_> {
             _ => String::new(),
         };
         out.note = Some(format!(
-            "by response-time analysis: at most {}{reached}; the exact value was not found{why}",
+            "by {by}: at most {}{reached}; the exact value was not found{why}",
             self.in_words(bound)
         ));
         out.value = Some(self.time(bound));

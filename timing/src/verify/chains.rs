@@ -4,6 +4,7 @@ use super::Group;
 use super::answers::exceeded;
 use super::checks::{ChainOf, Single};
 use super::units::limit_text;
+use crate::analytic::reaction_bound;
 use crate::explore::{Measured, explore_chain, is_exact};
 use crate::report::{CheckReport, Report, Soundness, Verdict};
 use crate::system::chain::ChainKind;
@@ -45,6 +46,14 @@ impl Group<'_> {
                 out.verdict = Verdict::Unknown;
             }
             out.note = Some("the age is at least this, and was not counted any further".to_owned());
+        }
+        if out.verdict == Verdict::Unknown
+            && of.kind == ChainKind::Reaction
+            && let Some(bound) = reaction_bound(system, &it.ways)
+        {
+            let within = limit.is_none_or(|limit| bound <= limit);
+            let by = ("periods and response times along the chain", "it takes");
+            self.bounded_by(by, bound, within, &mut out);
         }
         let ways = self.ways(&it);
         out.note = Some(match out.note.take() {

@@ -1,6 +1,7 @@
 //! The verifier agrees with the interpreter of the servers on random specifications and scenarios.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use dotgen_analysis::diagnostic::Severity;
 use dotgen_analysis::host::{
@@ -8,7 +9,7 @@ use dotgen_analysis::host::{
 };
 use dotgen_timing::analytic::response_bounds;
 use dotgen_timing::explore::Limits;
-use dotgen_timing::report::{CheckReport, Soundness, Value, Verdict};
+use dotgen_timing::report::{CheckReport, Report, Soundness, Value, Verdict};
 use dotgen_timing::scn::ast::{CheckKind, Item, Path};
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::scn::parse;
@@ -242,6 +243,18 @@ fn compare_chain(seed: u64, texts: &Texts) -> Option<Result<(), String>> {
     if report.has_errors() || !parsed.errors.is_empty() {
         return Some(Err(format!("{:?}: {}", report.diagnostics, shown())));
     }
+    // What analysis alone knows.
+    let none = Options {
+        limits: Limits {
+            states: 1,
+            ..options.limits
+        },
+        ..options
+    };
+    let input = SystemInput {
+        specs: units.iter().map(|it| &*it.spec).collect(),
+    };
+    let quick = verify(&input, &parsed.scenario, &none, &Cancel::default());
     let interpreter = Interpreter::new(&system, &[], &[]);
     let checks = parsed.scenario.items.iter().filter_map(|it| match it {
         Item::Check(it) => Some(&it.kind),
@@ -273,6 +286,9 @@ fn compare_chain(seed: u64, texts: &Texts) -> Option<Result<(), String>> {
         if found.verdict == Verdict::Unknown {
             return None;
         }
+        if let Some(wrong) = below(&quick, found, expected) {
+            return Some(Err(format!("{wrong}: {}", shown())));
+        }
         let want = match expected {
             Some(CAP) => json!("unbounded"),
             Some(it) => json!(it),
@@ -293,10 +309,26 @@ fn compare_chain(seed: u64, texts: &Texts) -> Option<Result<(), String>> {
     Some(Ok(()))
 }
 
+/// Says so when a bound that was found without exploring is below the value.
+fn below(quick: &Report, check: &CheckReport, expected: Option<u32>) -> Option<String> {
+    let bound = quick.checks.iter().find(|it| it.id == check.id)?;
+    let Some(Value::Time(time)) = bound.value.filter(|_| bound.soundness == Soundness::UpperBound)
+    else {
+        return None;
+    };
+    BOUNDS.fetch_add(1, Ordering::Relaxed);
+    let expected = f64::from(expected.unwrap_or(0));
+    (time < expected).then(|| format!("{} {}: {time} is below {expected}", check.kind, check.of))
+}
+
+/// Bounds on chains that were compared.
+static BOUNDS: AtomicUsize = AtomicUsize::new(0);
+
 #[test]
 fn the_verifier_agrees_with_the_interpreter_of_the_servers_on_chains() {
     let cases = std::env::var("DOTGEN_TIMING_CASES").map_or(100, |_| cases());
     all_agree(first(), cases, 50, compare_chains);
+    assert!(BOUNDS.load(Ordering::Relaxed) >= cases as usize / 20, "bounds are compared");
 }
 
 fn agree_on(specification: &str, scenario: &str) {

@@ -1,0 +1,164 @@
+//! Bounds on the reaction of chains of data under the semantics of the servers (section 19), where no core is waited for.
+//!
+//! A chain leads through codels of permanent activities of periodic tasks. Where every cycle of the task executes the codel,
+//! whatever state it resumes, the one that begins next after some moment reads what was visible then. Cycles follow each other
+//! by a period at most, and each takes at most its length (see `queue`): so the codel has ended, and what it writes is
+//! visible, a period and a length after that moment. A later codel of the same cycle has ended by then too. A datum that depends on the
+//! first one keeps doing so whatever else is written, as the first one that arrives ends the measurement: so the times add up
+//! (the bound of A. Davare et al., *Period optimization for hard real-time distributed automotive systems*, DAC 2007), and
+//! any way of the data gives a bound.
+//!
+//! A moment before a task has begun waits for its start: tasks of a component are started one after the other, each when the
+//! first pass of the one before has ended, and begin with a tick.
+
+use super::queue;
+use crate::scn::semantics::Semantics;
+use crate::system::loops::pauseless_cycles;
+use crate::system::{Machine, Ticks, TimedSystem, Yield};
+
+/// A bound on the reaction of a chain whose data go by any of some ways, each the codels that carry them, in order; `None`
+/// where this method finds none.
+pub fn reaction_bound(system: &TimedSystem, ways: &[Vec<usize>]) -> Option<Ticks> {
+    let platform = &system.platform;
+    let simple = platform.semantics == Semantics::SERVERS
+        && platform.cores.is_none()
+        && queue::is_within_components(system)
+        && !system.has_builtin(|_| true);
+    if !simple {
+        return None;
+    }
+    let requests = queue::requests(system);
+    let tasks = Tasks {
+        system,
+        requests: &requests,
+    };
+    ways.iter().filter_map(|it| tasks.way(it)).min()
+}
+
+struct Tasks<'s> {
+    system: &'s TimedSystem,
+    requests: &'s [Option<u32>],
+}
+
+/// Codels of one way that every cycle of a task executes one after the other.
+struct Stage<'s> {
+    task: usize,
+    machine: &'s Machine,
+    first: usize,
+    last: usize,
+}
+
+impl Tasks<'_> {
+    /// When the data of a moment 0 have gone all the way, at the latest. A later moment waits no longer: less is left of the start.
+    fn way(&self, way: &[usize]) -> Option<Ticks> {
+        let mut stages: Vec<Stage> = Vec::new();
+        for &codel in way {
+            if let Some(stage) = stages.last_mut()
+                && follows(stage.machine, stage.last, codel)
+            {
+                stage.last = codel;
+                continue;
+            }
+            let (task, machine) = self.executes(codel)?;
+            stages.push(Stage {
+                task,
+                machine,
+                first: codel,
+                last: codel,
+            });
+        }
+        let mut at: Ticks = 0;
+        for stage in &stages {
+            at = at.checked_add(self.round(stage.task)?)?;
+            at = at.max(self.started(stage)?);
+        }
+        Some(at).filter(|_| !stages.is_empty())
+    }
+
+    /// The task whose permanent activity executes a codel in every cycle but perhaps the first.
+    fn executes(&self, codel: usize) -> Option<(usize, &Machine)> {
+        let system = self.system;
+        let has = |machine: &Machine| machine.states.iter().any(|it| it.codel == codel);
+        let mut all = system.tasks.iter().enumerate().filter_map(|(task, it)| {
+            let machine = system.machine_of(it.permanent?);
+            has(machine).then_some((task, machine))
+        });
+        let (task, machine) = all.next().filter(|_| all.next().is_none())?;
+        let yields = || machine.states.iter().flat_map(|it| &it.yields);
+        let ends = yields().any(|it| *it == Yield::End);
+        let mut resumed = yields().filter_map(|it| match *it {
+            Yield::Pause(state) => Some(state),
+            _ => None,
+        });
+        let always = !ends
+            && pauseless_cycles(machine).is_empty()
+            && resumed.all(|it| meets(machine, it, codel));
+        always.then_some((task, machine))
+    }
+
+    /// A period and the length of a cycle: less than two periods, for a later task less than one and a half (see `queue`).
+    fn round(&self, task: usize) -> Option<Ticks> {
+        let period = self.system.tasks[task].period?;
+        let length = self.length(task)?;
+        let in_time = match self.place(task)? {
+            0 => length < period,
+            _ => length.checked_mul(2)? < period,
+        };
+        period.checked_add(length).filter(|_| in_time)
+    }
+
+    fn length(&self, task: usize) -> Option<Ticks> {
+        queue::cycle(self.system, task, self.requests)
+    }
+
+    /// Index of a task in its component.
+    fn place(&self, task: usize) -> Option<usize> {
+        let component = &self.system.components[self.system.tasks[task].component];
+        component.tasks.iter().position(|it| *it == task)
+    }
+
+    /// When the first cycle that executes a stage has ended at the latest.
+    fn started(&self, stage: &Stage) -> Option<Ticks> {
+        let component = &self.system.components[self.system.tasks[stage.task].component];
+        let mut at: Ticks = 0;
+        for &task in component.tasks.iter().take(self.place(stage.task)? + 1) {
+            let it = &self.system.tasks[task];
+            // A tick that has come is kept; else the next one comes after a period, the first one perhaps later.
+            let tick = it.period?.checked_add(it.delay)?;
+            at = at.checked_add(tick)?.checked_add(self.length(task)?)?;
+        }
+        match meets(stage.machine, stage.machine.start, stage.first) {
+            true => Some(at),
+            false => at.checked_add(self.round(stage.task)?),
+        }
+    }
+}
+
+/// Whether a turn that begins with a state executes a codel, whatever is yielded.
+fn meets(machine: &Machine, state: usize, codel: usize) -> bool {
+    let mut seen = vec![false; machine.states.len()];
+    let mut todo = vec![state];
+    while let Some(at) = todo.pop() {
+        if machine.states[at].codel == codel || std::mem::replace(&mut seen[at], true) {
+            continue;
+        }
+        for it in &machine.states[at].yields {
+            match *it {
+                Yield::Next(next) => todo.push(next),
+                Yield::Pause(_) | Yield::End => return false,
+            }
+        }
+    }
+    true
+}
+
+/// Whether a turn that has executed a codel executes another one after it, whatever is yielded.
+fn follows(machine: &Machine, codel: usize, next: usize) -> bool {
+    let mut states = machine.states.iter().filter(|it| it.codel == codel);
+    states.all(|it| {
+        it.yields.iter().all(|it| match *it {
+            Yield::Next(state) => meets(machine, state, next),
+            Yield::Pause(_) | Yield::End => false,
+        })
+    })
+}
