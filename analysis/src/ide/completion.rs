@@ -11,6 +11,7 @@ mod keywords;
 pub(super) mod names;
 pub(super) mod parameter;
 mod pattern;
+mod scopes;
 mod sharing;
 mod statement;
 

@@ -201,12 +201,21 @@ impl Edit<'_> {
     fn exceptions(&self) -> Vec<String> {
         let types = self.unit.spec.types.iter();
         let own = types.filter(|it| matches!(it.kind, TypeKind::Exception { .. }));
-        let own = own.filter_map(|it| {
-            it.name
-                .as_ref()
-                .filter(|name| self.place(it.src, name).is_some())
+        let names = own.filter_map(|it| {
+            let name = it.name.as_ref()?;
+            self.place(it.src, name).map(|_| name.to_string())
         });
-        own.map(ToString::to_string).collect();
+        names.collect()
+    }
+
+    /// One more, or one less, in a list behind a keyword.
+    fn listed(&self, keyword: &str, names: &[String], random: &mut Random) -> Option<String> {
+        let text = self.text();
+        let all: Vec<usize> = text
+            .match_indices(keyword)
+            .map(|it| it.0)
+            .filter(|at| !text[..*at].ends_with(|it: char| it.is_alphanumeric() || it == '_'))
+            .collect();
         let at = *all.get(random.below(all.len()))? + keyword.len();
         let plural = usize::from(text[at..].starts_with('s'));
         let list = at + plural..at + text[at..].find(';')?;

@@ -267,15 +267,7 @@ impl Machine {
             return machine;
         };
         machine.open = component.kind == ComponentKind::Interface;
-        let tasks = component
-            .tasks
-            .iter()
-            .map(|it| (BodyKind::Task, &it.name, &it.codels));
-        let services = component
-            .services
-            .iter()
-            .map(|it| (BodyKind::Activity, &it.name, &it.codels));
-        for (kind, name, codels) in tasks.chain(services) {
+        for (kind, name, codels) in names.owners() {
             if kind == body && owner.as_ref() == Some(name) {
                 for codel in codels {
                     machine.codel(codel, names.is_around(codel.node));

@@ -3,7 +3,10 @@
 use rustc_hash::FxHashMap;
 use smol_str::SmolStr;
 
-use super::{CompletionKind, Completions};
+use super::{
+    CompletionKind, Completions,
+    scopes::{full_path, in_scopes, opens_scope, outer_scope},
+};
 use crate::{
     elab::types::has_native,
     elab::{DefId, DefKind, Definition, Elaborated, Entity},
@@ -12,7 +15,7 @@ use crate::{
         context::{BodyKind, Context, FrameKind, Word},
         render,
     },
-    model::{Component, Spec, TypeId, TypeKind, Value},
+    model::{Codel, Component, Name, Spec, TypeId, TypeKind, Value},
 };
 
 /// What is visible at the cursor.
@@ -124,6 +127,17 @@ impl<'a, 'db> Names<'a, 'db> {
     /// The component around the cursor.
     pub(in crate::ide) fn component(&self) -> Option<&'a Component> {
         self.spec().components.get(self.component? as usize)
+    }
+
+    /// Tasks and services of the component around the cursor, with the body that each has, its name and its codels.
+    pub(super) fn owners(&self) -> impl Iterator<Item = (BodyKind, &'a Name, &'a [Codel])> {
+        let component = self.component().into_iter();
+        component.flat_map(|it| {
+            let tasks = it.tasks.iter();
+            let tasks = tasks.map(|it| (BodyKind::Task, &it.name, it.codels.as_slice()));
+            let services = it.services.iter();
+            tasks.chain(services.map(|it| (BodyKind::Activity, &it.name, it.codels.as_slice())))
+        })
     }
 
     /// The definition of a part of the component around the cursor.
@@ -607,65 +621,4 @@ fn begins(context: &Context, at: usize) -> usize {
         .tokens
         .get(first)
         .map_or(at, |it| it.range.start.min(at))
-}
-
-/// What the file is included in: modules and components, outermost first.
-fn outer_scope(view: &FileView<'_>, elaborated: &Elaborated) -> Vec<DefId> {
-    if view.key.fragment(view.db) == dotgen_syntax::Fragment::Specification {
-        return Vec::new();
-    }
-    let here = |it: &&Definition| {
-        view.place(it.src)
-            .is_some_and(|(file, _)| file == view.file)
-    };
-    let first = elaborated.definitions.iter().find(here);
-    let mut chain = Vec::new();
-    let mut next = first.and_then(|it| it.container);
-    while let Some(id) = next {
-        let it = elaborated.definition(id);
-        if opens_scope(it.kind) && view.place(it.src).is_none_or(|(file, _)| file != view.file) {
-            chain.insert(0, id);
-        }
-        next = it.container;
-    }
-    chain
-}
-
-fn in_scopes(kind: DefKind) -> bool {
-    use DefKind::*;
-    matches!(
-        kind,
-        Module
-            | Component
-            | Interface
-            | Typedef
-            | Struct
-            | Union
-            | Enum
-            | Enumerator
-            | Exception
-            | Native
-            | Const
-            | Ids
-    )
-}
-
-fn opens_scope(kind: DefKind) -> bool {
-    use DefKind::*;
-    matches!(kind, Module | Component | Interface | Struct | Union | Ids)
-}
-
-/// The path by which a definition is found from the global scope.
-fn full_path(elaborated: &Elaborated, it: &Definition) -> Vec<SmolStr> {
-    let mut path = vec![it.name.clone()];
-    let mut next = it.container;
-    while let Some(id) = next {
-        let container = elaborated.definition(id);
-        // Enumerators live beside their enum.
-        if container.kind != DefKind::Enum {
-            path.insert(0, container.name.clone());
-        }
-        next = container.container;
-    }
-    path
 }

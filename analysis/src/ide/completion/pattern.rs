@@ -22,7 +22,7 @@ pub(super) fn codel_name(names: &Names<'_, '_>, context: &Context, state: Option
         (false, None) => "{o}_codel".to_owned(),
     };
     let component = names.component();
-    let pattern = component.and_then(|it| usual(it, state.is_some(), context.body().0));
+    let pattern = component.and_then(|it| usual(names, it, state.is_some(), context.body().0));
     let pattern = pattern.unwrap_or(fallback);
     let own = component.map_or("", |it| it.name.as_str());
     let state = state.unwrap_or_default();
@@ -36,17 +36,14 @@ pub(super) fn codel_name(names: &Names<'_, '_>, context: &Context, state: Option
 }
 
 /// The pattern that most codels of the component follow.
-fn usual(component: &Component, machine: bool, body: BodyKind) -> Option<Pattern> {
+fn usual(
+    names: &Names<'_, '_>,
+    component: &Component,
+    machine: bool,
+    body: BodyKind,
+) -> Option<Pattern> {
     let mut counts: FxHashMap<Pattern, usize> = FxHashMap::default();
-    let tasks = component
-        .tasks
-        .iter()
-        .map(|it| (BodyKind::Task, &it.name, &it.codels));
-    let services = component
-        .services
-        .iter()
-        .map(|it| (BodyKind::Activity, &it.name, &it.codels));
-    for (kind, owner, codels) in tasks.chain(services) {
+    for (kind, owner, codels) in names.owners() {
         for codel in codels {
             if machine != (codel.kind == CodelKind::Fsm) || machine && kind != body {
                 continue;

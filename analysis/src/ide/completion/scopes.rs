@@ -1,0 +1,71 @@
+//! Scopes: what is declared inside of what.
+
+use smol_str::SmolStr;
+
+use crate::{
+    elab::{DefId, DefKind, Definition, Elaborated},
+    ide::FileView,
+};
+
+/// What the file is included in: modules and components, outermost first.
+pub(super) fn outer_scope(view: &FileView<'_>, elaborated: &Elaborated) -> Vec<DefId> {
+    if view.key.fragment(view.db) == dotgen_syntax::Fragment::Specification {
+        return Vec::new();
+    }
+    let here = |it: &&Definition| {
+        view.place(it.src)
+            .is_some_and(|(file, _)| file == view.file)
+    };
+    let first = elaborated.definitions.iter().find(here);
+    let mut chain = Vec::new();
+    let mut next = first.and_then(|it| it.container);
+    while let Some(id) = next {
+        let it = elaborated.definition(id);
+        if opens_scope(it.kind) && view.place(it.src).is_none_or(|(file, _)| file != view.file) {
+            chain.insert(0, id);
+        }
+        next = it.container;
+    }
+    chain
+}
+
+/// Whether a definition is found by its path.
+pub(super) fn in_scopes(kind: DefKind) -> bool {
+    use DefKind::*;
+    matches!(
+        kind,
+        Module
+            | Component
+            | Interface
+            | Typedef
+            | Struct
+            | Union
+            | Enum
+            | Enumerator
+            | Exception
+            | Native
+            | Const
+            | Ids
+    )
+}
+
+/// Whether names are declared inside of a definition.
+pub(super) fn opens_scope(kind: DefKind) -> bool {
+    use DefKind::*;
+    matches!(kind, Module | Component | Interface | Struct | Union | Ids)
+}
+
+/// The path by which a definition is found from the global scope.
+pub(super) fn full_path(elaborated: &Elaborated, it: &Definition) -> Vec<SmolStr> {
+    let mut path = vec![it.name.clone()];
+    let mut next = it.container;
+    while let Some(id) = next {
+        let container = elaborated.definition(id);
+        // Enumerators live beside their enum.
+        if container.kind != DefKind::Enum {
+            path.insert(0, container.name.clone());
+        }
+        next = container.container;
+    }
+    path
+}
