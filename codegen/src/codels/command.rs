@@ -149,7 +149,7 @@ pub fn stub(
 pub fn sync(project: &mut Project<'_>, roots: &[Utf8PathBuf], options: &SyncOptions) -> SyncReport {
     let mut out = SyncReport::default();
     let mut touched: BTreeSet<Utf8PathBuf> = BTreeSet::new();
-    let mut tried: BTreeSet<String> = BTreeSet::new();
+    let mut tried: Vec<Edit> = Vec::new();
     for _ in 0..ROUNDS {
         let (edit, applied) = round(project, roots, options, &mut tried, &mut out.notes);
         if edit.is_empty() {
@@ -188,7 +188,7 @@ fn round(
     project: &mut Project<'_>,
     roots: &[Utf8PathBuf],
     options: &SyncOptions,
-    tried: &mut BTreeSet<String>,
+    tried: &mut Vec<Edit>,
     notes: &mut Vec<ByHand>,
 ) -> (Edit, Vec<String>) {
     let mut edit = Edit::default();
@@ -225,10 +225,10 @@ fn round(
             if let Some(one) = repairs.edit(repair)
                 && !one.is_empty()
                 // What did not help once will not help again.
-                && !tried.contains(&format!("{repair:?}"))
-                && edit.merge(one)
+                && !tried.contains(&one)
+                && edit.merge(one.clone())
             {
-                tried.insert(format!("{repair:?}"));
+                tried.push(one);
                 applied.push(title);
                 if let Repair::UpdateSignature { name, path, start } = repair {
                     notes.extend(repairs.left_by_signature(name, path, *start));
