@@ -1,14 +1,9 @@
 //! What completion offers is legal: taking an item brings no error that was not there.
 //!
-//! A place is a boundary of tokens of a right text: in front of a token, or in a word of which a few letters are typed.
-//! The item is inserted as an editor does it, and the text must have no error that it has not without the item.
-//!
-//! * In a word, the item takes the place of the word; all that stands behind stays, and nothing is added.
-//! * In front of a token, the item begins something new, which may be completed by a name and a separator; in the middle
-//!   of an element, it may be meant for the name or type that follows.
-//! * In the first word of a statement, the item may also begin one in front of it.
-//! * Where the item is only the beginning of something (`port`, `in`, `pause::`), one of the items that are offered
-//!   behind it must do.
+//! A place is a boundary of tokens of a right text: in front of a token, or inside a word of which a few letters are
+//! typed. An item is illegal if the text has new errors with it however it goes on: with what follows, without the next
+//! tokens, without the rest of the element or statement, or with one more item behind it where the item is only the
+//! beginning of something (`port`, `in`, `pause::`).
 //!
 //! `COMPLETIONS=400` tries so many places with all their items, `COMPLETIONS=all` every place.
 
@@ -72,13 +67,7 @@ impl<'a> Bench<'a> {
         let path = self.component.path.clone();
         let all = self.with(text).root_diagnostics(&path).unwrap();
         let mut out = Errors::new();
-        // Two uses of one codel must agree: while one of them is changed, they cannot.
-        let own = |it: &&Diagnostic| it.code != "codel-conflict";
-        for it in all
-            .iter()
-            .filter(|it| it.severity == Severity::Error)
-            .filter(own)
-        {
+        for it in all.iter().filter(|it| it.severity == Severity::Error) {
             *out.entry(it.code.to_string()).or_default() += 1;
         }
         out
@@ -99,62 +88,57 @@ struct Place {
     typed: usize,
     /// Where the right text goes on.
     rest: usize,
-    /// The cursor is in or at a word, which an item takes the place of.
-    in_word: bool,
 }
 
-/// A text up to the cursor behind an item, and how much of what follows it takes the place of.
-fn taken(before: &str, item: &CompletionItem) -> (String, usize) {
+/// A text after an item, and where its cursor is.
+fn taken(before: &str, item: &CompletionItem) -> String {
     let mut out = before[..item.replace.start.min(before.len())].to_owned();
     match item.snippet {
         true => out.push_str(&plain_snippet(&item.insert)),
         false => out.push_str(&item.insert),
     }
-    (out, item.replace.end.saturating_sub(before.len()))
-}
-
-/// Ends of what an item may take the place of: nothing, or the word, path or type that begins behind the cursor, if the
-/// cursor is in the middle of an element.
-fn ends(tokens: &[(std::ops::Range<usize>, String)], place: &Place) -> Vec<usize> {
-    let mut out = vec![place.rest];
-    let at = tokens.partition_point(|it| it.0.start < place.rest);
-    let begins = at == 0 || matches!(tokens[at - 1].1.as_str(), "," | ";" | "{" | "}" | "(" | "<");
-    if place.in_word || begins {
-        return out;
-    }
-    let is_word = |it: &str| it.starts_with(|it: char| it.is_ascii_alphanumeric() || it == '_');
-    let (mut depth, mut path) = (0, false);
-    for (i, (range, text)) in tokens[at..].iter().enumerate() {
-        match text.as_str() {
-            "<" if i > 0 => depth += 1,
-            ">" if depth > 0 => depth -= 1,
-            "::" | ":" => path = true,
-            _ if depth > 0 => {}
-            "unsigned" | "long" => path = true,
-            it if is_word(it) && (i == 0 || path) => path = false,
-            _ => break,
-        }
-        if depth == 0 && !path {
-            out.push(range.end);
-        }
-    }
     out
 }
 
-/// Whether a text with what follows has no new error. Where an element begins, it may be completed.
-fn goes_on(
-    bench: &mut Bench<'_>,
-    text: &str,
-    rest: usize,
-    glue: &[&str],
-    allowed: &Errors,
-) -> bool {
-    glue.iter().any(|glue| {
-        let whole = format!("{text}{glue}{}", &bench.component.text[rest..]);
-        let errors = bench.errors(&whole);
-        errors
-            .iter()
-            .all(|(code, count)| *count <= allowed.get(code).copied().unwrap_or_default())
+/// Ends of what may be left out behind a place: nothing, some tokens, the statement.
+fn ends(tokens: &[(std::ops::Range<usize>, String)], from: usize) -> Vec<usize> {
+    let after: Vec<_> = tokens.iter().filter(|it| it.0.start >= from).collect();
+    let mut out = vec![from];
+    let mut depth = 0_i32;
+    for (i, (range, text)) in after.iter().enumerate() {
+        match text.as_str() {
+            "(" | "{" | "[" | "<" => depth += 1,
+            ")" | "}" | "]" | ">" => depth -= 1,
+            _ => {}
+        }
+        if depth < 0 && i > 0 {
+            out.push(range.start);
+            break;
+        }
+        if depth <= 0 && (text == "," || text == ";") {
+            out.push(range.start);
+        }
+        if i < 4 || depth == 0 && text == ";" {
+            out.push(range.end);
+        }
+        if depth <= 0 && text == ";" {
+            break;
+        }
+    }
+    out.dedup();
+    out
+}
+
+/// Whether a text goes on without a new error.
+fn goes_on(bench: &mut Bench<'_>, text: &str, rest: &[usize], allowed: &Errors) -> bool {
+    let right = bench.component.text.clone();
+    rest.iter().any(|&end| {
+        ["", ";", ",", " zz", " zz;"].iter().any(|glue| {
+            let errors = bench.errors(&format!("{text}{glue}{}", &right[end..]));
+            errors
+                .iter()
+                .all(|(code, count)| *count <= allowed.get(code).copied().unwrap_or_default())
+        })
     })
 }
 
@@ -164,42 +148,30 @@ fn is_legal(
     item: &CompletionItem,
     tokens: &[(std::ops::Range<usize>, String)],
 ) -> bool {
+    let right = bench.component.text.clone();
     // What is wrong anyway while somebody is typing here.
-    let untyped = &place.before[..place.before.len() - place.typed];
-    let hole = format!("{untyped}{}", &bench.component.text[place.rest..]);
+    let hole = format!(
+        "{}{}",
+        &place.before[..place.before.len() - place.typed],
+        &right[place.rest..]
+    );
     let mut allowed = bench.errors(&hole);
     for (code, count) in &bench.right {
         let known = allowed.entry(code.clone()).or_default();
         *known = (*known).max(*count);
     }
-    let completed: &[&str] = &["", ";", ",", " zz;", " zz,", " zz"];
-    let mut ways: Vec<(usize, &[&str])> = Vec::new();
-    for rest in ends(tokens, place) {
-        ways.push((rest, if place.in_word { &[""] } else { completed }));
+    let rest = ends(tokens, place.rest);
+    let text = taken(&place.before, item);
+    if goes_on(bench, &text, &rest, &allowed) {
+        return true;
     }
-    // A new statement in front of the one that begins with the word.
-    let at = tokens.partition_point(|it| it.0.end < place.rest);
-    let begins = at == 0 || matches!(tokens[at - 1].1.as_str(), ";" | "{" | "}" | "#");
-    if let Some(word) = tokens.get(at).filter(|_| place.in_word && begins) {
-        ways.push((word.0.start, &[" ", " zz; ", "\n#"]));
-    }
-    for (rest, glue) in ways {
-        let (text, more) = taken(&place.before, item);
-        // What it replaces begins where the cursor is, whatever is left out.
-        let rest = rest.max(place.rest + more);
-        if goes_on(bench, &text, rest, glue, &allowed) {
-            return true;
-        }
-        // The beginning of something: one of what is offered next has to be legal.
-        for joint in [" ", ""] {
-            let begun = format!("{text}{joint}");
-            let behind = format!("{begun}{}", &bench.component.text[rest..]);
-            let next = bench.items(&behind, begun.len());
-            for it in next.iter().take(8) {
-                let (text, more) = taken(&begun, it);
-                if goes_on(bench, &text, rest + more, glue, &allowed) {
-                    return true;
-                }
+    // The beginning of something: one of what is offered next has to be legal.
+    for joint in [" ", "::", ""] {
+        let begun = format!("{text}{joint}");
+        let next = bench.items(&format!("{begun}{}", &right[place.rest..]), begun.len());
+        for it in next.iter().take(8) {
+            if goes_on(bench, &taken(&begun, it), &rest, &allowed) {
+                return true;
             }
         }
     }
@@ -214,7 +186,6 @@ fn places(text: &str, tokens: &[(std::ops::Range<usize>, String)]) -> Vec<Place>
             before: format!("{} ", text[..range.start].trim_end_matches(' ')),
             typed: 0,
             rest: range.start,
-            in_word: false,
         });
         let is_word = word.starts_with(|it: char| it.is_ascii_alphabetic());
         for typed in [0, 1, 3, word.len()] {
@@ -223,7 +194,6 @@ fn places(text: &str, tokens: &[(std::ops::Range<usize>, String)]) -> Vec<Place>
                     before: text[..range.start + typed].to_owned(),
                     typed,
                     rest: range.end,
-                    in_word: true,
                 });
             }
         }
@@ -287,8 +257,7 @@ fn what_is_offered_is_legal() {
                     let after = now[place.before.len()..].lines().next().unwrap_or_default();
                     let name = component.path.file_name().unwrap_or_default();
                     let what = format!("{:?}: `{}`", item.kind, item.label);
-                    let (taken, more) = taken(&place.before, &item);
-                    let taken = taken + &text[place.rest + more..];
+                    let taken = taken(&place.before, &item) + &text[place.rest..];
                     let errors: Vec<String> = bench.errors(&taken).into_keys().collect();
                     let example = format!("{name}: {} | {after} {errors:?}", line.trim_start());
                     bad.entry(what).or_insert((0, example)).0 += 1;
