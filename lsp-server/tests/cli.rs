@@ -638,10 +638,12 @@ fn what_a_specification_needs_and_what_stands_in_for_it() {
         "interfaces/openrobots2-idl"
     );
     assert_eq!(needs["includes"][0]["found"], Value::Null);
+    assert_eq!(needs["includes"][0]["searched"], json!(["."]));
     assert_eq!(needs["interfaces"][0]["name"], "or_pose_estimator");
     assert_eq!(needs["unknown"][0]["name"], "or::t3d::pos");
 
     let output = deps(&["--stand-ins"]);
+    assert!(stdout(&output).contains("\n    looked in .\n"));
     let path = it
         .path()
         .join(".dotgen/standins/or/pose/pose_estimator.gen");
@@ -663,4 +665,35 @@ fn what_a_specification_needs_and_what_stands_in_for_it() {
         .map(|it| &it["code"])
         .collect();
     assert_eq!(errors, ["pp-requires-unresolved"]);
+}
+
+/// Tasks, services and local variables that only an interface can have.
+#[test]
+fn a_stand_in_has_the_tasks_and_services_that_are_named() {
+    let text = "\
+#include \"nav/nav.gen\"
+component c {
+  version \"1\"; lang \"c\";
+  provides nav;
+  function halt() { interrupts track; codel c_halt(); };
+  activity go(in long n) {
+    task motion;
+    codel<start> c_go(in n, local inout plan) yield ether;
+    interrupts go;
+  };
+};
+";
+    let it = Directory::new(&[("c.gen", text)]);
+    let output = it.run(&["deps", "--stand-ins", "c.gen"]);
+    assert_eq!(status(&output), 1, "{}", stderr(&output));
+    let path = it.path().join(".dotgen/standins/nav/nav.gen");
+    let standin = std::fs::read_to_string(path).expect("it was written");
+    insta::assert_snapshot!(standin);
+    let output = it.run(&["check", "--format", "json", "c.gen"]);
+    let document: Value = serde_json::from_str(&stdout(&output)).expect("JSON");
+    let errors = document["diagnostics"].as_array().expect("a list").iter();
+    let errors: Vec<_> = errors.filter(|it| it["severity"] == "error").collect();
+    assert!(errors.is_empty(), "{errors:#?}");
+    let output = it.run(&["deps", "c.gen"]);
+    assert_eq!(status(&output), 0, "{}", stdout(&output));
 }

@@ -10,7 +10,10 @@ use std::ops::Range;
 use camino::{Utf8Path, Utf8PathBuf};
 
 use super::{Dependencies, Include};
-use crate::model::{Missing, Name, ParamDir, PathElement, SourceKind, Spec};
+use crate::model::{
+    Gap, Missing, Name, Param, ParamDir, PathElement, Service, ServiceKind, SourceKind, Spec,
+    TypeKind,
+};
 use crate::unit::STANDINS;
 
 /// The first words of every stand-in.
@@ -85,19 +88,49 @@ pub fn stand_ins(root: &Utf8Path, needs: &Dependencies, spec: &Spec) -> Vec<Stan
                     trees[home(of)].within(scopes).member(last, path);
                 }
             }
-            Missing::Source { name, kind, dir } => {
-                let Some(component) = gap.component else {
-                    continue;
-                };
-                let from = spec.gaps.iter().find_map(|it| match &it.missing {
-                    Missing::Interface { name, used } if it.component == Some(component) => {
-                        Some((name, *used))
-                    }
-                    _ => None,
+            Missing::Source {
+                name,
+                kind: Some(SourceKind::Local),
+                service: Some(service),
+                ..
+            } => {
+                let service = gap.component.and_then(|it| {
+                    let services = &spec.components[it as usize].services;
+                    services.get(*service as usize)
                 });
+                let params = service.and_then(|it| params(spec, it));
+                if let (Some(service), Some(params), Some(interface)) =
+                    (service, params, brings(spec, gap, false))
+                {
+                    let module = trees[home(interface)].interface(interface);
+                    module.local(service, params, name);
+                }
+            }
+            Missing::Source {
+                name, kind, dir, ..
+            } => {
+                let provided = brings(spec, gap, false).map(|it| (it, false));
+                let used = brings(spec, gap, true).map(|it| (it, true));
+                // Remote services come from what is used.
+                let from = match kind {
+                    Some(SourceKind::Remote) => used.or(provided),
+                    _ => first_of(spec, gap),
+                };
                 if let Some((interface, used)) = from {
                     let module = trees[home(interface)].interface(interface);
                     module.source(name, *kind, *dir, used);
+                }
+            }
+            Missing::Task { name } | Missing::Service { name } => {
+                if let Some(interface) = brings(spec, gap, false) {
+                    let module = trees[home(interface)].interface(interface);
+                    let list = match gap.missing {
+                        Missing::Task { .. } => &mut module.tasks,
+                        _ => &mut module.services,
+                    };
+                    if !list.contains(name) {
+                        list.push(name.clone());
+                    }
                 }
             }
             _ => {}
@@ -121,6 +154,64 @@ pub fn stand_ins(root: &Utf8Path, needs: &Dependencies, spec: &Spec) -> Vec<Stan
         })
     });
     files.collect()
+}
+
+/// The first interface that is not known of those that a component imports, and whether it only uses it.
+fn first_of<'s>(spec: &'s Spec, gap: &Gap) -> Option<(&'s Name, bool)> {
+    imports(spec, gap).next()
+}
+
+/// The first interface that is not known of those that a component uses, or of those that it provides or
+/// extends.
+fn brings<'s>(spec: &'s Spec, gap: &Gap, used: bool) -> Option<&'s Name> {
+    imports(spec, gap)
+        .find(|it| it.1 == used)
+        .map(|(name, _)| name)
+}
+
+fn imports<'s>(spec: &'s Spec, gap: &Gap) -> impl Iterator<Item = (&'s Name, bool)> {
+    let component = gap.component;
+    let of = spec.gaps.iter().filter(move |it| it.component.is_some());
+    of.filter_map(move |it| match &it.missing {
+        Missing::Interface { name, used } if it.component == component => Some((name, *used)),
+        _ => None,
+    })
+}
+
+/// The parameters of a service as a stand-in can declare them: what declares it again has to have the same.
+/// `None` when one has a type that the stand-in cannot name.
+fn params(spec: &Spec, service: &Service) -> Option<Vec<String>> {
+    let declared = service.params.iter().filter(|it| it.dir != ParamDir::Local);
+    let one = |it: &Param| {
+        let ty = spec.ty(it.ty);
+        let named = match ty.kind {
+            TypeKind::Unknown => spec.full_name(it.ty)?,
+            TypeKind::Boolean
+            | TypeKind::Octet
+            | TypeKind::Char
+            | TypeKind::Short
+            | TypeKind::UnsignedShort
+            | TypeKind::Long
+            | TypeKind::UnsignedLong
+            | TypeKind::LongLong
+            | TypeKind::UnsignedLongLong
+            | TypeKind::Float
+            | TypeKind::Double
+            | TypeKind::String { bound: None }
+                if ty.name.is_none() =>
+            {
+                ty.kind.word().to_owned()
+            }
+            _ => return None,
+        };
+        let dir = match it.dir {
+            ParamDir::In => "in",
+            ParamDir::Out => "out",
+            _ => "inout",
+        };
+        Some(format!("{dir} {named} {}", it.name))
+    };
+    declared.map(one).collect()
 }
 
 /// How much a name looks like one of a file: the number of words of the path in it; `None` unless it has the last one.
@@ -177,6 +268,21 @@ struct Module {
     declared: Vec<(String, Declared)>,
     /// It is an interface, with these sources of data.
     interface: Option<Vec<(Name, SourceKind, bool)>>,
+    /// Tasks that activities name.
+    tasks: Vec<Name>,
+    /// Services that others name in their lists.
+    services: Vec<Name>,
+    /// Services whose local variables codels name.
+    declared_again: Vec<DeclaredAgain>,
+}
+
+/// A service of an interface that a component declares again.
+#[derive(Debug)]
+struct DeclaredAgain {
+    name: Name,
+    kind: ServiceKind,
+    params: Vec<String>,
+    locals: Vec<Name>,
 }
 
 impl Module {
@@ -236,6 +342,26 @@ impl Module {
         }
     }
 
+    /// A local variable of a service.
+    fn local(&mut self, service: &Service, params: Vec<String>, name: &Name) {
+        let all = &mut self.declared_again;
+        let at = match all.iter().position(|it| it.name == service.name) {
+            Some(at) => at,
+            None => {
+                all.push(DeclaredAgain {
+                    name: service.name.clone(),
+                    kind: service.kind,
+                    params,
+                    locals: Vec::new(),
+                });
+                all.len() - 1
+            }
+        };
+        if !all[at].locals.contains(name) {
+            all[at].locals.push(name.clone());
+        }
+    }
+
     fn write(&self, out: &mut String, depth: usize) {
         let indent = "  ".repeat(depth);
         // Exceptions and types first: interfaces of the same file may use them.
@@ -264,6 +390,34 @@ impl Module {
 
     fn write_sources(&self, out: &mut String, depth: usize) {
         let indent = "  ".repeat(depth);
+        for name in &self.tasks {
+            let _ = writeln!(out, "{indent}task {name} {{}};");
+        }
+        let again = |name: &Name| self.declared_again.iter().any(|it| it.name == *name);
+        for name in self.services.iter().filter(|it| !again(it)) {
+            let _ = writeln!(out, "{indent}function {name}() {{}};");
+        }
+        let mut typed: Vec<&Name> = Vec::new();
+        for it in &self.declared_again {
+            for local in &it.locals {
+                if !typed.contains(&local) {
+                    let _ = writeln!(out, "{indent}struct {local}_data {{ octet opaque; }};");
+                    typed.push(local);
+                }
+            }
+            let word = match it.kind {
+                ServiceKind::Function => "function",
+                ServiceKind::Activity => "activity",
+                // It has no local variables.
+                ServiceKind::Attribute => continue,
+            };
+            let (name, params) = (&it.name, it.params.join(", "));
+            let _ = writeln!(out, "{indent}{word} {name}({params}) {{");
+            for local in &it.locals {
+                let _ = writeln!(out, "{indent}  local {local}_data {local};");
+            }
+            let _ = writeln!(out, "{indent}}};");
+        }
         for (name, kind, is_out) in self.interface.iter().flatten() {
             let _ = match kind {
                 SourceKind::Remote => writeln!(out, "{indent}function {name}() {{}};"),

@@ -17,6 +17,17 @@ impl<'a> Elaborator<'a> {
         self.spec.gaps.push(Gap { component, missing });
     }
 
+    /// Notes a task or service that is not found and may come from an interface that is not known.
+    pub(super) fn lack_of(&mut self, index: u32, missing: Missing) {
+        let gap = Gap {
+            component: Some(index),
+            missing,
+        };
+        if self.components[index as usize].incomplete && !self.spec.gaps.contains(&gap) {
+            self.spec.gaps.push(gap);
+        }
+    }
+
     /// A type of which only the name is known: that of a file that was not read, most likely.
     pub(super) fn opaque_type(&mut self, path: &Path, at: Src) -> TypeId {
         let id = self.unknown(at);
@@ -78,6 +89,7 @@ impl<'a> Elaborator<'a> {
                 name: first.text.clone(),
                 kind,
                 dir: direction(decl.dir),
+                service,
             });
         }
         let scope = self.components[index as usize].scope;

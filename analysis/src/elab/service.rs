@@ -18,7 +18,7 @@ use crate::{
     },
     item_tree::{CodelDecl, Item, Name, ParamDecl, Property, PropertyKind, ServiceDecl},
     model::{
-        CodelKind, ComponentKind, Name as Text, Owner, OwnerBody, Service, ServiceKind,
+        CodelKind, ComponentKind, Missing, Name as Text, Owner, OwnerBody, Service, ServiceKind,
         ServiceList, Src,
     },
     release::Change,
@@ -411,6 +411,8 @@ impl<'a> Elaborator<'a> {
         let state = &self.components[index as usize];
         let Some(&found) = state.task_by_name.get(&task.text) else {
             if self.is_excused(index, &task.text) {
+                let name = task.text.clone();
+                self.lack_of(index, Missing::Task { name });
                 return None;
             }
             let names = state.task_by_name.keys().map(|it| it.as_str());
@@ -488,7 +490,10 @@ impl<'a> Elaborator<'a> {
                     }
                     resolved.services.push(service);
                 }
-                None if self.is_excused(index, name) => {}
+                None if self.is_excused(index, name) => {
+                    let name = name.clone();
+                    self.lack_of(index, Missing::Service { name });
+                }
                 None => {
                     let candidates = state.service_by_name.keys().map(|it| it.as_str());
                     let near = self.near(*at, name, candidates);

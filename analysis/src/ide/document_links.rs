@@ -63,8 +63,8 @@ pub(crate) fn missing_packages(view: &FileView<'_>) -> Vec<MissingPackages> {
     found.collect()
 }
 
-/// The directories that the active include of a number was, or would be, found in: those of the unit that serves the
-/// file, in order.
+/// The directories that the active include of a number was, or would be, found in: those of the unit that
+/// serves the file, in order.
 pub(crate) fn searched(view: &FileView<'_>, ordinal: usize) -> Vec<Utf8PathBuf> {
     let include = view.pre().includes.get(ordinal);
     let Some(request) = include.and_then(|it| it.request.as_ref()) else {

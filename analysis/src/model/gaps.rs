@@ -60,6 +60,18 @@ pub enum Missing {
         kind: Option<SourceKind>,
         /// What the codel does with it.
         dir: ParamDir,
+        /// The service whose codel it is, by index.
+        service: Option<u32>,
+    },
+    /// A task that an activity names, which an interface that is not known may have.
+    Task {
+        /// Its name.
+        name: Name,
+    },
+    /// A service that another one interrupts, or comes before or after, likewise.
+    Service {
+        /// Its name.
+        name: Name,
     },
 }
 

@@ -110,10 +110,14 @@ trait Relative {
 impl Relative for Dependencies {
     fn relative_to_here(&mut self) {
         let includes = self.includes.iter_mut();
-        let includes = includes.flat_map(|it| std::iter::once(&mut it.by).chain(&mut it.found));
+        let includes = includes.flat_map(|it| {
+            let found = it.found.iter_mut().chain(&mut it.searched);
+            std::iter::once(&mut it.by).chain(found)
+        });
         let interfaces = self.interfaces.iter_mut().flat_map(|it| &mut it.found);
         for path in includes.chain(interfaces) {
-            *path = session::display(path).into();
+            let shown = session::display(path);
+            *path = if shown.is_empty() { "." } else { &shown }.into();
         }
     }
 }
@@ -202,7 +206,13 @@ fn print_include(
                 out,
                 "  include {path} (of {by}): MISSING: {}",
                 terminal::text(&advice)
-            )
+            )?;
+            let places: Vec<&str> = include.searched.iter().map(|it| it.as_str()).collect();
+            let places = match places.as_slice() {
+                [] => "nowhere: no directory is searched for `<>`".to_owned(),
+                places => places.join(", "),
+            };
+            writeln!(out, "    looked in {}", terminal::text(&places))
         }
     }
 }

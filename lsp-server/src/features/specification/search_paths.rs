@@ -36,7 +36,8 @@ const PACKAGES: Setting = Setting {
     wanted: "packages",
 };
 
-/// For every included file and every required package of a range that is not found: the directories in which it is.
+/// For every included file and every required package of a range that is not found: the directories in which
+/// it is.
 pub(crate) fn fixes(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -74,13 +75,13 @@ pub(crate) fn fixes(
 
 /// Where robotpkg installs: where its variable says, then where its manual does.
 fn prefixes() -> Vec<Utf8PathBuf> {
-    let said = ["ROBOTPKG_BASE", "DEVEL_BASE", "INSTALL_PATH"];
-    let said = said.iter().filter_map(|it| std::env::var(it).ok());
+    let said = std::env::var("ROBOTPKG_BASE").ok();
     let home = std::env::var("HOME").ok().map(Utf8PathBuf::from);
     let homes = home.iter().map(|it| it.join("openrobots"));
     let mut out: Vec<Utf8PathBuf> = Vec::new();
     let usual = std::iter::once(Utf8PathBuf::from("/opt/openrobots"));
-    for it in said.map(Utf8PathBuf::from).chain(usual).chain(homes) {
+    let said = said.map(Utf8PathBuf::from).into_iter();
+    for it in said.chain(usual).chain(homes) {
         if it.is_absolute() && !out.contains(&it) {
             out.push(it);
         }
