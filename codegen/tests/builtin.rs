@@ -26,6 +26,11 @@ component lamp {
 
 /// Runs the generator in a folder; returns the status and what was printed.
 fn run(dir: &Path, args: &[&str]) -> (i32, String, String) {
+    // What most tests expect is of this release.
+    run_as(Release::V2_99_39, dir, args)
+}
+
+fn run_as(release: Release, dir: &Path, args: &[&str]) -> (i32, String, String) {
     let mut console = Captured::default();
     let mut environment = Environment {
         name: "dotgen generate",
@@ -53,9 +58,8 @@ fn run(dir: &Path, args: &[&str]) -> (i32, String, String) {
         processes: Arc::new(processes::Plain),
         confined: None,
         failed_at: None,
-        // What is expected is of this release.
         release: Some(ReleaseChoice {
-            release: Release::V2_99_39,
+            release,
             origin: ReleaseOrigin::CommandLine,
         }),
     };
@@ -108,6 +112,36 @@ fn the_skeleton_has_the_files_of_the_reference() {
         err.starts_with("skeleton: stop: file DIR/configure.ac exists"),
         "{err}"
     );
+}
+
+/// What is required stands in one place of what newer releases write.
+#[test]
+fn build_files_are_those_of_the_release() {
+    let of = |release: Release| {
+        let dir = folder();
+        let (status, _, err) = run_as(release, dir.path(), &["skeleton", "DIR/lamp.gen"]);
+        assert_eq!((status, err.as_str()), (0, ""));
+        let read = |name: &str| std::fs::read_to_string(dir.path().join(name)).unwrap();
+        [
+            read("configure.ac"),
+            read("lamp-genom3.pc.in"),
+            read("lamp-genom3-uninstalled.pc.in"),
+        ]
+    };
+    let [configure, package, uninstalled] = of(Release::V2_99_43);
+    assert!(!configure.contains("_SPEC"), "{configure}");
+    assert!(
+        package.contains("Requires.private: @requires@\n"),
+        "{package}"
+    );
+    assert!(!uninstalled.contains("_SPEC"), "{uninstalled}");
+    for release in [Release::V2_99_44, Release::V3] {
+        let [configure, package, uninstalled] = of(release);
+        insta::assert_snapshot!("configure_with_variables", configure);
+        let required = "Requires.private: @requires_SPEC@\nLibs.private: @codels_requires_LIBS@\n";
+        assert!(package.contains(required), "{package}");
+        assert!(uninstalled.contains(required), "{uninstalled}");
+    }
 }
 
 #[test]

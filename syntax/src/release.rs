@@ -27,7 +27,11 @@ impl Release {
     pub const V2_99_42: Release = Release::new(2, 99, 42);
     /// Known by its list of changes only.
     pub const V2_99_43: Release = Release::new(2, 99, 43);
-    /// The first of the third series; known by what it generated.
+    /// Known by its list of changes only.
+    pub const V2_99_44: Release = Release::new(2, 99, 44);
+    /// Known by its list of changes only.
+    pub const V2_99_45: Release = Release::new(2, 99, 45);
+    /// The first of the third series; known by what it generated. Its list of changes ends with 2.99.45.
     pub const V3: Release = Release::new(3, 0, 0);
 
     /// The oldest release that dotgen knows.
@@ -255,7 +259,12 @@ changes! {
         "`skeleton` writes the codels that a component adds to a task of an interface";
     SeparateInterfaceDocs: V2_99_43, Model,
         "the `doc` of a provided interface does not join that of the component";
-    NoLeadingBlankLine: V3, Templates,
+    NoPropertiesOfUsed: V2_99_43, Model,
+        "an interface that is only used gives the component none of its properties";
+    PackageVariables: V2_99_44, Templates,
+        "`configure.ac` of `skeleton` has the required packages in variables, `requires_SPEC` and \
+         `codels_requires_SPEC`, which the file for pkg-config uses too";
+    NoLeadingBlankLine: V2_99_45, Templates,
         "generated files do not begin with a blank line";
 }
 

@@ -168,7 +168,9 @@ impl<'a> Elaborator<'a> {
         union(imported, [interface]);
         let outer = self.importing.replace(Importing { at, again });
         let uses = word == "uses";
-        self.import_properties(index, interface, at);
+        if !uses || !self.spec.release.has(Change::NoPropertiesOfUsed) {
+            self.import_properties(index, interface, at);
+        }
         self.import_ids(index, interface, at);
         self.import_tasks(index, interface, at);
         self.import_ports(index, interface, uses, at);

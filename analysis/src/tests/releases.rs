@@ -143,3 +143,30 @@ fn provided_ports_have_the_type_of_the_interface() {
         assert_eq!(unit.spec.release, release);
     }
 }
+
+#[test]
+fn what_is_used_gives_no_properties_from_2_99_43_on() {
+    let text = "exception e_far {};
+interface far { lang \"c++\"; requires \"far-idl\"; throws e_far; activity go() {}; };
+component c { uses far; };
+component d { extends far; };
+";
+    let read = |release: Release| {
+        let config = Config {
+            release: given(release),
+            ..Config::default()
+        };
+        let fixture = Fixture::with_config(text, config);
+        let spec = fixture.analysis().unit("/main.gen".into()).unwrap().spec;
+        let of = |name: &str| {
+            let it = spec.components.iter().find(|it| it.name == name).unwrap();
+            (it.lang.clone(), it.requires.len(), it.throws.len())
+        };
+        assert_eq!(of("d"), (Some("c++".to_owned()), 1, 1));
+        let used = spec.components.iter().find(|it| it.name == "c").unwrap();
+        assert_eq!(used.remotes[0].throws.len(), 1, "the service throws it");
+        of("c")
+    };
+    assert_eq!(read(Release::V2_99_42), (Some("c++".to_owned()), 1, 1));
+    assert_eq!(read(Release::V2_99_43), (None, 0, 0));
+}

@@ -6,6 +6,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use dotgen_analysis::model::{ComponentKind, Spec};
 use dotgen_analysis::model_json;
+use dotgen_analysis::release::Change;
 use dotgen_syntax::encoding;
 use minijinja::context;
 use minijinja::value::Value;
@@ -355,6 +356,7 @@ impl Data {
             language => options.language.as_deref().unwrap_or("c"),
             terse => options.terse,
             version => spec.release.to_string(),
+            package_variables => spec.release.has(Change::PackageVariables),
             codel_files => Value::from_serialize(&names),
         };
         let components = regular
