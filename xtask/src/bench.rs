@@ -15,6 +15,7 @@ mod rivals;
 mod semantics;
 mod session;
 mod size;
+mod templates;
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -72,6 +73,9 @@ enum What {
     Endurance,
     /// Verification with and without each reduction.
     Reductions,
+    /// GenoM3's own templates, run without Tcl and by Tcl. DOTGEN_TEST_TEMPLATES and DOTGEN_TEST_TEMPLATES_2_99_41 name
+    /// the folders of templates of 2.99.39 and 2.99.41.
+    Templates,
     /// Answers under the semantics of the servers and under the published one, and the point that makes the difference.
     Semantics,
 }
@@ -102,6 +106,7 @@ pub(crate) fn bench(options: &Options) -> Result<bool> {
         What::Verify => growth::corpus(&dotgen, runs(5))?,
         What::Growth => growth::growth(&dotgen, runs(5))?,
         What::Reductions => reductions::reductions(&dotgen, runs(1))?,
+        What::Templates => return templates::templates(&dotgen, runs(15)),
         What::Semantics => semantics::semantics(&dotgen)?,
         What::Size => size::size(&dotgen, &options.components, runs(3))?,
         What::Tiny => size::tiny(&dotgen, runs(3))?,
