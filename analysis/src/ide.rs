@@ -41,7 +41,7 @@ use crate::{
     elab::{Access, DefKind},
     model::ServiceKind,
 };
-pub use assists::{Assist, AssistKind};
+pub use assists::{Assist, AssistKind, TaskTime};
 pub use call_hierarchy::{Call, CallItem, CallKey};
 pub use code_lens::{CodeLens, LensConfig, LensKind, LensText};
 pub use completion::{CodelPlace, CompletionDoc, CompletionItem, CompletionKind, plain_snippet};

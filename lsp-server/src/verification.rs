@@ -5,6 +5,7 @@
 
 pub(crate) mod advice;
 pub(crate) mod blocking;
+pub(crate) mod changes;
 pub(crate) mod first;
 pub(crate) mod folded;
 pub mod problem;

@@ -1,7 +1,7 @@
 //! `--trace` of `dotgen verify` and `dotgen run`: runs for the trace viewer, and what the JSON of a verification says of
 //! causes and remedies.
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 #[path = "support/directory.rs"]
 mod directory;
@@ -233,4 +233,42 @@ fn limits_are_looked_for_downwards_where_deadlines_are_missed() {
         text.contains("help it holds if `tell` takes at most 5 ms"),
         "{text}"
     );
+}
+
+/// The edits of the changes that repair it, each made alone by a program that knows nothing but the JSON.
+#[test]
+fn changes_that_repair_a_system_carry_edits_that_do() {
+    let check = |folder: &Directory, more: &[&str]| {
+        let arguments = [&["verify", "ride.scn", "--format", "json"], more].concat();
+        serde_json::from_str::<Value>(&stdout(&folder.run(&arguments))).expect("JSON")
+    };
+    let found = check(&lift("published", "2"), &["--sensitivity"]);
+    let changes = found["repairs"]["changes"].as_array().expect("a list");
+    let mut kinds = Vec::new();
+    for it in changes {
+        let Some(edit) = it["edit"].as_object() else {
+            continue;
+        };
+        let folder = lift("published", "2");
+        let name = std::path::Path::new(edit["file"].as_str().expect("a file"));
+        let path = folder.path().join(name.file_name().expect("a name"));
+        let mut text = std::fs::read_to_string(&path).expect("it can be read");
+        let place = |at: usize| edit["range"][at].as_u64().expect("a place") as usize;
+        let new = edit["text"].as_str().expect("text");
+        text.replace_range(place(0)..place(1), new);
+        std::fs::write(&path, text).expect("it can be written");
+        let after = check(&folder, &[]);
+        let checks = after["checks"].as_array().expect("checks");
+        assert!(
+            !checks.is_empty() && checks.iter().all(|it| it["verdict"] == "proved"),
+            "{it}: {after:#}"
+        );
+        kinds.push(it["change"].as_str().unwrap_or_default().to_owned());
+    }
+    for kind in ["wcet", "period"] {
+        assert!(kinds.iter().any(|it| it == kind), "{kinds:?}");
+    }
+    let locks = changes.iter().find(|it| it["change"] == "lock");
+    let lock = locks.expect("the codels can be separated");
+    assert_eq!(lock["through"], json!(["`level` of the ids"]));
 }

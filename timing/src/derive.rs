@@ -5,10 +5,9 @@
 //! intervals, as a larger upper bound only adds behaviour; smallest periods and fixed durations are
 //! not monotonic, and the result says so.
 
-mod remedy;
+mod sensitivity;
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, OnceLock, PoisonError, RwLock};
+use std::sync::{PoisonError, RwLock};
 
 use dotgen_analysis::model::Seconds;
 use num_rational::Ratio;
@@ -25,7 +24,7 @@ use crate::system::build::{build, not_a};
 use crate::system::settings::Settings;
 use crate::system::{FOREVER, TimedSystem};
 use crate::verify::{Cancel, Options, SystemInput, settings, to_f64};
-pub use remedy::{Remedy, remedy};
+pub use sensitivity::{NextToBreak, Progress, Quantity, Sensitivity, Told, sensitivity};
 
 /// The answer to "how many cores?".
 #[derive(Debug, Clone, Serialize)]
@@ -43,7 +42,7 @@ pub struct Extreme {
     pub of: String,
     /// Its value now, in the unit of the report.
     pub now: Value,
-    /// The value now fails: the extreme is what would hold instead.
+    /// The value now is known to fail: the extreme is what would hold instead.
     #[serde(rename = "fails-now", skip_serializing_if = "std::ops::Not::not")]
     pub fails_now: bool,
     /// The extreme value found: largest WCET or smallest period. `None`: none that was tried holds.
@@ -55,80 +54,6 @@ pub struct Extreme {
     pub incomplete: bool,
 }
 
-/// All of it: how far a system is from missing a deadline, or from meeting them.
-#[derive(Debug, Clone, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub struct Sensitivity {
-    /// The smallest number of cores.
-    pub minimum_cores: MinimumCores,
-    /// The largest WCET of each codel that has a bound, the others as they are.
-    pub wcet: Vec<Extreme>,
-    /// The smallest period of each periodic task, the others as they are.
-    pub period: Vec<Extreme>,
-    /// Set when it was cancelled: questions are missing.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    pub incomplete: bool,
-}
-
-/// How far [`sensitivity`] has come.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Progress {
-    /// Questions answered, of all.
-    pub done: usize,
-    /// All of them.
-    pub of: usize,
-    /// What is asked now, in words.
-    pub asking: String,
-}
-
-/// Every derived question about a scenario. Takes as long as some dozen verifications for each codel and
-/// task, of which as many are under way at the same time as there are threads.
-pub fn sensitivity(
-    input: &SystemInput,
-    scenario: &Scenario,
-    options: &Options,
-    cancel: &Cancel,
-    progress: &(dyn Fn(Progress) + Sync),
-) -> Result<Sensitivity, Vec<Diagnostic>> {
-    let names = Names::new(&input.specs);
-    let system = build(&names, &settings(scenario, options), &|_| true).system;
-    let codels = system.codels.iter();
-    let codels = codels
-        .filter(|it| it.site.is_some() && it.upper != FOREVER)
-        .map(|it| Question::Wcet(Path::of(&it.path)));
-    let tasks = system.tasks.iter();
-    let tasks = tasks.filter(|it| it.period.is_some()).map(|it| {
-        let component = &system.components[it.component].name;
-        Question::Period(Path::of(&format!("{component}.{}", it.name)))
-    });
-    let questions: Vec<Question> = [Question::Cores]
-        .into_iter()
-        .chain(codels)
-        .chain(tasks)
-        .collect();
-    let asked = Asked::of(questions.len(), &names, scenario, options, cancel);
-    let answers = asked.all(&questions, progress);
-    let mut out = Sensitivity {
-        minimum_cores: MinimumCores {
-            cores: None,
-            tried: Vec::new(),
-        },
-        wcet: Vec::new(),
-        period: Vec::new(),
-        incomplete: false,
-    };
-    for (question, answer) in questions.iter().zip(answers) {
-        match (question, answer.transpose()?) {
-            (_, None) => {}
-            (_, Some(Answer::Cores(it))) => out.minimum_cores = it,
-            (Question::Period(_), Some(Answer::Extreme(it))) => out.period.push(it),
-            (_, Some(Answer::Extreme(it))) => out.wcet.push(it),
-        }
-    }
-    out.incomplete = cancel.is_over();
-    Ok(out)
-}
-
 /// What is asked.
 enum Question {
     Cores,
@@ -138,7 +63,8 @@ enum Question {
 
 enum Answer {
     Cores(MinimumCores),
-    Extreme(Extreme),
+    Wcet(Extreme),
+    Period(Extreme),
 }
 
 impl Question {
@@ -228,42 +154,6 @@ impl<'a> Asked<'a> {
         }
     }
 
-    /// Answers in the order of the questions; none for those that were not come to.
-    fn all(
-        &self,
-        questions: &[Question],
-        progress: &(dyn Fn(Progress) + Sync),
-    ) -> Vec<Option<Result<Answer, Vec<Diagnostic>>>> {
-        let answers: Vec<OnceLock<_>> = questions.iter().map(|_| OnceLock::new()).collect();
-        let (next, done) = (AtomicUsize::new(0), Mutex::new(0));
-        let done = || done.lock().unwrap_or_else(PoisonError::into_inner);
-        let work = || {
-            while !self.cancel.is_over() {
-                let at = next.fetch_add(1, Ordering::Relaxed);
-                let Some(question) = questions.get(at) else {
-                    break;
-                };
-                // Told one after the other, so that what is done never seems to become less.
-                let so_far = done();
-                progress(Progress {
-                    done: *so_far,
-                    of: questions.len(),
-                    asking: question.in_words(),
-                });
-                drop(so_far);
-                answers[at].get_or_init(|| self.one(question));
-                *done() += 1;
-            }
-        };
-        std::thread::scope(|scope| {
-            for _ in 1..self.together {
-                scope.spawn(work);
-            }
-            work();
-        });
-        answers.into_iter().map(OnceLock::into_inner).collect()
-    }
-
     /// Explores with a share of the memory, and if that is not enough with all of it while nobody else does.
     fn explore(&self, system: &TimedSystem, watch: &Watch) -> Findings {
         let found = {
@@ -280,8 +170,8 @@ impl<'a> Asked<'a> {
     fn one(&self, question: &Question) -> Result<Answer, Vec<Diagnostic>> {
         Ok(match question {
             Question::Cores => Answer::Cores(self.minimum_cores()?),
-            Question::Wcet(codel) => Answer::Extreme(self.largest_wcet(codel)?),
-            Question::Period(task) => Answer::Extreme(self.smallest_period(task)?),
+            Question::Wcet(codel) => Answer::Wcet(self.largest_wcet(codel)?),
+            Question::Period(task) => Answer::Period(self.smallest_period(task)?),
         })
     }
 
@@ -364,7 +254,7 @@ impl<'a> Asked<'a> {
         match holds(start) {
             Verdict::Proved => {}
             verdict => {
-                out.fails_now = true;
+                out.fails_now = verdict == Verdict::Refuted;
                 out.incomplete = verdict == Verdict::Unknown;
                 // Downwards: no less than its least time, and no codel takes none.
                 let least = match out.exact {
@@ -435,7 +325,7 @@ impl<'a> Asked<'a> {
         match holds(period) {
             Verdict::Proved => {}
             verdict => {
-                out.fails_now = true;
+                out.fails_now = verdict == Verdict::Refuted;
                 out.incomplete = verdict == Verdict::Unknown;
                 if verdict == Verdict::Refuted {
                     out.extreme = slower(period, holds, &mut out.incomplete).map(value);
@@ -468,7 +358,7 @@ fn slower(
 }
 
 /// The last value that holds on the way from one that does to one that does not.
-fn bisect(
+pub(crate) fn bisect(
     mut good: u32,
     mut bad: u32,
     mut holds: impl FnMut(u32) -> Verdict,

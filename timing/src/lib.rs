@@ -3,12 +3,14 @@
 //! Data flows one way: specifications and a scenario become a [`system::TimedSystem`], which
 //! [`explore`] explores once for all checks.
 
+pub mod advice;
 pub mod analytic;
 mod cancel;
 pub mod derive;
 pub mod explained;
 pub mod explore;
 pub mod property;
+mod questions;
 pub mod remark;
 pub mod report;
 pub mod scn;

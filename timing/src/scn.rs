@@ -8,6 +8,7 @@ pub mod ast;
 pub mod complete;
 mod default;
 pub mod describe;
+pub mod edit;
 mod format;
 pub mod lexer;
 pub mod names;

@@ -232,6 +232,13 @@ impl CodelSet {
         self.0[codel / 64] |= 1 << (codel % 64);
     }
 
+    /// Takes one away.
+    pub fn remove(&mut self, codel: usize) {
+        if let Some(word) = self.0.get_mut(codel / 64) {
+            *word &= !(1 << (codel % 64));
+        }
+    }
+
     /// Whether it is there.
     #[inline]
     pub fn contains(&self, codel: usize) -> bool {
@@ -463,6 +470,23 @@ impl TimedSystem {
         out
     }
 
+    /// Codels that are executed at some time: those of permanent activities, and of services that are requested.
+    pub fn executed(&self) -> Vec<bool> {
+        let mut out = vec![false; self.codels.len()];
+        let requested = self.requested();
+        for automaton in &self.automata {
+            if automaton.service.is_none_or(|it| requested[it]) {
+                let states = &self.machines[automaton.machine].states;
+                states.iter().for_each(|it| out[it.codel] = true);
+            }
+        }
+        for (service, _) in self.services.iter().zip(&requested).filter(|it| *it.1) {
+            let own = service.validate.iter().chain(&service.simple);
+            own.for_each(|&it| out[it] = true);
+        }
+        out
+    }
+
     /// Whether some component is asked for one of the requests that all understand.
     pub(crate) fn has_builtin(&self, which: impl Fn(Builtin) -> bool) -> bool {
         self.services
@@ -486,5 +510,15 @@ impl TimedSystem {
     pub fn exclude(&mut self, one: usize, other: usize) {
         self.codels[one].conflicts.insert(other);
         self.codels[other].conflicts.insert(one);
+    }
+
+    /// The codels of these paths do not exclude each other any more.
+    pub(crate) fn separate(&mut self, one: &str, other: &str) {
+        for (from, to) in [(one, other), (other, one)] {
+            let to = (0..self.codels.len()).filter(|&it| self.codels[it].path == to);
+            let to: Vec<usize> = to.collect();
+            let from = self.codels.iter_mut().filter(|it| it.path == from);
+            from.for_each(|it| to.iter().for_each(|&to| it.conflicts.remove(to)));
+        }
     }
 }

@@ -287,6 +287,21 @@ impl Analysis {
             .flatten())
     }
 
+    /// The edit with which the task around a place has another period or delay; `None` where nothing plain can be changed.
+    pub fn with_task_time(
+        &self,
+        path: &Utf8Path,
+        range: Range<usize>,
+        which: TaskTime,
+        time: &str,
+    ) -> Cancellable<Option<FileEdit>> {
+        Ok(self
+            .in_file(path, |view| {
+                ide::assists::task_time(view, &range, which, time)
+            })?
+            .flatten())
+    }
+
     /// The includes of a file in order; `None` if they are, or if their order matters.
     pub fn organize_includes(&self, path: &Utf8Path) -> Cancellable<Option<Assist>> {
         Ok(self

@@ -18,7 +18,8 @@ mod split_codel;
 
 use std::ops::Range;
 
-pub(crate) use execution_time::execution_time;
+pub use execution_time::TaskTime;
+pub(crate) use execution_time::{execution_time, task_time};
 
 use dotgen_syntax::{SyntaxElement, SyntaxKind, SyntaxNode, ast::AstNode};
 use smol_str::SmolStr;

@@ -3,6 +3,7 @@
 mod explain;
 pub(super) mod interrupt;
 mod json;
+mod limits;
 mod progress;
 mod text;
 pub(super) mod told;
@@ -12,8 +13,9 @@ use std::time::Duration;
 use anyhow::{anyhow, bail};
 use camino::{Utf8Path, Utf8PathBuf};
 use clap::{Args, ValueEnum};
+use dotgen_analysis::diagnostic::FileEdit;
 use dotgen_analysis::host::FileContent;
-use dotgen_timing::derive::{Progress as Asking, Sensitivity};
+use dotgen_timing::derive::Sensitivity;
 use dotgen_timing::explore::{Kind, Limits};
 use dotgen_timing::remark::together;
 use dotgen_timing::report::Report;
@@ -30,6 +32,7 @@ use super::session::{self, Session, SourceFile, Trouble};
 use super::{Outcome, Reading, trace};
 use crate::files::vfs;
 use crate::verification::Problem;
+use crate::verification::changes::Repairs;
 use crate::verification::first::{self, FirstAnswer};
 use crate::verification::runs;
 use crate::verification::view::View;
@@ -86,8 +89,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     timeout: Option<Duration>,
 
-    /// Find the smallest number of cores, the largest WCET of each codel and the smallest period of each
-    /// task with which every deadline is met
+    /// Find what repairs a system that misses something; the smallest number of cores, the largest WCET of each codel
+    /// and the smallest period of each task with which every deadline is met; and what breaks first
     #[arg(long)]
     sensitivity: bool,
 
@@ -180,6 +183,15 @@ enum DurationsName {
 /// is not found at all, and nobody said that it matters.
 const UNASKED_STATES: usize = 2_000_000;
 
+/// What `--sensitivity` finds.
+struct Found {
+    /// Where something is missed, the changes that repair it, each with its edit.
+    repairs: Repairs,
+    edits: Vec<Option<FileEdit>>,
+    /// None where the scenario has errors, which were told.
+    sensitivity: Option<Sensitivity>,
+}
+
 /// A problem and its answer.
 struct Answer {
     problem: Problem,
@@ -191,7 +203,8 @@ struct Answer {
     first: Vec<FirstAnswer>,
     /// What was said beside it, for programs.
     diagnostics: serde_json::Value,
-    sensitivity: Option<Sensitivity>,
+    /// What repairs it, and how far it is from missing deadlines.
+    limits: Option<Found>,
 }
 
 pub(super) fn cores(text: &str) -> Result<Cores, String> {
@@ -269,35 +282,30 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             continue;
         }
         let diagnostics = told(&report.diagnostics)?.to_json()?;
-        let sensitivity = match arguments.sensitivity && !interrupt.is_raised() {
-            // What is wrong with the scenario has been said.
-            true => progress::during(&cancel, "looking for limits", |tell| {
-                let asking = |it: Asking| {
-                    tell(Doing {
-                        what: format!("looking for {}", it.asking),
-                        how_far: format!("{} of {}", it.done + 1, it.of),
-                    });
-                };
-                problem.sensitivity(&options, &cancel, &asking).ok()
-            }),
-            false => None,
-        };
         let why = why::of_report(&problem, &options, &report, Some(&cancel));
-        answers.push(Answer {
+        let mut answer = Answer {
             why,
             problem,
             options,
             report,
             first,
             diagnostics,
-            sensitivity,
-        });
-    }
-    if !answers.is_empty() {
-        match arguments.format {
-            Format::Text => text::print(&answers, arguments.explain)?,
-            Format::Json => json::print(&answers)?,
+            limits: None,
+        };
+        let is_text = matches!(arguments.format, Format::Text);
+        if is_text {
+            text::head(&answer, answers.is_empty(), arguments.explain)?;
         }
+        if arguments.sensitivity && !interrupt.is_raised() {
+            answer.limits = Some(limits::found(&session, &answer, &cancel, is_text)?);
+        }
+        if is_text {
+            text::tail(&answer, arguments.explain)?;
+        }
+        answers.push(answer);
+    }
+    if !answers.is_empty() && matches!(arguments.format, Format::Json) {
+        json::print(&answers)?;
     }
     if let Some(path) = &arguments.trace {
         write_trace(path, &answers)?;

@@ -79,13 +79,9 @@ pub(crate) fn actions(
         for (uri, found) in diagnostics::at(snapshot, &subject.path, range)? {
             let diagnostic =
                 crate::features::convert::diagnostic::to_proto(snapshot, &found.diagnostic)?;
-            if let Some(remedy) = &found.remedy {
-                out.extend(remedy::action(
-                    snapshot,
-                    subject,
-                    remedy,
-                    diagnostic.clone(),
-                )?);
+            for change in &found.changes {
+                let of = diagnostic.clone();
+                out.extend(remedy::action(snapshot, &found.problem, change, of)?);
             }
             if found.diagnostic.code == diagnostics::GAVE_UP {
                 // There is no run to show; a scenario is what helps.

@@ -101,6 +101,52 @@ async fn a_missed_deadline_says_why_and_what_would_help_and_the_fix_makes_it_hol
     client.finish_ignoring(STATUS).await;
 }
 
+/// What else repairs it comes after the remedy, as fixes of the same problem.
+#[tokio::test(flavor = "multi_thread")]
+async fn other_changes_that_make_it_hold_are_fixes_too() {
+    let (mut client, _folder, uri) = start().await;
+    let problem = problem(&mut client, &uri).await;
+    let mut params = document(&uri);
+    params["range"] = problem["range"].clone();
+    params["context"] = json!({ "diagnostics": [], "only": ["quickfix"] });
+    let mut found = None;
+    for _ in 0..100_000 {
+        let actions = client.ok("textDocument/codeAction", params.clone()).await;
+        let of_period = |it: &&Value| {
+            let title = it["title"].as_str().unwrap_or_default();
+            title.starts_with("Set the period of `lift.control` to ")
+        };
+        let all = actions.as_array().into_iter().flatten();
+        found = { all }.find(of_period).cloned();
+        if found.is_some() {
+            break;
+        }
+        tokio::task::yield_now().await;
+    }
+    let action = found.expect("a longer period repairs it");
+    let edit = &action["edit"]["documentChanges"][0]["edits"][0];
+    assert_eq!(edit["range"]["start"]["line"], 2);
+    let answer = client.ok("dotgen/verification", document(&uri)).await;
+    let repairs = answer["repairs"].as_array().expect("a list").iter();
+    let repairs: Vec<&str> = repairs.filter_map(Value::as_str).collect();
+    assert!(
+        repairs.iter().any(
+            |it| it.contains("`steer` and `tell` do not wait for each other")
+                || it.contains("`tell` and `steer` do not wait for each other")
+        ),
+        "{repairs:?}"
+    );
+    client.change(&uri, 2, json!([edit_of(edit)])).await;
+    loop {
+        let it = client.notification(STATUS).await;
+        if it["status"] == "proved" && it["version"] == 2 {
+            break;
+        }
+        assert!(it["status"] != "gave-up", "{it}");
+    }
+    client.finish_ignoring(STATUS).await;
+}
+
 fn edit_of(edit: &Value) -> Value {
     json!({ "range": edit["range"], "text": edit["newText"] })
 }

@@ -1,7 +1,6 @@
 //! Which codel can keep which waiting, for how long, and through what.
 
 use dotgen_analysis::model::Src;
-use dotgen_analysis::model::mutex::collisions;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::build::build;
 use dotgen_timing::system::{Codel, FOREVER, SharedPorts};
@@ -71,28 +70,6 @@ pub(crate) fn table(problem: &Problem, options: &Options) -> Vec<Row> {
                 .and_then(|(c, _)| Some((names.components[c].spec_index, codel.src?))),
         }
     };
-    let through = |one: &Codel, other: &Codel| -> Vec<String> {
-        let (Some((c, a)), Some((d, b))) = (one.site, other.site) else {
-            return vec!["an attribute".to_owned()];
-        };
-        let mut words = ports.of((c, a), (d, b));
-        if c != d {
-            return words;
-        }
-        let (member, other) = (names.components[c], names.components[d]);
-        let found = collisions(
-            member.spec,
-            member.component.codel(a),
-            other.component.codel(b),
-        );
-        for it in found {
-            let word = it.shared.describe(member.component);
-            if !words.contains(&word) {
-                words.push(word);
-            }
-        }
-        words
-    };
     let row = |codel: &Codel| Row {
         codel: at(codel),
         by: codel
@@ -101,7 +78,7 @@ pub(crate) fn table(problem: &Problem, options: &Options) -> Vec<Row> {
             .map(|it| &system.codels[it])
             .map(|other| Blocker {
                 codel: at(other),
-                through: through(codel, other),
+                through: ports.through(codel, other),
             })
             .collect(),
     };

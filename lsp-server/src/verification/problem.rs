@@ -7,7 +7,7 @@ use dotgen_analysis::diagnostic::{Diagnostic, Related, Severity};
 use dotgen_analysis::host::{Analysis, BatchInput, Cancellable, FileContent, Input, UnitResult};
 use dotgen_analysis::model::{Component, ComponentKind, Spec, Src};
 use dotgen_analysis::source_map::Locations;
-use dotgen_timing::derive::{Progress, Sensitivity, sensitivity};
+use dotgen_timing::derive::{Sensitivity, Told, sensitivity};
 use dotgen_timing::report::Report;
 use dotgen_timing::scn::ast::{Item, Scenario, Spanned};
 use dotgen_timing::scn::{self, Platform, default_text_on};
@@ -264,12 +264,12 @@ impl Problem {
         &self,
         options: &Options,
         cancel: &Cancel,
-        progress: &(dyn Fn(Progress) + Sync),
+        tell: &(dyn Fn(Told) + Sync),
     ) -> Result<Sensitivity, Vec<scn::Diagnostic>> {
         let input = SystemInput {
             specs: self.specs(),
         };
-        sensitivity(&input, &self.scenario, options, cancel, progress)
+        sensitivity(&input, &self.scenario, options, cancel, tell)
     }
 
     /// Verifies, and tells what is known as soon as there is more. Only sensible without [`Problem::errors`].

@@ -9,6 +9,7 @@ use dotgen_timing::report::{Report, Verdict};
 use dotgen_timing::verify::{Cancel, Options};
 use serde::{Deserialize, Serialize};
 
+use super::changes::Repairs;
 use super::view::View;
 use super::why::Why;
 use super::{Problem, TaskBound};
@@ -84,6 +85,8 @@ pub(crate) struct Answer {
     pub(crate) bounds: Arc<Vec<TaskBound>>,
     /// By check: why it fails, and later what helps.
     pub(crate) why: Vec<Option<Why>>,
+    /// What repairs all that is missed; found after what helps.
+    pub(crate) repairs: Repairs,
     /// Found last, if at all.
     pub(crate) cores: Option<MinimumCores>,
 }

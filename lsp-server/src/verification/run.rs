@@ -3,17 +3,22 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use dotgen_timing::advice::Trying;
 use dotgen_timing::derive::minimum_cores;
 use dotgen_timing::property::PropertyKind;
 use dotgen_timing::report::Verdict;
 use dotgen_timing::verify::{Cancel, Options, SystemInput};
 
+use super::changes::{self, Repair, Repairs};
 use super::results::Answer;
 use super::{Problem, TaskBound, quick_bounds, why};
 
 /// The number of cores is only asked for when the verification itself took at most so long: every
 /// number is a verification of its own.
 const QUICK_SECONDS: f64 = 1.0;
+
+/// Changes that repair what is missed are looked for so long.
+const REPAIRS: Duration = Duration::from_secs(2);
 
 /// One verification at a time: they are after the same memory, and the editor wants the other cores.
 static TURN: Mutex<()> = Mutex::new(());
@@ -43,31 +48,42 @@ pub(crate) fn run(
     cancel.limit(limit);
     let bounds = Arc::new(quick_bounds(&problem, &options));
     tell(Found::Bounds(bounds.clone()));
-    let answer = |report, why, cores| {
+    let answer = |report, why, repairs, cores| {
         Arc::new(Answer {
             problem: problem.clone(),
             options: options.clone(),
             report,
             why,
+            repairs,
             bounds: bounds.clone(),
             cores,
         })
     };
     let report = problem.verify(&options, cancel, &|so_far| {
         let why = why::of_report(&problem, &options, so_far, None);
-        tell(Found::SoFar(answer(so_far.clone(), why, None)));
+        let none = Repairs::default();
+        tell(Found::SoFar(answer(so_far.clone(), why, none, None)));
     });
     if cancel.is_abandoned() {
         return;
     }
     let mut why = why::of_report(&problem, &options, &report, None);
-    tell(Found::Answer(answer(report.clone(), why.clone(), None)));
+    let with = |why: &Vec<_>, repairs| answer(report.clone(), why.clone(), repairs, None);
+    tell(Found::Answer(with(&why, Repairs::default())));
     if why.iter().any(Option::is_some) && !cancel.is_over() {
         let found = why::of_report(&problem, &options, &report, Some(cancel));
         let helps = found.iter().flatten().any(|it| it.remedy.is_some());
         if helps && !cancel.is_abandoned() {
             why = found;
-            tell(Found::Answer(answer(report.clone(), why.clone(), None)));
+            tell(Found::Answer(with(&why, Repairs::default())));
+        }
+    }
+    if report.seconds < QUICK_SECONDS && !cancel.is_over() {
+        let until = (cancel, Some(REPAIRS));
+        let untold: (&(dyn Fn(Trying) + Sync), &(dyn Fn(&Repair) + Sync)) = (&|_| {}, &|_| {});
+        let repairs = changes::repairs(&problem, &options, &report, until, untold);
+        if !repairs.all.is_empty() && !cancel.is_abandoned() {
+            tell(Found::Answer(with(&why, repairs)));
         }
     }
     let deadlines = || {
@@ -90,7 +106,12 @@ pub(crate) fn run(
         if let Some(cores) = cores.ok().filter(decided)
             && !cancel.is_abandoned()
         {
-            tell(Found::Answer(answer(report, why, Some(cores))));
+            tell(Found::Answer(answer(
+                report,
+                why,
+                Repairs::default(),
+                Some(cores),
+            )));
         }
     }
 }

@@ -3,7 +3,7 @@
 use dotgen_analysis::model::Seconds;
 use dotgen_analysis::quantity;
 pub use dotgen_analysis::quantity::percent;
-use dotgen_timing::derive::Extreme;
+use dotgen_timing::derive::{Extreme, NextToBreak, Quantity};
 use dotgen_timing::report::Value;
 use dotgen_timing::scn::ast::{Durations, Unit};
 use dotgen_timing::system::settings::Settings;
@@ -78,7 +78,8 @@ pub(crate) fn extreme(it: &Extreme, scale: Scale) -> (String, &'static str) {
             format!("holds {} {}", side(it), scale.show_value(extreme))
         }
         Some(extreme) => scale.show_value(extreme),
-        None => "missed already".to_owned(),
+        None if it.fails_now => "missed already".to_owned(),
+        None => "not known".to_owned(),
     };
     let remark = match (it.extreme, it.incomplete, it.exact) {
         (Some(Value::Unbounded), ..) => "tried up to the longest period",
@@ -87,4 +88,14 @@ pub(crate) fn extreme(it: &Extreme, scale: Scale) -> (String, &'static str) {
         (_, false, true) => "",
     };
     (extreme, remark)
+}
+
+/// `the WCET of lift.report.start, above 5 ms (now 4 ms)`
+pub(crate) fn next_to_break(it: &NextToBreak, scale: Scale) -> String {
+    let (what, side) = match it.quantity {
+        Quantity::Wcet => ("WCET", "above"),
+        Quantity::Period => ("period", "below"),
+    };
+    let (now, extreme) = (scale.show_value(it.now), scale.show_value(it.extreme));
+    format!("the {what} of {}, {side} {extreme} (now {now})", it.of)
 }

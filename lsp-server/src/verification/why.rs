@@ -1,12 +1,13 @@
 //! Why a deadline is missed, and what would help: data of a report, and a sentence for each.
 
-use dotgen_timing::derive::{Remedy, remedy};
+use dotgen_timing::advice::{Change, remedy};
 use dotgen_timing::report::{Awaited, CheckReport, Delay, Holder, Report, Verdict};
 use dotgen_timing::verify::{Cancel, Options, SystemInput};
 use serde::Serialize;
 
 use super::Problem;
 use super::blocking::{self, Row};
+use super::changes;
 use super::summary::Scale;
 
 /// Hints are looked for when the verification itself took at most so long: each is some verifications.
@@ -19,7 +20,7 @@ pub(crate) struct Why {
     pub(crate) cause: Cause,
     /// What makes the check hold, if something plain does. Verified.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) remedy: Option<Remedy>,
+    pub(crate) remedy: Option<Change>,
     /// The function of the codel that the remedy is about.
     #[serde(skip)]
     function: Option<String>,
@@ -68,7 +69,7 @@ pub(crate) fn of_report(
                 remedy(&input, &problem.scenario, options, (report, check), cancel)
             });
             let function = match &remedy {
-                Some(Remedy::Wcet { codel, .. }) => Some(function(&table, codel)),
+                Some(Change::Wcet { codel, .. }) => Some(function(&table, codel)),
                 _ => None,
             };
             Why {
@@ -144,19 +145,8 @@ impl Why {
 
     /// `` it holds if `report_start` takes at most 4 ms ``
     pub(crate) fn remedy_in_words(&self, scale: Scale) -> Option<String> {
-        Some(match self.remedy.as_ref()? {
-            Remedy::Wcet {
-                codel,
-                at_most,
-                or_less,
-                ..
-            } => {
-                let name = self.function.as_ref().unwrap_or(codel);
-                let most = if *or_less { "at most " } else { "" };
-                format!("it holds if `{name}` takes {most}{}", scale.show(*at_most))
-            }
-            Remedy::Cores { needed, .. } => format!("it holds with {needed} cores"),
-        })
+        let name = |codel: &str| self.function.as_deref().unwrap_or(codel).to_owned();
+        Some(changes::in_words(self.remedy.as_ref()?, scale, &name))
     }
 
     /// Both.

@@ -124,6 +124,9 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
     builder.clients();
     let out = &mut builder.out;
     exclude_codels(names, settings, &included, out);
+    if let Some((one, other)) = &settings.apart {
+        out.system.separate(one, other);
+    }
     let preempts = matches!(settings.policy(), ast::Policy::Priority | ast::Policy::Fair);
     // Where an operating system gives them, control tasks need cores as well.
     let control_tasks = if preempts {

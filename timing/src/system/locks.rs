@@ -3,6 +3,7 @@
 use dotgen_analysis::model::mutex::{self, Excluded};
 use dotgen_analysis::model::{CodelKind, CodelRef, Component, Owner, ParamSource, PortDir};
 
+use super::Codel;
 use super::build::{Built, not_a};
 use super::settings::Settings;
 use crate::scn::Diagnostic;
@@ -118,6 +119,29 @@ impl<'n> SharedPorts<'n> {
             }
         }
         out
+    }
+}
+
+impl SharedPorts<'_> {
+    /// What two codels of the system both use, in words.
+    pub fn through(&self, one: &Codel, other: &Codel) -> Vec<String> {
+        let (Some((c, a)), Some((d, b))) = (one.site, other.site) else {
+            return vec!["an attribute".to_owned()];
+        };
+        let mut words = self.of((c, a), (d, b));
+        if c != d {
+            return words;
+        }
+        let member = self.names.components[c];
+        let component = member.component;
+        let found = mutex::collisions(member.spec, component.codel(a), component.codel(b));
+        for it in found {
+            let word = it.shared.describe(component);
+            if !words.contains(&word) {
+                words.push(word);
+            }
+        }
+        words
     }
 }
 

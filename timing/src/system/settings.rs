@@ -52,6 +52,10 @@ pub struct Settings {
     pub upper_bound: Option<(Path, Seconds)>,
     /// A period for one task instead of its own, likewise.
     pub period: Option<(Path, Seconds)>,
+    /// A delay for one task instead of its own, likewise.
+    pub delay: Option<(Path, Seconds)>,
+    /// Two codels (`component.owner.state`) that exclude each other no more, likewise.
+    pub apart: Option<(String, String)>,
 }
 
 impl Settings {
@@ -79,6 +83,8 @@ impl Settings {
             checks: Vec::new(),
             upper_bound: None,
             period: None,
+            delay: None,
+            apart: None,
         };
         for item in &scenario.items {
             match item.clone() {

@@ -12,7 +12,7 @@ use counting::Counting;
 use dotgen_analysis::host::{
     AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags, UnitResult,
 };
-use dotgen_timing::derive::{Progress, largest_wcet, minimum_cores, sensitivity, smallest_period};
+use dotgen_timing::derive::{Told, largest_wcet, minimum_cores, sensitivity, smallest_period};
 use dotgen_timing::explore::Limits;
 use dotgen_timing::report::{Value, Verdict};
 use dotgen_timing::scn::ast::{Path, Scenario};
@@ -360,7 +360,11 @@ fn the_number_of_threads_changes_no_derived_answer() {
         let (found, looked) = by_threads(threads, |options, cancel| {
             let mut options = options.clone();
             options.limits.bytes = bytes;
-            let tell = |it: Progress| told.lock().unwrap().push(it);
+            let tell = |it: Told| {
+                if let Told::Asking(it) = it {
+                    told.lock().unwrap().push(it.clone());
+                }
+            };
             with("", |input, scenario| {
                 sensitivity(input, scenario, &options, cancel, &tell).unwrap()
             })

@@ -22,13 +22,59 @@ pub(crate) fn execution_time(
     let (clause, None) = (clauses.next()?, clauses.next()) else {
         return None;
     };
-    let quantity = clause.quantity()?;
+    replaced(&cx, &clause.quantity()?, time)
+}
+
+/// A time of a task.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TaskTime {
+    /// `period`
+    Period,
+    /// `delay`
+    Delay,
+}
+
+/// The edit that gives the task around a place another period, or another delay: what stands there is replaced, a delay that is
+/// missing comes behind the period. What comes from a macro is left to its author.
+pub(crate) fn task_time(
+    view: &FileView<'_>,
+    range: &Range<usize>,
+    which: TaskTime,
+    time: &str,
+) -> Option<FileEdit> {
+    let range = range.clone();
+    let cx = Cx { view, range };
+    let task = cx.ancestor::<ast::Task>()?;
+    let body = task.body()?;
+    let all = || {
+        let nodes = body.syntax().descendants();
+        nodes.filter_map(ast::DurationProperty::cast)
+    };
+    let stated = match which {
+        TaskTime::Period => all().find(|it| it.period_token().is_some()),
+        TaskTime::Delay => all().find(|it| it.delay_token().is_some()),
+    };
+    if let Some(it) = stated {
+        return replaced(&cx, &it.quantity()?, time);
+    }
+    let period = all().find(|it| it.period_token().is_some())?;
+    if which == TaskTime::Period || !cx.is_plain(period.syntax()) {
+        return None;
+    }
+    // Behind its `;`, before what is left blank.
+    let node = cx.node_range(period.syntax());
+    let end = node.start + cx.slice(node.clone()).trim_end().len();
+    Some(cx.edit(end..end, format!(" delay {time};")))
+}
+
+/// Another time where one is written.
+fn replaced(cx: &Cx<'_, '_>, quantity: &ast::Quantity, time: &str) -> Option<FileEdit> {
     if !cx.is_plain(quantity.syntax()) {
         return None;
     }
     // The blanks around it stay.
     let node = cx.node_range(quantity.syntax());
-    let text = view.text().get(node.clone())?;
+    let text = cx.view.text().get(node.clone())?;
     let start = node.start + (text.len() - text.trim_start().len());
     let end = start + text.trim().len();
     Some(cx.edit(start..end, time))

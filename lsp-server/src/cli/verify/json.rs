@@ -5,7 +5,7 @@ use std::io::Write;
 use dotgen_timing::report::{FORMAT, Value};
 use serde_json::{Value as Json, json};
 
-use super::Answer;
+use super::{Answer, session};
 
 /// One document: an object for one scenario, a list for several.
 pub(super) fn print(answers: &[Answer]) -> anyhow::Result<()> {
@@ -50,8 +50,27 @@ fn document(answer: &Answer) -> anyhow::Result<Json> {
     if !answer.first.is_empty() {
         document["first-answers"] = serde_json::to_value(&answer.first)?;
     }
-    if let Some(sensitivity) = &answer.sensitivity {
-        document["sensitivity"] = serde_json::to_value(sensitivity)?;
+    if let Some(limits) = &answer.limits {
+        if let Some(sensitivity) = &limits.sensitivity {
+            document["sensitivity"] = serde_json::to_value(sensitivity)?;
+        }
+        let mut changes = Vec::new();
+        for (repair, edit) in limits.repairs.all.iter().zip(&limits.edits) {
+            let mut json = serde_json::to_value(&repair.change)?;
+            json["words"] = json!(repair.words);
+            if let Some(edit) = edit {
+                json["edit"] = json!({
+                    "file": session::display(&edit.path),
+                    "range": [edit.range.start, edit.range.end],
+                    "text": edit.new_text,
+                });
+            }
+            changes.push(json);
+        }
+        document["repairs"] = json!({ "changes": changes });
+        if limits.repairs.incomplete {
+            document["repairs"]["incomplete"] = json!(true);
+        }
     }
     Ok(document)
 }

@@ -3,12 +3,14 @@
 use std::io::Write;
 
 use clap::builder::styling::{AnsiColor, Style};
-use dotgen_timing::derive::Sensitivity;
+use dotgen_timing::derive::{Extreme, MinimumCores, Sensitivity};
 use dotgen_timing::explore::MomentKind;
 use dotgen_timing::report::Event;
 
 use super::{Answer, explain};
 use crate::verification::advice;
+use crate::verification::blocking;
+use crate::verification::changes::{Repair, Repairs};
 use crate::verification::folded::{Part, folded, words as again};
 use crate::verification::summary::{self, Scale};
 use crate::verification::view::{CheckView, Outcome};
@@ -16,21 +18,12 @@ use crate::verification::view::{CheckView, Outcome};
 const TITLE: Style = Style::new().bold();
 const FAINT: Style = Style::new().dimmed();
 
-pub(super) fn print(answers: &[Answer], explained: bool) -> anyhow::Result<()> {
-    let mut out = anstream::AutoStream::auto(std::io::stdout().lock());
-    for (i, answer) in answers.iter().enumerate() {
-        if i > 0 {
-            writeln!(out)?;
-        }
-        print_one(&mut out, answer, explained)?;
-        if explained {
-            explain::print(&mut out, &answer.report.reductions)?;
-        }
+/// What was found of the checks, and the runs that show it; after another answer with a blank line between.
+pub(super) fn head(answer: &Answer, is_first: bool, explained: bool) -> anyhow::Result<()> {
+    let out = &mut anstream::AutoStream::auto(std::io::stdout().lock());
+    if !is_first {
+        writeln!(out)?;
     }
-    Ok(())
-}
-
-fn print_one(out: &mut impl Write, answer: &Answer, explained: bool) -> anyhow::Result<()> {
     let settings = answer.settings();
     let scale = Scale::of(&settings);
     let report = &answer.report;
@@ -92,9 +85,13 @@ fn print_one(out: &mut impl Write, answer: &Answer, explained: bool) -> anyhow::
             writeln!(out, "  {TITLE}because{TITLE:#} {it}")?;
         }
     }
-    if let Some(it) = &answer.sensitivity {
-        sensitivity(out, it, scale)?;
-    }
+    Ok(())
+}
+
+/// What it depends on, and what it amounts to.
+pub(super) fn tail(answer: &Answer, explained: bool) -> anyhow::Result<()> {
+    let out = &mut anstream::AutoStream::auto(std::io::stdout().lock());
+    let (report, view) = (&answer.report, answer.view());
     if !report.assumptions.is_empty() {
         writeln!(out, "\n{TITLE}assuming{TITLE:#}")?;
         for it in &report.assumptions {
@@ -129,40 +126,89 @@ fn print_one(out: &mut impl Write, answer: &Answer, explained: bool) -> anyhow::
         report.seconds,
         report.memory as f64 / 1e6
     )?;
-    Ok(())
+    match explained {
+        true => explain::print(out, &report.reductions),
+        false => Ok(()),
+    }
 }
 
-/// What could change, and how far, with every deadline met.
-fn sensitivity(out: &mut impl Write, it: &Sensitivity, scale: Scale) -> anyhow::Result<()> {
-    writeln!(out, "\n{TITLE}with every deadline met{TITLE:#}")?;
-    match it.minimum_cores.cores {
-        Some(cores) => writeln!(out, "  smallest number of cores: {cores}")?,
-        None => writeln!(out, "  smallest number of cores: none was found")?,
-    }
-    let width = it.wcet.iter().chain(&it.period).map(|it| it.of.len()).max();
-    let width = width.unwrap_or_default();
-    for (what, all) in [("largest WCET", &it.wcet), ("smallest period", &it.period)] {
-        for it in all {
-            let (extreme, remark) = summary::extreme(it, scale);
-            let now = scale.show_value(it.now);
-            let remark = match remark {
-                "" => String::new(),
-                remark => format!(", {remark}"),
-            };
-            writeln!(
-                out,
-                "  {what:<15} {:<width$}  {extreme} {FAINT}(now {now}{remark}){FAINT:#}",
-                it.of
-            )?;
+/// The lines of `--sensitivity`, each printed when it is found.
+pub(super) struct Limits {
+    scale: Scale,
+    width: usize,
+}
+
+impl Limits {
+    pub(super) fn of(answer: &Answer) -> Limits {
+        let table = blocking::table(&answer.problem, &answer.options);
+        let width = table.iter().map(|it| it.codel.path.len()).max();
+        Limits {
+            scale: Scale::of(&answer.settings()),
+            width: width.unwrap_or_default(),
         }
     }
-    if it.incomplete {
+
+    /// A change that repairs what is missed.
+    pub(super) fn repair(&self, out: &mut dyn Write, it: &Repair) -> std::io::Result<()> {
+        writeln!(out, "  {TITLE}repair{TITLE:#} {}", it.words)
+    }
+
+    /// The smallest of several, and whether all were tried.
+    pub(super) fn repaired(&self, out: &mut dyn Write, all: &Repairs) -> std::io::Result<()> {
+        if let [smallest, _, ..] = &all.all[..] {
+            writeln!(out, "  {TITLE}smallest{TITLE:#} {}", smallest.words)?;
+        }
+        match all.incomplete {
+            true => writeln!(out, "  {FAINT}not every change was tried{FAINT:#}"),
+            false => Ok(()),
+        }
+    }
+
+    pub(super) fn heading(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        writeln!(out, "\n{TITLE}with every deadline met{TITLE:#}")
+    }
+
+    pub(super) fn cores(&self, out: &mut dyn Write, it: &MinimumCores) -> std::io::Result<()> {
+        match it.cores {
+            Some(cores) => writeln!(out, "  smallest number of cores: {cores}"),
+            None => writeln!(out, "  smallest number of cores: none was found"),
+        }
+    }
+
+    /// How far a value can go.
+    pub(super) fn extreme(
+        &self,
+        out: &mut dyn Write,
+        what: &str,
+        it: &Extreme,
+    ) -> std::io::Result<()> {
+        let (extreme, remark) = summary::extreme(it, self.scale);
+        let now = self.scale.show_value(it.now);
+        let remark = match remark {
+            "" => String::new(),
+            remark => format!(", {remark}"),
+        };
+        let (of, width) = (&it.of, self.width);
         writeln!(
             out,
-            "  {FAINT}given up here: time is up, or it was interrupted{FAINT:#}"
-        )?;
+            "  {what:<15} {of:<width$}  {extreme} {FAINT}(now {now}{remark}){FAINT:#}"
+        )
     }
-    Ok(())
+
+    /// What breaks first, and whether something is missing.
+    pub(super) fn ending(&self, out: &mut dyn Write, it: &Sensitivity) -> std::io::Result<()> {
+        if let Some(next) = &it.next_to_break {
+            let next = summary::next_to_break(next, self.scale);
+            writeln!(out, "  next to break: {next}")?;
+        }
+        match it.incomplete {
+            true => writeln!(
+                out,
+                "  {FAINT}given up here: time is up, or it was interrupted{FAINT:#}"
+            ),
+            false => Ok(()),
+        }
+    }
 }
 
 /// A line of the table.

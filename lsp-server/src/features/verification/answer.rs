@@ -94,6 +94,8 @@ pub(crate) struct VerificationResult {
     /// Quick bounds by task.
     bounds: Vec<BoundShown>,
     minimum_cores: Option<u32>,
+    /// Changes with which all deadlines and limits are kept, where some are missed, a sentence each.
+    repairs: Vec<String>,
     assumptions: Vec<String>,
     notes: Vec<String>,
     blocking: Vec<BlockedShown>,
@@ -450,6 +452,8 @@ pub(crate) fn present(
     }
     out.advice = advice::of_report(report, problem, advice::Names::Settings);
     out.minimum_cores = answer.cores.as_ref().and_then(|it| it.cores);
+    let repairs = answer.repairs.all.iter();
+    out.repairs = repairs.map(|it| it.words.clone()).collect();
     out.assumptions.clone_from(&report.assumptions);
     out.notes.clone_from(&report.notes);
     out.states = report.states;

@@ -1,12 +1,13 @@
 //! Diagnostics of verifications: at the task in the specification, at the check in the scenario.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use camino::Utf8Path;
 use dotgen_analysis::codes;
 use dotgen_analysis::diagnostic::{Diagnostic, Related, Severity};
 use dotgen_analysis::host::Cancellable;
-use dotgen_timing::derive::Remedy;
+use dotgen_timing::advice::Change;
 use dotgen_timing::explore::MomentKind;
 use dotgen_timing::property::PropertyKind;
 use dotgen_timing::remark::together;
@@ -34,8 +35,10 @@ const RELATED: usize = 8;
 
 /// A diagnostic and the check it is about.
 pub(super) struct Found {
-    /// What would help, if it is known.
-    pub(super) remedy: Option<Remedy>,
+    /// What would help, as far as it is known.
+    pub(super) changes: Vec<Change>,
+    /// What it is about.
+    pub(super) problem: Arc<Problem>,
     pub(super) diagnostic: Diagnostic,
     pub(super) check: usize,
 }
@@ -109,7 +112,8 @@ fn specification(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Fou
             if given_up || (asked && it.report.verdict == Verdict::Refuted) {
                 let found = diagnostic(snapshot, entry, answer, it, path, &task.range);
                 out.extend(found.map(|diagnostic| Found {
-                    remedy: it.why.and_then(|it| it.remedy.clone()),
+                    changes: changes(answer, it),
+                    problem: entry.places().clone(),
                     diagnostic,
                     check,
                 }));
@@ -162,10 +166,28 @@ fn scenario(snapshot: &Snapshot, entry: &Entry, path: &Utf8Path) -> Vec<Found> {
         };
         let found = diagnostic(snapshot, entry, answer, it, path, written);
         out.extend(found.map(|diagnostic| Found {
-            remedy: it.why.and_then(|it| it.remedy.clone()),
+            changes: changes(answer, it),
+            problem: entry.places().clone(),
             diagnostic,
             check,
         }));
+    }
+    out
+}
+
+/// What helps a check: what was found for it first, then what repairs everything.
+fn changes(answer: &Answer, view: &CheckView) -> Vec<Change> {
+    let mut out: Vec<Change> = view
+        .why
+        .and_then(|it| it.remedy.clone())
+        .into_iter()
+        .collect();
+    if view.why.is_some() {
+        for it in &answer.repairs.all {
+            if !out.contains(&it.change) {
+                out.push(it.change.clone());
+            }
+        }
     }
     out
 }

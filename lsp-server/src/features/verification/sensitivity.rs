@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use dotgen_analysis::host::Cancellable;
 use dotgen_analysis::model::Src;
-use dotgen_timing::derive::{Extreme, Sensitivity};
+use dotgen_timing::derive::{Extreme, Sensitivity, Told};
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::build::build;
 use dotgen_timing::verify::{Cancel, Options, settings};
@@ -57,6 +57,8 @@ pub(crate) struct SensitivityResult {
     wcet: Vec<ExtremeShown>,
     /// The smallest period of each task.
     period: Vec<ExtremeShown>,
+    /// What breaks first, of what holds now, in words.
+    next_to_break: Option<String>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -98,13 +100,13 @@ pub(crate) async fn ask(prepared: Prepared, token: Option<ProgressToken>, to: &O
     let (asked, with) = (problem.clone(), options.clone());
     let work = tokio::task::spawn_blocking(move || {
         asked.sensitivity(&with, &cancel, &|it| {
-            if let Some(token) = &token {
+            if let (Some(token), Told::Asking(it)) = (&token, it) {
                 to.notify::<notification::Progress>(ProgressParams {
                     token: token.clone(),
                     value: ProgressParamsValue::WorkDone(WorkDoneProgress::Report(
                         WorkDoneProgressReport {
                             cancellable: Some(true),
-                            message: Some(it.asking),
+                            message: Some(it.asking.clone()),
                             percentage: Some((100 * it.done / it.of) as u32),
                         },
                     )),
@@ -176,6 +178,8 @@ pub(crate) fn shown(
         })
     };
     out.cores = found.minimum_cores.cores;
+    let next = found.next_to_break.as_ref();
+    out.next_to_break = next.map(|it| summary::next_to_break(it, scale));
     out.wcet = found.wcet.iter().map(show).collect::<Cancellable<_>>()?;
     out.period = found.period.iter().map(show).collect::<Cancellable<_>>()?;
     Ok(out)

@@ -39,7 +39,7 @@ impl Builder<'_> {
             }
             let src = task.delay.as_ref().map_or(task.src, |it| it.src);
             let delay_of = self.time_of_task("delay", &path, self.place(c, src, "the delay"));
-            let delay = task.delay.as_ref().map_or(Ratio::new(0, 1), |it| it.value);
+            let delay = self.delay(c, t).unwrap_or(Ratio::new(0, 1));
             let delay = self.ticks(delay, &delay_of);
             self.check_ticks(c, t, &path);
             let id = self.out.system.tasks.len();

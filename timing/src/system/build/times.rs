@@ -53,10 +53,8 @@ impl Builder<'_> {
         let mut times = Vec::new();
         for &c in included {
             let component = self.names.components[c].component;
-            for task in &component.tasks {
-                times.extend(task.delay.as_ref().map(|it| it.value));
-            }
             for t in 0..component.tasks.len() as u32 {
+                times.extend(self.delay(c, t));
                 times.extend(self.period(c, t));
             }
             for it in component.all_codels() {
@@ -223,6 +221,16 @@ impl Builder<'_> {
             .period
             .as_ref()
             .map(|it| it.value)
+    }
+
+    pub(super) fn delay(&self, c: usize, t: u32) -> Option<Seconds> {
+        if let Some((path, delay)) = &self.settings.delay
+            && self.names.resolve(path) == Ok(Target::Task(c, t))
+        {
+            return Some(*delay);
+        }
+        let task = &self.names.components[c].component.tasks[t as usize];
+        task.delay.as_ref().map(|it| it.value)
     }
 
     pub(super) fn ticks(&mut self, time: Seconds, of: &TimeOf) -> Ticks {

@@ -1,0 +1,199 @@
+//! What to change, in words and as edits: one sentence and one edit for editor and command line.
+
+use std::ops::Range;
+use std::time::Duration;
+
+use camino::Utf8PathBuf;
+use dotgen_analysis::diagnostic::FileEdit;
+use dotgen_analysis::host::{Analysis, Cancellable};
+use dotgen_analysis::ide::TaskTime;
+use dotgen_analysis::model::{Seconds, Src};
+use dotgen_timing::advice::{self, Change, Trying};
+use dotgen_timing::report::Report;
+use dotgen_timing::scn::edit;
+use dotgen_timing::verify::{Cancel, Options, SystemInput, settings};
+use num_rational::Ratio;
+
+use super::Problem;
+use super::blocking;
+use super::summary::Scale;
+
+/// A change with which everything holds.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Repair {
+    /// What changes.
+    pub(crate) change: Change,
+    /// `` it holds if `tell` takes at most 4 ms ``
+    pub(crate) words: String,
+}
+
+/// All changes that were found.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Repairs {
+    /// The smallest first.
+    pub(crate) all: Vec<Repair>,
+    /// Not everything was tried.
+    pub(crate) incomplete: bool,
+}
+
+/// The changes with which all that a report says to be missed is kept, each told when it is found. With a `patience` nothing
+/// more is tried after it.
+pub(crate) fn repairs(
+    problem: &Problem,
+    options: &Options,
+    report: &Report,
+    until: (&Cancel, Option<Duration>),
+    (trying, tell): (&(dyn Fn(Trying) + Sync), &(dyn Fn(&Repair) + Sync)),
+) -> Repairs {
+    let input = SystemInput {
+        specs: problem.specs(),
+    };
+    let table = blocking::table(problem, options);
+    let scale = Scale::of(&settings(&problem.scenario, options));
+    let function = |codel: &str| {
+        let row = table.iter().find(|it| it.codel.path == codel);
+        row.map_or(codel, |it| &it.codel.function).to_owned()
+    };
+    let repair = |change: &Change| Repair {
+        words: in_words(change, scale, &function),
+        change: change.clone(),
+    };
+    let tell = |it: &Change| tell(&repair(it));
+    let told = (trying, &tell as &(dyn Fn(&Change) + Sync));
+    let found = advice::repairs(&input, &problem.scenario, options, report, until, told);
+    Repairs {
+        all: found.changes.iter().map(repair).collect(),
+        incomplete: found.incomplete,
+    }
+}
+
+/// `` it holds if `report_start` takes at most 4 ms ``, with the names that people gave to codels.
+pub(crate) fn in_words(change: &Change, scale: Scale, function: &dyn Fn(&str) -> String) -> String {
+    match change {
+        Change::Wcet {
+            codel,
+            at_most,
+            or_less,
+            ..
+        } => {
+            let most = if *or_less { "at most " } else { "" };
+            let (name, time) = (function(codel), scale.show(*at_most));
+            format!("it holds if `{name}` takes {most}{time}")
+        }
+        Change::Period { task, needed, .. } => {
+            format!(
+                "it holds with a period of {} for `{task}`",
+                scale.show(*needed)
+            )
+        }
+        Change::Delay { task, needed, .. } => {
+            format!(
+                "it holds with a delay of {} for `{task}`",
+                scale.show(*needed)
+            )
+        }
+        Change::Lock {
+            codel,
+            other,
+            through,
+        } => {
+            let (codel, other) = (function(codel), function(other));
+            let through = through.join(" and ");
+            format!(
+                "it holds if `{codel}` and `{other}` do not wait for each other: both use {through}, of which one of them can \
+                 take a copy (`local`)"
+            )
+        }
+        Change::Cores { needed, .. } => format!("it holds with {needed} cores"),
+        Change::Policy { needed, .. } => format!("it holds with `policy {}`", needed.name()),
+    }
+}
+
+/// What an edit does, in the imperative. None for a change that is no edit: another design of codels.
+pub(crate) fn title(change: &Change) -> Option<String> {
+    Some(match change {
+        Change::Wcet { codel, seconds, .. } => format!(
+            "Set the execution time of `{codel}` to {}",
+            written(*seconds)
+        ),
+        Change::Period { task, seconds, .. } => {
+            format!("Set the period of `{task}` to {}", written(*seconds))
+        }
+        Change::Delay { task, seconds, .. } => {
+            format!("Set the delay of `{task}` to {}", written(*seconds))
+        }
+        Change::Cores { needed, .. } => format!("Verify with `cores {needed}`"),
+        Change::Policy { needed, .. } => format!("Verify with `policy {}`", needed.name()),
+        Change::Lock { .. } => return None,
+    })
+}
+
+/// The edit of a specification or of the scenario that makes a change. None where nothing plain can be changed: two codels
+/// that are to be separated, a time that a macro writes, a scenario that is in no file.
+pub(crate) fn edit(
+    analysis: &Analysis,
+    problem: &Problem,
+    change: &Change,
+) -> Cancellable<Option<FileEdit>> {
+    let of_scenario = |edit: Option<(Range<usize>, String)>| {
+        let (range, new_text) = edit.filter(|_| problem.is_written())?;
+        Some(FileEdit {
+            path: problem.path.clone(),
+            range,
+            new_text,
+        })
+    };
+    let at = |src: &Option<(usize, Src)>| -> Option<(Utf8PathBuf, Range<usize>)> {
+        let (spec, src) = (*src)?;
+        problem.place(spec, src)
+    };
+    let (src, which, seconds) = match change {
+        Change::Cores { needed, .. } => {
+            let value = needed.to_string();
+            return Ok(of_scenario(edit::setting(&problem.text, "cores", &value)));
+        }
+        Change::Policy { needed, .. } => {
+            let value = needed.name();
+            return Ok(of_scenario(edit::setting(&problem.text, "policy", value)));
+        }
+        Change::Wcet {
+            codel,
+            seconds,
+            src,
+            ..
+        } => {
+            // What the scenario says wins over the specification.
+            if let Some(it) = of_scenario(edit::longest(&problem.text, codel, *seconds)) {
+                return Ok(Some(it));
+            }
+            let Some((path, range)) = at(src) else {
+                return Ok(None);
+            };
+            return analysis.with_execution_time(&path, range, &written(*seconds));
+        }
+        Change::Lock { .. } => return Ok(None),
+        Change::Period { src, seconds, .. } => (src, TaskTime::Period, seconds),
+        Change::Delay { src, seconds, .. } => (src, TaskTime::Delay, seconds),
+    };
+    let Some((path, range)) = at(src) else {
+        return Ok(None);
+    };
+    analysis.with_task_time(&path, range, which, &written(*seconds))
+}
+
+/// A time as specifications write it: whole, in the largest unit in which it is.
+fn written(time: Seconds) -> String {
+    let whole = |per_second: i128| {
+        let count = time * Ratio::from_integer(per_second);
+        count.is_integer().then(|| count.to_integer())
+    };
+    match (whole(1_000), whole(1_000_000)) {
+        (Some(it), _) => format!("{it} ms"),
+        (_, Some(it)) => format!("{it} us"),
+        _ => {
+            // Down: a little less was verified as well, a little more was not.
+            let nanos = time * Ratio::from_integer(1_000_000_000);
+            format!("{:.3} us", nanos.floor().to_integer() as f64 / 1e3)
+        }
+    }
+}

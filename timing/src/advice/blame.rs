@@ -1,0 +1,100 @@
+//! Who is in the way of a job that is late, as the run that shows it tells.
+
+use crate::explore::MomentKind;
+use crate::report::{CheckReport, Delay, Event};
+
+/// Codels whose execution times are in the way of the job at the end of a run, the longest first.
+pub(super) fn suspects(check: &CheckReport) -> Vec<String> {
+    let length = |it: &Delay| it.until - it.from;
+    let longest = check.reason.iter();
+    let longest = longest.max_by(|a, b| length(a).total_cmp(&length(b)));
+    let mut all: Vec<(f64, String)> = Vec::new();
+    match longest {
+        Some(delay) => {
+            for holder in &delay.held {
+                match &holder.codel {
+                    Some(codel) => all.push((holder.until - holder.from, codel.clone())),
+                    None => {
+                        all.extend(executed(check.run(), &holder.by, holder.from, holder.until))
+                    }
+                }
+            }
+        }
+        None => {
+            let begins = |it: &&Event| it.kind == MomentKind::Release && who(it) == check.of;
+            let job = check
+                .run()
+                .iter()
+                .rev()
+                .find(begins)
+                .map_or(0.0, |it| it.time);
+            all.extend(executed(check.run(), &check.of, job, f64::INFINITY));
+        }
+    }
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    distinct(all.into_iter().map(|it| it.1))
+}
+
+/// Pairs of codels of which one kept the other waiting for a lock: who waited, then who held it.
+pub(super) fn waited_for(check: &CheckReport) -> Vec<(String, String)> {
+    let pairs = check.reason.iter().flat_map(|it| {
+        let held = it.held.iter().filter_map(|held| held.codel.as_ref());
+        held.filter_map(|held| Some((it.codel.clone()?, held.clone())))
+    });
+    distinct(pairs)
+}
+
+/// Tasks that a run says most about: the one that is late, then those that kept it waiting.
+pub(super) fn tasks(check: &CheckReport) -> Vec<String> {
+    let own = check.id.task.map(|_| check.of.clone());
+    let held = check.reason.iter().flat_map(|it| &it.held);
+    distinct(own.into_iter().chain(held.map(|it| it.by.clone())))
+}
+
+/// Each once, where it comes first.
+pub(super) fn distinct<T: PartialEq>(all: impl IntoIterator<Item = T>) -> Vec<T> {
+    let mut out = Vec::new();
+    for it in all {
+        if !out.contains(&it) {
+            out.push(it);
+        }
+    }
+    out
+}
+
+fn who(it: &Event) -> String {
+    match &it.task {
+        Some(task) => format!("{}.{task}", it.component),
+        None => it.component.clone(),
+    }
+}
+
+/// What somebody executes between two times of a run, and for how long.
+fn executed(run: &[Event], by: &str, from: f64, until: f64) -> Vec<(f64, String)> {
+    let mut begun: Vec<(f64, &str)> = Vec::new();
+    let mut out = Vec::new();
+    let end = run.last().map_or(0.0, |it| it.time).min(until);
+    for it in run.iter().filter(|it| who(it) == by) {
+        let Some(codel) = it.codel.as_deref().filter(|_| it.time <= until) else {
+            continue;
+        };
+        match it.kind {
+            MomentKind::Begin => begun.push((it.time, codel)),
+            MomentKind::End => {
+                if let Some(at) = begun.iter().position(|begun| begun.1 == codel) {
+                    let (since, _) = begun.remove(at);
+                    if it.time > from {
+                        out.push((it.time - since, codel.to_owned()));
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+    out.extend(
+        begun
+            .into_iter()
+            .map(|(since, codel)| (end - since, codel.to_owned())),
+    );
+    out
+}

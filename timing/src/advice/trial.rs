@@ -1,0 +1,226 @@
+//! What is tried: one thing is changed, and everything asked about is verified again.
+
+use std::time::Instant;
+
+use dotgen_analysis::model::Seconds;
+use num_rational::Ratio;
+
+use super::change::Change;
+use crate::derive::bisect;
+use crate::explore::Limits;
+use crate::report::Verdict;
+use crate::scn::ast::{Durations, Path, Policy, Unit};
+use crate::scn::names::Names;
+use crate::system::build::{Built, build};
+use crate::system::settings::Settings;
+use crate::system::{FOREVER, SharedPorts, Ticks};
+use crate::verify::{Cancel, to_f64, verify_settings};
+
+/// Cores that are tried, so many more than there are.
+const MORE_CORES: u32 = 3;
+
+/// Parts of a period by which a task is tried to come later.
+const OFFSETS: Ticks = 8;
+
+/// What must hold, and with what effort it is tried.
+pub(super) struct Trial<'t> {
+    pub(super) names: &'t Names<'t>,
+    /// As the system is, with the checks that must hold.
+    settings: Settings,
+    built: Built,
+    report_unit: Seconds,
+    limits: Limits,
+    cancel: &'t Cancel,
+    /// Nothing is tried any more after it.
+    end: Option<Instant>,
+}
+
+impl<'t> Trial<'t> {
+    pub(super) fn new(
+        names: &'t Names<'t>,
+        settings: Settings,
+        limits: Limits,
+        cancel: &'t Cancel,
+        end: Option<Instant>,
+    ) -> Self {
+        let (count, unit) = settings.unit.unwrap_or((1, Unit::Milliseconds));
+        Trial {
+            built: build(names, &settings, &|_| true),
+            names,
+            settings,
+            report_unit: unit.seconds() * Ratio::from_integer(i128::from(count)),
+            limits,
+            cancel,
+            end,
+        }
+    }
+
+    /// The system as it is.
+    pub(super) fn built(&self) -> &Built {
+        &self.built
+    }
+
+    /// Whether all checks hold with these settings.
+    fn holds(&self, settings: &Settings) -> Verdict {
+        let late = self.end.is_some_and(|end| Instant::now() > end);
+        if late || self.cancel.is_over() {
+            return Verdict::Unknown;
+        }
+        let report = verify_settings(self.names, settings, self.limits, self.cancel, &|_| {});
+        let checks = &report.checks;
+        if report.has_errors() || checks.is_empty() {
+            Verdict::Unknown
+        } else if let Some(it) = checks.iter().find(|it| it.verdict != Verdict::Proved) {
+            it.verdict
+        } else if checks.iter().any(|it| it.exceeds()) {
+            Verdict::Refuted
+        } else {
+            Verdict::Proved
+        }
+    }
+
+    fn with(&self, change: impl FnOnce(&mut Settings)) -> bool {
+        let mut settings = self.settings.clone();
+        change(&mut settings);
+        self.holds(&settings) == Verdict::Proved
+    }
+
+    fn seconds(&self, ticks: Ticks) -> Seconds {
+        self.built.system.unit * Ratio::from_integer(i128::from(ticks))
+    }
+
+    fn shown(&self, seconds: Seconds) -> f64 {
+        to_f64(seconds / self.report_unit)
+    }
+
+    /// The longest execution time of a codel with which it holds.
+    pub(super) fn wcet(&self, path: &str) -> Option<Change> {
+        let system = &self.built.system;
+        let codel = system.codels.iter().find(|it| it.path == path)?;
+        let (lower, upper) = (codel.lower, codel.upper);
+        let fixed = self.settings.durations == Durations::Fixed;
+        // What takes no time is no codel any more, and below its least time it cannot be brought by a greatest one.
+        let least = if fixed { 1 } else { lower.max(1) };
+        if upper == FOREVER || upper <= least {
+            return None;
+        }
+        let mut settings = self.settings.clone();
+        let mut holds = |ticks: Ticks| {
+            settings.upper_bound = Some((Path::of(path), self.seconds(ticks)));
+            self.holds(&settings)
+        };
+        if holds(least) != Verdict::Proved {
+            return None;
+        }
+        let at_most = self.seconds(bisect(least, upper, holds, &mut false));
+        let c = codel.site.map(|it| it.0);
+        Some(Change::Wcet {
+            codel: path.to_owned(),
+            now: self.shown(self.seconds(upper)),
+            at_most: self.shown(at_most),
+            seconds: at_most,
+            or_less: !fixed,
+            src: c.and_then(|c| Some((self.names.components[c].spec_index, codel.src?))),
+        })
+    }
+
+    /// A longer period of a task with which it holds, up to four times as long, next to one with which it does not.
+    pub(super) fn period(&self, task: usize) -> Option<Change> {
+        let (c, declared) = self.declared(task)?;
+        let path = self.built.system.task_path(task);
+        let now = self.built.system.tasks[task].period?;
+        let mut settings = self.settings.clone();
+        let mut holds = |ticks: Ticks| {
+            settings.period = Some((Path::of(&path), self.seconds(ticks)));
+            self.holds(&settings)
+        };
+        let mut fails = now;
+        let found = [2, 4].into_iter().find_map(|times| {
+            let longer = now.checked_mul(times)?;
+            if holds(longer) == Verdict::Proved {
+                return Some((longer, fails));
+            }
+            fails = longer;
+            None
+        });
+        let (longer, fails) = found?;
+        let needed = self.seconds(bisect(longer, fails, holds, &mut false));
+        let src = self.names.components[c].component.tasks[declared]
+            .period
+            .as_ref()?
+            .src;
+        Some(Change::Period {
+            task: path,
+            now: self.shown(self.seconds(now)),
+            needed: self.shown(needed),
+            seconds: needed,
+            src: Some((self.names.components[c].spec_index, src)),
+        })
+    }
+
+    /// A later start of a task with which it holds: the first of some parts of its period.
+    pub(super) fn delay(&self, task: usize) -> Option<Change> {
+        let (c, declared) = self.declared(task)?;
+        let it = &self.built.system.tasks[task];
+        let (path, period, now) = (self.built.system.task_path(task), it.period?, it.delay);
+        let parts = (1..OFFSETS).map(|it| u64::from(period) * u64::from(it) / u64::from(OFFSETS));
+        let mut parts: Vec<Ticks> = parts.filter_map(|it| Ticks::try_from(it).ok()).collect();
+        parts.retain(|&it| it > now);
+        parts.dedup();
+        let with = |ticks: &Ticks| {
+            let delay = (Path::of(&path), self.seconds(*ticks));
+            self.with(|it| it.delay = Some(delay))
+        };
+        let needed = self.seconds(parts.into_iter().find(with)?);
+        let member = self.names.components[c];
+        let task = &member.component.tasks[declared];
+        Some(Change::Delay {
+            task: path,
+            now: self.shown(self.seconds(now)),
+            needed: self.shown(needed),
+            seconds: needed,
+            src: Some((
+                member.spec_index,
+                task.delay.as_ref().map_or(task.src, |it| it.src),
+            )),
+        })
+    }
+
+    /// Whether it holds when two codels share nothing that makes one wait for the other.
+    pub(super) fn apart(&self, codel: &str, other: &str) -> Option<Change> {
+        let pair = || Some((codel.to_owned(), other.to_owned()));
+        if !self.with(|it| it.apart = pair()) {
+            return None;
+        }
+        let find = |path: &str| self.built.system.codels.iter().find(|it| it.path == path);
+        let ports = SharedPorts::new(self.names, &self.settings);
+        Some(Change::Lock {
+            codel: codel.to_owned(),
+            other: other.to_owned(),
+            through: ports.through(find(codel)?, find(other)?),
+        })
+    }
+
+    /// The least number of more cores with which it holds.
+    pub(super) fn cores(&self) -> Option<Change> {
+        let now = self.settings.cores?;
+        let enough = |needed: &u32| self.with(|it| it.cores = Some(*needed));
+        let needed = (now + 1..=now + MORE_CORES).find(enough)?;
+        Some(Change::Cores { now, needed })
+    }
+
+    /// Another policy, if it holds with it.
+    pub(super) fn policy(&self, needed: Policy) -> Option<Change> {
+        let now = self.settings.policy();
+        let useful = self.settings.cores.is_some() && needed != now;
+        let holds = useful && self.with(|it| it.stated_policy = Some(needed));
+        holds.then_some(Change::Policy { now, needed })
+    }
+
+    /// The component of a task, as in [`Names::components`], and its index there.
+    fn declared(&self, task: usize) -> Option<(usize, usize)> {
+        let mut tasks = self.built.tasks.iter();
+        let ((c, t), _) = tasks.find(|it| *it.1 == task)?;
+        Some((*c, *t as usize))
+    }
+}

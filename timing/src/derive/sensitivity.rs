@@ -1,0 +1,202 @@
+//! All derived questions about a scenario, the most useful first.
+
+use serde::Serialize;
+
+use super::{Answer, Asked, Extreme, MinimumCores, Question};
+use crate::analytic::response_bounds;
+use crate::questions;
+use crate::report::Value;
+use crate::scn::Diagnostic;
+use crate::scn::ast::{Path, Scenario};
+use crate::scn::names::Names;
+use crate::system::build::build;
+use crate::system::{FOREVER, TimedSystem};
+use crate::verify::{Cancel, Options, SystemInput, settings};
+
+/// All of it: how far a system is from missing a deadline, or from meeting them.
+#[derive(Debug, Clone, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub struct Sensitivity {
+    /// The smallest number of cores.
+    pub minimum_cores: MinimumCores,
+    /// The largest WCET of each codel that has a bound, the others as they are.
+    pub wcet: Vec<Extreme>,
+    /// The smallest period of each periodic task, the others as they are.
+    pub period: Vec<Extreme>,
+    /// What breaks first, of what holds now.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub next_to_break: Option<NextToBreak>,
+    /// Set when it was cancelled: questions are missing.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub incomplete: bool,
+}
+
+/// The value that is nearest, by a factor, to one with which a deadline is missed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NextToBreak {
+    /// Which value.
+    pub quantity: Quantity,
+    /// Of what: a codel or a task.
+    pub of: String,
+    /// Its value now, in the unit of the report.
+    pub now: Value,
+    /// The last one with which every deadline is known to be met.
+    pub extreme: Value,
+    /// The greater of them divided by the smaller.
+    pub factor: f64,
+}
+
+/// A value that is looked into.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Quantity {
+    /// The longest execution time of a codel.
+    Wcet,
+    /// The period of a task.
+    Period,
+}
+
+/// How far [`sensitivity`] has come.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Progress {
+    /// Questions answered, of all.
+    pub done: usize,
+    /// All of them.
+    pub of: usize,
+    /// What is asked now, in words.
+    pub asking: String,
+}
+
+/// What [`sensitivity`] tells on its way.
+#[derive(Debug, Clone, Copy)]
+pub enum Told<'a> {
+    /// What is about to be asked.
+    Asking(&'a Progress),
+    /// An answer about cores.
+    Cores(&'a MinimumCores),
+    /// An answer about the WCET of a codel.
+    Wcet(&'a Extreme),
+    /// An answer about the period of a task.
+    Period(&'a Extreme),
+}
+
+/// Every derived question about a scenario, the most useful first: the tasks that are nearest to their deadlines by the quick
+/// bounds, and their codels, the longest first. Codels that nothing executes are not asked about. Takes as long as some dozen
+/// verifications for each codel and task, of which as many are under way at the same time as there are threads. Answers are
+/// told in this order, each when it is there.
+pub fn sensitivity(
+    input: &SystemInput,
+    scenario: &Scenario,
+    options: &Options,
+    cancel: &Cancel,
+    tell: &(dyn Fn(Told) + Sync),
+) -> Result<Sensitivity, Vec<Diagnostic>> {
+    let names = Names::new(&input.specs);
+    let system = build(&names, &settings(scenario, options), &|_| true).system;
+    let questions = questions(&system);
+    let asked = Asked::of(questions.len(), &names, scenario, options, cancel);
+    let answers = questions::all(
+        &questions,
+        asked.together,
+        cancel,
+        &|done, it| {
+            tell(Told::Asking(&Progress {
+                done,
+                of: questions.len(),
+                asking: it.in_words(),
+            }))
+        },
+        &|it| asked.one(it),
+        &|it| match it {
+            Ok(Answer::Cores(it)) => tell(Told::Cores(it)),
+            Ok(Answer::Wcet(it)) => tell(Told::Wcet(it)),
+            Ok(Answer::Period(it)) => tell(Told::Period(it)),
+            Err(_) => {}
+        },
+    );
+    let mut out = Sensitivity {
+        minimum_cores: MinimumCores {
+            cores: None,
+            tried: Vec::new(),
+        },
+        wcet: Vec::new(),
+        period: Vec::new(),
+        next_to_break: None,
+        incomplete: false,
+    };
+    for answer in answers.into_iter().flatten() {
+        match answer? {
+            Answer::Cores(it) => out.minimum_cores = it,
+            Answer::Wcet(it) => out.wcet.push(it),
+            Answer::Period(it) => out.period.push(it),
+        }
+    }
+    out.next_to_break = out.next_to_break();
+    out.incomplete = cancel.is_over();
+    Ok(out)
+}
+
+/// See [`sensitivity`] for their order.
+fn questions(system: &TimedSystem) -> Vec<Question> {
+    let bounds = response_bounds(system);
+    // The part of its period that a task may take; what has no bound is nearest.
+    let near = |task: usize| match (system.tasks[task].period, bounds[task]) {
+        (None, _) => 0.0,
+        (Some(_), None) => f64::INFINITY,
+        (Some(period), Some(bound)) => f64::from(bound) / f64::from(period),
+    };
+    let mut tasks: Vec<usize> = (0..system.tasks.len()).collect();
+    tasks.sort_by(|&a, &b| near(b).total_cmp(&near(a)));
+    let executed = system.executed();
+    let asked = |id: &usize| {
+        let it = &system.codels[*id];
+        executed[*id] && it.site.is_some() && it.upper != FOREVER
+    };
+    let mut codels: Vec<usize> = (0..system.codels.len()).filter(asked).collect();
+    codels.sort_by_key(|&it| std::cmp::Reverse(system.codels[it].upper));
+    let mut out = vec![Question::Cores];
+    for task in tasks {
+        if system.tasks[task].period.is_some() {
+            out.push(Question::Period(Path::of(&system.task_path(task))));
+        }
+        let automata = system.automata.iter().filter(|it| it.task == task);
+        let machines: Vec<usize> = automata.map(|it| it.machine).collect();
+        let is_own = |codel: &usize| {
+            let mut states = machines.iter().flat_map(|&it| &system.machines[it].states);
+            states.any(|it| it.codel == *codel)
+        };
+        let (own, others) = codels.into_iter().partition(is_own);
+        codels = others;
+        let own: Vec<usize> = own;
+        let of = |it: &usize| Question::Wcet(Path::of(&system.codels[*it].path));
+        out.extend(own.iter().map(of));
+    }
+    // Those of control tasks.
+    let rest = codels.iter();
+    out.extend(rest.map(|&it| Question::Wcet(Path::of(&system.codels[it].path))));
+    out
+}
+
+impl Sensitivity {
+    /// What breaks first, of what holds now and has a limit: the WCET or the period that can change by the smallest factor.
+    fn next_to_break(&self) -> Option<NextToBreak> {
+        let factor = |it: &Extreme| match (it.now, it.extreme) {
+            (Value::Time(now), Some(Value::Time(extreme))) if !it.fails_now && now > 0.0 => {
+                Some((extreme / now).max(now / extreme.max(f64::MIN_POSITIVE)))
+            }
+            _ => None,
+        };
+        let wcet = self.wcet.iter().map(|it| (it, Quantity::Wcet));
+        let period = self.period.iter().map(|it| (it, Quantity::Period));
+        let known = wcet.chain(period).filter_map(|(it, quantity)| {
+            Some(NextToBreak {
+                quantity,
+                of: it.of.clone(),
+                now: it.now,
+                extreme: it.extreme?,
+                factor: factor(it)?,
+            })
+        });
+        known.min_by(|a, b| a.factor.total_cmp(&b.factor))
+    }
+}

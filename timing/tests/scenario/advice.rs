@@ -1,0 +1,238 @@
+//! What to change: every change is made in the text and verified again, and the next smaller one does not do.
+
+use std::sync::Mutex;
+use std::time::Duration;
+
+use dotgen_timing::advice::{Change, Repairs, repairs};
+use dotgen_timing::derive::{Quantity, Told, sensitivity};
+use dotgen_timing::report::{Report, Verdict};
+use dotgen_timing::scn::ast::Policy;
+use dotgen_timing::scn::parse;
+use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
+
+use crate::load;
+
+/// `control` needs `level`, which `tell` keeps for 8 ms of its 10.
+const LIFT: &str = "component lift { version \"1\"; lang \"c\"; ids { long level; };
+  task control { period 10 ms; codel<start> steer(inout level) yield pause::start wcet 3 ms; };
+  task report { period 20 ms; codel<start> tell(in level) yield pause::start wcet 8 ms; };
+  activity mend() { task report; codel<start> mend_start() yield ether wcet 9 ms; };
+};";
+
+fn scenario(items: &str) -> String {
+    let semantics = match items.contains("semantics") {
+        true => "",
+        false => "semantics published;",
+    };
+    format!("scenario s {{ {semantics} {items} check schedulable *; }}")
+}
+
+fn with<T>(
+    specification: &str,
+    scenario: &str,
+    ask: impl Fn(&SystemInput, &dotgen_timing::scn::ast::Scenario) -> T,
+) -> T {
+    let unit = load(specification);
+    let parsed = parse(scenario);
+    assert_eq!(parsed.errors, []);
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    ask(&input, &parsed.scenario)
+}
+
+fn report(specification: &str, scenario: &str) -> Report {
+    with(specification, scenario, |input, scenario| {
+        verify(input, scenario, &Options::default(), &Cancel::default())
+    })
+}
+
+/// The repairs, and in which order they were told.
+fn found(specification: &str, scenario: &str) -> (Repairs, Vec<Change>) {
+    let report = report(specification, scenario);
+    with(specification, scenario, |input, scenario| {
+        let told = Mutex::new(Vec::new());
+        let tell = |it: &Change| told.lock().unwrap().push(it.clone());
+        let (options, cancel) = (Options::default(), Cancel::default());
+        let until = (&cancel, None);
+        let found = repairs(input, scenario, &options, &report, until, (&|_| {}, &tell));
+        (found, told.into_inner().unwrap())
+    })
+}
+
+fn holds(specification: &str, scenario: &str) -> bool {
+    let report = report(specification, scenario);
+    assert!(!report.has_errors(), "{:?}", report.diagnostics);
+    report.checks.iter().all(|it| it.verdict == Verdict::Proved)
+}
+
+/// The specification and the scenario with a change made in their texts; a copy instead of what is shared.
+fn made(change: &Change, specification: &str, scenario: &str, by: f64) -> (String, String) {
+    let (mut specification, mut scenario) = (specification.to_owned(), scenario.to_owned());
+    let ms = |it: f64| format!("{} us", ((it + by) * 1000.0).round());
+    let replace = |text: &mut String, near: &str, old: String, new: String| {
+        let from = text.find(near).expect(near);
+        let at = from + text[from..].find(&old).expect(&old);
+        text.replace_range(at..at + old.len(), &new);
+    };
+    let name = |path: &str| path.split('.').nth(1).expect("a name").to_owned();
+    match change {
+        Change::Wcet {
+            codel,
+            now,
+            at_most,
+            ..
+        } => replace(
+            &mut specification,
+            &name(codel),
+            format!("wcet {now} ms"),
+            format!("wcet {}", ms(*at_most)),
+        ),
+        Change::Period {
+            task, now, needed, ..
+        } => replace(
+            &mut specification,
+            &name(task),
+            format!("period {now} ms"),
+            format!("period {}", ms(*needed)),
+        ),
+        Change::Delay { task, needed, .. } => replace(
+            &mut specification,
+            &name(task),
+            "ms;".to_owned(),
+            format!("ms; delay {};", ms(*needed)),
+        ),
+        Change::Lock { .. } => {
+            specification = specification.replace("(in level)", "()");
+        }
+        Change::Cores { now, needed } => {
+            scenario = scenario.replace(&format!("cores {now}"), &format!("cores {needed}"));
+        }
+        Change::Policy { now, needed } => {
+            let (now, needed) = (now.name(), needed.name());
+            scenario = scenario.replace(&format!("policy {now}"), &format!("policy {needed}"));
+        }
+    }
+    (specification, scenario)
+}
+
+#[test]
+fn what_repairs_is_found_verified_and_no_larger_than_needed() {
+    // A lock in the way; a core in the way; an order in the way.
+    let apart = LIFT.replace("(in level)", "()");
+    let systems = [
+        (LIFT, "cores 2; policy fifo;", "lock"),
+        (&apart, "cores 1; policy fifo;", "cores"),
+        (&apart, "semantics servers; cores 1; policy fifo;", "policy"),
+    ];
+    for (specification, items, expected) in systems {
+        let scenario = scenario(items);
+        assert!(!holds(specification, &scenario));
+        let (found, mut told) = found(specification, &scenario);
+        assert!(!found.incomplete);
+        let kind = |it: &Change| serde_json::to_value(it).unwrap()["change"].clone();
+        let kinds: Vec<_> = found.changes.iter().map(kind).collect();
+        assert!(kinds.contains(&expected.into()), "{expected}: {kinds:?}");
+        assert!(kinds.contains(&"wcet".into()), "{kinds:?}");
+        for change in &found.changes {
+            let (specification, scenario) = made(change, specification, &scenario, 0.0);
+            assert!(holds(&specification, &scenario), "{change:?}");
+        }
+        let sizes: Vec<_> = found.changes.iter().map(Change::size).collect();
+        assert!(sizes.is_sorted(), "{sizes:?}");
+        for it in &found.changes {
+            let at = told.iter().position(|told| told == it);
+            told.remove(at.expect("told"));
+        }
+        assert_eq!(told, []);
+    }
+}
+
+#[test]
+fn a_longest_time_is_the_longest() {
+    let scenario = scenario("cores 2; policy fifo; unit 1 ms;");
+    let (found, _) = found(LIFT, &scenario);
+    let times: Vec<&Change> = found
+        .changes
+        .iter()
+        .filter(|it| matches!(it, Change::Wcet { .. }))
+        .collect();
+    assert!(!times.is_empty());
+    for it in times {
+        let (specification, scenario) = made(it, LIFT, &scenario, 1.0);
+        assert!(!holds(&specification, &scenario), "{it:?}");
+    }
+}
+
+#[test]
+fn what_holds_needs_no_repair_and_without_patience_nothing_is_tried() {
+    let fine = LIFT.replace("8 ms", "1 ms");
+    let scenario = scenario("cores 2; policy fifo;");
+    assert_eq!(found(&fine, &scenario).0, Repairs::default());
+    let report = report(LIFT, &scenario);
+    with(LIFT, &scenario, |input, scenario| {
+        let cancel = Cancel::default();
+        let until = (&cancel, Some(Duration::ZERO));
+        let options = Options::default();
+        let found = repairs(
+            input,
+            scenario,
+            &options,
+            &report,
+            until,
+            (&|_| {}, &|it| panic!("{it:?}")),
+        );
+        assert_eq!(found.changes, []);
+        assert!(found.incomplete);
+    });
+}
+
+/// A change has to repair everything that fails, not only what is nearest.
+#[test]
+fn a_change_that_repairs_one_of_two_tasks_is_none() {
+    let two = LIFT.replace(
+        "activity mend",
+        "task hopeless { period 5 ms; codel<start> h() yield pause::start wcet 6 ms; }; activity mend",
+    );
+    let (found, _) = found(&two, &scenario("cores 3; policy fifo;"));
+    assert_eq!(found.changes, []);
+}
+
+#[test]
+fn limits_come_by_use_without_what_nobody_asks_for_and_say_what_breaks_first() {
+    let fine = LIFT.replace("wcet 8 ms", "wcet 4 ms");
+    let asked = |items: &str| {
+        with(&fine, &scenario(items), |input, scenario| {
+            let told = Mutex::new(Vec::new());
+            let tell = |it: Told| {
+                told.lock().unwrap().extend(match it {
+                    Told::Asking(_) => None,
+                    Told::Cores(_) => Some("cores".to_owned()),
+                    Told::Wcet(it) | Told::Period(it) => Some(it.of.clone()),
+                })
+            };
+            let cancel = Cancel::default();
+            let found = sensitivity(input, scenario, &Options::default(), &cancel, &tell).unwrap();
+            (told.into_inner().unwrap(), found)
+        })
+    };
+    let (told, found) = asked("cores 2; policy fifo; unit 1 ms;");
+    let order = [
+        "cores",
+        "lift.control",
+        "lift.control.start",
+        "lift.report",
+        "lift.report.start",
+    ];
+    assert_eq!(told, order);
+    let next = found.next_to_break.expect("something breaks first");
+    let all = found.wcet.iter().map(|it| (Quantity::Wcet, &it.of));
+    let all: Vec<_> = all
+        .chain(found.period.iter().map(|it| (Quantity::Period, &it.of)))
+        .collect();
+    assert!(all.contains(&(next.quantity, &next.of)));
+    assert!(next.factor > 1.0 && next.factor < 2.0, "{next:?}");
+    let (told, _) = asked("cores 2; policy fifo; unit 1 ms; client k { send lift.mend; }");
+    assert!(told.contains(&"lift.mend.start".to_owned()), "{told:?}");
+    assert!(!told.contains(&Policy::Fifo.name().to_owned()));
+}
