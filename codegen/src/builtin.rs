@@ -8,6 +8,7 @@ mod json_schema;
 mod known;
 mod manifest;
 mod mappings;
+mod python;
 mod render;
 mod words;
 
@@ -42,6 +43,7 @@ const EMBEDDED: &[Embedded] = &[
     embedded!("docs": "template.toml", "component.jinja"),
     embedded!("docs-asciidoc": "template.toml", "component.jinja", "picture.jinja"),
     embedded!("json-schema": "template.toml", "schema.jinja"),
+    embedded!("python": "template.toml", "stub.jinja"),
     embedded!("stubs": "template.toml", "codels.jinja"),
     embedded!(
         "skeleton": "template.toml", "codels.jinja", "component.pc.jinja",

@@ -7,7 +7,12 @@ use std::fmt;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ExitStatus};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::thread::JoinHandle;
 use std::time::Duration;
+
+/// How long at most it takes until somebody who wants to stop is heard.
+const LOOK: Duration = Duration::from_millis(20);
 
 /// A program and how it is to run.
 #[derive(Debug, Clone)]
@@ -149,21 +154,34 @@ impl Process {
     /// # Errors
     /// As the system tells them.
     pub fn wait_with_output(&mut self) -> io::Result<(ExitStatus, Vec<u8>)> {
+        self.wait_with_output_unless(&|| false)
+    }
+
+    /// Likewise, but ends it as soon as `stop` says so: it is asked again and again.
+    ///
+    /// # Errors
+    /// As the system tells them.
+    pub fn wait_with_output_unless(
+        &mut self,
+        stop: &dyn Fn() -> bool,
+    ) -> io::Result<(ExitStatus, Vec<u8>)> {
         drop(self.child.stdin.take());
-        let errors = self.child.stderr.take().map(|mut errors| {
-            std::thread::spawn(move || {
-                let mut bytes = Vec::new();
-                // What came before a broken pipe counts.
-                let _ = errors.read_to_end(&mut bytes);
-                bytes
-            })
-        });
-        let mut printed = Vec::new();
-        if let Some(mut output) = self.child.stdout.take() {
-            output.read_to_end(&mut printed)?;
+        let (ended, both) = channel();
+        let output = self.child.stdout.take();
+        let output = output.map(|it| read_all(it, ended.clone()));
+        let errors = self.child.stderr.take();
+        let errors = errors.map(|it| read_all(it, ended));
+        // Ends when neither output is read any more.
+        while let Err(RecvTimeoutError::Timeout) = both.recv_timeout(LOOK) {
+            if stop() {
+                self.kill();
+                break;
+            }
         }
-        let errors = errors.and_then(|it| it.join().ok());
-        printed.extend(errors.unwrap_or_default());
+        let mut printed = Vec::new();
+        for it in [output, errors].into_iter().flatten() {
+            printed.extend(it.join().unwrap_or_default());
+        }
         Ok((self.child.wait()?, printed))
     }
 
@@ -194,6 +212,17 @@ impl Process {
     pub fn wait(&mut self) -> io::Result<ExitStatus> {
         self.child.wait()
     }
+}
+
+/// Reads to the end, on a thread of its own, which holds `ended` for so long.
+fn read_all(mut from: impl Read + Send + 'static, ended: Sender<()>) -> JoinHandle<Vec<u8>> {
+    std::thread::spawn(move || {
+        let mut bytes = Vec::new();
+        // What came before a broken pipe counts.
+        let _ = from.read_to_end(&mut bytes);
+        drop(ended);
+        bytes
+    })
 }
 
 impl Drop for Process {

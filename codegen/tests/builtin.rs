@@ -178,7 +178,7 @@ fn a_folder_of_the_user_is_a_template() {
         (status, out.as_str()),
         (
             0,
-            "docs\ndocs-asciidoc\njson-schema\nmappings\nnames\nskeleton\nstubs\n"
+            "docs\ndocs-asciidoc\njson-schema\nmappings\nnames\npython\nskeleton\nstubs\n"
         )
     );
     let args = [
@@ -312,6 +312,16 @@ fn the_schema_describes_requests_and_ports() {
     assert_eq!((status, err.as_str()), (0, ""));
     let text = std::fs::read_to_string(dir.path().join("c.schema.json")).unwrap();
     insta::assert_snapshot!("schema", text);
+}
+
+#[test]
+fn python_knows_the_types_of_services_and_ports() {
+    let dir = folder();
+    std::fs::write(dir.path().join("data.gen"), DATA).unwrap();
+    let (status, _, err) = run(dir.path(), &["python", "DIR/data.gen"]);
+    assert_eq!((status, err.as_str()), (0, ""));
+    let text = std::fs::read_to_string(dir.path().join("c.pyi")).unwrap();
+    insta::assert_snapshot!("python", text);
 }
 
 /// The support file is written for the templates of others: what it gives compiles, and reads what it

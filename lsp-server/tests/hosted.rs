@@ -1,34 +1,23 @@
 //! Components that run with their own codels, as users run them.
 #![cfg(target_os = "linux")]
 
-use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::Path;
-use std::process::{Child, Command, Output, Stdio};
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
 #[path = "support/directory.rs"]
 mod directory;
+#[path = "support/running.rs"]
+mod running;
 
 use directory::{Directory, status, stderr, stdout};
+use running::{Listening, compilers, ended, json_of, processes, violation, with_body};
 
 const TYPES: &str = include_str!("hosted/types.idl");
 const ECHO: &str = include_str!("hosted/echo.gen");
 const READER: &str = include_str!("hosted/reader.gen");
-
-/// Whether there are compilers.
-fn compilers() -> bool {
-    ["cc", "c++"].iter().all(|it| {
-        let mut command = Command::new(it);
-        command.arg("--version").stdout(Stdio::null());
-        let known = command.status().is_ok_and(|it| it.success());
-        if !known {
-            eprintln!("skipped: there is no {it}");
-        }
-        known
-    })
-}
 
 /// Two components in a language; one reads the ports of the other.
 fn components(language: &str) -> Directory {
@@ -55,46 +44,6 @@ fn components(language: &str) -> Directory {
     Directory::new(&[&files[..], &sources[..]].concat())
 }
 
-/// A component whose activity does something in its codel, beside one that does no harm.
-fn with_body(body: &str) -> Directory {
-    let gen_of = |name: &str| {
-        format!(
-            "component {name} {{ version \"1\"; lang \"c\"; ids {{ long n; }};
-               task main {{ period 10 ms;
-                 codel<start> {name}_first(inout n) yield pause::go wcet 1 ms;
-                 codel<go> {name}_again(inout n) yield pause::go, stop wcet 1 ms;
-                 codel<stop> {name}_last(inout n) yield ether wcet 1 ms; }}; }};\n"
-        )
-    };
-    let source = |name: &str, body: &str| {
-        format!(
-            "#include \"ac{name}.h\"
-#include <stdlib.h>
-#include <unistd.h>
-#include \"{name}_c_types.h\"
-genom_event {name}_first(int32_t *n, const genom_context self) {{ *n = 0; return {name}_pause_go; }}
-genom_event {name}_again(int32_t *n, const genom_context self) {{
-  if (++*n == 5) {{ {body} }}
-  return {name}_pause_go;
-}}
-genom_event {name}_last(int32_t *n, const genom_context self) {{ return {name}_ether; }}
-"
-        )
-    };
-    let directory = Directory::new(&[]);
-    for (name, body) in [("bad", body), ("good", "")] {
-        directory.write(&format!("{name}/{name}.gen"), gen_of(name).as_bytes());
-        let path = format!("{name}/codels/{name}.c");
-        directory.write(&path, source(name, body).as_bytes());
-    }
-    directory
-}
-
-fn json_of(output: &Output) -> Value {
-    let text = stdout(output);
-    serde_json::from_str(&text).unwrap_or_else(|it| panic!("{it}: {text}{}", stderr(output)))
-}
-
 fn run_bad(directory: &Directory, more: &[&str]) -> Value {
     let mut arguments = vec!["run", "bad/bad.gen", "good/good.gen", "--format", "json"];
     arguments.extend(["--bounds", "none"]);
@@ -106,25 +55,6 @@ fn run_bad(directory: &Directory, more: &[&str]) -> Value {
     report
 }
 
-/// Processes whose words name something of a directory.
-fn processes(directory: &Directory) -> Vec<String> {
-    let path = directory.path().to_str().expect("it is text").to_owned();
-    let all = std::fs::read_dir("/proc")
-        .expect("Linux has it")
-        .filter_map(Result::ok);
-    let words = all.filter_map(|it| std::fs::read(it.path().join("cmdline")).ok());
-    let words = words.map(|it| String::from_utf8_lossy(&it).replace('\0', " "));
-    words
-        .filter(|it| it.contains("-run.so") && it.contains(&path))
-        .collect()
-}
-
-fn violation<'r>(report: &'r Value, kind: &str) -> &'r Value {
-    let all = report["violations"].as_array().expect("a list");
-    let found = all.iter().find(|it| it["kind"] == kind);
-    found.unwrap_or_else(|| panic!("no {kind}: {report:#}"))
-}
-
 fn jobs(report: &Value, task: &str) -> u64 {
     let tasks = report["tasks"].as_array().expect("a list");
     let found = tasks
@@ -132,39 +62,6 @@ fn jobs(report: &Value, task: &str) -> u64 {
         .find(|it| it["task"] == task)
         .expect("the task");
     found["jobs"].as_u64().expect("a number")
-}
-
-/// A run on the real clock, from when it listens.
-struct Listening(Child);
-
-impl Listening {
-    fn start(directory: &Directory, arguments: &[&str]) -> Listening {
-        let mut command = directory.command(arguments);
-        command.stdout(Stdio::null()).stderr(Stdio::piped());
-        let mut child = command.spawn().expect("the program starts");
-        let output = child.stderr.take().expect("it is piped");
-        let mut output = BufReader::new(output);
-        let mut said = String::new();
-        while !said.contains("listening at") {
-            let read = output.read_line(&mut said).expect("it is text");
-            assert_ne!(read, 0, "it has ended: {said}");
-        }
-        std::thread::spawn(move || output.read_to_end(&mut Vec::new()));
-        Listening(child)
-    }
-
-    fn signal(&self, name: &str) {
-        let mut kill = Command::new("kill");
-        let status = kill.args([name, &self.0.id().to_string()]).status();
-        assert!(status.is_ok_and(|it| it.success()));
-    }
-}
-
-impl Drop for Listening {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
 }
 
 #[test]
@@ -348,9 +245,9 @@ fn a_run_that_is_ended_leaves_nothing_behind() {
         stderr(&taken)
     );
     run.signal("-TERM");
-    let ended = run.0.wait().expect("it ends");
+    let status = ended(&mut run.0);
     // It was interrupted; on a busy machine it may have missed a deadline before.
-    assert!(matches!(ended.code(), Some(1 | 3)), "{ended}");
+    assert!(matches!(status.code(), Some(1 | 3)), "{status}");
     assert!(!socket.exists());
     assert_eq!(processes(&directory), Vec::<String>::new());
 
@@ -494,8 +391,8 @@ fn a_signal_ends_a_simulated_run_with_its_report_and_profile() {
     ];
     let mut run = Listening::start(&directory, &arguments);
     run.signal("-TERM");
-    let ended = run.0.wait().expect("it ends");
-    assert!(matches!(ended.code(), Some(1 | 3)), "{ended}");
+    let status = ended(&mut run.0);
+    assert!(matches!(status.code(), Some(1 | 3)), "{status}");
     // It has its name when it is complete.
     assert!(directory.path().join("log").exists());
     assert!(!directory.path().join("s").exists());

@@ -98,7 +98,8 @@ pub fn run(
             return End::Stopped;
         }
         steps += 1;
-        if steps.is_multiple_of(LOOKS) && interrupted() {
+        // A step that executes a codel may take long.
+        if (live.is_some() || steps.is_multiple_of(LOOKS)) && interrupted() {
             return End::Interrupted;
         }
         stepper.possible(&mut possible);

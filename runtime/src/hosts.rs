@@ -121,7 +121,7 @@ pub trait Hosts {
     fn feed(&mut self, component: usize, port: u32, id: &str, data: &[u8]);
 
     /// Waits for what happens next, at most until a time in nanoseconds since the start; `None` when the time
-    /// has come.
+    /// has come, or earlier when the run is to end.
     fn wait(&mut self, until: u64) -> Option<Message>;
 
     /// Nanoseconds since the start.

@@ -280,6 +280,8 @@ impl<'p> Live<'p> {
         while self.is_running(executor) {
             match self.hosts.wait(until) {
                 Some(message) => self.message(message),
+                // The run is to end: whatever is executed ends with it.
+                None if self.hosts.now() < until => return,
                 None => {
                     self.hosts.kill(component);
                     let why = "did not end within 10 s".to_owned();

@@ -12,7 +12,7 @@
 Needs nothing beside the standard library. The protocol is described in docs/socket.md.
 """
 
-from .client import Activity, Component, Connection, Error, Failed, Lost, Wrong, connect
+from .client import Activity, Component, Connection, Error, Failed, Lost, Port, Wrong, connect
 
 __all__ = [
     "Activity",
@@ -21,6 +21,7 @@ __all__ = [
     "Error",
     "Failed",
     "Lost",
+    "Port",
     "Wrong",
     "connect",
 ]

@@ -11,7 +11,9 @@ import stat
 import tempfile
 import threading
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, Generic, TypeVar
+
+_T = TypeVar("_T")
 
 # Data of ports that a reader may be behind; then the oldest is dropped.
 _BEHIND = 10_000
@@ -90,7 +92,7 @@ class _Exchange:
             raise Lost("the run has ended")
 
 
-class Activity:
+class Activity(Generic[_T]):
     """A service that was requested."""
 
     def __init__(self, connection: Connection, number: int, exchange: _Exchange) -> None:
@@ -98,15 +100,16 @@ class Activity:
         self._number = number
         self._exchange = exchange
 
-    def wait(self, timeout: float | None = None) -> Any:
+    def wait(self, timeout: float | None = None) -> _T:
         """Waits for the end and returns the outputs: a value if there is one, else a dictionary."""
         end = self._exchange.find(("done", "failed"), timeout)
         self._connection._forget(self._number)
         if end["event"] == "failed":
             raise Failed(end["exception"], end.get("detail"))
-        return _outputs(end["output"])
+        outputs: _T = _outputs(end["output"])
+        return outputs
 
-    def accepted(self, timeout: float | None = None) -> Activity:
+    def accepted(self, timeout: float | None = None) -> Activity[_T]:
         """Waits until it is accepted; raises Failed if it is not."""
         first = self._exchange.find(("accepted", "done", "failed"), timeout)
         if first["event"] == "failed":
@@ -133,18 +136,19 @@ def _outputs(it: Any) -> Any:
     return it or None
 
 
-class Port:
+class Port(Generic[_T]):
     """An output port: call it for its newest data, iterate over it for what comes."""
 
     def __init__(self, connection: Connection, path: str) -> None:
         self._connection = connection
         self._path = path
 
-    def __call__(self, instance: str = "") -> Any:
+    def __call__(self, instance: str = "") -> _T | None:
         answer = self._connection._ask({"read": self._path})
-        return answer["instances"].get(instance)
+        value: _T | None = answer["instances"].get(instance)
+        return value
 
-    def __iter__(self) -> Iterator[Any]:
+    def __iter__(self) -> Iterator[_T]:
         number, exchange = self._connection._send({"watch": self._path})
         try:
             while True:
@@ -167,7 +171,7 @@ class Component:
         name = description["name"]
         for port in description["ports"]:
             if port["direction"] == "out":
-                setattr(self, port["name"], Port(connection, f"{name}/{port['name']}"))
+                setattr(self, port["name"], Port[Any](connection, f"{name}/{port['name']}"))
         for service in description["services"]:
             setattr(self, service["name"], self._function(service))
 
@@ -187,7 +191,7 @@ class Component:
                         raise Wrong(f"{path} was given `{name}` twice")
                     inputs[name] = value
             number, exchange = self._connection._send({"call": path, "input": inputs})
-            activity = Activity(self._connection, number, exchange)
+            activity = Activity[Any](self._connection, number, exchange)
             return activity.accepted() if ack else activity.wait()
 
         request.__name__ = service["name"]
@@ -275,8 +279,8 @@ class Connection:
     def rpath(self, *_: str) -> None:
         """Does nothing: components are where the run has them. Kept for scripts of genomix."""
 
-    def load(self, name: str, **_: Any) -> Component:
-        """A component of the run."""
+    def load(self, name: str, **_: Any) -> Any:
+        """A Component of the run. Its type is what `dotgen generate python` writes."""
         for it in self._components:
             if it["name"] == name:
                 return Component(self, it)

@@ -56,6 +56,8 @@ impl Expand for Local {
         );
         let schema = function("json_schema");
         jinja.add_function("json_schema", move |component: String| schema(&[component]));
+        let stub = function("python_stub");
+        jinja.add_function("python_stub", move |component: String| stub(&[component]));
         jinja.add_filter("duration", duration);
         jinja.set_trim_blocks(true);
         jinja.set_lstrip_blocks(true);

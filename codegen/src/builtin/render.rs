@@ -152,18 +152,22 @@ fn ask(
     match (function, arguments) {
         ("diagram", [component, owner, form]) => pictures(spec, component, owner, form),
         ("json_schema", [component]) => {
-            let found = spec
-                .components
-                .iter()
-                .find(|it| it.name == component.as_str());
-            let schema = found.map(|it| super::json_schema::schema(spec, it));
+            let schema = named(spec, component).map(|it| super::json_schema::schema(spec, it));
             Ok(schema.map(|it| format!("{it:#}")).unwrap_or_default())
+        }
+        ("python_stub", [component]) => {
+            let stub = named(spec, component).map(|it| super::python::stub(spec, it));
+            Ok(stub.unwrap_or_default())
         }
         _ => Err(format!(
             "there is no function {function} of {} arguments",
             arguments.len()
         )),
     }
+}
+
+fn named<'s>(spec: &'s Spec, component: &str) -> Option<&'s dotgen_analysis::model::Component> {
+    spec.components.iter().find(|it| it.name == component)
 }
 
 /// Results are below the output directory: a template of others may be anybody's.

@@ -28,7 +28,7 @@ use num_rational::Ratio;
 use super::outputs::{self, Output, PERFETTO, VIEWER};
 use super::verify::told::Told;
 use super::verify::{Cores, PolicyName, SemanticsName, body, cores, interrupt, parsed, problems};
-use super::{Outcome, Reading, trace};
+use super::{Outcome, Reading, report, trace};
 use crate::verification::Problem;
 use crate::verification::timeline::Ending;
 use recorder::Recorder;
@@ -236,11 +236,8 @@ fn exact(text: &str) -> Option<Seconds> {
 
 pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let checks: Vec<&str> = arguments.checks.iter().map(|it| body(it)).collect();
-    let interrupt = match arguments.clock {
-        Clock::Virtual => interrupt::on_terminal(),
-        // What runs for ever is ended from outside, and ends what it has begun.
-        Clock::Real => interrupt::on_signals(),
-    };
+    // A run ends what it has begun, whoever ends it.
+    let interrupt = interrupt::on_signals();
     let (all, mut trouble) = problems(&arguments.files, &arguments.reading);
     if arguments.profile.is_some() && all.len() > 1 {
         anyhow::bail!("`--profile` writes one file: run one scenario at a time");
@@ -303,6 +300,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             interrupt: &interrupt,
         };
         let Some(run) = context.run(arguments, prepared, recorder.as_mut())? else {
+            if interrupt.is_raised() {
+                report::note("interrupted before it ran");
+                return Ok(Outcome::GaveUp);
+            }
             return Ok(Outcome::Unusable);
         };
         let execute::Run {
@@ -312,8 +313,12 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             told,
         } = run;
         let mut written = Vec::new();
-        if let Some(recorder) = recorder {
-            recorder.finish(&names)?;
+        // What happened is told also where it could not be written down.
+        let recorded = lines.map_err(anyhow::Error::new).and_then(|lines| {
+            recorder.map_or(Ok(()), |it| it.finish(&names))?;
+            Ok(lines)
+        });
+        if let Some(lines) = trouble.or_tell(recorded) {
             let files = [(log, Contents::Lines), (perfetto, Contents::Codels)];
             let files = files.into_iter().filter_map(|(path, of)| Some((path?, of)));
             written.extend(files.map(|(path, of)| (path.clone(), lines, of)));

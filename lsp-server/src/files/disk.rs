@@ -1,5 +1,6 @@
 //! The disk: the one way in which dotgen reads and writes files of users.
 
+mod passing;
 mod stream;
 mod write;
 
@@ -8,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use dotgen_codegen::disk::{Disk, Entry, Kind, NewContent, Status, WriteError};
 
+pub(crate) use passing::{Passing, leave};
 pub(crate) use stream::Stream;
 
 /// The files of the system.

@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 use camino::Utf8PathBuf;
 use dotgen_codegen::process::{Channels, Process, Processes as _, Program, Resources};
 use dotgen_runtime::hosts::{Answer, Call, Hosts, Message};
+use dotgen_timing::verify::Interrupt;
 
 use super::host::{COMMAND, REAL};
 use super::wire::{Order, Reply};
@@ -18,6 +19,9 @@ use crate::process::System;
 
 /// How long a host may take to say something that no codel is involved in.
 const PATIENCE: Duration = Duration::from_secs(10);
+
+/// How long at most it takes until an interruption is seen.
+const LOOK: Duration = Duration::from_millis(50);
 
 /// What arrives: from a host of a start, or from outside.
 enum Arrival {
@@ -59,6 +63,7 @@ pub(crate) struct Children {
     children: Vec<Child>,
     names: Vec<String>,
     real: bool,
+    interrupt: Interrupt,
     /// How often they were started: what an earlier host says does not count.
     started: u64,
     begin: Instant,
@@ -75,6 +80,7 @@ impl Children {
         libraries: Vec<Option<Utf8PathBuf>>,
         names: Vec<String>,
         real: bool,
+        interrupt: Interrupt,
     ) -> Children {
         let (sender, arrivals) = channel();
         let children = libraries.into_iter().map(|library| Child {
@@ -85,6 +91,7 @@ impl Children {
             children: children.collect(),
             names,
             real,
+            interrupt,
             started: 0,
             begin: Instant::now(),
             early: VecDeque::new(),
@@ -177,6 +184,17 @@ impl Children {
         }
     }
 
+    /// Likewise; `None` also when nothing has come and this run is to end.
+    fn next_unless_interrupted(&mut self, until: Instant) -> Option<Arrival> {
+        loop {
+            let look = Instant::now() + LOOK;
+            match self.next(until.min(look)) {
+                None if look < until && !self.interrupt.is_raised() => {}
+                other => return other,
+            }
+        }
+    }
+
     /// What an arrival tells the engine.
     fn message(&mut self, arrival: Arrival) -> Option<Message> {
         match arrival {
@@ -233,7 +251,7 @@ impl Hosts for Children {
         let wanted = self.children.iter().filter(|it| it.process.is_some());
         let mut missing = wanted.count();
         while missing > 0 {
-            match self.next(until) {
+            match self.next_unless_interrupted(until) {
                 Some(Arrival::Reply(_, _, Reply::Ready)) => missing -= 1,
                 Some(Arrival::Reply(component, _, Reply::Unusable(why))) => {
                     let name = &self.names[component];
@@ -250,6 +268,7 @@ impl Hosts for Children {
                     let message = self.message(it);
                     self.early.extend(message);
                 }
+                None if self.interrupt.is_raised() => return Err("interrupted".to_owned()),
                 None => return Err("a host does not begin".to_owned()),
             }
         }
@@ -304,7 +323,7 @@ impl Hosts for Children {
         }
         let until = self.begin + Duration::from_nanos(until);
         loop {
-            let arrival = self.next(until)?;
+            let arrival = self.next_unless_interrupted(until)?;
             if let Some(it) = self.message(arrival) {
                 return Some(it);
             }

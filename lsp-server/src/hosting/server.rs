@@ -1,21 +1,22 @@
 //! Services as JSON over a socket: see `docs/socket.md`.
 
-use std::collections::HashMap;
-use std::fs::Permissions;
+use std::collections::{BTreeMap, HashMap};
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::Shutdown;
-use std::os::unix::fs::PermissionsExt as _;
 use std::os::unix::net::{UnixListener, UnixStream};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard};
 
 use dotgen_analysis::model::{Component, PortDir, ServiceKind, Spec, TypeId, TypeKind};
 use dotgen_codegen::codels::value::{Values, goes_in, goes_out};
 use dotgen_runtime::hosts::{Answer, Message, Wanted};
+use rustix::fs::Mode;
+use rustix::process::umask;
 use serde_json::{Map, Value, json};
 
 use super::children::{Door, Outside};
+use crate::files::disk::Passing;
 
 /// A line is never longer.
 const LONGEST: u64 = 16 << 20;
@@ -28,8 +29,8 @@ pub(crate) struct Known {
     pub(crate) spec: Arc<Spec>,
     /// Index among those of the specification.
     pub(crate) component: u32,
-    /// The services of the system, in order of declaration.
-    pub(crate) services: Vec<usize>,
+    /// The services of the system, by index among those of the component.
+    pub(crate) services: Vec<Option<usize>>,
 }
 
 impl Known {
@@ -40,19 +41,13 @@ impl Known {
 
 /// Listens until it is dropped; then its socket is gone.
 pub(crate) struct Server {
-    path: PathBuf,
-}
-
-impl Drop for Server {
-    fn drop(&mut self) {
-        // Somebody may have taken it away.
-        let _ = std::fs::remove_file(&self.path);
-    }
+    _socket: Passing,
 }
 
 /// What the threads of all clients, and the engine, share.
 struct Shared {
-    known: Vec<Known>,
+    /// By component of the system.
+    known: BTreeMap<usize, Known>,
     door: Door,
     state: Mutex<State>,
 }
@@ -119,7 +114,7 @@ impl Shared {
 /// In words: where somebody else listens there, or nobody can.
 pub(crate) fn listen(
     path: &Path,
-    known: Vec<Known>,
+    known: BTreeMap<usize, Known>,
     door: Door,
 ) -> Result<(Server, Box<dyn Outside>), String> {
     let shown = path.display();
@@ -136,16 +131,19 @@ pub(crate) fn listen(
         let _ = std::fs::remove_file(path);
     }
     let wrong = |it: std::io::Error| format!("cannot listen at `{shown}`: {it}");
-    let listener = UnixListener::bind(path).map_err(wrong)?;
-    std::fs::set_permissions(path, Permissions::from_mode(0o600)).map_err(wrong)?;
+    // From its first moment nobody else may connect, wherever it is.
+    let before = umask(Mode::from_raw_mode(0o177));
+    let listener = UnixListener::bind(path);
+    umask(before);
+    let listener = listener.map_err(wrong)?;
+    let server = Server {
+        _socket: Passing::new(path.to_owned()),
+    };
     let shared = Arc::new(Shared {
         state: Mutex::default(),
         known,
         door,
     });
-    let server = Server {
-        path: path.to_owned(),
-    };
     let accepting = shared.clone();
     // It waits until the process ends.
     std::thread::spawn(move || {
@@ -220,7 +218,7 @@ fn answer(
         let (component, port) = port(shared, path)?;
         let mut state = shared.state();
         if let Some(why) = state.gone.get(&component) {
-            return Ok(Some(lost(&shared.known[component], why)));
+            return Ok(Some(lost(&shared.known[&component], why)));
         }
         state.watchers.push(Watcher {
             client: client.clone(),
@@ -232,7 +230,7 @@ fn answer(
     }
     if let Some(path) = text("read") {
         let (component, port) = port(shared, path)?;
-        let known = &shared.known[component];
+        let known = &shared.known[&component];
         let ty = known.component().ports[port as usize].data;
         let state = shared.state();
         let of = state.data.iter();
@@ -259,7 +257,7 @@ fn answer(
         return Ok(Some(json!({"event": "aborting"})));
     }
     if request.get("describe").is_some() {
-        let all: Vec<Value> = shared.known.iter().map(describe).collect();
+        let all: Vec<Value> = shared.known.values().map(describe).collect();
         return Ok(Some(json!({"event": "description", "components": all})));
     }
     Err("a request has `call`, `abort`, `watch`, `read` or `describe`".to_owned())
@@ -272,14 +270,12 @@ fn lost(known: &Known, why: &str) -> Value {
 }
 
 fn component(shared: &Shared, name: &str) -> Result<usize, String> {
-    let found = shared
-        .known
-        .iter()
-        .position(|it| it.component().name == name);
-    found.ok_or_else(|| {
+    let mut all = shared.known.iter();
+    let found = all.find(|(_, it)| it.component().name == name);
+    found.map(|it| *it.0).ok_or_else(|| {
         let names: Vec<&str> = shared
             .known
-            .iter()
+            .values()
             .map(|it| it.component().name.as_str())
             .collect();
         format!(
@@ -292,7 +288,7 @@ fn component(shared: &Shared, name: &str) -> Result<usize, String> {
 fn port(shared: &Shared, path: &str) -> Result<(usize, u32), String> {
     let (name, port) = path.split_once('/').ok_or("write COMPONENT/PORT")?;
     let at = component(shared, name)?;
-    let ports = &shared.known[at].component().ports;
+    let ports = &shared.known[&at].component().ports;
     let found = (0u32..)
         .zip(ports)
         .find(|(_, it)| it.name == port && it.dir == PortDir::Out);
@@ -321,7 +317,7 @@ fn call(
 ) -> Result<(), String> {
     let (name, service) = path.split_once('.').ok_or("write COMPONENT.SERVICE")?;
     let at = component(shared, name)?;
-    let known = &shared.known[at];
+    let known = &shared.known[&at];
     let services = &known.component().services;
     let Some(index) = services.iter().position(|it| it.name == service) else {
         let names: Vec<&str> = services.iter().map(|it| it.name.as_str()).collect();
@@ -329,6 +325,9 @@ fn call(
         return Err(format!(
             "`{name}` has no service `{service}`; it has {names}"
         ));
+    };
+    let Some(wanted) = known.services[index] else {
+        return Err(format!("nobody can ask for `{path}` in this run"));
     };
     let none = Map::new();
     let given = match input {
@@ -353,7 +352,7 @@ fn call(
     drop(state);
     let wanted = Wanted {
         id: number,
-        service: known.services[index],
+        service: wanted,
         inputs,
     };
     match shared.door.bring(Message::Wanted(wanted)) {
@@ -410,7 +409,7 @@ impl Outside for Teller {
         let Some(asked) = state.requests.get(&id) else {
             return;
         };
-        let known = &self.shared.known[asked.component];
+        let known = &self.shared.known[&asked.component];
         let service = &known.component().services[asked.index];
         let values = Values::new(&known.spec);
         let (told, last) = match answer {
@@ -434,7 +433,10 @@ impl Outside for Teller {
     fn gone(&mut self, component: usize, why: &str) {
         let mut state = self.shared.state();
         state.gone.insert(component, why.to_owned());
-        let told = lost(&self.shared.known[component], why);
+        let Some(known) = self.shared.known.get(&component) else {
+            return;
+        };
+        let told = lost(known, why);
         state.watchers.retain(|it| {
             let stays = it.component != component;
             if !stays {
@@ -446,7 +448,9 @@ impl Outside for Teller {
 
     fn published(&mut self, component: usize, port: u32, id: &str, data: &[u8]) {
         let mut state = self.shared.state();
-        let known = &self.shared.known[component];
+        let Some(known) = self.shared.known.get(&component) else {
+            return;
+        };
         let ty = known.component().ports[port as usize].data;
         let mut value = None;
         let of = state.watchers.iter();

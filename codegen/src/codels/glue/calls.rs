@@ -141,11 +141,16 @@ impl Glue<'_, '_> {
             }
             number += 1;
         }
+        // What an earlier codel has raised is no detail of this one.
+        let forget = match self.is_cxx() {
+            true => "",
+            false => "  free(glue_raised_detail);\n  glue_raised_detail = NULL;\n",
+        };
         _ = write!(
             out,
             "\nGLUE_C GLUE_EXPORT void\n\
              dotgen_glue_run(uint32_t codel, uint32_t instance, struct glue_buffer *out)\n{{\n\
-             \x20 (void)instance;\n  glue_written.size = 0;\n  glue_writes = 0;\n  switch (codel) {{\n\
+             \x20 (void)instance;\n  glue_written.size = 0;\n  glue_writes = 0;\n{forget}  switch (codel) {{\n\
              {cases}  }}\n}}\n"
         );
         Ok(out)

@@ -74,7 +74,9 @@ impl Glue<'_, '_> {
             ),
             PortDir::Out => format!(
                 "\nstatic int\nglue_write_{at}(const char *id)\n{{\n\
-                 \x20 struct glue_inst_{at} *it = glue_find_{at}(id, {make});\n  size_t from;\n\
+                 \x20 struct glue_inst_{at} *it;\n  size_t from;\n\
+                 \x20 pthread_mutex_lock(&glue_mutex);\n  it = glue_find_{at}(id, {make});\n\
+                 \x20 pthread_mutex_unlock(&glue_mutex);\n\
                  \x20 if (it == NULL || it->closed) return 0;\n\
                  \x20 glue_tell_port({at}, id, 0);\n\
                  \x20 from = glue_begin_block(&glue_written);\n\
@@ -84,7 +86,8 @@ impl Glue<'_, '_> {
                  \x20 pthread_mutex_lock(&glue_mutex);\n  glue_find_{at}(id, 1)->closed = 0;\n\
                  \x20 pthread_mutex_unlock(&glue_mutex);\n  glue_tell_port({at}, id, 1);\n}}\n\n\
                  static inline int\nglue_close_{at}(const char *id)\n{{\n\
-                 \x20 struct glue_inst_{at} *it = glue_find_{at}(id, 0);\n\
+                 \x20 struct glue_inst_{at} *it;\n  pthread_mutex_lock(&glue_mutex);\n\
+                 \x20 it = glue_find_{at}(id, 0);\n  pthread_mutex_unlock(&glue_mutex);\n\
                  \x20 if (it == NULL || it->closed) return 0;\n  it->closed = 1;\n\
                  \x20 glue_tell_port({at}, id, 2);\n  return 1;\n}}\n",
                 make = u8::from(!port.multiple),

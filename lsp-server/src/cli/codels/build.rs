@@ -2,6 +2,7 @@
 
 use std::ffi::OsString;
 use std::io::ErrorKind;
+use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -16,6 +17,8 @@ use dotgen_codegen::codels::folder::Folder;
 use dotgen_codegen::codels::hosted::{Hosted, hosted};
 use dotgen_codegen::codels::links::codel_functions;
 use dotgen_codegen::disk::{Disk as _, NewContent};
+use dotgen_codegen::process::Processes as _;
+use dotgen_timing::verify::Interrupt;
 
 use super::{has_place, project, roots};
 use crate::cli::report::{self, Format, Report};
@@ -78,6 +81,8 @@ pub(super) fn run(arguments: &Build) -> anyhow::Result<Outcome> {
                 tools: &tools,
                 packages: &packages,
                 jobs: arguments.jobs.map(usize::from),
+                // A signal ends this process, and its compilers with it.
+                interrupt: &Interrupt::default(),
             };
             let Some(built) = trouble.or_tell(built.build()) else {
                 continue;
@@ -131,6 +136,7 @@ struct Builder<'b> {
     tools: &'b Tools,
     packages: &'b PackageConfig,
     jobs: Option<usize>,
+    interrupt: &'b Interrupt,
 }
 
 struct Built {
@@ -150,15 +156,19 @@ pub(in crate::cli) struct BuiltHosts {
 }
 
 /// Builds what hosts run, of a folder that has sources.
+///
+/// When it is interrupted, it has failed.
 pub(in crate::cli) fn hosts(
     folder: &Folder,
     packages: &PackageConfig,
+    interrupt: &Interrupt,
 ) -> anyhow::Result<BuiltHosts> {
     let builder = Builder {
         folder,
         tools: &tools()?,
         packages,
         jobs: None,
+        interrupt,
     };
     builder.hosts()
 }
@@ -293,12 +303,19 @@ impl Builder<'_> {
             .jobs
             .unwrap_or_else(|| std::thread::available_parallelism().map_or(1, usize::from));
         let next = AtomicUsize::new(0);
+        // A compiler that is ended leaves its own temporary files, here.
+        let temporary = process::System.folder(None)?;
+        let (place, interrupt) = (temporary.path(), self.interrupt);
+        let work = |step: &Step| perform(step, place, interrupt);
         let results = Mutex::new(Vec::new());
         std::thread::scope(|scope| {
             for _ in 0..jobs.min(todo.len()) {
                 scope.spawn(|| {
                     while let Some(step) = todo.get(next.fetch_add(1, Ordering::Relaxed)) {
-                        let result = perform(step);
+                        if interrupt.is_raised() {
+                            break;
+                        }
+                        let result = work(step);
                         let mut results = results.lock().unwrap_or_else(|it| it.into_inner());
                         results.push((&step.output, result));
                     }
@@ -317,10 +334,10 @@ impl Builder<'_> {
             other.extend(rest);
         }
         for link in links {
-            if failed || link.is_fresh(&SystemDisk) {
+            if failed || interrupt.is_raised() || link.is_fresh(&SystemDisk) {
                 continue;
             }
-            let (_, printed) = perform(link)?;
+            let (_, printed) = work(link)?;
             let (places, rest) = build::said(&printed);
             said.extend(places);
             other.extend(rest);
@@ -391,7 +408,11 @@ fn write_changed(mut files: Vec<NewContent>) -> anyhow::Result<()> {
 }
 
 /// Runs a step: whether its output was made, and what was printed.
-fn perform(step: &Step) -> anyhow::Result<(bool, String)> {
+fn perform(
+    step: &Step,
+    temporary: &Path,
+    interrupt: &Interrupt,
+) -> anyhow::Result<(bool, String)> {
     // Until the output is whole nothing says that it is.
     report::write_files(&[report::new_content(&step.record(), "")])?;
     let (program, arguments) = step
@@ -400,7 +421,10 @@ fn perform(step: &Step) -> anyhow::Result<(bool, String)> {
         .context("a step runs a program")?;
     let arguments: Vec<OsString> = arguments.iter().map(Into::into).collect();
     // Messages are read, so they have to be in one language.
-    let environment = [("LC_ALL", "C".to_owned())];
+    let environment = [
+        ("LC_ALL", "C".to_owned()),
+        ("TMPDIR", temporary.to_string_lossy().into_owned()),
+    ];
     let process = process::ask(program, arguments, &environment);
     let mut process = process.map_err(|error| match error.kind() {
         ErrorKind::NotFound => anyhow::anyhow!(
@@ -408,7 +432,7 @@ fn perform(step: &Step) -> anyhow::Result<(bool, String)> {
         ),
         _ => anyhow::Error::new(error).context(format!("cannot run `{program}`")),
     })?;
-    let (status, printed) = process.wait_with_output()?;
+    let (status, printed) = process.wait_with_output_unless(&|| interrupt.is_raised())?;
     let printed = String::from_utf8_lossy(&printed).into_owned();
     if status.success() {
         report::write_files(&[report::new_content(&step.record(), &step.recorded())])?;

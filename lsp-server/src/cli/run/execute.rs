@@ -1,5 +1,7 @@
 //! One system, run: on the virtual or the real clock, with or without its codels.
 
+use std::io;
+
 use dotgen_runtime::profile::{Profile, functions};
 use dotgen_runtime::report::Report;
 use dotgen_runtime::simulation::{Outcome, simulate};
@@ -29,8 +31,8 @@ pub(super) struct Run {
     pub(super) report: Report,
     /// How many codels were executed, and how many simulated.
     pub(super) executed: (usize, usize),
-    /// Lines of the profile.
-    pub(super) lines: u64,
+    /// Lines of the profile; the first error where they could not be written.
+    pub(super) lines: io::Result<u64>,
     /// The first run, if it is to be shown.
     pub(super) told: Option<Told>,
 }
@@ -43,7 +45,7 @@ pub(super) struct Told {
 }
 
 impl Context<'_, '_> {
-    /// `None` if it cannot run, which was told.
+    /// `None` if it cannot run, which was told, or was interrupted before it ran.
     pub(super) fn run(
         &self,
         arguments: &Arguments,
@@ -81,7 +83,7 @@ impl Context<'_, '_> {
         );
         let report = Report::new(prepared, &plan, &outcome, &self.bounds);
         Ok(Run {
-            lines: lines(profile)?,
+            lines: lines(profile),
             executed: (0, system.codels.len()),
             told: self.told(prepared, &outcome),
             report,
@@ -119,7 +121,7 @@ impl Context<'_, '_> {
         let inputs = hosted::inputs(&arguments.inputs, self.names)?;
         let hosted = match arguments.simulate {
             Simulate::All => hosted::Hosted::none(self.names),
-            Simulate::Missing => match hosted::build(self.session, self.problem, self.names)? {
+            Simulate::Missing => match hosted::build(self.session, self.problem, self.names, self.interrupt)? {
                 Some(it) => it,
                 None => return Ok(None),
             },
@@ -138,7 +140,12 @@ impl Context<'_, '_> {
         };
         let system = &opened.built.system;
         let names = system.components.iter().map(|it| it.name.clone()).collect();
-        let mut children = Children::new(hosted.libraries(prepared), names, real);
+        let mut children = Children::new(
+            hosted.libraries(prepared),
+            names,
+            real,
+            self.interrupt.clone(),
+        );
         let mut notes = hosted.notes.clone();
         notes.extend(parts.unlike.iter().cloned());
         let pace = real.then(|| Pace {
@@ -179,6 +186,9 @@ impl Context<'_, '_> {
             Some(execution),
             &interrupted,
         );
+        if outcome.end == End::NotStarted && self.interrupt.is_raised() {
+            return Ok(None);
+        }
         if outcome.end == End::NotStarted {
             let why = live.fault().unwrap_or("a component could not be started");
             anyhow::bail!("{why}");
@@ -186,7 +196,7 @@ impl Context<'_, '_> {
         let mut report = Report::new(&opened, &plan, &outcome, &bounds);
         report.notes.extend(notes);
         Ok(Some(Run {
-            lines: lines(profile)?,
+            lines: lines(profile),
             executed: parts.counts(system),
             told: self.told(&opened, &outcome),
             report,
@@ -194,9 +204,6 @@ impl Context<'_, '_> {
     }
 }
 
-fn lines(profile: Option<Profile<'_, &mut Recorder<'_>>>) -> anyhow::Result<u64> {
-    Ok(match profile {
-        Some(profile) => profile.finish()?.1,
-        None => 0,
-    })
+fn lines(profile: Option<Profile<'_, &mut Recorder<'_>>>) -> io::Result<u64> {
+    profile.map_or(Ok(0), |it| it.finish().map(|it| it.1))
 }

@@ -13,7 +13,7 @@ use dotgen_runtime::refine;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::Ticks;
 use dotgen_timing::system::settings::Settings;
-use dotgen_timing::verify::Prepared;
+use dotgen_timing::verify::{Interrupt, Prepared};
 
 use crate::cli::codels::build;
 use crate::cli::report::{self, Report};
@@ -32,11 +32,12 @@ pub(super) struct Hosted<'s> {
     pub(super) notes: Vec<String>,
 }
 
-/// Builds what has sources; `None` if that does not compile, which is told.
+/// Builds what has sources; `None` if that does not compile, which is told, or is interrupted.
 pub(super) fn build<'s>(
     session: &Session,
     problem: &Problem,
     names: &Names<'s>,
+    interrupt: &Interrupt,
 ) -> anyhow::Result<Option<Hosted<'s>>> {
     let mut out = Hosted {
         parts: names.components.iter().map(|_| None).collect(),
@@ -52,7 +53,7 @@ pub(super) fn build<'s>(
             if folder.sources.sources.is_empty() {
                 continue;
             }
-            let built = build::hosts(&folder, session.packages())?;
+            let built = build::hosts(&folder, session.packages(), interrupt)?;
             failed |= built.failed;
             for it in &built.diagnostics {
                 for path in std::iter::once(&it.path).chain(it.related.iter().map(|it| &it.path)) {
@@ -79,6 +80,9 @@ pub(super) fn build<'s>(
                 });
             }
         }
+    }
+    if interrupt.is_raised() {
+        return Ok(None);
     }
     if failed {
         said.finish();

@@ -1,5 +1,7 @@
 //! A run that listens: the socket, and what is known of the components there.
 
+use std::collections::BTreeMap;
+
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::verify::Prepared;
 use std::os::unix::fs::DirBuilderExt as _;
@@ -33,7 +35,7 @@ pub(super) fn start(
         }
     };
     let built = &prepared.built;
-    let mut known: Vec<Option<Known>> = built.system.components.iter().map(|_| None).collect();
+    let mut known: BTreeMap<usize, Known> = BTreeMap::new();
     for (name, member) in names.components.iter().enumerate() {
         let Some(&at) = built.components.get(&name) else {
             continue;
@@ -44,14 +46,14 @@ pub(super) fn start(
             continue;
         };
         let count = member.component.services.len() as u32;
-        let services = (0..count).filter_map(|it| built.services.get(&(name, it)).copied());
-        known[at] = Some(Known {
+        let services = (0..count).map(|it| built.services.get(&(name, it)).copied());
+        let known_here = Known {
             services: services.collect(),
             component,
             spec,
-        });
+        };
+        known.insert(at, known_here);
     }
-    let known = known.into_iter().flatten().collect();
     let (server, outside) = listen(&path, known, children.door()).map_err(anyhow::Error::msg)?;
     children.tell(outside);
     report::note(&format!("listening at `{}`", path.display()));

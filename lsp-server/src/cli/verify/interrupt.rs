@@ -3,6 +3,10 @@
 use std::io::IsTerminal;
 
 use dotgen_timing::verify::Interrupt;
+#[cfg(unix)]
+use tokio::signal::unix::{Signal, SignalKind, signal};
+
+use crate::files::disk;
 
 /// What a process says that was ended by Ctrl-C.
 const ENDED: i32 = 130;
@@ -20,21 +24,48 @@ pub(crate) fn on_signals() -> Interrupt {
     watched()
 }
 
-/// The next signal that asks for the end.
-async fn asked() -> std::io::Result<()> {
-    #[cfg(unix)]
-    {
-        use tokio::signal::unix::{SignalKind, signal};
-        let mut end = signal(SignalKind::terminate())?;
-        let mut hangs_up = signal(SignalKind::hangup())?;
+/// The signals that ask for the end. Those that come while nobody waits are heard by who waits next.
+#[cfg(unix)]
+struct Signals {
+    interrupts: Signal,
+    ends: Signal,
+    hangs_up: Signal,
+}
+
+#[cfg(unix)]
+impl Signals {
+    fn new() -> std::io::Result<Signals> {
+        Ok(Signals {
+            interrupts: signal(SignalKind::interrupt())?,
+            ends: signal(SignalKind::terminate())?,
+            hangs_up: signal(SignalKind::hangup())?,
+        })
+    }
+
+    /// The next one.
+    async fn next(&mut self) {
         tokio::select! {
-            it = tokio::signal::ctrl_c() => it,
-            _ = end.recv() => Ok(()),
-            _ = hangs_up.recv() => Ok(()),
+            _ = self.interrupts.recv() => {}
+            _ = self.ends.recv() => {}
+            _ = self.hangs_up.recv() => {}
         }
     }
-    #[cfg(not(unix))]
-    tokio::signal::ctrl_c().await
+}
+
+#[cfg(not(unix))]
+struct Signals;
+
+#[cfg(not(unix))]
+impl Signals {
+    fn new() -> std::io::Result<Signals> {
+        Ok(Signals)
+    }
+
+    async fn next(&mut self) {
+        if tokio::signal::ctrl_c().await.is_err() {
+            std::future::pending::<()>().await
+        }
+    }
 }
 
 fn watched() -> Interrupt {
@@ -45,18 +76,21 @@ fn watched() -> Interrupt {
     let Ok(runtime) = runtime else {
         return interrupt;
     };
-    let raised = interrupt.clone();
+    let (raised, listens) = (interrupt.clone(), std::sync::mpsc::channel());
     // It waits until the process ends.
     std::thread::spawn(move || {
         runtime.block_on(async {
+            let signals = Signals::new();
+            let _ = listens.0.send(());
             // Without a handler the signal does what it always did.
-            if asked().await.is_ok() {
-                raised.raise();
-            }
-            if asked().await.is_ok() {
-                std::process::exit(ENDED);
-            }
+            let Ok(mut signals) = signals else { return };
+            signals.next().await;
+            raised.raise();
+            signals.next().await;
+            disk::leave(ENDED);
         });
     });
+    // From here on a signal is heard.
+    let _ = listens.1.recv();
     interrupt
 }

@@ -4,15 +4,15 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use super::passing::Passing;
 use super::write;
 
 /// A file under a temporary name, beside the one whose place it will take. When it is dropped it is removed.
 #[derive(Debug)]
 pub(crate) struct Stream {
     out: BufWriter<File>,
-    temporary: PathBuf,
+    temporary: Passing,
     target: PathBuf,
-    finished: bool,
 }
 
 impl Stream {
@@ -24,9 +24,8 @@ impl Stream {
         let (temporary, target, file) = write::beside(path)?;
         Ok(Stream {
             out: BufWriter::with_capacity(1 << 20, file),
-            temporary,
+            temporary: Passing::new(temporary),
             target,
-            finished: false,
         })
     }
 
@@ -37,9 +36,7 @@ impl Stream {
     pub(crate) fn finish(mut self) -> io::Result<()> {
         self.out.flush()?;
         self.out.get_ref().sync_all()?;
-        std::fs::rename(&self.temporary, &self.target)?;
-        self.finished = true;
-        Ok(())
+        std::fs::rename(self.temporary.path(), &self.target)
     }
 }
 
@@ -50,14 +47,6 @@ impl Write for Stream {
 
     fn flush(&mut self) -> io::Result<()> {
         self.out.flush()
-    }
-}
-
-impl Drop for Stream {
-    fn drop(&mut self) {
-        if !self.finished {
-            let _ = std::fs::remove_file(&self.temporary);
-        }
     }
 }
 

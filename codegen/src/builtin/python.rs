@@ -1,0 +1,246 @@
+//! Type stubs of a component for the Python client (`clients/python`): what `load("NAME")` returns, in the JSON of
+//! docs/socket.md.
+
+use std::collections::{HashMap, HashSet};
+
+use dotgen_analysis::model::{Component, Param, PortDir, Service, Spec, TypeId, TypeKind};
+
+use crate::codels::value::{goes_in, goes_out};
+
+/// Words that no name in Python may be.
+const KEYWORDS: &[&str] = &[
+    "False", "None", "True", "and", "as", "assert", "async", "await", "break", "class", "continue",
+    "def", "del", "elif", "else", "except", "finally", "for", "from", "global", "if", "import",
+    "in", "is", "lambda", "nonlocal", "not", "or", "pass", "raise", "return", "try", "while",
+    "with", "yield",
+];
+
+/// Names that mean something in a stub.
+const TAKEN: &[&str] = &[
+    "Activity",
+    "Any",
+    "Dict",
+    "List",
+    "Literal",
+    "Optional",
+    "Port",
+    "TypedDict",
+    "bool",
+    "float",
+    "int",
+    "overload",
+    "str",
+];
+
+/// The stub of one component.
+pub(super) fn stub(spec: &Spec, component: &Component) -> String {
+    let class = class_name(&component.name);
+    let taken = TAKEN.iter().chain(KEYWORDS).map(|it| (*it).to_owned());
+    let mut types = Types {
+        taken: taken.chain([class.clone()]).collect(),
+        names: HashMap::new(),
+        text: String::new(),
+        spec,
+    };
+    let mut members = String::new();
+    doc(&mut members, component.doc.as_deref(), "    ");
+    for service in &component.services {
+        if !KEYWORDS.contains(&service.name.as_str()) {
+            types.service(service, &mut members);
+        }
+    }
+    for port in component.ports.iter().filter(|it| it.dir == PortDir::Out) {
+        if !KEYWORDS.contains(&port.name.as_str()) {
+            members += &format!("    {}: Port[{}]\n", port.name, types.of(port.data));
+        }
+    }
+    if members.is_empty() {
+        members += "    pass\n";
+    }
+    format!(
+        "# What `load(\"{}\")` returns. Written by `dotgen generate python`.\n\
+         from typing import Any, Dict, List, Literal, Optional, TypedDict, overload\n\n\
+         from dotgen import Activity, Port\n\n\
+         {}class {class}:\n{members}",
+        component.name, types.text
+    )
+}
+
+/// The name of a class: `pump` is `Pump`, `color_tracker` is `ColorTracker`.
+fn class_name(component: &str) -> String {
+    let mut out = String::new();
+    for word in component.split('_') {
+        let mut letters = word.chars();
+        out.extend(letters.next().map(|it| it.to_ascii_uppercase()));
+        out.push_str(letters.as_str());
+    }
+    match out.starts_with(|it: char| it.is_ascii_alphabetic()) && !TAKEN.contains(&out.as_str()) {
+        true => out,
+        false => format!("Component{out}"),
+    }
+}
+
+/// A docstring, if there is something to tell.
+fn doc(out: &mut String, doc: Option<&str>, indentation: &str) {
+    if let Some(doc) = doc.filter(|it| !it.is_empty()) {
+        *out += &format!("{indentation}{}\n", quoted(doc));
+    }
+}
+
+/// A string literal of Python: what is escaped in JSON is escaped alike there.
+fn quoted(text: &str) -> String {
+    serde_json::Value::from(text).to_string()
+}
+
+/// Definitions of types, as they come up.
+struct Types<'s> {
+    spec: &'s Spec,
+    names: HashMap<TypeId, String>,
+    taken: HashSet<String>,
+    text: String,
+}
+
+impl Types<'_> {
+    fn service(&mut self, service: &Service, out: &mut String) {
+        let name = &service.name;
+        let inputs: Vec<&Param> = service.params.iter().filter(|it| goes_in(it)).collect();
+        let outputs: Vec<&Param> = service.params.iter().filter(|it| goes_out(it)).collect();
+        let result = match outputs.as_slice() {
+            [] => "None".to_owned(),
+            [one] => self.of(one.ty),
+            several => {
+                let members = several.iter().map(|it| (it.name.to_string(), it.ty));
+                let wanted = self.free(&format!("{name}_outputs"));
+                self.dictionary(&wanted, members.collect());
+                wanted
+            }
+        };
+        let plain = |it: &&Param| {
+            !KEYWORDS.contains(&it.name.as_str()) && !["self", "ack"].contains(&it.name.as_str())
+        };
+        let parameters = match inputs.iter().all(plain) {
+            true if inputs.is_empty() => "*, ".to_owned(),
+            true => {
+                // What is not given has its default, or is zero.
+                let all = inputs
+                    .iter()
+                    .map(|it| format!("{}: {} = ..., ", it.name, self.of(it.ty)));
+                all.collect::<String>() + "*, "
+            }
+            // They can be given in order, or as a dictionary with `**`.
+            false => "*args: Any, ".to_owned(),
+        };
+        let rest = match inputs.iter().all(plain) {
+            true => "",
+            false => ", **inputs: Any",
+        };
+        for (ack, result) in [
+            ("ack: Literal[False] = ...", result.clone()),
+            ("ack: Literal[True]", format!("Activity[{result}]")),
+        ] {
+            *out += &format!(
+                "    @overload\n    def {name}(self, {parameters}{ack}{rest}) -> {result}:"
+            );
+            match service.doc.as_deref().filter(|it| !it.is_empty()) {
+                None => *out += " ...\n",
+                described => {
+                    out.push('\n');
+                    doc(out, described, "        ");
+                }
+            }
+        }
+    }
+
+    /// The name of a definition that no other has.
+    fn free(&mut self, wanted: &str) -> String {
+        let mut name = wanted.to_owned();
+        let mut count = 2;
+        while !self.taken.insert(name.clone()) {
+            name = format!("{wanted}_{count}");
+            count += 1;
+        }
+        name
+    }
+
+    fn dictionary(&mut self, name: &str, members: Vec<(String, TypeId)>) {
+        let members: Vec<String> = members
+            .into_iter()
+            .map(|(name, ty)| format!("{}: {}", quoted(&name), self.of(ty)))
+            .collect();
+        // In this form a member may have any name.
+        self.text += &format!(
+            "{name} = TypedDict({}, {{{}}})\n\n",
+            quoted(name),
+            members.join(", ")
+        );
+    }
+
+    /// How a type is written. What has members gets a definition.
+    fn of(&mut self, id: TypeId) -> String {
+        let spec = self.spec;
+        match &spec.ty(id).kind {
+            TypeKind::ForwardStruct { definition } | TypeKind::ForwardUnion { definition } => {
+                definition.map_or_else(|| "Any".to_owned(), |it| self.of(it))
+            }
+            TypeKind::StructMember { ty }
+            | TypeKind::UnionMember { ty, .. }
+            | TypeKind::Const { ty, .. }
+            | TypeKind::Typedef { ty } => self.of(*ty),
+            TypeKind::Boolean => "bool".to_owned(),
+            TypeKind::Octet
+            | TypeKind::Char
+            | TypeKind::Short
+            | TypeKind::UnsignedShort
+            | TypeKind::Long
+            | TypeKind::UnsignedLong
+            | TypeKind::LongLong
+            | TypeKind::UnsignedLongLong => "int".to_owned(),
+            // NaN and infinity are `null`, but only then: whoever expects them asks.
+            TypeKind::Float | TypeKind::Double => "float".to_owned(),
+            TypeKind::String { .. } => "str".to_owned(),
+            TypeKind::Array { element, .. } | TypeKind::Sequence { element, .. } => {
+                format!("List[{}]", self.of(*element))
+            }
+            TypeKind::Optional { element } => format!("Optional[{}]", self.of(*element)),
+            TypeKind::Enum { enumerators } => {
+                let names = enumerators
+                    .iter()
+                    .filter_map(|it| spec.ty(*it).name.as_ref());
+                let names: Vec<String> = names.map(|it| quoted(it.as_str())).collect();
+                match names.is_empty() {
+                    true => "str".to_owned(),
+                    false => format!("Literal[{}]", names.join(", ")),
+                }
+            }
+            TypeKind::Struct { members } => {
+                let members = members.clone();
+                self.defined(id, |types, name| {
+                    let named = |it: TypeId| {
+                        let name = types.spec.ty(it).name.as_ref();
+                        (name.map(ToString::to_string).unwrap_or_default(), it)
+                    };
+                    let members = members.into_iter().map(named).collect();
+                    types.dictionary(name, members);
+                })
+            }
+            // `_d`, and the member that it chooses: its type is known only when that is.
+            TypeKind::Union { .. } => "Dict[str, Any]".to_owned(),
+            _ => "Any".to_owned(),
+        }
+    }
+
+    /// The name of a type that is defined once, however often it is wanted, also by itself.
+    fn defined(&mut self, id: TypeId, define: impl FnOnce(&mut Self, &str)) -> String {
+        if let Some(name) = self.names.get(&id) {
+            return name.clone();
+        }
+        let full = self
+            .spec
+            .full_name(id)
+            .unwrap_or_else(|| "::anonymous".to_owned());
+        let name = self.free(&full.trim_start_matches("::").replace("::", "_"));
+        self.names.insert(id, name.clone());
+        define(self, &name);
+        name
+    }
+}

@@ -1,0 +1,304 @@
+//! What goes wrong in a run: it ends as docs/run.md says, in time, and leaves nothing behind.
+#![cfg(target_os = "linux")]
+
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::os::unix::fs::PermissionsExt as _;
+use std::os::unix::net::UnixStream;
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+
+#[path = "support/directory.rs"]
+mod directory;
+#[path = "support/running.rs"]
+mod running;
+
+use directory::{Directory, status, stderr, stdout};
+use running::{Listening, compilers, ended, processes, signal, soon, with_body};
+
+const REAL: &[&str] = &["run", "good/good.gen", "--clock", "real", "--socket", "s"];
+
+/// A component with an activity that takes longer than it states: once with 1, for ever with 2.
+fn slow() -> Directory {
+    Directory::new(&[
+        (
+            "slow/slow.gen",
+            "component slow { version \"1\"; lang \"c\"; ids { long n; };
+               task main { period 10 ms; };
+               activity work(in long how) { task main;
+                 codel<start> slow_work(in how) yield pause::start, ether wcet 1 ms; }; };\n",
+        ),
+        (
+            "slow/codels/slow.c",
+            "#include <time.h>
+#include \"acslow.h\"
+#include \"slow_c_types.h\"
+genom_event slow_work(int32_t how, const genom_context self) {
+  struct timespec t = { 0, 30000000 };
+  nanosleep(&t, NULL);
+  return how == 2 ? slow_pause_start : slow_ether;
+}
+",
+        ),
+    ])
+}
+
+const SLOW: &[&str] = &[
+    "run",
+    "slow/slow.gen",
+    "--clock",
+    "real",
+    "--socket",
+    "s",
+    "--bounds",
+    "none",
+    "--on-violation",
+];
+
+/// What is in a directory, sorted.
+fn names(directory: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(directory).expect("a directory").flatten();
+    let mut all: Vec<String> = entries
+        .map(|it| it.file_name().to_string_lossy().into_owned())
+        .collect();
+    all.sort();
+    all
+}
+
+/// Starts the program, with nothing to read from it.
+fn start(command: &mut Command) -> Child {
+    let command = command.stdout(Stdio::null()).stderr(Stdio::null());
+    command.spawn().expect("the program starts")
+}
+
+fn none_is_left(directory: &Directory) {
+    soon("the end of hosts", || {
+        processes(directory).is_empty().then_some(())
+    });
+}
+
+#[test]
+fn an_activity_whose_codel_takes_too_long_ends_where_that_is_wanted() {
+    if !compilers() {
+        return;
+    }
+    let directory = slow();
+    let call = ["call", "--socket", "s", "slow", "work", "{\"how\": 1}"];
+    for (wanted, code) in [("report", 0), ("stop-activity", 1)] {
+        let arguments = [SLOW, &[wanted]].concat();
+        let mut run = Listening::start(&directory, &arguments);
+        let called = directory.run(&call);
+        assert_eq!(status(&called), code, "{wanted}: {}", stderr(&called));
+        let told = stderr(&called).contains("::dotgen::overrun");
+        assert_eq!(told, code == 1, "{}", stderr(&called));
+        run.signal("-TERM");
+        // Both tell of the violation.
+        assert_eq!(ended(&mut run.0).code(), Some(1));
+    }
+}
+
+#[test]
+fn a_run_ends_with_the_first_violation_where_that_is_wanted() {
+    if !compilers() {
+        return;
+    }
+    let directory = slow();
+    let mut run = Listening::start(&directory, &[SLOW, &["stop"]].concat());
+    directory.run(&["call", "--socket", "s", "slow", "work", "{\"how\": 1}"]);
+    assert_eq!(ended(&mut run.0).code(), Some(1));
+    assert!(!directory.path().join("s").exists());
+    none_is_left(&directory);
+}
+
+#[test]
+fn a_client_that_goes_leaves_its_activity_to_itself() {
+    if !compilers() {
+        return;
+    }
+    let directory = slow();
+    let mut run = Listening::start(&directory, &[SLOW, &["report"]].concat());
+    let mut client = UnixStream::connect(directory.path().join("s")).expect("it listens");
+    let ask = b"{\"id\": 1, \"call\": \"slow.work\", \"input\": {\"how\": 2}}\n";
+    client.write_all(ask).expect("it reads");
+    let mut said = String::new();
+    let mut lines = BufReader::new(&client);
+    lines.read_line(&mut said).expect("it answers");
+    assert!(said.contains("accepted"), "{said}");
+    drop(client);
+    // In the middle of a line.
+    let mut client = UnixStream::connect(directory.path().join("s")).expect("it listens");
+    client.write_all(b"{\"id\": 1, \"call").expect("it reads");
+    drop(client);
+    let other = directory.run(&["call", "--socket", "s", "slow", "work", "{\"how\": 1}"]);
+    assert_eq!(status(&other), 0, "{}", stderr(&other));
+    run.signal("-TERM");
+    assert_eq!(ended(&mut run.0).code(), Some(1));
+    none_is_left(&directory);
+}
+
+#[test]
+fn what_is_no_request_is_told_and_the_next_one_is_heard() {
+    let directory = with_body("");
+    let arguments = [REAL, &["--simulate", "all"]].concat();
+    let run = Listening::start(&directory, &arguments);
+    let mut client = UnixStream::connect(directory.path().join("s")).expect("it listens");
+    let lines = "nonsense\n[]\n{\"id\": 3}\n{\"id\": 4, \"call\": \"good\"}\n{\"id\": 5, \"abort\": 9}\n\
+                 {\"id\": 6, \"watch\": \"good/none\"}\n{\"id\": 7, \"call\": \"good.none\"}\n\
+                 {\"id\": 8, \"describe\": null}\n";
+    client.write_all(lines.as_bytes()).expect("it reads");
+    let mut answers = BufReader::new(&client).lines();
+    for id in ["null", "null", "3", "4", "5", "6", "7"] {
+        let answer = answers.next().expect("an answer").expect("it is text");
+        let answer: serde_json::Value = serde_json::from_str(&answer).expect("it is JSON");
+        assert_eq!(answer["event"], "error", "{answer}");
+        assert_eq!(answer["id"].to_string(), id, "{answer}");
+    }
+    let last = answers.next().expect("an answer").expect("it is text");
+    assert!(last.contains("description"), "{last}");
+    drop(run);
+}
+
+#[test]
+fn a_host_that_is_killed_is_told_and_the_others_go_on() {
+    if !compilers() {
+        return;
+    }
+    let directory = slow();
+    let mut run = Listening::start(&directory, &[SLOW, &["report"]].concat());
+    let call = ["call", "--socket", "s", "slow", "work", "{\"how\": 1}"];
+    let called = directory.run(&call);
+    assert_eq!(status(&called), 0, "{}", stderr(&called));
+    let hosts = hosts(&directory);
+    assert_eq!(hosts.len(), 1);
+    signal("-KILL", hosts[0]);
+    // It is told as soon as it is known.
+    let told = |it: &Output| stderr(it).contains("::dotgen::lost");
+    let called = soon("the loss", || Some(directory.run(&call)).filter(told));
+    assert_eq!(status(&called), 1);
+    assert!(
+        stderr(&called).contains("::dotgen::lost"),
+        "{}",
+        stderr(&called)
+    );
+    run.signal("-TERM");
+    assert_eq!(ended(&mut run.0).code(), Some(1));
+}
+
+/// The numbers of the processes that run components of a directory.
+fn hosts(directory: &Directory) -> Vec<u32> {
+    let path = directory.path().to_str().expect("it is text");
+    let all = std::fs::read_dir("/proc").expect("Linux has it").flatten();
+    let numbers = all.filter_map(|it| it.file_name().to_str()?.parse().ok());
+    let is_host = |it: &u32| {
+        let words = std::fs::read(format!("/proc/{it}/cmdline")).unwrap_or_default();
+        let words = String::from_utf8_lossy(&words).into_owned();
+        words.contains("-run.so") && words.contains(path)
+    };
+    numbers.filter(is_host).collect()
+}
+
+#[test]
+fn a_signal_ends_compilers() {
+    let directory = with_body("");
+    let compiler = directory.path().join("compiler");
+    std::fs::write(&compiler, "#!/bin/sh\ntouch started\nsleep 1000\n").expect("written");
+    std::fs::set_permissions(&compiler, std::fs::Permissions::from_mode(0o700)).expect("its own file");
+    std::fs::create_dir(directory.path().join("tmp")).expect("a directory");
+    let mut command = directory.command(&["run", "good/good.gen", "--profile", "log"]);
+    let command = command.env("CC", &compiler);
+    let mut run = start(command.env("TMPDIR", directory.path().join("tmp")));
+    let started = directory.path().join("started");
+    soon("a compiler", || started.exists().then_some(()));
+    signal("-TERM", run.id());
+    assert_eq!(ended(&mut run).code(), Some(3));
+    assert_eq!(names(&directory.path().join("tmp")), Vec::<String>::new());
+    assert_eq!(
+        names(directory.path()),
+        ["bad", "compiler", "good", "started", "tmp"]
+    );
+    // What was begun does not count as made.
+    let objects = directory.path().join("good/.dotgen/run/good");
+    assert!(!objects.join("good-run.so").exists());
+}
+
+#[test]
+fn a_signal_ends_hosts_that_do_not_begin() {
+    if !compilers() {
+        return;
+    }
+    let directory = with_body("");
+    let source = directory.read("good/codels/good.c");
+    let begin = "__attribute__((constructor)) static void begin(void) {
+  extern int creat(const char *, unsigned);
+  creat(\"begun\", 0600);
+  for (;;) pause();
+}\n";
+    directory.write("good/codels/good.c", (source + begin).as_bytes());
+    for clock in ["virtual", "real"] {
+        let mut arguments = vec!["run", "good/good.gen", "--clock", clock];
+        arguments.extend(["--socket", "s"].iter().filter(|_| clock == "real"));
+        let mut run = start(&mut directory.command(&arguments));
+        let begun = directory.path().join("begun");
+        soon("a host", || begun.exists().then_some(()));
+        std::fs::remove_file(&begun).expect("it is there");
+        signal("-TERM", run.id());
+        assert_eq!(ended(&mut run).code(), Some(3), "{clock}");
+        none_is_left(&directory);
+        assert_eq!(names(directory.path()), ["bad", "good"]);
+    }
+}
+
+#[test]
+fn a_signal_ends_a_run_whose_codel_is_blocked() {
+    if !compilers() {
+        return;
+    }
+    let directory = with_body(
+        "extern int creat(const char *, unsigned); creat(\"blocked\", 0600); for (;;) pause();",
+    );
+    let arguments = ["run", "bad/bad.gen", "--bounds", "none", "--profile", "log"];
+    let mut run = start(&mut directory.command(&arguments));
+    let blocked = directory.path().join("blocked");
+    soon("the codel", || blocked.exists().then_some(()));
+    signal("-HUP", run.id());
+    assert_eq!(ended(&mut run).code(), Some(3));
+    none_is_left(&directory);
+    // What happened until then is told.
+    assert!(directory.read("log").contains(" bad_first "));
+}
+
+#[test]
+fn a_second_signal_leaves_nothing_behind() {
+    let directory = with_body("");
+    let arguments = [REAL, &["--simulate", "all", "--profile", "log"]].concat();
+    let mut run = Listening::start(&directory, &arguments);
+    // It hears of both at the same time.
+    for name in ["-STOP", "-TERM", "-HUP", "-CONT"] {
+        run.signal(name);
+    }
+    let status = ended(&mut run.0);
+    assert!(matches!(status.code(), Some(1 | 3 | 130)), "{status}");
+    let left = names(directory.path());
+    let expected: &[&[&str]] = &[&["bad", "good"], &["bad", "good", "log"]];
+    assert!(expected.iter().any(|it| left == *it), "{left:?}");
+}
+
+#[test]
+fn a_log_for_which_there_is_no_room_is_told() {
+    let directory = with_body("");
+    let words = "run good/good.gen --simulate all --bounds none --runs 5000 --profile log";
+    let own = directory.command(&[]);
+    let mut shell = Command::new("sh");
+    shell.current_dir(directory.path());
+    // The system refuses to write more, as where a disk is full.
+    shell.args(["-c", "trap '' XFSZ; ulimit -f 64; exec \"$0\" \"$@\""]);
+    shell.arg(own.get_program()).args(words.split(' '));
+    let output = shell.output().expect("it runs");
+    assert_eq!(status(&output), 2, "{}", stderr(&output));
+    assert!(stdout(&output).contains("good.main"), "the runs are told");
+    assert!(
+        stderr(&output).contains("cannot write `log`"),
+        "{}",
+        stderr(&output)
+    );
+    assert_eq!(names(directory.path()), ["bad", "good"]);
+}

@@ -1,0 +1,152 @@
+//! Components that run with codels of their own: what tests of that need.
+
+#![allow(dead_code, reason = "no test file needs all of it")]
+
+use std::io::{BufRead as _, BufReader, Read as _};
+use std::process::{Child, Command, ExitStatus, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::directory::{Directory, stderr, stdout};
+
+/// Whether there are compilers.
+pub(crate) fn compilers() -> bool {
+    ["cc", "c++"].iter().all(|it| {
+        let mut command = Command::new(it);
+        command.arg("--version").stdout(Stdio::null());
+        let known = command.status().is_ok_and(|it| it.success());
+        if !known {
+            eprintln!("skipped: there is no {it}");
+        }
+        known
+    })
+}
+
+/// A component whose activity does something in its codel, beside one that does no harm.
+pub(crate) fn with_body(body: &str) -> Directory {
+    let gen_of = |name: &str| {
+        format!(
+            "component {name} {{ version \"1\"; lang \"c\"; ids {{ long n; }};
+               task main {{ period 10 ms;
+                 codel<start> {name}_first(inout n) yield pause::go wcet 1 ms;
+                 codel<go> {name}_again(inout n) yield pause::go, stop wcet 1 ms;
+                 codel<stop> {name}_last(inout n) yield ether wcet 1 ms; }}; }};\n"
+        )
+    };
+    let source = |name: &str, body: &str| {
+        format!(
+            "#include \"ac{name}.h\"
+#include <stdlib.h>
+#include <unistd.h>
+#include \"{name}_c_types.h\"
+genom_event {name}_first(int32_t *n, const genom_context self) {{ *n = 0; return {name}_pause_go; }}
+genom_event {name}_again(int32_t *n, const genom_context self) {{
+  if (++*n == 5) {{ {body} }}
+  return {name}_pause_go;
+}}
+genom_event {name}_last(int32_t *n, const genom_context self) {{ return {name}_ether; }}
+"
+        )
+    };
+    let directory = Directory::new(&[]);
+    for (name, body) in [("bad", body), ("good", "")] {
+        directory.write(&format!("{name}/{name}.gen"), gen_of(name).as_bytes());
+        let path = format!("{name}/codels/{name}.c");
+        directory.write(&path, source(name, body).as_bytes());
+    }
+    directory
+}
+
+pub(crate) fn json_of(output: &Output) -> Value {
+    let text = stdout(output);
+    serde_json::from_str(&text).unwrap_or_else(|it| panic!("{it}: {text}{}", stderr(output)))
+}
+
+/// Processes whose words name something of a directory.
+pub(crate) fn processes(directory: &Directory) -> Vec<String> {
+    let path = directory.path().to_str().expect("it is text").to_owned();
+    let all = std::fs::read_dir("/proc")
+        .expect("Linux has it")
+        .filter_map(Result::ok);
+    let words = all.filter_map(|it| std::fs::read(it.path().join("cmdline")).ok());
+    let words = words.map(|it| String::from_utf8_lossy(&it).replace('\0', " "));
+    words
+        .filter(|it| it.contains("-run.so") && it.contains(&path))
+        .collect()
+}
+
+pub(crate) fn violation<'r>(report: &'r Value, kind: &str) -> &'r Value {
+    let all = report["violations"].as_array().expect("a list");
+    let found = all.iter().find(|it| it["kind"] == kind);
+    found.unwrap_or_else(|| panic!("no {kind}: {report:#}"))
+}
+
+/// A run on the real clock, from when it listens.
+pub(crate) struct Listening(pub(crate) Child);
+
+impl Listening {
+    pub(crate) fn start(directory: &Directory, arguments: &[&str]) -> Listening {
+        let mut command = directory.command(arguments);
+        command.stdout(Stdio::null()).stderr(Stdio::piped());
+        let mut child = command.spawn().expect("the program starts");
+        let output = child.stderr.take().expect("it is piped");
+        let mut output = BufReader::new(output);
+        let mut said = String::new();
+        while !said.contains("listening at") {
+            let read = output.read_line(&mut said).expect("it is text");
+            assert_ne!(read, 0, "it has ended: {said}");
+        }
+        std::thread::spawn(move || output.read_to_end(&mut Vec::new()));
+        Listening(child)
+    }
+
+    pub(crate) fn signal(&self, name: &str) {
+        signal(name, self.0.id());
+    }
+}
+
+impl Drop for Listening {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// How long something may take that ends at once.
+const SOON: Duration = Duration::from_secs(20);
+
+/// Waits until something is so, and fails where that does not come soon.
+pub(crate) fn soon<T>(what: &str, mut ask: impl FnMut() -> Option<T>) -> T {
+    let begin = Instant::now();
+    loop {
+        if let Some(it) = ask() {
+            return it;
+        }
+        assert!(begin.elapsed() < SOON, "not in time: {what}");
+        std::thread::yield_now();
+    }
+}
+
+/// Waits for the end of a process that ends soon; else it is ended, and the test has failed.
+pub(crate) fn ended(child: &mut Child) -> ExitStatus {
+    let begin = Instant::now();
+    loop {
+        if let Some(it) = child.try_wait().expect("it is a child") {
+            return it;
+        }
+        if begin.elapsed() > SOON {
+            let _ = child.kill();
+            let _ = child.wait();
+            panic!("it does not end");
+        }
+        std::thread::yield_now();
+    }
+}
+
+/// Sends a signal to a process.
+pub(crate) fn signal(name: &str, process: u32) {
+    let mut kill = Command::new("kill");
+    let status = kill.args([name, &process.to_string()]).status();
+    assert!(status.is_ok_and(|it| it.success()));
+}
