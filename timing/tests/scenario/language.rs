@@ -1,0 +1,132 @@
+//! The scenario language: what is read, recovered from, formatted and resolved.
+
+use dotgen_timing::scn::names::{Names, Target};
+use dotgen_timing::scn::{default_text, format, parse, parse_check};
+use dotgen_timing::verify::{Cancel, SystemInput, verify};
+
+use crate::{ROBOT, load, published, robot, summary};
+
+#[test]
+fn mistakes_are_explained() {
+    let report = robot(
+        "check response sensor.aquire; check schedulable sensor.record;
+         duration sensor.record 3 ms; connect sensor.scan to control.scan;
+         check within sensor.acquire.read.idle => control.move;",
+    );
+    insta::assert_snapshot!(summary(&report));
+}
+
+#[test]
+fn slots_are_some_and_not_too_many() {
+    for (number, allowed) in [
+        ("0", false),
+        ("1", true),
+        ("32", true),
+        ("33", false),
+        ("40", false),
+        ("4294967298", false),
+    ] {
+        let text = format!(
+            "scenario s {{ slots sensor.record 3; slots sensor.record {number}; cores 1; }}"
+        );
+        let parsed = parse(&text);
+        let wrong = parsed.errors.iter();
+        let wrong: Vec<_> = wrong.map(|it| (it.code, &text[it.range.clone()])).collect();
+        match allowed {
+            true => assert_eq!(wrong, []),
+            false => assert_eq!(wrong, [("scn-slots", number)]),
+        }
+        assert_eq!(parsed.scenario.items.len(), 2 + usize::from(allowed));
+    }
+    let told = &parse("scenario s { slots sensor.record 40; }").errors[0].message;
+    insta::assert_snapshot!(told, @"a task or an activity can have 1 to 32 slots, not 40: without one it never runs, and each one more multiplies what has to be explored");
+}
+
+#[test]
+fn broken_text_is_recovered_from() {
+    let parsed = parse(
+        "scenario x {\n  cores 0;\n  policy lifo;\n  unit 1 ms\n  check response a.b;\n  client c { send a.; repeat 3 { } }\n  wrong;\n",
+    );
+    let errors: Vec<String> = parsed
+        .errors
+        .iter()
+        .map(|it| format!("{:?} {}: {}", it.range, it.code, it.message))
+        .collect();
+    insta::assert_snapshot!(errors.join("\n"));
+    assert_eq!(parsed.scenario.items.len(), 2);
+}
+
+#[test]
+fn formatting_keeps_comments_and_is_stable() {
+    let text = "// Head.\nscenario  x{use \"a.gen\" ;cores   4;// all of them\n\n\n  duration a.b.c [ 1,* ]us;\nclient k{ choice{send a.b ;}or{ delay [0,3] ms; } }\ncheck q:within a.b=>not (c.d or e.f)<=3 ms;}";
+    let formatted = format(text).unwrap();
+    insta::assert_snapshot!(formatted);
+    assert_eq!(format(&formatted).as_ref(), Some(&formatted));
+    // Where a long check is broken, it stays so.
+    let long = "scenario x {\n  check stop: within a.b\n    => c.d\n    then e.f\n    or g.h <= 5 ms;\n}\n";
+    assert_eq!(format(long).as_deref(), Some(long));
+    let other = long.replace("\n    ", "\n\n       ").replace("<=", "\n<=");
+    assert_eq!(format(&other).as_deref(), Some(long));
+    assert_eq!(format("scenario x { cores ; }"), None);
+}
+
+#[test]
+fn the_default_scenario_is_one() {
+    let unit = load(ROBOT);
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    let names = Names::new(&input.specs);
+    let components: Vec<_> = names.components.iter().map(|it| it.component).collect();
+    let text = default_text(&components, &["robot.gen".to_owned()]);
+    let parsed = parse(&text);
+    assert_eq!(parsed.errors, []);
+    assert_eq!(format(&text).as_ref(), Some(&text));
+    let report = verify(&input, &parsed.scenario, &published(), &Cancel::default());
+    insta::assert_snapshot!(format!("{text}\n{}", summary(&report)));
+}
+
+#[test]
+fn names_lead_to_the_model() {
+    let unit = load(ROBOT);
+    let names = Names::new(&[&unit.spec]);
+    let parsed = parse(
+        "scenario x { check response sensor.acquire; check always not sensor.acquire.read.exec; client k { send sensor.reset; } }",
+    );
+    let found: Vec<Target> = names
+        .references(&parsed.scenario)
+        .into_iter()
+        .map(|it| it.target)
+        .collect();
+    insta::assert_debug_snapshot!(found);
+}
+
+#[test]
+fn checks_can_be_given_alone() {
+    assert!(parse_check("response a.b <= 3 ms").is_ok());
+    assert!(parse_check("q: always not a.b.exec").is_ok());
+    assert!(parse_check("response a.b <= ").is_err());
+    assert!(parse_check("schedulable * ;").is_err());
+}
+
+#[test]
+fn garbage_never_panics() {
+    let pieces = [
+        "scenario", "x", "{", "}", "check", "within", "=>", "<=", "3", "[", "*", "client",
+        "repeat", "choice", "or", "\"", "/*", ".", ";", "é", "send", "not", "(",
+    ];
+    let mut state = 1u64;
+    for _ in 0..2000 {
+        let mut text = String::from("scenario x {");
+        for _ in 0..30 {
+            state = state
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
+            text.push_str(pieces[(state >> 33) as usize % pieces.len()]);
+            text.push(' ');
+        }
+        let parsed = parse(&text);
+        assert!(parsed.errors.iter().all(|it| it.range.end <= text.len()));
+        format(&text);
+    }
+}
