@@ -168,5 +168,5 @@ component d { extends far; };
         of("c")
     };
     assert_eq!(read(Release::V2_99_42), (Some("c++".to_owned()), 1, 1));
-    assert_eq!(read(Release::V2_99_43), (None, 0, 0));
+    assert_eq!(read(Release::V2_99_43), (Some("c".to_owned()), 0, 0));
 }
