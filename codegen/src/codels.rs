@@ -24,6 +24,7 @@ pub mod links;
 mod mapping;
 pub mod rename;
 pub mod repair;
+pub mod schema;
 pub mod source;
 pub mod stub;
 pub mod trust;

@@ -18,6 +18,7 @@ mod monitor;
 mod new;
 mod outputs;
 mod release;
+mod replay;
 mod report;
 mod run;
 mod session;
@@ -68,6 +69,7 @@ enum Command {
     #[cfg(unix)]
     Watch(call::Watch),
     Monitor(monitor::Arguments),
+    Replay(replay::Arguments),
     Wcet(wcet::Arguments),
     Completions(completions::Arguments),
     Man(man::Arguments),
@@ -171,6 +173,7 @@ pub fn main() -> ExitCode {
         #[cfg(unix)]
         Command::Watch(arguments) => call::watch(&arguments),
         Command::Monitor(arguments) => monitor::run(&arguments),
+        Command::Replay(arguments) => replay::run(&arguments),
         Command::Wcet(arguments) => wcet::run(&arguments),
         Command::Completions(arguments) => completions::run(&arguments),
         Command::Man(arguments) => man::run(&arguments),

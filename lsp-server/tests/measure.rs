@@ -218,6 +218,53 @@ fn a_pragma_is_about_all_uses_of_a_function() {
 }
 
 #[test]
+fn an_interface_that_two_specifications_include_is_edited_once() {
+    let interface = "interface port {\n  task io { period 10 ms; };\n  \
+                     function ping() { codel do_ping(); };\n  \
+                     function pong() { codel do_pong(); };\n};\n";
+    let component = |name: &str| {
+        format!(
+            "#include \"port.gen\"\ncomponent {name} {{\n  version \"1.0\"; lang \"c\";\n  provides port;\n}};\n"
+        )
+    };
+    let of = |name: &str, took: u64, service: &str| {
+        let names = format!("<control> {service} do_{service} codel ::genom::ok");
+        line(10_000, took, &names).replace(" cell ", &format!(" {name} "))
+    };
+    let log = [
+        of("one", 500, "ping"),
+        of("two", 1_000, "ping"),
+        of("two", 100, "pong"),
+    ];
+    for (form, ping) in [
+        ("clause", "codel do_ping() wcet 1200 us;"),
+        ("pragma", "#pragma wcet do_ping 1200 us"),
+    ] {
+        let directory = Directory::new(&[
+            ("port.gen", interface),
+            ("one.gen", &component("one")),
+            ("two.gen", &component("two")),
+            (
+                "both.scn",
+                "scenario both { use \"one.gen\"; use \"two.gen\"; }\n",
+            ),
+            ("run.out", &log.concat()),
+        ]);
+        import(&directory, &["run.out", "both.scn", "--as", form]);
+        let text = directory.read("port.gen");
+        assert!(text.contains(ping), "{text}");
+        assert_eq!(
+            text.matches("wcet do_ping").count() + text.matches("() wcet 1200").count(),
+            1
+        );
+        assert_eq!(directory.read("one.gen"), component("one"));
+        let again = import(&directory, &["run.out", "both.scn", "--as", form]);
+        assert_eq!(again["changed"], serde_json::json!([]), "{again:#}");
+        assert_eq!(directory.read("port.gen"), text);
+    }
+}
+
+#[test]
 fn bytes_that_are_no_utf8_and_line_ends_stay() {
     for form in ["clause", "pragma"] {
         let directory = files();

@@ -13,6 +13,7 @@ pub mod matching;
 pub mod measured;
 pub mod monitor;
 pub mod propose;
+pub mod record;
 pub mod replay;
 pub mod statistics;
 pub mod trace;

@@ -10,6 +10,9 @@ pub(super) const PERFETTO: &str = "pftrace";
 /// Ending of the names of traces for the trace viewer.
 pub(super) const VIEWER: &str = "json";
 
+/// Ending of the names of recordings that Foxglove opens.
+pub(super) const MCAP: &str = "mcap";
+
 /// A file to be written.
 pub(super) struct Output<'f> {
     pub(super) path: &'f Utf8Path,

@@ -4,6 +4,7 @@ pub(super) mod bounds;
 mod execute;
 #[cfg(unix)]
 mod hosted;
+mod record;
 mod recorder;
 #[cfg(unix)]
 mod serve;
@@ -25,7 +26,7 @@ use dotgen_timing::scn::names::Names;
 use dotgen_timing::verify::{Options, Prepared, SystemInput, prepare};
 use num_rational::Ratio;
 
-use super::outputs::{self, Output, PERFETTO, VIEWER};
+use super::outputs::{self, MCAP, Output, PERFETTO, VIEWER};
 use super::verify::told::Told;
 use super::verify::{Cores, PolicyName, SemanticsName, body, cores, interrupt, parsed, problems};
 use super::{Outcome, Reading, report, trace};
@@ -121,6 +122,11 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE")]
     trace: Option<Utf8PathBuf>,
 
+    /// Write the run to this file (.mcap): what is written to ports, for https://foxglove.dev, and its steps, for
+    /// `dotgen replay`
+    #[arg(long, value_name = "FILE")]
+    record: Option<Utf8PathBuf>,
+
     /// How to print what came of it
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
@@ -191,6 +197,8 @@ enum Contents {
     Lines,
     Codels,
     Steps,
+    /// Of ports, and so many steps.
+    Messages(u64),
 }
 
 /// A run that is over.
@@ -245,6 +253,9 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     if arguments.trace.is_some() && all.len() > 1 {
         anyhow::bail!("`--trace` writes one file: run one scenario at a time");
     }
+    if arguments.record.is_some() && (all.len() > 1 || arguments.runs > 1) {
+        anyhow::bail!("`--record` writes one run: one scenario, without `--runs`");
+    }
     if arguments.socket.is_some() && arguments.clock == Clock::Virtual {
         anyhow::bail!(
             "`--socket` is for `--clock real`: on the virtual clock nobody can ask in time"
@@ -254,7 +265,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let log = arguments.profile.iter().map(|it| output(it, &[]));
     let trace = arguments.trace.iter();
     let trace = trace.map(|it| output(it, &[PERFETTO, VIEWER]));
-    let written: Vec<Output<'_>> = log.chain(trace).collect();
+    let record = arguments.record.iter().map(|it| output(it, &[MCAP]));
+    let written: Vec<Output<'_>> = log.chain(trace).chain(record).collect();
     outputs::check(&written, all.iter().flat_map(|it| it.1.files()))?;
     let mut answers = Vec::new();
     for (session, problem) in all {
@@ -310,6 +322,7 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             report,
             executed,
             lines,
+            messages,
             told,
         } = run;
         let mut written = Vec::new();
@@ -318,6 +331,10 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             recorder.map_or(Ok(()), |it| it.finish(&names))?;
             Ok(lines)
         });
+        let messages = trouble.or_tell(messages).flatten();
+        if let (Some(path), Some((data, steps))) = (&arguments.record, messages) {
+            written.push((path.clone(), data, Contents::Messages(steps)));
+        }
         if let Some(lines) = trouble.or_tell(recorded) {
             let files = [(log, Contents::Lines), (perfetto, Contents::Codels)];
             let files = files.into_iter().filter_map(|(path, of)| Some((path?, of)));

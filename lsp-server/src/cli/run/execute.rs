@@ -4,12 +4,13 @@ use std::io;
 
 use dotgen_runtime::profile::{Profile, functions};
 use dotgen_runtime::report::Report;
-use dotgen_runtime::simulation::{Outcome, simulate};
+use dotgen_runtime::simulation::{Outcome, Record, simulate_recorded};
 use dotgen_timing::report::Event;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::system::Ticks;
 use dotgen_timing::verify::{Interrupt, Options, Prepared, SystemInput};
 
+use super::record::Recording;
 use super::recorder::Recorder;
 use super::{Arguments, Clock, Simulate};
 use crate::cli::session::Session;
@@ -33,6 +34,8 @@ pub(super) struct Run {
     pub(super) executed: (usize, usize),
     /// Lines of the profile; the first error where they could not be written.
     pub(super) lines: io::Result<u64>,
+    /// Messages of the recording, of ports and steps, if one is made.
+    pub(super) messages: anyhow::Result<Option<(u64, u64)>>,
     /// The first run, if it is to be shown.
     pub(super) told: Option<Told>,
 }
@@ -73,21 +76,41 @@ impl Context<'_, '_> {
         let mut profile = stream.map(|it| Profile::new(system, functions(system, self.names), it));
         let interrupted = || self.interrupt.is_raised();
         let bounds = self.bounds.clone();
-        let outcome = simulate(
+        let mut recording = self.recording(arguments, prepared, false)?;
+        let outcome = simulate_recorded(
             prepared,
             bounds,
             &plan,
             profile.as_mut(),
+            recording.as_mut().map(|it| it as &mut dyn Record),
             None,
             &interrupted,
         );
         let report = Report::new(prepared, &plan, &outcome, &self.bounds);
         Ok(Run {
             lines: lines(profile),
+            messages: messages(recording),
             executed: (0, system.codels.len()),
             told: self.told(prepared, &outcome),
             report,
         })
+    }
+
+    /// The recording that is wanted, if one is.
+    fn recording<'r>(
+        &'r self,
+        arguments: &'r Arguments,
+        prepared: &'r Prepared,
+        real: bool,
+    ) -> anyhow::Result<Option<Recording<'r, 'r>>> {
+        let Some(path) = &arguments.record else {
+            return Ok(None);
+        };
+        let scenario = match self.problem.scenario.name.as_str() {
+            "" => crate::cli::session::display(&self.problem.path),
+            name => name.to_owned(),
+        };
+        Recording::new(path, prepared, self.names, scenario, real).map(Some)
     }
 
     fn told(&self, prepared: &Prepared, outcome: &Outcome<'_>) -> Option<Told> {
@@ -178,11 +201,13 @@ impl Context<'_, '_> {
             live: &mut live,
             pace,
         };
-        let outcome = simulate(
+        let mut recording = self.recording(arguments, &opened, real)?;
+        let outcome = simulate_recorded(
             &opened,
             bounds.clone(),
             &plan,
             profile.as_mut(),
+            recording.as_mut().map(|it| it as &mut dyn Record),
             Some(execution),
             &interrupted,
         );
@@ -197,11 +222,22 @@ impl Context<'_, '_> {
         report.notes.extend(notes);
         Ok(Some(Run {
             lines: lines(profile),
+            messages: messages(recording),
             executed: parts.counts(system),
             told: self.told(&opened, &outcome),
             report,
         }))
     }
+}
+
+/// Ends a recording; how many messages of ports, and steps, are in it.
+fn messages(recording: Option<Recording<'_, '_>>) -> anyhow::Result<Option<(u64, u64)>> {
+    let Some(it) = recording else {
+        return Ok(None);
+    };
+    let counts = (it.data, it.steps);
+    it.finish()?;
+    Ok(Some(counts))
 }
 
 fn lines(profile: Option<Profile<'_, &mut Recorder<'_>>>) -> io::Result<u64> {

@@ -77,9 +77,17 @@ fn print_one(out: &mut impl Write, answer: &Answer) -> anyhow::Result<()> {
             Contents::Lines => "lines",
             Contents::Codels => "runs of codels",
             Contents::Steps => "steps",
+            Contents::Messages(_) => "messages of ports",
         };
         let path = terminal::name(path.as_str());
-        writeln!(out, "{TITLE}note{TITLE:#}: wrote {count} {what} to {path}")?;
+        let steps = match of {
+            Contents::Messages(steps) => format!(" and {steps} steps"),
+            _ => String::new(),
+        };
+        writeln!(
+            out,
+            "{TITLE}note{TITLE:#}: wrote {count} {what}{steps} to {path}"
+        )?;
     }
     let (style, what) = match report.violation_count {
         0 => (GOOD, "nothing violated".to_owned()),

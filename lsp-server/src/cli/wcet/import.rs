@@ -2,7 +2,7 @@
 
 mod shown;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use anyhow::{bail, ensure};
@@ -251,6 +251,7 @@ fn answer(
         FormName::Pragma => Form::Pragma,
         _ => Form::Clause,
     };
+    let mut of_units: Vec<Vec<Wanted>> = Vec::new();
     for (index, unit) in problem.units.iter().enumerate() {
         let mut of_unit: Vec<Wanted> = Vec::new();
         for (site, micros) in &wanted {
@@ -268,16 +269,93 @@ fn answer(
             }
         }
         of_unit.dedup();
-        let written = edits::specification(unit, &text, &of_unit, form);
-        answer.refused.extend(written.refused);
-        for edits in written.edits.chunk_by(|a, b| a.path == b.path) {
-            let Some(first) = edits.first() else { continue };
-            let old = text(&first.path).unwrap_or_default();
-            change(&mut answer, &first.path, &old, edits);
-        }
-        check_unit(session, unit, &of_unit, &answer)?;
+        of_units.push(of_unit);
+    }
+    agree(&problem.units, &mut of_units);
+    let mut all: Vec<FileEdit> = Vec::new();
+    for (unit, of_unit) in problem.units.iter().zip(&of_units) {
+        let written = edits::specification(unit, &text, of_unit, form);
+        let known = |it: &(String, Refusal)| answer.refused.contains(it);
+        let fresh: Vec<_> = written
+            .refused
+            .into_iter()
+            .filter(|it| !known(it))
+            .collect();
+        answer.refused.extend(fresh);
+        all.extend(written.edits);
+    }
+    // A file that several specifications include is edited once.
+    all.sort_by(|a, b| {
+        let key = |it: &FileEdit| {
+            (
+                it.path.clone(),
+                it.range.start,
+                it.range.end,
+                it.new_text.clone(),
+            )
+        };
+        key(a).cmp(&key(b))
+    });
+    all.dedup();
+    for edits in all.chunk_by(|a, b| a.path == b.path) {
+        let Some(first) = edits.first() else { continue };
+        let apart = |it: &[FileEdit]| match it {
+            [a, b] => a.range.end <= b.range.start && a.range != b.range,
+            _ => true,
+        };
+        ensure!(
+            edits.windows(2).all(apart),
+            "two specifications want different times at one place of `{}`; import the logs for one of them at a time",
+            display(&first.path)
+        );
+        let old = text(&first.path).unwrap_or_default();
+        change(&mut answer, &first.path, &old, edits);
+    }
+    for (unit, of_unit) in problem.units.iter().zip(&of_units) {
+        check_unit(session, unit, of_unit, &answer)?;
     }
     Ok(answer)
+}
+
+/// A declaration that several specifications include, such as that of an interface, gets the greatest time of all of
+/// them; so does a function that is used there, as a pragma is about functions.
+fn agree(units: &[UnitResult], wanted: &mut [Vec<Wanted>]) {
+    let place = |unit: &UnitResult, it: &Wanted| {
+        let codel = (unit.spec.components.get(it.component as usize)?).codel(it.codel);
+        let place = unit.locations.locate(codel.node)?;
+        Some((codel.name.to_string(), (place.path, place.range.start)))
+    };
+    type Place = (Utf8PathBuf, usize);
+    let mut of_places: BTreeMap<Place, (BTreeSet<usize>, String)> = BTreeMap::new();
+    for (number, (unit, wanted)) in units.iter().zip(&*wanted).enumerate() {
+        for (function, place) in wanted.iter().filter_map(|it| place(unit, it)) {
+            let entry = of_places
+                .entry(place)
+                .or_insert((BTreeSet::new(), function));
+            entry.0.insert(number);
+        }
+    }
+    let shared = of_places.into_values().filter(|it| it.0.len() > 1);
+    let shared: BTreeSet<String> = shared.map(|it| it.1).collect();
+    let mut greatest: BTreeMap<&str, u64> = BTreeMap::new();
+    let name = |unit: &UnitResult, it: &Wanted| {
+        let name = place(unit, it).map(|it| it.0)?;
+        shared.get(&name).map(String::as_str)
+    };
+    for (unit, wanted) in units.iter().zip(&*wanted) {
+        for it in wanted {
+            if let Some(name) = name(unit, it) {
+                let entry = greatest.entry(name).or_default();
+                *entry = it.micros.max(*entry);
+            }
+        }
+    }
+    for (unit, wanted) in units.iter().zip(wanted) {
+        for it in wanted {
+            let most = name(unit, it).and_then(|it| greatest.get(it));
+            it.micros = most.map_or(it.micros, |&most| most.max(it.micros));
+        }
+    }
 }
 
 /// The upper bound that a scenario gives a codel, if it gives any.

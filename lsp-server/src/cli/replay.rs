@@ -1,0 +1,231 @@
+//! `dotgen replay`
+
+use std::io::Write;
+
+use anyhow::{Context, bail};
+use camino::Utf8PathBuf;
+use clap::{Args, ValueEnum};
+use dotgen_analysis::terminal;
+use dotgen_recording::record;
+use dotgen_recording::replay::{Difference, Replay, Report, What, opened};
+use dotgen_runtime::refine;
+use dotgen_timing::remark::together;
+use dotgen_timing::verify::{Options, Prepared, SystemInput, prepare};
+
+use super::outputs::MCAP;
+use super::session::display;
+use super::verify::told::Told;
+use super::verify::{Cores, PolicyName, SemanticsName, cores, one_problem};
+use super::{Outcome, Reading};
+
+/// Follow a recorded run step by step beside the model that is verified
+///
+/// FILE.mcap is a recording that `dotgen run --record` wrote; the others are its scenario, or its specifications. Every
+/// step has to be possible in the model at that moment; where one is not, the rule that differs is named. Codels
+/// that took another time than they declare, or threw what they do not declare, are told, and the run is followed
+/// further.
+///
+/// Exit status: 0 if the recording is a run of the model, 1 if not, 2 if nothing could be compared.
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    /// A recording (.mcap), and a scenario (.scn) or specifications (.gen)
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<Utf8PathBuf>,
+
+    /// Number of cores, or `free` for as many as there are tasks
+    #[arg(long, value_name = "N|free", value_parser = cores)]
+    cores: Option<Cores>,
+
+    /// What the model follows
+    #[arg(long, value_enum)]
+    semantics: Option<SemanticsName>,
+
+    /// Order in which tasks get a core
+    #[arg(long, value_enum)]
+    policy: Option<PolicyName>,
+
+    /// How to print what came of it
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+
+    #[command(flatten)]
+    reading: Reading,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// For people
+    Text,
+    /// For programs
+    Json,
+}
+
+pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
+    let is_recording = |it: &&Utf8PathBuf| it.extension() == Some(MCAP);
+    let (recordings, texts): (Vec<_>, Vec<_>) = arguments.files.iter().partition(is_recording);
+    let [path] = recordings[..] else {
+        bail!("name one recording (.mcap): `dotgen run --record FILE.mcap` writes it");
+    };
+    if texts.is_empty() {
+        bail!("name the scenario (.scn) of the run, or its specification (.gen)");
+    }
+    let texts: Vec<Utf8PathBuf> = texts.into_iter().cloned().collect();
+    let bytes = std::fs::read(path).with_context(|| format!("cannot read `{path}`"))?;
+    let recorded = record::read(&bytes).map_err(|it| anyhow::anyhow!("`{path}`: {it}"))?;
+    let Some((session, problem)) = one_problem(&texts, &arguments.reading)? else {
+        return Ok(Outcome::Unusable);
+    };
+    let options = Options {
+        cores: arguments.cores.map(|it| it.0),
+        policy: arguments.policy.map(PolicyName::policy),
+        semantics: arguments.semantics.map(SemanticsName::preset),
+        ..Options::default()
+    };
+    let input = SystemInput {
+        specs: problem.specs(),
+    };
+    let mut prepared = prepare(&input, &problem.scenario, &options);
+    if prepared.report.has_errors() {
+        let told = together(&prepared.report.diagnostics);
+        Told::by_verifier(&session, &problem, &told, &[])?.print()?;
+        return Ok(Outcome::Unusable);
+    }
+    let default = problem.path.extension() == Some("gen");
+    let outside = surrounded(&mut prepared, &recorded.about, default);
+    let verified = &prepared.built.system;
+    if verified.unit.to_string() != recorded.about.unit {
+        bail!(
+            "`{path}` counts time in units of {} s, the model in units of {} s: it is a run of another scenario",
+            recorded.about.unit,
+            verified.unit
+        );
+    }
+    let system = opened(verified);
+    let mut replay = Replay::new(&system, verified, outside);
+    for it in &recorded.steps {
+        replay.step(it);
+    }
+    let report = replay.end(recorded.about.end);
+    let title = match problem.scenario.name.as_str() {
+        "" => display(&problem.path),
+        name => name.to_owned(),
+    };
+    match arguments.format {
+        Format::Text => print_text(&title, &recorded.about.scenario, &prepared, &report)?,
+        Format::Json => {
+            let mut document = serde_json::to_value(&report)?;
+            document["scenario"] = title.into();
+            document["recording"] = path.as_str().into();
+            document["unit"] = recorded.about.unit.into();
+            document["clock"] = recorded.about.clock.into();
+            let text = serde_json::to_string_pretty(&document)? + "\n";
+            std::io::stdout().write_all(text.as_bytes())?;
+        }
+    }
+    Ok(match report.difference_count {
+        0 => Outcome::Fine,
+        _ => Outcome::Errors,
+    })
+}
+
+/// Gives a model what was around the recorded run: units of the real clock, and whoever sent requests from outside.
+/// The first of the clients that stand for him.
+fn surrounded(
+    prepared: &mut Prepared,
+    about: &record::About,
+    without_clients: bool,
+) -> Option<usize> {
+    if !about.outside {
+        return None;
+    }
+    refine::scale(prepared);
+    if without_clients {
+        prepared.built.system.clients.clear();
+    }
+    Some(refine::add_outside(prepared))
+}
+
+fn print_text(
+    title: &str,
+    recorded: &str,
+    prepared: &Prepared,
+    report: &Report,
+) -> anyhow::Result<()> {
+    let mut out = anstream::AutoStream::auto(std::io::stdout().lock());
+    let time = |units: u64| {
+        let seconds = prepared.built.system.unit * num_rational::Ratio::from_integer(units.into());
+        let nanos: i128 = (seconds * num_rational::Ratio::from_integer(1_000_000_000)).to_integer();
+        format!(
+            "{}.{:06} s",
+            nanos / 1_000_000_000,
+            nanos % 1_000_000_000 / 1_000
+        )
+    };
+    if title != recorded {
+        let recorded = terminal::text(recorded);
+        writeln!(out, "note: this is the recording of a run of {recorded}")?;
+    }
+    let from_outside = match report.from_outside {
+        0 => String::new(),
+        count => format!(", {count} of them from outside, which no client of the scenario does"),
+    };
+    writeln!(
+        out,
+        "{}: {} of {} steps followed, {}{from_outside}",
+        terminal::text(title),
+        report.followed,
+        report.steps,
+        time(report.time)
+    )?;
+    for it in &report.differences {
+        let what = differs(it, &time);
+        let step = terminal::text(&it.step.words()).into_owned();
+        writeln!(
+            out,
+            "\nstep {}, at {}: {step}",
+            it.number,
+            time(it.step.time)
+        )?;
+        writeln!(out, "  {}", terminal::text(&what))?;
+        writeln!(out, "  the rule: {}", it.rule.words())?;
+    }
+    let more = report.difference_count - report.differences.len() as u64;
+    if more > 0 {
+        writeln!(out, "\n{more} more differences")?;
+    }
+    match report.difference_count {
+        0 => writeln!(out, "it is a run of the model")?,
+        _ if report.followed < report.steps => writeln!(
+            out,
+            "\nit is no run of the model; from the last difference on it was not followed"
+        )?,
+        _ => writeln!(out, "\nit is no run of the model")?,
+    }
+    Ok(())
+}
+
+/// A difference in words.
+fn differs(it: &Difference, time: &dyn Fn(u64) -> String) -> String {
+    match &it.what {
+        What::Longer { took, limit } => format!(
+            "took {}, and may take {}",
+            time(*took),
+            time(u64::from(*limit))
+        ),
+        What::Shorter { took, limit } => format!(
+            "took {}, and takes at least {}",
+            time(*took),
+            time(u64::from(*limit))
+        ),
+        What::Undeclared => "an exception that is not declared".to_owned(),
+        What::Impossible { possible } if possible.is_empty() => {
+            "is not possible there: nothing but time can pass".to_owned()
+        }
+        What::Impossible { possible } => {
+            let all: Vec<String> = possible.iter().map(|it| it.words()).collect();
+            format!("is not possible there; this is: {}", all.join(", or "))
+        }
+        What::Omitted { due } => format!("before it has to come: {}", due.words()),
+        What::Backwards => "goes back in time".to_owned(),
+    }
+}

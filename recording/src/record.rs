@@ -1,0 +1,202 @@
+//! Recordings of whole runs, as files in the [MCAP](https://mcap.dev) format.
+//!
+//! Each output port is a channel of JSON messages with the JSON Schema of its type, so
+//! [Foxglove](https://foxglove.dev) opens the file. One more channel, [`STEPS`], has the steps of the run, from
+//! which it can be [followed](crate::replay). What the run was is in the metadata [`RUN`].
+
+use std::collections::BTreeMap;
+use std::io::Write;
+
+use mcap::records::{MessageHeader, Metadata};
+use mcap::write::NoSeek;
+use mcap::{McapError, McapResult, WriteOptions};
+use rustc_hash::FxHashMap;
+use serde_json::json;
+
+use crate::replay::Step;
+
+/// The channel of the steps.
+pub const STEPS: &str = "/dotgen/steps";
+
+/// The name of the metadata.
+pub const RUN: &str = "dotgen.run";
+
+/// Bytes of messages that are written together, about.
+const CHUNK: u64 = 256 << 10;
+
+/// What a run was.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct About {
+    /// The scenario.
+    pub scenario: String,
+    /// Seconds of a unit of time, as a fraction: `1/1000000`.
+    pub unit: String,
+    /// `real` or `virtual`.
+    pub clock: String,
+    /// Clients stand for somebody outside.
+    pub outside: bool,
+    /// When it has ended, in units.
+    pub end: u64,
+}
+
+/// Writes a recording.
+pub struct Writer<W: Write> {
+    out: mcap::Writer<NoSeek<W>>,
+    steps: u16,
+    ports: FxHashMap<String, (u16, u32)>,
+    count: u32,
+}
+
+impl<W: Write> Writer<W> {
+    /// Begins a recording.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn new(out: W) -> McapResult<Self> {
+        let options = WriteOptions::new()
+            .compression(None)
+            .chunk_size(Some(CHUNK))
+            .disable_seeking(true)
+            .library(concat!("dotgen ", env!("CARGO_PKG_VERSION")));
+        let mut out = mcap::Writer::with_options(NoSeek::new(out), options)?;
+        let text = json!({"type": "string"});
+        let schema = json!({
+            "$schema": "https://json-schema.org/draft/2020-12/schema",
+            "title": "dotgen.Step",
+            "type": "object",
+            "properties": {
+                "time": {"type": "integer", "minimum": 0},
+                "rule": text,
+                "of": text,
+                "what": text,
+                "to": text,
+            },
+            "required": ["time", "rule", "of"],
+        });
+        let schema = out.add_schema("dotgen.Step", "jsonschema", schema.to_string().as_bytes())?;
+        let steps = out.add_channel(schema, STEPS, "json", &BTreeMap::new())?;
+        Ok(Writer {
+            ports: FxHashMap::default(),
+            count: 0,
+            steps,
+            out,
+        })
+    }
+
+    /// A step, at a time in nanoseconds.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn step(&mut self, at: u64, step: &Step) -> McapResult<()> {
+        let bytes = serde_json::to_vec(step).map_err(|it| McapError::Io(it.into()))?;
+        self.count += 1;
+        self.write(self.steps, self.count, at, &bytes)
+    }
+
+    /// New data of a port. Its `schema` (name and JSON Schema) is asked for once.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn data(
+        &mut self,
+        at: u64,
+        topic: &str,
+        value: &[u8],
+        schema: impl FnOnce() -> (String, Vec<u8>),
+    ) -> McapResult<()> {
+        let (channel, count) = match self.ports.get_mut(topic) {
+            Some((channel, count)) => {
+                *count = count.wrapping_add(1);
+                (*channel, *count)
+            }
+            None => {
+                let (name, schema) = schema();
+                let schema = self.out.add_schema(&name, "jsonschema", &schema)?;
+                let none = BTreeMap::new();
+                let channel = self.out.add_channel(schema, topic, "json", &none)?;
+                self.ports.insert(topic.to_owned(), (channel, 1));
+                (channel, 1)
+            }
+        };
+        self.write(channel, count, at, value)
+    }
+
+    fn write(&mut self, channel_id: u16, sequence: u32, at: u64, data: &[u8]) -> McapResult<()> {
+        let header = MessageHeader {
+            channel_id,
+            sequence,
+            log_time: at,
+            publish_time: at,
+        };
+        self.out.write_to_known_channel(&header, data)
+    }
+
+    /// Ends the recording.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn finish(mut self, about: &About) -> McapResult<W> {
+        let text = |it: &str| it.to_owned();
+        let metadata = BTreeMap::from([
+            (text("scenario"), about.scenario.clone()),
+            (text("unit"), about.unit.clone()),
+            (text("clock"), about.clock.clone()),
+            (text("outside"), about.outside.to_string()),
+            (text("end"), about.end.to_string()),
+        ]);
+        self.out.write_metadata(&Metadata {
+            name: RUN.to_owned(),
+            metadata,
+        })?;
+        self.out.finish()?;
+        Ok(self.out.into_inner().into_inner())
+    }
+}
+
+/// What is in a recording beside the data of ports.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Read {
+    /// What the run was.
+    pub about: About,
+    /// Its steps.
+    pub steps: Vec<Step>,
+    /// Messages of ports.
+    pub data: u64,
+}
+
+/// Reads a recording.
+///
+/// # Errors
+/// In words: it is none, it breaks off, or it has no steps.
+pub fn read(bytes: &[u8]) -> Result<Read, String> {
+    let wrong = |it: McapError| format!("it is no whole MCAP file: {it}");
+    let mut out = Read::default();
+    for message in mcap::MessageStream::new(bytes).map_err(wrong)? {
+        let message = message.map_err(wrong)?;
+        if message.channel.topic != STEPS {
+            out.data += 1;
+            continue;
+        }
+        let step = serde_json::from_slice(&message.data);
+        let step = step.map_err(|it| format!("step {} is none: {it}", out.steps.len() + 1))?;
+        out.steps.push(step);
+    }
+    let summary = mcap::Summary::read(bytes).map_err(wrong)?;
+    let indexes = summary.map_or(Vec::new(), |it| it.metadata_indexes);
+    let index = indexes.iter().find(|it| it.name == RUN);
+    let index = index.ok_or("it has no steps of a run: `dotgen run --record` writes them")?;
+    let end = index.offset.checked_add(index.length);
+    if end.is_none_or(|it| it > bytes.len() as u64) {
+        return Err(wrong(McapError::BadIndex));
+    }
+    let about = mcap::read::metadata(bytes, index).map_err(wrong)?.metadata;
+    let text = |key: &str| about.get(key).cloned().unwrap_or_default();
+    out.about = About {
+        scenario: text("scenario"),
+        unit: text("unit"),
+        clock: text("clock"),
+        outside: text("outside") == "true",
+        end: text("end").parse().unwrap_or_default(),
+    };
+    Ok(out)
+}
