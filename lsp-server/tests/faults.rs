@@ -201,7 +201,8 @@ fn a_signal_ends_compilers() {
     let directory = with_body("");
     let compiler = directory.path().join("compiler");
     std::fs::write(&compiler, "#!/bin/sh\ntouch started\nsleep 1000\n").expect("written");
-    std::fs::set_permissions(&compiler, std::fs::Permissions::from_mode(0o700)).expect("its own file");
+    std::fs::set_permissions(&compiler, std::fs::Permissions::from_mode(0o700))
+        .expect("its own file");
     std::fs::create_dir(directory.path().join("tmp")).expect("a directory");
     let mut command = directory.command(&["run", "good/good.gen", "--profile", "log"]);
     let command = command.env("CC", &compiler);

@@ -1,4 +1,5 @@
-//! What to change, so that a system holds that does not: single changes, each of which was verified itself, all else as it is.
+//! What to change, so that a system holds that does not: single changes, each of which was verified itself, all
+//! else as it is.
 //!
 //! [`remedy`] finds one for a check, soon or not at all; [`repairs`] all of them for everything that fails.
 
@@ -10,4 +11,4 @@ mod trial;
 
 pub use change::Change;
 pub use remedy::remedy;
-pub use repairs::{Repairs, Trying, repairs};
+pub use repairs::{Repairs, Tell, Trying, repairs};

@@ -20,9 +20,9 @@ use crate::report::{Value, Verdict};
 use crate::scn::ast::{CheckKind, Durations, Path, Scenario, Unit};
 use crate::scn::names::{Names, Target};
 use crate::scn::{Diagnostic, Severity};
+use crate::system::TimedSystem;
 use crate::system::build::{build, not_a};
 use crate::system::settings::Settings;
-use crate::system::{FOREVER, TimedSystem};
 use crate::verify::{Cancel, Options, SystemInput, settings, to_f64};
 pub use sensitivity::{NextToBreak, Progress, Quantity, Sensitivity, Told, sensitivity};
 

@@ -8,6 +8,7 @@ use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::host::{Analysis, UnitResult};
 use dotgen_analysis::ide::FilePosition;
 use dotgen_analysis::model::{Component, ComponentKind, Src, TypeKind};
+use dotgen_analysis::progress::Progress;
 use dotgen_analysis::source_map::Locations;
 use dotgen_codegen::codels::command::{Project, SyncOptions, SyncReport, headers, sync};
 use dotgen_codegen::codels::files::{FilesConfig, Sources};
@@ -257,7 +258,7 @@ impl Edit<'_> {
         };
         let edits = self
             .analysis
-            .rename(&at, &to)
+            .rename(&at, &to, &Progress::default())
             .expect("not cancelled")
             .ok()?;
         if edits.iter().any(|it| it.path != self.subject.root) {

@@ -8,7 +8,7 @@ use dotgen_analysis::diagnostic::FileEdit;
 use dotgen_analysis::host::{Analysis, Cancellable};
 use dotgen_analysis::ide::TaskTime;
 use dotgen_analysis::model::{Seconds, Src};
-use dotgen_timing::advice::{self, Change, Trying};
+use dotgen_timing::advice::{self, Change, Tell};
 use dotgen_timing::report::Report;
 use dotgen_timing::scn::edit;
 use dotgen_timing::verify::{Cancel, Options, SystemInput, settings};
@@ -36,14 +36,14 @@ pub(crate) struct Repairs {
     pub(crate) incomplete: bool,
 }
 
-/// The changes with which all that a report says to be missed is kept, each told when it is found. With a `patience` nothing
-/// more is tried after it.
+/// The changes with which all that a report says to be missed is kept, each told when it is found. With a
+/// `patience` nothing more is tried after it.
 pub(crate) fn repairs(
     problem: &Problem,
     options: &Options,
     report: &Report,
     until: (&Cancel, Option<Duration>),
-    (trying, tell): (&(dyn Fn(Trying) + Sync), &(dyn Fn(&Repair) + Sync)),
+    (trying, tell): Tell<'_, Repair>,
 ) -> Repairs {
     let input = SystemInput {
         specs: problem.specs(),

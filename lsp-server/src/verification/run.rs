@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use dotgen_timing::advice::Trying;
+use dotgen_timing::advice::Tell;
 use dotgen_timing::derive::minimum_cores;
 use dotgen_timing::property::PropertyKind;
 use dotgen_timing::report::Verdict;
@@ -80,7 +80,7 @@ pub(crate) fn run(
     }
     if report.seconds < QUICK_SECONDS && !cancel.is_over() {
         let until = (cancel, Some(REPAIRS));
-        let untold: (&(dyn Fn(Trying) + Sync), &(dyn Fn(&Repair) + Sync)) = (&|_| {}, &|_| {});
+        let untold: Tell<'_, Repair> = (&|_| {}, &|_| {});
         let repairs = changes::repairs(&problem, &options, &report, until, untold);
         if !repairs.all.is_empty() && !cancel.is_abandoned() {
             tell(Found::Answer(with(&why, repairs)));

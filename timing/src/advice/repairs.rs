@@ -82,9 +82,12 @@ fn misses(it: &CheckReport) -> bool {
     limited && (fails || it.exceeds())
 }
 
-/// The single changes with which every check of a deadline or a limit holds, those that were given up apart: what is blamed by
-/// the runs that show what is missed is tried first. Each is told when it is found, and was verified itself. Nothing where
-/// nothing is missed.
+/// Who is told: what is being tried, and each change when it is found.
+pub type Tell<'a, T = Change> = (&'a (dyn Fn(Trying) + Sync), &'a (dyn Fn(&T) + Sync));
+
+/// The single changes with which every check of a deadline or a limit holds, those that were given up apart: what is
+/// blamed by the runs that show what is missed is tried first. Each is told when it is found, and was verified
+/// itself. Nothing where nothing is missed.
 ///
 /// With a `patience` nothing more is tried after it.
 pub fn repairs(
@@ -93,7 +96,7 @@ pub fn repairs(
     options: &Options,
     report: &Report,
     (cancel, patience): (&Cancel, Option<Duration>),
-    (trying, tell): (&(dyn Fn(Trying) + Sync), &(dyn Fn(&Change) + Sync)),
+    (trying, tell): Tell<'_>,
 ) -> Repairs {
     let missed: Vec<&CheckReport> = report.checks.iter().filter(|it| misses(it)).collect();
     if missed.is_empty() {

@@ -147,7 +147,12 @@ impl Group<'_> {
             What::Response(_, limit) => self.ticks(limit).is_none_or(|limit| bound <= limit),
             _ => false,
         };
-        self.bounded_by(("response-time analysis", "a job takes"), bound, within, out);
+        self.bounded_by(
+            ("response-time analysis", "a job takes"),
+            bound,
+            within,
+            out,
+        );
     }
 
     /// What was not settled has a bound by analysis, which is an answer if it is within the limit. `by`: by which analysis, and what it

@@ -312,7 +312,9 @@ fn compare_chain(seed: u64, texts: &Texts) -> Option<Result<(), String>> {
 /// Says so when a bound that was found without exploring is below the value.
 fn below(quick: &Report, check: &CheckReport, expected: Option<u32>) -> Option<String> {
     let bound = quick.checks.iter().find(|it| it.id == check.id)?;
-    let Some(Value::Time(time)) = bound.value.filter(|_| bound.soundness == Soundness::UpperBound)
+    let Some(Value::Time(time)) = bound
+        .value
+        .filter(|_| bound.soundness == Soundness::UpperBound)
     else {
         return None;
     };
@@ -328,7 +330,10 @@ static BOUNDS: AtomicUsize = AtomicUsize::new(0);
 fn the_verifier_agrees_with_the_interpreter_of_the_servers_on_chains() {
     let cases = std::env::var("DOTGEN_TIMING_CASES").map_or(100, |_| cases());
     all_agree(first(), cases, 50, compare_chains);
-    assert!(BOUNDS.load(Ordering::Relaxed) >= cases as usize / 20, "bounds are compared");
+    assert!(
+        BOUNDS.load(Ordering::Relaxed) >= cases as usize / 20,
+        "bounds are compared"
+    );
 }
 
 fn agree_on(specification: &str, scenario: &str) {

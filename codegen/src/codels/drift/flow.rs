@@ -305,7 +305,7 @@ impl Flow<'_> {
         }
         let mut seen = FxHashSet::default();
         all.retain(|it| it != event && seen.insert(it.clone()));
-        let unused = |it: &SmolStr| !self.returned_places(it).next().is_some();
+        let unused = |it: &SmolStr| self.returned_places(it).next().is_none();
         if all.iter().any(unused) {
             all.retain(unused);
         }

@@ -84,6 +84,9 @@ pub(super) fn check(
     members.report(out);
 }
 
+/// A parameter of a codel: its file, where its name is declared, and where that is used.
+type Parameter<'a> = (&'a IndexedFile, Span, Vec<Span>);
+
 /// What the sources do with members of mapped structures.
 struct Members<'a, 'e> {
     expected: &'e Expected<'e>,
@@ -93,7 +96,7 @@ struct Members<'a, 'e> {
     unknown: BTreeMap<Unknown, Vec<Use<'a>>>,
     used: FxHashSet<Unknown>,
     /// Parameters of codels that are a member of the `ids` and have another name, by that and the member.
-    parameters: BTreeMap<(SmolStr, SmolStr), Vec<(&'a IndexedFile, Span, Vec<Span>)>>,
+    parameters: BTreeMap<(SmolStr, SmolStr), Vec<Parameter<'a>>>,
 }
 
 impl<'a> Members<'a, '_> {

@@ -408,11 +408,7 @@ fn write_changed(mut files: Vec<NewContent>) -> anyhow::Result<()> {
 }
 
 /// Runs a step: whether its output was made, and what was printed.
-fn perform(
-    step: &Step,
-    temporary: &Path,
-    interrupt: &Interrupt,
-) -> anyhow::Result<(bool, String)> {
+fn perform(step: &Step, temporary: &Path, interrupt: &Interrupt) -> anyhow::Result<(bool, String)> {
     // Until the output is whole nothing says that it is.
     report::write_files(&[report::new_content(&step.record(), "")])?;
     let (program, arguments) = step

@@ -144,10 +144,12 @@ impl Context<'_, '_> {
         let inputs = hosted::inputs(&arguments.inputs, self.names)?;
         let hosted = match arguments.simulate {
             Simulate::All => hosted::Hosted::none(self.names),
-            Simulate::Missing => match hosted::build(self.session, self.problem, self.names, self.interrupt)? {
-                Some(it) => it,
-                None => return Ok(None),
-            },
+            Simulate::Missing => {
+                match hosted::build(self.session, self.problem, self.names, self.interrupt)? {
+                    Some(it) => it,
+                    None => return Ok(None),
+                }
+            }
         };
         if hosted.is_empty() && !real {
             return self.simulated(arguments, prepared, stream).map(Some);

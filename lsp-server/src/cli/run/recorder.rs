@@ -60,9 +60,8 @@ impl<'a> Recorder<'a> {
 impl Write for Recorder<'_> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         if let Some((path, stream)) = &mut self.log {
-            let named = |it: io::Error| {
-                io::Error::new(it.kind(), format!("cannot write `{path}`: {it}"))
-            };
+            let named =
+                |it: io::Error| io::Error::new(it.kind(), format!("cannot write `{path}`: {it}"));
             stream.write_all(bytes).map_err(named)?;
         }
         if let Some((_, _, trace)) = &mut self.trace {

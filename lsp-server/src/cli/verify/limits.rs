@@ -27,7 +27,8 @@ pub(super) fn found(
     };
     // Lines that come one by one say themselves how far it is.
     let shows = prints && std::io::stdout().is_terminal();
-    let during = |doing: &str, work: &mut dyn FnMut(&(dyn Fn(Doing) + Sync))| match shows {
+    type Work<'a> = &'a mut dyn FnMut(&(dyn Fn(Doing) + Sync));
+    let during = |doing: &str, work: Work<'_>| match shows {
         true => work(&|_| {}),
         false => progress::during(cancel, doing, work),
     };

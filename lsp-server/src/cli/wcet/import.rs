@@ -11,6 +11,7 @@ use clap::{Args, ValueEnum};
 use dotgen_analysis::diagnostic::{FileEdit, Severity};
 use dotgen_analysis::host::{Change, FileContent, UnitResult};
 use dotgen_analysis::model::{CodelRef, Seconds};
+use dotgen_analysis::source_map::Locations;
 use dotgen_recording::edits::{self, Form, Refusal, Wanted};
 use dotgen_recording::log::{Kind, Left};
 use dotgen_recording::matching::{Site, Stray, path};

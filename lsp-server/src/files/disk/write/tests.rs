@@ -179,15 +179,15 @@ fn after_a_kill_at_any_step_the_helper_finishes() {
         ("sub/c.c", "new sub/c.c\n"),
     ]);
     let replaces = |to: usize| all[..to].iter().filter(|it| **it == Step::Replace).count();
-    for step in 0..all.len() {
+    for (step, killed) in all.iter().enumerate() {
         let fixture = fixture();
         process::carry_out(&killed_at(&fixture, step, None));
         let (files, _) = contents(fixture.directory.path());
-        let expected = match all[step] == Step::Replace || replaces(step) > 0 {
+        let expected = match *killed == Step::Replace || replaces(step) > 0 {
             true => &after,
             false => &map(&BEFORE),
         };
-        assert_eq!(&files, expected, "{step}: {:?}", all[step]);
+        assert_eq!(&files, expected, "{step}: {killed:?}");
     }
 }
 
