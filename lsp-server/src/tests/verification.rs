@@ -241,7 +241,7 @@ async fn a_verification_is_cancelled_by_an_edit_and_limited_by_the_settings() {
     };
     let message = told["message"].as_str().expect("text");
     assert!(
-        message.contains("not settled within the limit of states: any client may send anything at any time; write a scenario"),
+        message.contains("not settled within the limit of states; explore less: "),
         "{message}"
     );
     let mut question = document(&uri);

@@ -77,13 +77,15 @@ pub(crate) fn within(it: &GaveUp) -> String {
     }
 }
 
+/// Whether anybody sends requests.
+pub(crate) fn has_clients(scenario: &Scenario) -> bool {
+    let mut items = scenario.items.iter();
+    items.any(|it| matches!(it, Item::Client(_)))
+}
+
 /// How there may be less to explore.
 fn smaller(scenario: &Scenario, written: bool) -> &'static str {
-    let clients = scenario
-        .items
-        .iter()
-        .any(|it| matches!(it, Item::Client(_)));
-    match (written, clients) {
+    match (written, has_clients(scenario)) {
         (false, true) => "write a scenario whose client sends only the requests that matter",
         (true, true) => "let the clients of the scenario send less",
         (_, false) => {

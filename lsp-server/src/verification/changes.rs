@@ -100,8 +100,8 @@ pub(crate) fn in_words(change: &Change, scale: Scale, function: &dyn Fn(&str) ->
             let (codel, other) = (function(codel), function(other));
             let through = through.join(" and ");
             format!(
-                "it holds if `{codel}` and `{other}` do not wait for each other: both use {through}, of which one of them can \
-                 take a copy (`local`)"
+                "it holds if `{codel}` and `{other}` do not wait for each other: `{codel}` can work on a copy (`local`) of \
+                 {through}"
             )
         }
         Change::Cores { needed, .. } => format!("it holds with {needed} cores"),

@@ -58,13 +58,13 @@ pub enum Change {
         #[serde(skip)]
         src: Option<(usize, Src)>,
     },
-    /// Two codels that share nothing any more, so that neither waits for the other.
+    /// A codel that works on a copy of what it shares with another one, so that neither waits for the other.
     Lock {
-        /// `component.owner.state`
+        /// The one that takes the copy: `component.owner.state`
         codel: String,
         /// The other one.
         other: String,
-        /// What both use, in words: a copy of it in one of them, `local`, separates them.
+        /// What both use, in words. The copy separates the codel from all others with which it shares nothing else.
         through: Vec<String>,
     },
     /// The number of cores.

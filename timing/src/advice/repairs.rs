@@ -57,7 +57,7 @@ impl Candidate {
             Candidate::Policy(it) => format!("policy {}", it.name()),
             Candidate::Cores => "more cores".to_owned(),
             Candidate::Wcet(codel) => format!("less time for {codel}"),
-            Candidate::Lock(one, other) => format!("{one} apart from {other}"),
+            Candidate::Lock(copies, other) => format!("{copies} apart from {other}"),
             Candidate::Period(it) => format!("a longer period for {}", task(it)),
             Candidate::Delay(it) => format!("a later start of {}", task(it)),
         }
@@ -68,7 +68,7 @@ impl Candidate {
             Candidate::Policy(it) => trial.policy(*it),
             Candidate::Cores => trial.cores(),
             Candidate::Wcet(codel) => trial.wcet(codel),
-            Candidate::Lock(one, other) => trial.apart(one, other),
+            Candidate::Lock(copies, other) => trial.apart(copies, other),
             Candidate::Period(it) => trial.period(*it),
             Candidate::Delay(it) => trial.delay(*it),
         }
@@ -179,7 +179,11 @@ fn candidates(trial: &Trial, missed: &[&CheckReport]) -> Vec<Candidate> {
     out.push(Candidate::Cores);
     let codels = distinct(blamed.chain(others));
     out.extend(codels.into_iter().map(Candidate::Wcet));
-    out.extend(pairs.into_iter().map(|(a, b)| Candidate::Lock(a, b)));
+    // Who holds the lock takes a copy, or who waits for it.
+    out.extend(pairs.into_iter().flat_map(|(waits, holds)| {
+        let pair = |copies: &String, other: &String| Candidate::Lock(copies.clone(), other.clone());
+        [pair(&holds, &waits), pair(&waits, &holds)]
+    }));
     out.extend(tasks.iter().map(|&it| Candidate::Delay(it)));
     out.extend(tasks.iter().map(|&it| Candidate::Period(it)));
     out

@@ -13,7 +13,7 @@ use crate::scn::ast::{Durations, Path, Policy, Unit};
 use crate::scn::names::Names;
 use crate::system::build::{Built, build};
 use crate::system::settings::Settings;
-use crate::system::{FOREVER, SharedPorts, Ticks};
+use crate::system::{Codel, FOREVER, SharedPorts, Ticks};
 use crate::verify::{Cancel, to_f64, verify_settings};
 
 /// Cores that are tried, so many more than there are.
@@ -186,19 +186,25 @@ impl<'t> Trial<'t> {
         })
     }
 
-    /// Whether it holds when two codels share nothing that makes one wait for the other.
+    /// Whether it holds when a codel works on a copy of what it shares with another one. A copy also separates it from
+    /// all others with which it shares nothing else.
     pub(super) fn apart(&self, codel: &str, other: &str) -> Option<Change> {
-        let pair = || Some((codel.to_owned(), other.to_owned()));
-        if !self.with(|it| it.apart = pair()) {
-            return None;
-        }
-        let find = |path: &str| self.built.system.codels.iter().find(|it| it.path == path);
+        let codels = &self.built.system.codels;
+        let find = |path: &str| codels.iter().find(|it| it.path == path);
         let ports = SharedPorts::new(self.names, &self.settings);
-        Some(Change::Lock {
-            codel: codel.to_owned(),
-            other: other.to_owned(),
-            through: ports.through(find(codel)?, find(other)?),
-        })
+        let (copies, through) = (find(codel)?, ports.through(find(codel)?, find(other)?));
+        let shares_less = |it: &&Codel| {
+            let words = ports.through(copies, it);
+            !words.is_empty() && words.iter().all(|it| through.contains(it))
+        };
+        let others = codels.iter().filter(shares_less);
+        let others: Vec<String> = others.map(|it| it.path.clone()).collect();
+        self.with(|it| it.apart = Some((codel.to_owned(), others)))
+            .then(|| Change::Lock {
+                codel: codel.to_owned(),
+                other: other.to_owned(),
+                through,
+            })
     }
 
     /// The least number of more cores with which it holds.

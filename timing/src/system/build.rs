@@ -124,8 +124,8 @@ pub fn build(names: &Names, settings: &Settings, include: &dyn Fn(usize) -> bool
     builder.clients();
     let out = &mut builder.out;
     exclude_codels(names, settings, &included, out);
-    if let Some((one, other)) = &settings.apart {
-        out.system.separate(one, other);
+    if let Some((one, others)) = &settings.apart {
+        others.iter().for_each(|it| out.system.separate(one, it));
     }
     let preempts = matches!(settings.policy(), ast::Policy::Priority | ast::Policy::Fair);
     // Where an operating system gives them, control tasks need cores as well.

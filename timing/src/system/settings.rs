@@ -54,8 +54,8 @@ pub struct Settings {
     pub period: Option<(Path, Seconds)>,
     /// A delay for one task instead of its own, likewise.
     pub delay: Option<(Path, Seconds)>,
-    /// Two codels (`component.owner.state`) that exclude each other no more, likewise.
-    pub apart: Option<(String, String)>,
+    /// A codel (`component.owner.state`) and those that it excludes no more, likewise.
+    pub apart: Option<(String, Vec<String>)>,
 }
 
 impl Settings {

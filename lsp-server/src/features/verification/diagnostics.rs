@@ -216,9 +216,10 @@ fn diagnostic(
                 (None, Some(note)) => format!(": {note}"),
                 (None, None) => String::new(),
             };
-            let client = match answer.problem.is_written() {
-                true => "",
-                false => ": any client may send anything at any time",
+            let any = !answer.problem.is_written() && advice::has_clients(&answer.problem.scenario);
+            let client = match any {
+                true => ": any client may send anything at any time",
+                false => "",
             };
             format!("`{kind} {of}` is not settled{why}{client}{advice}")
         }),
