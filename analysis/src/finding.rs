@@ -10,6 +10,7 @@ pub mod codels;
 pub mod files;
 pub mod lints;
 pub mod names;
+pub mod role;
 pub mod services;
 mod syntax;
 pub mod values;
@@ -21,7 +22,7 @@ use dotgen_syntax::{
 use smol_str::SmolStr;
 
 use self::{
-    codels::Using, files::Reading, lints::Noticing, names::Naming, services::Declaring,
+    codels::Using, files::Reading, lints::Noticing, names::Naming, role::Role, services::Declaring,
     values::Valuing,
 };
 pub use crate::diagnostic::Severity;
@@ -163,7 +164,7 @@ pub struct Finding {
     /// Where.
     pub at: Src,
     /// Other places that matter, each with what it is.
-    pub related: Vec<(Src, String)>,
+    pub related: Vec<(Src, Role)>,
     /// What was probably meant.
     pub near: Option<Near>,
     /// Where the reference compiler reports it, if that is another place.
@@ -188,8 +189,8 @@ impl Finding {
     }
 
     /// Adds another place that matters.
-    pub fn related(mut self, at: Src, what: impl Into<String>) -> Finding {
-        self.related.push((at, what.into()));
+    pub fn related(mut self, at: Src, role: Role) -> Finding {
+        self.related.push((at, role));
         self
     }
 

@@ -172,9 +172,9 @@ impl<'db> Report<'db> {
             reference.at = usize::from(range.start());
         }
         let mut related = Vec::new();
-        for (src, message) in &it.related {
+        for (src, role) in &it.related {
             if let Some((other, range)) = self.place(*src) {
-                let at = related_at(self.db, other.file(self.db), range, message.clone());
+                let at = related_at(self.db, other.file(self.db), range, role.to_string());
                 if at.path == *path {
                     related.push(range);
                 }

@@ -1,6 +1,7 @@
 //! Async codels, which run outside the mutual exclusion of their task (language reference,
 //! section 14).
 
+use crate::finding::role::Role;
 use crate::{
     finding::{
         Finding,
@@ -38,32 +39,35 @@ fn report(component: &Component, codel: CodelRef, exclusion: &Exclusion, found: 
             }
             let codel = component.codel(other);
             let owner = OwnerName::of(component, other.owner);
-            let text = format!("codel `{}` of {owner}", codel.name);
+            let role = Role::Sharing {
+                codel: codel.name.clone(),
+                owner: owner.clone(),
+            };
             let kind = Using::SharedWithCodel {
                 codel: codel_name,
                 shared: shared.into(),
                 with: codel.name.clone(),
                 owner,
             };
-            (kind, text, codel.src, &codel.params)
+            (kind, role, codel.src, &codel.params)
         }
         Excluded::Service(other) => {
             let service = &component.services[other as usize];
-            let text = format!("attribute `{}`", service.name);
+            let role = Role::Attribute(service.name.clone());
             let kind = Using::SharedWithAttribute {
                 codel: codel_name,
                 shared: shared.into(),
                 with: service.name.clone(),
             };
-            (kind, text, service.src, &service.params)
+            (kind, role, service.src, &service.params)
         }
     };
     let mut diagnostic = Finding::new(kind, own.src).related(src, other);
     if let Some(param) = own.params.get(through.own as usize) {
-        diagnostic = diagnostic.related(param.src, "used here");
+        diagnostic = diagnostic.related(param.src, Role::Used);
     }
     if let Some(param) = params.get(through.other as usize) {
-        diagnostic = diagnostic.related(param.src, "and here");
+        diagnostic = diagnostic.related(param.src, Role::UsedToo);
     }
     found.push(diagnostic);
 }

@@ -1,5 +1,6 @@
 //! State machines (language reference, section 13).
 
+use crate::finding::role::Role;
 use smol_str::format_smolstr;
 
 use crate::{
@@ -100,7 +101,7 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
                         },
                         codel.src,
                     )
-                    .related(owner.src, format!("the {what}")),
+                    .related(owner.src, Role::Owner(what)),
                 );
             }
             continue;
@@ -130,7 +131,7 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
                         },
                         state.src,
                     )
-                    .related(owner.src, format!("the {what}")),
+                    .related(owner.src, Role::Owner(what)),
                 );
                 continue;
             }
@@ -155,7 +156,7 @@ fn check_machine(spec: &Spec, owner: &Owner<'_>, codels: &[Codel], found: &mut V
                     },
                     state.src,
                 )
-                .related(codel.src, "the codel")
+                .related(codel.src, Role::Codel)
                 .said_at(codel.src)
                 .near(near),
             );

@@ -1,5 +1,6 @@
 //! Codels: parameters, states and execution times (language reference, sections 12, 13 and 17.4).
 
+use crate::finding::role::Role;
 use num_rational::Ratio;
 
 use super::{
@@ -91,7 +92,7 @@ impl<'a> Elaborator<'a> {
                 },
                 at,
             )
-            .related(first.src, "first used here");
+            .related(first.src, Role::FirstUsed);
             self.report(diagnostic);
             return;
         }
@@ -114,7 +115,7 @@ impl<'a> Elaborator<'a> {
                     },
                     at,
                 )
-                .related(param.src, "this parameter");
+                .related(param.src, Role::ThisParameter);
                 self.report(diagnostic);
             }
         }
@@ -193,7 +194,7 @@ impl<'a> Elaborator<'a> {
                     },
                     param.src,
                 )
-                .related(first.src, "the first one");
+                .related(first.src, Role::First);
                 self.report(diagnostic);
                 complete = false;
                 continue;
@@ -249,7 +250,7 @@ impl<'a> Elaborator<'a> {
                 },
                 at,
             )
-            .related(first, "the other use");
+            .related(first, Role::OtherUse);
             self.report(diagnostic);
         }
     }
@@ -303,7 +304,7 @@ impl<'a> Elaborator<'a> {
                     },
                     codel,
                 )
-                .related(at, "this state");
+                .related(at, Role::ThisState);
                 self.report(diagnostic);
             } else if state.paused && name == "ether" {
                 self.error(at, Using::PausedEther);
@@ -321,7 +322,7 @@ impl<'a> Elaborator<'a> {
                     },
                     at,
                 )
-                .related(first.src, "first here");
+                .related(first.src, Role::FirstHere);
                 self.report(diagnostic);
                 continue;
             }
@@ -390,7 +391,7 @@ impl<'a> Elaborator<'a> {
         }
         for (state, codel, place) in clashes {
             let diagnostic = Finding::new(Using::StateTaken { state, codel }, at)
-                .related(place, "the other codel");
+                .related(place, Role::OtherCodel);
             self.report(diagnostic);
         }
     }
@@ -403,7 +404,7 @@ impl<'a> Elaborator<'a> {
         for clause in &decl.wcet {
             let at = self.src(clause.ptr);
             if let Some(first) = first {
-                self.report(Finding::new(Valuing::WcetTwice, at).related(first, "the first one"));
+                self.report(Finding::new(Valuing::WcetTwice, at).related(first, Role::First));
                 continue;
             }
             first = Some(at);

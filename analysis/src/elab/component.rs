@@ -1,5 +1,6 @@
 //! Components and interfaces: their bodies, ids and ports (language reference, sections 5.3, 8, 10).
 
+use crate::finding::role::Role;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::{
@@ -128,7 +129,7 @@ impl<'a> Elaborator<'a> {
                     },
                     at,
                 )
-                .related(place, "first declared here"),
+                .related(place, Role::FirstDeclared),
             );
             return false;
         }
@@ -436,7 +437,7 @@ impl<'a> Elaborator<'a> {
                     },
                     at,
                 )
-                .related(place, "the service"),
+                .related(place, Role::Service),
             );
             self.lose(index, &port.name);
             return false;

@@ -1,5 +1,6 @@
 //! Constant expressions: values, operators and conversions (language reference, section 7).
 
+use crate::finding::role::Role;
 use num_rational::Ratio;
 
 use super::{
@@ -222,7 +223,7 @@ impl<'a> Elaborator<'a> {
                             at,
                         );
                         if let Some(place) = self.type_place(ty) {
-                            diagnostic = diagnostic.related(place, "declared here");
+                            diagnostic = diagnostic.related(place, Role::Declared);
                         }
                         self.report(diagnostic);
                         Const::Unknown

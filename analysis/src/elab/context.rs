@@ -1,6 +1,7 @@
 //! The state of an elaboration, and what every part of it needs: places, diagnostics, declarations
 //! and references.
 
+use crate::finding::role::Role;
 use std::{cell::Cell, sync::Arc};
 
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -222,7 +223,7 @@ impl<'a> Elaborator<'a> {
             if self.reported_at.contains(&(finding.code(), finding.at)) {
                 return;
             }
-            let place = (finding.at, "in the interface".to_owned());
+            let place = (finding.at, Role::InInterface);
             finding.related.insert(0, place);
             finding.at = importing.at;
         }
@@ -405,7 +406,7 @@ impl<'a> Elaborator<'a> {
                 };
                 let diagnostic = Finding::new(kind, at);
                 match place {
-                    Some(place) => diagnostic.related(place, "first declared here"),
+                    Some(place) => diagnostic.related(place, Role::FirstDeclared),
                     None => diagnostic,
                 }
             }
@@ -428,7 +429,7 @@ impl<'a> Elaborator<'a> {
                 match def {
                     Some(def) => {
                         let place = self.definitions[def.0 as usize].src;
-                        diagnostic.related(place, "first declared here")
+                        diagnostic.related(place, Role::FirstDeclared)
                     }
                     None => diagnostic,
                 }
@@ -440,7 +441,7 @@ impl<'a> Elaborator<'a> {
                 match def {
                     Some(def) => {
                         let place = self.definitions[def.0 as usize].src;
-                        diagnostic.related(place, format!("this is `{name}`"))
+                        diagnostic.related(place, Role::Is(name.clone()))
                     }
                     None => diagnostic,
                 }

@@ -8,6 +8,7 @@ use super::{
     scope::{Clash, ScopeId},
     types,
 };
+use crate::finding::role::Role;
 use crate::{
     finding::{
         Finding,
@@ -296,7 +297,7 @@ impl<'a> Elaborator<'a> {
                             },
                             at,
                         )
-                        .related(place, "declared here"),
+                        .related(place, Role::Declared),
                     );
                 }
             }

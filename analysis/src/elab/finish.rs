@@ -1,5 +1,6 @@
 //! What is settled at the end of the input (language reference, sections 1.4 and 8.1).
 
+use crate::finding::role::Role;
 use std::sync::Arc;
 
 use num_rational::Ratio;
@@ -104,7 +105,7 @@ impl Elaborator<'_> {
                         },
                         pragma.at,
                     )
-                    .related(clause, "in the declaration"),
+                    .related(clause, Role::Declaration),
                 );
             }
         }
@@ -136,7 +137,7 @@ impl Elaborator<'_> {
                             },
                             time.src,
                         )
-                        .related(rate.src, "the clock-rate"),
+                        .related(rate.src, Role::ClockRate),
                     );
                 }
             }

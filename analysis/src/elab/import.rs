@@ -13,6 +13,7 @@ use super::{
     property::{join_doc, union},
     scope::Clash,
 };
+use crate::finding::role::Role;
 use crate::{
     finding::{Finding, names::Naming, services::Declaring},
     item_tree::Name,
@@ -45,7 +46,7 @@ impl<'a> Elaborator<'a> {
                     },
                     at,
                 )
-                .related(*first, "first here");
+                .related(*first, Role::FirstHere);
                 self.report(diagnostic);
                 continue;
             }
@@ -114,7 +115,7 @@ impl<'a> Elaborator<'a> {
         if self.spec.components[found as usize].kind == ComponentKind::Component {
             let place = self.spec.components[found as usize].src;
             self.report(
-                Finding::new(is_component(name.clone()), at).related(place, "the component"),
+                Finding::new(is_component(name.clone()), at).related(place, Role::Component),
             );
             return None;
         }
@@ -239,8 +240,8 @@ impl<'a> Elaborator<'a> {
                     "a second `codels-requires`",
                     at,
                     Finding::new(Declaring::RequiresImported, at)
-                        .related(theirs, "in the interface")
-                        .related(own, "the other one"),
+                        .related(theirs, Role::InInterface)
+                        .related(own, Role::Other),
                 );
             } else {
                 state.given.insert(word, at);
@@ -290,9 +291,9 @@ impl<'a> Elaborator<'a> {
             at,
         );
         if let Some(theirs) = theirs {
-            diagnostic = diagnostic.related(theirs, "in the interface");
+            diagnostic = diagnostic.related(theirs, Role::InInterface);
         }
-        self.report(diagnostic.related(own, "the other one"));
+        self.report(diagnostic.related(own, Role::Other));
         false
     }
 
@@ -397,9 +398,9 @@ impl<'a> Elaborator<'a> {
                     at,
                 );
                 if let Some(theirs) = theirs {
-                    diagnostic = diagnostic.related(*theirs, "in the interface");
+                    diagnostic = diagnostic.related(*theirs, Role::InInterface);
                 }
-                self.report(diagnostic.related(place, "the other task"));
+                self.report(diagnostic.related(place, Role::OtherTask));
             }
             self.check_delay(index, own);
             let codels = &self.components[interface as usize].tasks[number].codels;

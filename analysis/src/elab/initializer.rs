@@ -7,6 +7,7 @@ use super::{
     convert::{convert, explain_misfit},
     property, types,
 };
+use crate::finding::role::Role;
 use crate::{
     finding::{
         Finding, Near,
@@ -277,7 +278,7 @@ impl<'a> Elaborator<'a> {
     fn report_part(&mut self, kind: Valuing, near: Option<Near>, first: Src, here: Src) {
         let mut diagnostic = Finding::new(kind, first).near(near);
         if here != first {
-            diagnostic = diagnostic.related(here, "this initializer");
+            diagnostic = diagnostic.related(here, Role::Initializer);
         }
         self.report(diagnostic);
     }

@@ -2,6 +2,7 @@
 //! ones.
 
 use super::context::Elaborator;
+use crate::finding::role::Role;
 use crate::{
     finding::{Finding, Near, services::Declaring},
     item_tree::Expr,
@@ -77,7 +78,7 @@ impl<'a> Elaborator<'a> {
             let mut finding = Finding::new(kind, at);
             if let Some((_, place)) = greatest {
                 let required = format!("genom3 >= {since}");
-                finding = finding.related(place, "the requirement").near(Some(Near {
+                finding = finding.related(place, Role::Requirement).near(Some(Near {
                     at: place,
                     plain: false,
                     text: format!("\"{required}\"").into(),

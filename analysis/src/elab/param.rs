@@ -1,6 +1,7 @@
 //! Parameters of codels and attributes: what they name (language reference, sections 11.1 and 12).
 
 use super::{Access, DefId, DefKind, context::Elaborator, types};
+use crate::finding::role::Role;
 use crate::{
     finding::{Finding, codels::Using},
     item_tree::{Dir, Name, ParamDecl, ParamSpec, PathStep, Source},
@@ -265,7 +266,7 @@ impl<'a> Elaborator<'a> {
                     .filter_map(|(def, it)| Some((def?, it)))
                     .fold(diagnostic, |diagnostic, (def, it)| {
                         let place = self.definitions[def.0 as usize].src;
-                        diagnostic.related(place, it.describe())
+                        diagnostic.related(place, Role::Meaning(it.describe()))
                     });
                 self.report(diagnostic);
                 None
@@ -416,7 +417,7 @@ impl<'a> Elaborator<'a> {
                 },
                 written.at,
             )
-            .related(place, "the parameter");
+            .related(place, Role::Parameter);
             self.report(diagnostic);
         }
         let name = self.param_name(written, written.first);
@@ -445,13 +446,13 @@ impl<'a> Elaborator<'a> {
             (PortDir::In, Dir::Out) => {
                 let diagnostic =
                     Finding::new(Using::WritesInputPort { name: name.clone() }, written.at)
-                        .related(place, "the port");
+                        .related(place, Role::Port);
                 self.report(diagnostic);
             }
             (PortDir::In, Dir::Inout) => {
                 let diagnostic =
                     Finding::new(Using::InoutInputPort { name: name.clone() }, written.at)
-                        .related(place, "the port");
+                        .related(place, Role::Port);
                 self.report(diagnostic);
             }
             _ => {}

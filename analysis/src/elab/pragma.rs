@@ -1,5 +1,6 @@
 //! Pragmas (language reference, section 17).
 
+use crate::finding::role::Role;
 use smol_str::SmolStr;
 
 use super::{codel::TimePlace, context::Elaborator, property::union};
@@ -109,7 +110,7 @@ impl<'a> Elaborator<'a> {
                 },
                 at,
             )
-            .related(first.at, "the first one");
+            .related(first.at, Role::First);
             self.report(diagnostic);
             return;
         }

@@ -1,5 +1,6 @@
 //! Properties: where they are legal, what they hold, how they merge (language reference, section 9).
 
+use crate::finding::role::Role;
 use num_rational::Ratio;
 use rustc_hash::FxHashMap;
 
@@ -124,7 +125,7 @@ impl<'a> Elaborator<'a> {
                         Change::MergedProperties,
                         "a second `codels-requires`",
                         at,
-                        Finding::new(Declaring::RequiresTwice, at).related(first, "the first one"),
+                        Finding::new(Declaring::RequiresTwice, at).related(first, Role::First),
                     );
                 } else {
                     given.insert(word, at);
@@ -220,7 +221,7 @@ impl<'a> Elaborator<'a> {
             Some(&first) => {
                 self.report(
                     Finding::new(Declaring::PropertyTwice { word }, at)
-                        .related(first, "first given here"),
+                        .related(first, Role::FirstGiven),
                 );
                 false
             }
@@ -305,7 +306,7 @@ impl<'a> Elaborator<'a> {
                         at,
                     );
                     if let Some(place) = self.type_place(ty) {
-                        diagnostic = diagnostic.related(place, "declared here");
+                        diagnostic = diagnostic.related(place, Role::Declared);
                     }
                     self.report(diagnostic);
                     continue;

@@ -1,5 +1,6 @@
 //! Attributes, functions and activities (language reference, section 11).
 
+use crate::finding::role::Role;
 use rustc_hash::FxHashMap;
 
 use super::{
@@ -160,7 +161,7 @@ impl<'a> Elaborator<'a> {
                 },
                 at,
             )
-            .related(place, "declared here"),
+            .related(place, Role::Declared),
         );
         true
     }
@@ -188,7 +189,7 @@ impl<'a> Elaborator<'a> {
                 },
                 at,
             )
-            .related(place, "first declared here"),
+            .related(place, Role::FirstDeclared),
         );
         false
     }
@@ -307,7 +308,7 @@ impl<'a> Elaborator<'a> {
                             },
                             service,
                         )
-                        .related(at, "this property"),
+                        .related(at, Role::ThisProperty),
                     );
                 } else if let Some(task) = task {
                     let again = self.components[c].services[s].given.contains_key(word);
@@ -394,7 +395,7 @@ impl<'a> Elaborator<'a> {
         let at = codel.name.as_ref().map_or(property, |it| self.src(it.ptr));
         self.report(
             // The reference compiler sees it at the service.
-            Finding::new(kind, said_at).related(at, "this codel"),
+            Finding::new(kind, said_at).related(at, Role::ThisCodel),
         );
     }
 
@@ -445,7 +446,7 @@ impl<'a> Elaborator<'a> {
                     },
                     at,
                 )
-                .related(*first, "first here");
+                .related(*first, Role::FirstHere);
                 self.report(diagnostic);
             } else {
                 names.push((name.text.clone(), at));

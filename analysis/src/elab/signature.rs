@@ -7,6 +7,7 @@ use super::{
     param::{dir_text, direction},
     types,
 };
+use crate::finding::role::Role;
 use crate::{
     finding::{Finding, services::Declaring},
     item_tree::{Declarator, ParamDecl, ParamSpec, PathStep, ServiceDecl, TypeRef},
@@ -39,7 +40,7 @@ impl<'a> Elaborator<'a> {
                     },
                     new.param.src,
                 )
-                .related(first.param.src, "the first one");
+                .related(first.param.src, Role::First);
                 self.report(diagnostic);
                 continue;
             }
@@ -55,7 +56,7 @@ impl<'a> Elaborator<'a> {
                 },
                 at,
             )
-            .related(place, "the parameter");
+            .related(place, Role::Parameter);
             self.report(diagnostic);
         }
         params
@@ -121,7 +122,7 @@ impl<'a> Elaborator<'a> {
         };
         let mut finding = Finding::new(kind, at);
         if let Some(place) = self.type_place(ty) {
-            finding = finding.related(place, "declared here");
+            finding = finding.related(place, Role::Declared);
         }
         self.report(finding);
         self.unknown(at)
@@ -196,11 +197,10 @@ impl<'a> Elaborator<'a> {
                         },
                         place,
                     )
-                    .related(old.src, "the earlier declaration"),
+                    .related(old.src, Role::Earlier),
                 );
             } else if let Some(kind) = self.conflict(old, new) {
-                problems
-                    .push(Finding::new(kind, place).related(old.src, "the earlier declaration"));
+                problems.push(Finding::new(kind, place).related(old.src, Role::Earlier));
             }
         }
         if let Some(extra) = params.get(expected.len()) {
@@ -212,7 +212,7 @@ impl<'a> Elaborator<'a> {
                     },
                     import.unwrap_or(extra.src),
                 )
-                .related(known.src, "the earlier declaration"),
+                .related(known.src, Role::Earlier),
             );
         }
         if let Some(missing) = expected.get(params.len()) {
@@ -224,7 +224,7 @@ impl<'a> Elaborator<'a> {
                     },
                     import.unwrap_or(at),
                 )
-                .related(missing.src, "the missing parameter"),
+                .related(missing.src, Role::MissingParameter),
             );
         }
         for problem in problems {
@@ -309,12 +309,12 @@ impl<'a> Elaborator<'a> {
                     },
                     src,
                 )
-                .related(place, "the first one"),
+                .related(place, Role::First),
             );
             return;
         }
         if let Some(kind) = self.conflict(old, &local) {
-            self.report(Finding::new(kind, src).related(place, "the earlier declaration"));
+            self.report(Finding::new(kind, src).related(place, Role::Earlier));
         }
         if let Some(def) = def {
             self.refer_as(src, def, Access::None, true);

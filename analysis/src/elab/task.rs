@@ -1,5 +1,6 @@
 //! Tasks (language reference, section 10.3).
 
+use crate::finding::role::Role;
 use num_rational::Ratio;
 use rustc_hash::FxHashMap;
 
@@ -154,7 +155,7 @@ impl<'a> Elaborator<'a> {
                     task: name.text.clone(),
                 };
                 // The reference compiler sees it at the task.
-                self.report(Finding::new(kind, said_at).related(at, "this codel"));
+                self.report(Finding::new(kind, said_at).related(at, Role::ThisCodel));
                 self.misplaced_params(index, Owner::Task(task), decl, CodelKind::Fsm);
             }
             PropertyKind::Local { ty, .. } => {
@@ -205,7 +206,7 @@ impl<'a> Elaborator<'a> {
             }
             Some(period) if delay.value >= period.value => {
                 let diagnostic =
-                    Finding::new(Valuing::DelayRange, at).related(period.src, "the period");
+                    Finding::new(Valuing::DelayRange, at).related(period.src, Role::Period);
                 self.report(diagnostic);
             }
             _ => {}

@@ -1,5 +1,6 @@
 //! Types where they are used, and the relations between types (language reference, section 6).
 
+use crate::finding::role::Role;
 use rustc_hash::FxHashSet;
 
 use super::{context::Elaborator, foreign};
@@ -84,7 +85,7 @@ impl<'a> Elaborator<'a> {
                 at,
             );
             if let Some(place) = self.type_place(ty) {
-                diagnostic = diagnostic.related(place, "declared here");
+                diagnostic = diagnostic.related(place, Role::Declared);
             }
             self.report(diagnostic);
         }
@@ -109,7 +110,7 @@ impl<'a> Elaborator<'a> {
                     at,
                 );
                 if let Some(place) = self.type_place(last) {
-                    diagnostic = diagnostic.related(place, "declared, but not defined, here");
+                    diagnostic = diagnostic.related(place, Role::NotDefined);
                 }
                 self.report(diagnostic);
                 self.unknown(at)

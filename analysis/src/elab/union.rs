@@ -7,6 +7,7 @@ use super::{
     convert::{Misfit, convert, explain_misfit},
     types,
 };
+use crate::finding::role::Role;
 use crate::{
     finding::{
         Finding,
@@ -159,8 +160,8 @@ impl<'a> Elaborator<'a> {
                     },
                     at,
                 )
-                .related(label, "this label")
-                .related(place, "the other member"),
+                .related(label, Role::ThisLabel)
+                .related(place, Role::OtherMember),
             );
         }
         if let Some((_, Some(id))) = member {
@@ -182,7 +183,7 @@ impl<'a> Elaborator<'a> {
             member.unwrap_or(label),
         );
         let diagnostic = match member {
-            Some(_) => diagnostic.related(label, "this label"),
+            Some(_) => diagnostic.related(label, Role::ThisLabel),
             None => diagnostic,
         };
         self.report(diagnostic);

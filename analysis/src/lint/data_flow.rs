@@ -1,5 +1,6 @@
 //! Rules about who reads and writes ports and ids.
 
+use crate::finding::role::Role;
 use crate::model::{
     CodelKind, CodelRef, Name, Owner, ParamDir, ParamSource, PathElement, PortDir, ServiceKind,
     Src, TypeKind,
@@ -147,10 +148,10 @@ fn ports(lint: &mut Lint, uses: &[Use]) {
                 .iter()
                 .map(|&t| lint.component.tasks[t as usize].name.clone())
                 .collect();
-            let related: Vec<(Src, String)> = steady
+            let related: Vec<(Src, Role)> = steady
                 .iter()
                 .filter_map(|u| match u.by {
-                    By::Codel(it) => Some((u.at, format!("written by {}", lint.codel_name(it)))),
+                    By::Codel(it) => Some((u.at, Role::WrittenBy(lint.codel_name(it)))),
                     By::Attribute(_) => None,
                 })
                 .collect();
@@ -243,15 +244,12 @@ fn read_before_write(lint: &mut Lint, name: &Name, uses: &[&Use]) {
     let Some((reader, By::Codel(it))) = reader.map(|r| (r, r.by)) else {
         return;
     };
-    let writers: Vec<(Src, String)> = uses
+    let writers: Vec<(Src, Role)> = uses
         .iter()
         .filter(|u| u.writes)
         .map(|u| match u.by {
-            By::Codel(it) => (u.at, format!("written by {}", lint.codel_name(it))),
-            By::Attribute(i) => (
-                u.at,
-                format!("set by {}", lint.owner_name(Owner::Service(i))),
-            ),
+            By::Codel(it) => (u.at, Role::WrittenBy(lint.codel_name(it))),
+            By::Attribute(i) => (u.at, Role::SetBy(lint.owner_name(Owner::Service(i)))),
         })
         .collect();
     debug_assert!(lint.codel(it).kind == CodelKind::Fsm);

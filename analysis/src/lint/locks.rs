@@ -1,5 +1,6 @@
 //! Rules about codels that keep each other waiting.
 
+use crate::finding::role::Role;
 use crate::finding::{
     Severity,
     lints::{Noticing, Time},
@@ -54,12 +55,11 @@ fn long_hold(lint: &mut Lint, it: CodelRef, exclusions: &[mutex::Exclusion]) {
                 other: lint.codel_name(other),
             },
         );
-        found
-            .related
-            .push((component.codel(other).src, format!("waits for {through}")));
-        found
-            .related
-            .push((period.src, "period of the task that waits".into()));
+        found.related.push((
+            component.codel(other).src,
+            Role::WaitsFor(through.as_str().into()),
+        ));
+        found.related.push((period.src, Role::PeriodOfWaiting));
     }
 }
 
@@ -100,7 +100,7 @@ fn self_blocking(lint: &mut Lint, it: CodelRef) {
         found.severity = Severity::Information;
         found
             .related
-            .push((other_codel.src, format!("also uses {through}")));
+            .push((other_codel.src, Role::AlsoUses(through.as_str().into())));
         return;
     }
 }

@@ -1,5 +1,6 @@
 //! Rules about services.
 
+use crate::finding::role::Role;
 use crate::model::{CodelKind, ParamDir, ParamSource, ServiceKind, Src};
 
 use super::Lint;
@@ -41,7 +42,7 @@ fn interrupts_nothing(lint: &mut Lint, index: u32) {
                 param: param_name.clone(),
             },
         );
-        found.related.push((param_src, "written here".into()));
+        found.related.push((param_src, Role::Written));
     }
 }
 
@@ -81,7 +82,7 @@ fn blind_validate(lint: &mut Lint, index: u32) {
         found.related = codel
             .params
             .iter()
-            .map(|p| (p.src, "the old value, from the ids".to_owned()))
+            .map(|p| (p.src, Role::OldValue))
             .collect();
     }
 }
@@ -127,14 +128,9 @@ fn order_cycles(lint: &mut Lint) {
         }
         path.iter().for_each(|&i| reported[i] = true);
         let round = Round(path.iter().map(|&i| services[i].name.clone()).collect());
-        let related: Vec<(Src, String)> = path[1..]
+        let related: Vec<(Src, Role)> = path[1..]
             .iter()
-            .map(|&i| {
-                (
-                    services[i].src,
-                    format!("`{}` is part of the circle", services[i].name),
-                )
-            })
+            .map(|&i| (services[i].src, Role::InCircle(services[i].name.clone())))
             .collect();
         let found = lint.report(services[start].src, Noticing::OrderCycle { round });
         found.related = related;

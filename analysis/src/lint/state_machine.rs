@@ -1,5 +1,6 @@
 //! Rules about state machines that are legal but suspicious.
 
+use crate::finding::role::Role;
 use crate::finding::{
     Severity,
     lints::{Names, Noticing, Round},
@@ -121,7 +122,10 @@ fn loops(lint: &mut Lint, owner: Owner, machine: &Machine) {
             {
                 found.related.push((
                     state.src,
-                    format!("`{}` yields `{}` without pause", codel.name, state.name),
+                    Role::Yields {
+                        codel: codel.name.clone(),
+                        state: state.name.clone(),
+                    },
                 ));
             }
         }
@@ -153,16 +157,10 @@ fn pause_in_aperiodic_task(lint: &mut Lint) {
                 state: name.clone(),
             },
         );
-        found.related.push((
-            task.src,
-            "the task is declared here, without `period`".into(),
-        ));
-        let others = paused[1..].iter().map(|s| {
-            (
-                s.src,
-                format!("`pause::{}` waits for no tick either", s.name),
-            )
-        });
+        found.related.push((task.src, Role::NoPeriod));
+        let others = paused[1..]
+            .iter()
+            .map(|s| (s.src, Role::PauseToo(s.name.clone())));
         found.related.extend(others);
     }
 }
@@ -250,9 +248,7 @@ fn missing_stop(lint: &mut Lint, index: u32, by: u32) {
                 param: param_name,
             },
         );
-        found.related.push((param_src, "written here".into()));
-        found
-            .related
-            .push((by_src, "interrupted by this service".into()));
+        found.related.push((param_src, Role::Written));
+        found.related.push((by_src, Role::Interrupting));
     }
 }

@@ -1,6 +1,7 @@
 //! Rules of taste, off by default.
 
 use crate::finding::lints::{Late, Names, Noticing};
+use crate::finding::role::Role;
 use crate::model::{ComponentKind, Name, Src};
 
 use super::Lint;
@@ -102,7 +103,7 @@ fn ordering(lint: &mut Lint) {
         );
         found.related = late[1..]
             .iter()
-            .map(|(src, n)| (*src, format!("`{n}` too")))
+            .map(|(src, n)| (*src, Role::Too(n.clone())))
             .collect();
     }
 }

@@ -1,5 +1,6 @@
 //! Rules about execution times and periods.
 
+use crate::finding::role::Role;
 use num_rational::Ratio;
 
 use crate::model::fsm::Machine;
@@ -50,7 +51,7 @@ fn missing_wcet(lint: &mut Lint) {
         );
         found.related = missing[1..]
             .iter()
-            .map(|&(_, src)| (src, "no execution time either".into()))
+            .map(|&(_, src)| (src, Role::NoTime))
             .collect();
     }
 }
@@ -92,7 +93,7 @@ fn wcet_exceeds_period(lint: &mut Lint, owner: Owner) {
         );
         found
             .related
-            .push((period_src, format!("period of task `{}`", task.name)));
+            .push((period_src, Role::PeriodOf(task.name.clone())));
     }
     for state in machine.turn_starts() {
         let Some(Turn::Bounded { sum, chain, .. }) = machine.longest_turn(state) else {
@@ -124,8 +125,8 @@ fn wcet_exceeds_period(lint: &mut Lint, owner: Owner) {
         );
         found.related = chain[1..]
             .iter()
-            .map(|&v| (machine.at(v).src, format!("then `{}`", machine.at(v).name)))
-            .chain([(period_src, format!("period of task `{}`", task.name))])
+            .map(|&v| (machine.at(v).src, Role::Then(machine.at(v).name.clone())))
+            .chain([(period_src, Role::PeriodOf(task.name.clone()))])
             .collect();
         // Later starts of the same chain say nothing new.
         reported.extend(chain);
@@ -165,7 +166,7 @@ fn overutilised(lint: &mut Lint) {
         return;
     };
     let mut total = Ratio::from_integer(0);
-    let mut parts: Vec<(Src, String)> = Vec::new();
+    let mut parts: Vec<(Src, Role)> = Vec::new();
     for (index, task) in lint.component.tasks.iter().enumerate() {
         let Some(share) = lint.component.utilisation(index as u32) else {
             continue;
@@ -173,7 +174,10 @@ fn overutilised(lint: &mut Lint) {
         total += share;
         parts.push((
             task.src,
-            format!("task `{}` needs {}", task.name, Share(share)),
+            Role::Load {
+                task: task.name.clone(),
+                share: Share(share),
+            },
         ));
     }
     if total > Ratio::from_integer(i128::from(cores)) {

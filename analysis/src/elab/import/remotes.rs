@@ -1,5 +1,6 @@
 //! What `uses` makes of the services of an interface: remote services, as those that it uses itself.
 
+use crate::finding::role::Role;
 use crate::{
     elab::{DefId, context::Elaborator, property::union},
     finding::{Finding, names::Naming},
@@ -60,8 +61,8 @@ impl Elaborator<'_> {
                     },
                     at,
                 )
-                .related(place, "the service")
-                .related(remote.src, "the remote service"),
+                .related(place, Role::Service)
+                .related(remote.src, Role::RemoteService),
             );
             self.lose(index, &remote.name);
             return;

@@ -1,5 +1,6 @@
 //! What `provides` and `extends` make of the services of an interface: services of the importer.
 
+use crate::finding::role::Role;
 use crate::{
     elab::{
         DefId,
@@ -127,8 +128,8 @@ impl<'a> Elaborator<'a> {
                         },
                         at,
                     )
-                    .related(local.src, "in the interface")
-                    .related(place, "here"),
+                    .related(local.src, Role::InInterface)
+                    .related(place, Role::Here),
                 );
             }
         }
@@ -196,8 +197,8 @@ impl<'a> Elaborator<'a> {
                     },
                     at,
                 )
-                .related(place, "in the interface")
-                .related(ours, "the other one"),
+                .related(place, Role::InInterface)
+                .related(ours, Role::Other),
             );
         }
     }

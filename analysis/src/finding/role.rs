@@ -1,0 +1,153 @@
+//! What a place has to do with a finding, as data.
+
+use std::fmt;
+
+use smol_str::SmolStr;
+
+use super::codels::OwnerName;
+use super::lints::{CodelName, Share};
+use crate::model::Name;
+
+/// What is at a place that is related to a finding.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+#[allow(missing_docs, reason = "its words say what each is")]
+pub enum Role {
+    First,
+    FirstHere,
+    FirstGiven,
+    FirstUsed,
+    FirstDeclared,
+    Declared,
+    NotDefined,
+    Earlier,
+    Declaration,
+    Here,
+    Used,
+    UsedToo,
+    Written,
+    InInterface,
+    Other,
+    OtherUse,
+    OtherMember,
+    OtherCodel,
+    OtherTask,
+    Component,
+    Service,
+    RemoteService,
+    Codel,
+    ThisCodel,
+    ThisState,
+    Parameter,
+    ThisParameter,
+    MissingParameter,
+    Port,
+    ThisProperty,
+    ThisLabel,
+    Initializer,
+    Requirement,
+    ClockRate,
+    Period,
+    PeriodOfWaiting,
+    NoPeriod,
+    OldValue,
+    Interrupting,
+    NoTime,
+    /// The service by which one gets from a service back to itself.
+    InCircle(Name),
+    WrittenBy(CodelName),
+    SetBy(OwnerName),
+    Yields {
+        codel: Name,
+        state: Name,
+    },
+    PauseToo(Name),
+    /// Data that a codel waits for.
+    WaitsFor(SmolStr),
+    AlsoUses(SmolStr),
+    Too(Name),
+    PeriodOf(Name),
+    /// The next codel of a chain.
+    Then(Name),
+    Load {
+        task: Name,
+        share: Share,
+    },
+    /// What a name means there.
+    Is(Name),
+    /// A parameter can mean this.
+    Meaning(&'static str),
+    /// A codel that shares data.
+    Sharing {
+        codel: Name,
+        owner: OwnerName,
+    },
+    Attribute(Name),
+    /// The task or service that something belongs to, by its kind.
+    Owner(&'static str),
+}
+
+impl fmt::Display for Role {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let words = match self {
+            Role::First => "the first one",
+            Role::FirstHere => "first here",
+            Role::FirstGiven => "first given here",
+            Role::FirstUsed => "first used here",
+            Role::FirstDeclared => "first declared here",
+            Role::Declared => "declared here",
+            Role::NotDefined => "declared, but not defined, here",
+            Role::Earlier => "the earlier declaration",
+            Role::Declaration => "in the declaration",
+            Role::Here => "here",
+            Role::Used => "used here",
+            Role::UsedToo => "and here",
+            Role::Written => "written here",
+            Role::InInterface => "in the interface",
+            Role::Other => "the other one",
+            Role::OtherUse => "the other use",
+            Role::OtherMember => "the other member",
+            Role::OtherCodel => "the other codel",
+            Role::OtherTask => "the other task",
+            Role::Component => "the component",
+            Role::Service => "the service",
+            Role::RemoteService => "the remote service",
+            Role::Codel => "the codel",
+            Role::ThisCodel => "this codel",
+            Role::ThisState => "this state",
+            Role::Parameter => "the parameter",
+            Role::ThisParameter => "this parameter",
+            Role::MissingParameter => "the missing parameter",
+            Role::Port => "the port",
+            Role::ThisProperty => "this property",
+            Role::ThisLabel => "this label",
+            Role::Initializer => "this initializer",
+            Role::Requirement => "the requirement",
+            Role::ClockRate => "the clock-rate",
+            Role::Period => "the period",
+            Role::PeriodOfWaiting => "period of the task that waits",
+            Role::NoPeriod => "the task is declared here, without `period`",
+            Role::OldValue => "the old value, from the ids",
+            Role::Interrupting => "interrupted by this service",
+            Role::NoTime => "no execution time either",
+            Role::Meaning(it) => it,
+            Role::InCircle(it) => return write!(f, "`{it}` is part of the circle"),
+            Role::WrittenBy(it) => return write!(f, "written by {it}"),
+            Role::SetBy(it) => return write!(f, "set by {it}"),
+            Role::Yields { codel, state } => {
+                return write!(f, "`{codel}` yields `{state}` without pause");
+            }
+            Role::PauseToo(it) => return write!(f, "`pause::{it}` waits for no tick either"),
+            Role::WaitsFor(it) => return write!(f, "waits for {it}"),
+            Role::AlsoUses(it) => return write!(f, "also uses {it}"),
+            Role::Too(it) => return write!(f, "`{it}` too"),
+            Role::PeriodOf(it) => return write!(f, "period of task `{it}`"),
+            Role::Then(it) => return write!(f, "then `{it}`"),
+            Role::Load { task, share } => return write!(f, "task `{task}` needs {share}"),
+            Role::Sharing { codel, owner } => return write!(f, "codel `{codel}` of {owner}"),
+            Role::Attribute(it) => return write!(f, "attribute `{it}`"),
+            Role::Owner(it) => return write!(f, "the {it}"),
+            Role::Is(it) => return write!(f, "this is `{it}`"),
+        };
+        f.write_str(words)
+    }
+}
