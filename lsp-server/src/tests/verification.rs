@@ -195,7 +195,10 @@ fn endless() -> String {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_verification_is_cancelled_by_an_edit_and_limited_by_the_settings() {
     let folder = Folder::new(&[]);
-    let mut client = Client::start(telling(&folder)).await;
+    let mut params = telling(&folder);
+    params["capabilities"]["workspace"]["workspaceEdit"] =
+        json!({ "documentChanges": true, "resourceOperations": ["create"] });
+    let mut client = Client::start(params).await;
     let uri = folder.uri("pump.gen");
     let patient =
         json!({ "time-limit": 3600, "max-states": 4_000_000_000_u32, "max-memory": 4096 });
