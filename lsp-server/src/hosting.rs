@@ -6,10 +6,12 @@
 //! | [`host`] | a host: it loads a shared object and calls its codels |
 //! | [`library`] | the shared object, and all that is unsafe about calling it |
 //! | [`children`] | the engine's side: starts hosts, talks to them, knows how they ended |
+//! | [`board`] | the data of a port, in memory that engine and hosts share |
 //! | [`server`] | requests from outside, as JSON over a socket |
 //! | [`places`] | where the sockets of this user are |
 //! | [`realtime`] | what the system grants to who has to be in time |
 
+mod board;
 pub(crate) mod children;
 pub(crate) mod host;
 mod library;

@@ -13,7 +13,9 @@ mod directory;
 mod running;
 
 use directory::{Directory, status, stderr, stdout};
-use running::{Listening, compilers, ended, processes, signal, soon, with_body};
+use running::{
+    Listening, compilers, ended, json_of, processes, signal, soon, violation, with_body,
+};
 
 const REAL: &[&str] = &["run", "good/good.gen", "--clock", "real", "--socket", "s"];
 
@@ -302,4 +304,202 @@ fn a_log_for_which_there_is_no_room_is_told() {
         stderr(&output)
     );
     assert_eq!(names(directory.path()), ["bad", "good"]);
+}
+
+/// The violation of a run of both components, of which one does something; the other one goes on.
+fn lost(body: &str, clock: &str) -> String {
+    let directory = with_body(body);
+    let mut arguments = vec!["run", "bad/bad.gen", "good/good.gen", "--bounds", "none"];
+    arguments.extend(["--until", "500ms", "--format", "json", "--clock", clock]);
+    arguments.extend(["--socket", "s"].iter().filter(|_| clock == "real"));
+    let report = json_of(&directory.run(&arguments));
+    none_is_left(&directory);
+    let lost = violation(&report, "lost");
+    assert_eq!(lost["component"], "bad", "{body}");
+    let jobs = report["tasks"].as_array().expect("a list").iter();
+    let mut good = jobs.filter(|it| it["task"] == "good.main");
+    let good = good.next().and_then(|it| it["jobs"].as_u64());
+    assert!(good > Some(5), "{report:#}");
+    lost["why"].as_str().expect("it is text").to_owned()
+}
+
+#[test]
+fn what_codels_do_to_their_process_ends_their_component_alone() {
+    if !compilers() {
+        return;
+    }
+    let close = "for (int it = 3; it < 1000; it++) close(it);";
+    let nonsense =
+        "for (int it = 3; it < 1000; it++) if (write(it, \"\\377\\377\\377\\377?\", 5)) {}";
+    let for_ever = "for (;;) pause();";
+    for (body, why) in [
+        ("exit(7);".to_owned(), "exit status 7"),
+        ("_exit(0);".to_owned(), "exit status 0"),
+        ("*(volatile int *)8 = 1;".to_owned(), "SIGSEGV"),
+        (
+            "volatile char all[1 << 28]; all[0] = 1; all[1 << 27] = 1;".to_owned(),
+            "SIG",
+        ),
+        ("kill(getpid(), 9);".to_owned(), "SIGKILL"),
+        // It may come to its own end, or be ended.
+        (close.to_owned(), "ended"),
+        (close.to_owned() + for_ever, "ended"),
+        (nonsense.to_owned() + for_ever, "written into it"),
+        (
+            "if (fork() == 0) for (;;) pause(); abort();".to_owned(),
+            "SIGABRT",
+        ),
+    ] {
+        let body = format!("extern int kill(int, int); {body}");
+        let said = lost(&body, "virtual");
+        assert!(said.contains(why), "{body}: {said}");
+    }
+    let said = lost(&(close.to_owned() + for_ever), "real");
+    assert!(said.contains("ended"), "{said}");
+}
+
+#[test]
+fn a_host_that_is_stopped_does_not_keep_a_run_from_ending() {
+    if !compilers() {
+        return;
+    }
+    let directory = slow();
+    let mut run = Listening::start(&directory, &[SLOW, &["report"]].concat());
+    let host = soon("a host", || hosts(&directory).first().copied());
+    signal("-STOP", host);
+    let mut client = UnixStream::connect(directory.path().join("s")).expect("it listens");
+    // More than a pipe takes.
+    for id in 0..3000 {
+        let ask = format!("{{\"id\": {id}, \"call\": \"slow.work\", \"input\": {{\"how\": 1}}}}\n");
+        client.write_all(ask.as_bytes()).expect("it reads");
+    }
+    run.signal("-TERM");
+    assert!(matches!(ended(&mut run.0).code(), Some(1 | 3)));
+    none_is_left(&directory);
+    assert!(!directory.path().join("s").exists());
+}
+
+#[test]
+fn an_engine_that_is_killed_leaves_no_host() {
+    if !compilers() {
+        return;
+    }
+    let directory = with_body("");
+    let arguments = [
+        "run",
+        "bad/bad.gen",
+        "good/good.gen",
+        "--clock",
+        "real",
+        "--socket",
+        "s",
+    ];
+    let mut run = Listening::start(&directory, &arguments);
+    soon("both hosts", || {
+        (hosts(&directory).len() == 2).then_some(())
+    });
+    run.signal("-KILL");
+    ended(&mut run.0);
+    none_is_left(&directory);
+    // Its socket is in nobody's way.
+    let mut run = Listening::start(&directory, &arguments);
+    run.signal("-TERM");
+    ended(&mut run.0);
+    assert_eq!(names(directory.path()), ["bad", "good"]);
+}
+
+#[test]
+fn what_is_no_event_is_told_to_who_has_asked() {
+    if !compilers() {
+        return;
+    }
+    for lang in ["c", "c++"] {
+        let source = match lang {
+            "c" => {
+                "#include \"acodd.h\"
+#include \"odd_c_types.h\"
+genom_event odd_work(const genom_context self) { return NULL; }
+"
+            }
+            _ => {
+                "#include \"acodd.h\"
+#include \"odd_cxx_types.h\"
+genom::event odd_work(void) { return NULL; }
+"
+            }
+        };
+        let extension = if lang == "c" { "c" } else { "cc" };
+        let directory = Directory::new(&[
+            (
+                "odd/odd.gen",
+                &format!(
+                    "component odd {{ version \"1\"; lang \"{lang}\"; task main {{ period 10 ms; }};
+                       activity work() {{ task main; codel<start> odd_work() yield ether wcet 1 ms; }}; }};\n"
+                ),
+            ),
+            (&format!("odd/codels/odd.{extension}"), source),
+        ]);
+        let arguments = ["run", "odd/odd.gen", "--clock", "real", "--socket", "s"];
+        let mut run = Listening::start(&directory, &arguments);
+        let called = directory.run(&["call", "--socket", "s", "odd", "work"]);
+        assert_eq!(status(&called), 1);
+        let said = stderr(&called);
+        assert!(said.contains("::genom::bad_transition"), "{lang}: {said}");
+        run.signal("-TERM");
+        assert_eq!(ended(&mut run.0).code(), Some(1));
+    }
+}
+
+#[test]
+fn a_client_that_does_not_read_or_says_too_much_is_let_go() {
+    let directory = with_body("");
+    let arguments = [REAL, &["--simulate", "all"]].concat();
+    let run = Listening::start(&directory, &arguments);
+    let socket = directory.path().join("s");
+    // A line is never longer.
+    let mut client = UnixStream::connect(&socket).expect("it listens");
+    let much = vec![b'x'; 17 << 20];
+    // It hangs up in the middle.
+    let _ = client.write_all(&much);
+    let mut nothing = String::new();
+    let read = BufReader::new(&client).read_line(&mut nothing);
+    assert!(matches!(read, Ok(0) | Err(_)), "{nothing}");
+    // Answers that nobody reads.
+    let mut client = UnixStream::connect(&socket).expect("it listens");
+    while client
+        .write_all(b"{\"id\": 1, \"describe\": null}\n")
+        .is_ok()
+    {}
+    let other = directory.run(&["call", "--socket", "s", "good", "none"]);
+    assert!(stderr(&other).contains("no service"), "{}", stderr(&other));
+    drop(run);
+}
+
+#[test]
+fn what_stands_where_a_socket_should_be_stays() {
+    let directory = with_body("");
+    directory.write("s", b"mine");
+    directory.write("elsewhere", b"mine");
+    std::os::unix::fs::symlink("elsewhere", directory.path().join("link")).expect("a link");
+    for (socket, said) in [
+        ("s", "cannot listen"),
+        ("link", "cannot listen"),
+        ("bad/none/there/s", "bad/none"),
+        (&"x".repeat(200), "cannot listen"),
+    ] {
+        let arguments = [
+            "run",
+            "good/good.gen",
+            "--clock",
+            "real",
+            "--simulate",
+            "all",
+            "--socket",
+        ];
+        let output = directory.run(&[&arguments[..], &[socket]].concat());
+        assert_eq!(status(&output), 2, "{socket}: {}", stderr(&output));
+        assert!(stderr(&output).contains(said), "{}", stderr(&output));
+    }
+    assert_eq!(directory.read("s"), "mine");
+    assert_eq!(directory.read("elsewhere"), "mine");
 }

@@ -397,3 +397,68 @@ fn a_signal_ends_a_simulated_run_with_its_report_and_profile() {
     assert!(directory.path().join("log").exists());
     assert!(!directory.path().join("s").exists());
 }
+
+#[test]
+fn data_of_ports_that_grows_is_seen_whole() {
+    if !compilers() {
+        return;
+    }
+    let task = |name: &str, ids: &str, port: &str, argument: &str, period: u32| {
+        format!(
+            "component {name} {{ version \"1\"; lang \"c\"; typedef sequence<octet> bytes; ids {{ {ids} }};
+               port {port} bytes data;
+               task main {{ period {period} ms;
+                 codel<start> {name}_again({argument}, port {port} data) yield pause::start; }}; }};\n"
+        )
+    };
+    let source = |name: &str, arguments: &str, body: &str| {
+        format!(
+            "#include \"ac{name}.h\"
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include \"{name}_c_types.h\"
+genom_event {name}_again({arguments}, const {name}_data *data, const genom_context self) {{
+  {body}
+  return {name}_pause_start;
+}}
+"
+        )
+    };
+    let write = "sequence_octet *it = data->data(self); uint32_t size = (++*n * 997) % 200000;
+  if (genom_sequence_reserve(it, size)) abort();
+  it->_length = size;
+  memset(it->_buffer, size % 251, size);
+  data->write(self);";
+    let read = "sequence_octet *it; uint32_t i;
+  data->read(self);
+  it = data->data(self);
+  if (it == NULL) return reads_pause_start;
+  for (i = 0; i < it->_length; i++)
+    if (it->_buffer[i] != it->_length % 251) abort();
+  if (it->_length > 150000) creat(\"much\", 0600);
+  (void)n;";
+    let directory = Directory::new(&[
+        (
+            "w/writes.gen",
+            &task("writes", "long n;", "out", "inout n", 1),
+        ),
+        ("w/codels/writes.c", &source("writes", "int32_t *n", write)),
+        ("r/reads.gen", &task("reads", "long n;", "in", "in n", 3)),
+        ("r/codels/reads.c", &source("reads", "int32_t n", read)),
+    ]);
+    for clock in ["virtual", "real"] {
+        let mut arguments = vec!["run", "w/writes.gen", "r/reads.gen", "--format", "json"];
+        arguments.extend(["--bounds", "none", "--until", "1s", "--clock", clock]);
+        arguments.extend(["--socket", "s"].iter().filter(|_| clock == "real"));
+        let output = directory.run(&arguments);
+        let report = json_of(&output);
+        // On a busy machine a deadline may be missed.
+        let violations = report["violations"].as_array().expect("a list");
+        let lost = violations.iter().any(|it| it["kind"] != "check");
+        assert!(!lost, "{report:#}");
+        assert_eq!(report["simulated-codels"], 0, "{report:#}");
+        assert!(directory.path().join("much").exists(), "{clock}");
+        std::fs::remove_file(directory.path().join("much")).expect("it is there");
+    }
+}

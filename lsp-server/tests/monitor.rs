@@ -8,6 +8,10 @@ use serde_json::Value;
 #[path = "support/directory.rs"]
 mod directory;
 
+#[cfg(target_os = "linux")]
+#[path = "support/running.rs"]
+mod running;
+
 use directory::{Directory, status, stderr, stdout};
 
 fn put(directory: &Directory, name: &str, text: &str) {
@@ -119,6 +123,54 @@ fn a_log_is_followed_while_it_is_written() {
     std::io::Read::read_to_string(&mut output, &mut all).expect("text");
     assert_eq!(child.wait().expect("it ends").code(), Some(1));
     assert!(all.contains("tank: "), "{all}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_run_is_followed_through_its_socket() {
+    use running::{Listening, ended};
+
+    let directory = recorded(&[]);
+    let arguments = ["run", "pump.scn", "--clock", "real", "--simulate", "all"];
+    let mut run = Listening::start(&directory, &[&arguments[..], &["--socket", "s"]].concat());
+    // What another client hears is a log.
+    let path = directory.path().join("s");
+    let mut client = std::os::unix::net::UnixStream::connect(&path).expect("it listens");
+    client
+        .write_all(b"{\"id\": 7, \"profile\": null}\n")
+        .expect("it reads");
+    let answers = BufReader::new(&client).lines().map(|it| {
+        let answer: Value = serde_json::from_str(&it.expect("text")).expect("JSON");
+        assert_eq!(answer["id"], 7);
+        answer
+    });
+    let answers: Vec<Value> = answers.take(200).collect();
+    assert_eq!(answers[0]["event"], "profiling");
+    let lines = answers[1..].iter();
+    let lines = lines.map(|it| format!("{}\n", it["line"].as_str().expect("a line")));
+    put(&directory, "heard.out", &lines.collect::<String>());
+    let clean = dotgen(&directory, &["monitor", "heard.out", "pump.scn"]);
+    assert_eq!(status(&clean), 0, "{}{}", stdout(&clean), stderr(&clean));
+
+    // A model that the run does not keep to.
+    let other = directory
+        .read("pump.gen")
+        .replace("wcet 3 ms", "wcet 100 us");
+    put(&directory, "pump.gen", &other);
+    let mut command = directory.command(&["monitor", "s", "pump.scn"]);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().expect("the program runs");
+    let mut output = BufReader::new(child.stdout.take().expect("a pipe"));
+    let mut line = String::new();
+    output.read_line(&mut line).expect("a line");
+    assert!(line.contains("100 us"), "{line}");
+    // It ends with the run.
+    run.signal("-TERM");
+    ended(&mut run.0);
+    let mut all = String::new();
+    std::io::Read::read_to_string(&mut output, &mut all).expect("text");
+    assert!(all.contains("runs of codels"), "{all}");
+    assert_eq!(ended(&mut child).code(), Some(1));
 }
 
 /// A message of protocol buffers, taken apart without knowing what it means: fields with numbers or bytes.

@@ -14,6 +14,30 @@ pub struct Call {
     pub codel: u32,
     /// The activity or request, if it is one.
     pub instance: u32,
+    /// The core that its task is tied to, from 0.
+    pub core: Option<u32>,
+}
+
+/// An output port, or one instance of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Source<'a> {
+    /// The component.
+    pub component: usize,
+    /// The port.
+    pub port: u32,
+    /// The instance; empty for a port that is not `multiple`.
+    pub id: &'a str,
+}
+
+/// An input port that reads it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Reader<'a> {
+    /// The component.
+    pub component: usize,
+    /// The port.
+    pub port: u32,
+    /// By which name it tells its sources apart; empty for a port that is not `multiple`.
+    pub name: &'a str,
 }
 
 /// How a codel has ended.
@@ -114,11 +138,11 @@ pub trait Hosts {
     /// A codel begins. [`Message::Ran`] or [`Message::Lost`] follows.
     fn run(&mut self, call: &Call);
 
-    /// A request has ended: its outputs, unless the component is lost.
+    /// A request has ended: its outputs, unless the component is lost or does not answer.
     fn end(&mut self, component: usize, service: u32, instance: u32) -> Option<Vec<u8>>;
 
-    /// New data for an input port.
-    fn feed(&mut self, component: usize, port: u32, id: &str, data: &[u8]);
+    /// New data of an output port, for those who read it.
+    fn share(&mut self, from: Source<'_>, readers: &[Reader<'_>], data: &[u8]);
 
     /// Waits for what happens next, at most until a time in nanoseconds since the start; `None` when the time
     /// has come, or earlier when the run is to end.

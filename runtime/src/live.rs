@@ -12,7 +12,7 @@ use std::collections::VecDeque;
 use dotgen_timing::explore::{Seen, Stepper, Work};
 use dotgen_timing::system::{TimedSystem, Yield};
 
-use crate::hosts::{Call, Hosts, How, Message, Ran, Wanted};
+use crate::hosts::{Call, Hosts, How, Message, Ran, Reader, Source, Wanted};
 pub use parts::{Feed, Part, Parts};
 
 /// Something that codels did and must not.
@@ -269,6 +269,10 @@ impl<'p> Live<'p> {
                 _ => u32::MAX,
             },
             ticket: u32::try_from(executor).unwrap_or(u32::MAX),
+            core: match work {
+                Work::State { task, .. } => self.system.tasks[task].affinity,
+                _ => None,
+            },
             codel: number,
             component,
             instance,
@@ -305,9 +309,15 @@ impl<'p> Live<'p> {
                     return;
                 }
                 let executor = ran.ticket as usize;
-                if let Some(Some(it)) = self.running.get_mut(executor) {
-                    it.ran = Some(ran);
+                let Some(Some(it)) = self.running.get_mut(executor) else {
+                    return;
+                };
+                let codel = it.work.codel().and_then(|it| self.system.codels.get(it));
+                // A host speaks for its own codels only, whatever they have done to it.
+                if codel.is_none_or(|it| it.component != component) || it.ran.is_some() {
+                    return;
                 }
+                it.ran = Some(ran);
                 self.measure(executor);
             }
             Message::Lost { component, why } => self.lost(component, why),
@@ -517,16 +527,25 @@ impl<'p> Live<'p> {
                 data: data.to_vec(),
             });
         }
-        for feed in &self.parts.feeds {
-            if feed.from != (component, port) || !self.alive[feed.to.0] {
-                continue;
-            }
-            let name = match (feed.multiple, id) {
+        let feeds = self.parts.feeds.iter();
+        let feeds = feeds.filter(|it| it.from == (component, port) && self.alive[it.to.0]);
+        let readers = feeds.map(|it| Reader {
+            component: it.to.0,
+            port: it.to.1,
+            name: match (it.multiple, id) {
                 (false, _) => "",
                 (true, "") => &self.system.components[component].name,
                 (true, id) => id,
+            },
+        });
+        let readers: Vec<Reader<'_>> = readers.collect();
+        if !readers.is_empty() {
+            let from = Source {
+                component,
+                port,
+                id,
             };
-            self.hosts.feed(feed.to.0, feed.to.1, name, data);
+            self.hosts.share(from, &readers, data);
         }
     }
 }

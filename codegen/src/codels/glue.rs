@@ -26,7 +26,8 @@ const PRELUDE_C: &str = include_str!("glue/prelude_c.h");
 ///   when the bytes are not such inputs;
 /// - `void run(codel, instance, struct { bytes, size, room } *)`: runs a codel and adds what came of it;
 /// - `void end(service, instance, buffer)`: adds the outputs, and forgets them;
-/// - `void feed(port, id, bytes, size)`: new data for an input port;
+/// - `board *share(port, id, board *)`: where the data of an input port is from now on (`struct glue_board`); returns
+///   where it was;
 /// - `void drop(buffer)`: forgets the bytes of a buffer.
 ///
 /// All numbers are `uint32_t`, sizes `size_t`.
@@ -34,7 +35,7 @@ pub const ENTRIES: [&str; 5] = [
     "dotgen_glue_make",
     "dotgen_glue_run",
     "dotgen_glue_end",
-    "dotgen_glue_feed",
+    "dotgen_glue_share",
     "dotgen_glue_drop",
 ];
 

@@ -58,26 +58,26 @@ pub(super) struct Watch {
 }
 
 /// A conversation with a run.
-struct Talk {
+pub(super) struct Talk {
     stream: std::os::unix::net::UnixStream,
     lines: std::io::Lines<BufReader<std::os::unix::net::UnixStream>>,
 }
 
 impl Talk {
-    fn begin(socket: Option<&Utf8PathBuf>) -> anyhow::Result<Talk> {
+    pub(super) fn begin(socket: Option<&Utf8PathBuf>) -> anyhow::Result<Talk> {
         let path = socket.map(|it| it.as_std_path());
         let stream = places::connect(path).map_err(anyhow::Error::msg)?;
         let lines = BufReader::new(stream.try_clone()?).lines();
         Ok(Talk { stream, lines })
     }
 
-    fn say(&mut self, it: &Value) -> anyhow::Result<()> {
+    pub(super) fn say(&mut self, it: &Value) -> anyhow::Result<()> {
         self.stream.write_all(format!("{it}\n").as_bytes())?;
         Ok(())
     }
 
     /// The next answer; `None` when the run has ended. What is wrong with a request is an error.
-    fn hear(&mut self) -> anyhow::Result<Option<Value>> {
+    pub(super) fn hear(&mut self) -> anyhow::Result<Option<Value>> {
         let Some(Ok(line)) = self.lines.next() else {
             return Ok(None);
         };

@@ -1,5 +1,7 @@
 //! `dotgen monitor`
 
+#[cfg(unix)]
+mod live;
 mod text;
 
 use std::fs::File;
@@ -35,10 +37,12 @@ const PAUSE: Duration = Duration::from_millis(50);
 /// transitions, codels that take longer than declared, locks out of turn, ticks that drift, response times
 /// beyond their bounds. So are transitions that were never taken, which is no deviation.
 ///
+/// A LOG may be the socket of a run (`dotgen run --clock real`): then that is followed, until it ends.
+///
 /// Exit status: 0 if nothing deviates, 1 if something does, 2 if nothing could be compared.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
-    /// Logs (`-` is standard input), and a scenario (.scn) or specifications (.gen)
+    /// Logs (`-` is standard input) or the socket of a run, and a scenario (.scn) or specifications (.gen)
     #[arg(value_name = "FILE", required = true)]
     files: Vec<Utf8PathBuf>,
 
@@ -90,6 +94,15 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     if arguments.follow && files.logs.len() > 1 {
         bail!("`--follow` follows one log");
     }
+    #[cfg(unix)]
+    if files.logs.iter().any(|it| live::is_socket(it)) {
+        anyhow::ensure!(files.logs.len() == 1, "follow one run at a time");
+        let tracing = arguments.trace.is_some();
+        anyhow::ensure!(
+            !tracing,
+            "`--trace` is for logs; a run writes its own (`dotgen run --trace`)"
+        );
+    }
     let interrupt = interrupt::on_terminal();
     let Some((session, problem)) = one_problem(&files.texts, &arguments.reading)? else {
         return Ok(Outcome::Unusable);
@@ -128,6 +141,12 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let mut trace = arguments.trace.is_some().then(Trace::default);
     for log in &files.logs {
         let mut monitor = Monitor::new(system, &names, bounds.clone());
+        #[cfg(unix)]
+        if live::is_socket(log) {
+            live::follow(log, &mut monitor, arguments.format, &interrupt)?;
+            reports.push((log.clone(), monitor.report_so_far()));
+            continue;
+        }
         match arguments.follow {
             true => follow(log, &mut monitor, arguments.format, &interrupt)?,
             false => read_log(log, |number, line, ended| {
@@ -164,6 +183,22 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     })
 }
 
+/// Deviations that were told as they came.
+#[derive(Debug, Default)]
+struct Fresh(usize);
+
+impl Fresh {
+    /// Tells what was found since, to people.
+    fn print(&mut self, monitor: &Monitor<'_>, format: Format) -> anyhow::Result<()> {
+        let fresh = monitor.found(self.0);
+        self.0 += fresh.len();
+        match format {
+            Format::Text => text::as_they_come(fresh),
+            Format::Json => Ok(()),
+        }
+    }
+}
+
 /// Reads a log as it grows. A pipe ends with its writer, a file with Ctrl-C.
 fn follow(
     path: &Utf8Path,
@@ -180,7 +215,8 @@ fn follow(
     let is_file = is_file.is_some_and(|it| it.is_file());
     let mut piece = vec![0; PIECE];
     let mut lines = Lines::default();
-    let (mut told, mut place) = (0, 0u64);
+    let mut told = Fresh::default();
+    let mut place = 0u64;
     loop {
         let length = match &mut file {
             Some(file) => file.read(&mut piece),
@@ -194,11 +230,7 @@ fn follow(
         place += length as u64;
         let read = piece.get(..length).unwrap_or_default();
         lines.feed(read, |number, line| monitor.line(number, line, true));
-        let fresh = monitor.found(told);
-        told += fresh.len();
-        if format == Format::Text {
-            text::as_they_come(fresh)?;
-        }
+        told.print(monitor, format)?;
         if interrupt.is_raised() {
             break;
         }

@@ -1,24 +1,33 @@
 //! The engine's side of the hosts.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::ffi::OsString;
-use std::io::BufReader;
+use std::io::{self, BufReader, Write as _};
 use std::path::PathBuf;
-use std::process::ExitStatus;
+use std::process::{ChildStdin, ExitStatus};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
 use camino::Utf8PathBuf;
 use dotgen_codegen::process::{Channels, Process, Processes as _, Program, Resources};
-use dotgen_runtime::hosts::{Answer, Call, Hosts, Message};
+use dotgen_runtime::hosts::{Answer, Call, Hosts, Message, Reader, Source};
 use dotgen_timing::verify::Interrupt;
+use rustix::event::{PollFd, PollFlags};
+use rustix::fs::OFlags;
 
+use super::board::Board;
 use super::host::{COMMAND, REAL};
 use super::wire::{Order, Reply};
 use crate::process::System;
 
 /// How long a host may take to say something that no codel is involved in.
 const PATIENCE: Duration = Duration::from_secs(10);
+
+/// How long a process may go on whose output has ended.
+const DYING: Duration = Duration::from_millis(20);
+
+/// How long an output may go on whose process has ended.
+const PARTING: Duration = Duration::from_secs(1);
 
 /// How long at most it takes until an interruption is seen.
 const LOOK: Duration = Duration::from_millis(50);
@@ -56,6 +65,8 @@ impl Door {
 struct Child {
     library: Option<Utf8PathBuf>,
     process: Option<Process>,
+    /// Since when it is known that the process has ended, while its output has not.
+    parted: Option<Instant>,
 }
 
 /// All hosts of a run.
@@ -72,6 +83,22 @@ pub(crate) struct Children {
     /// What came while something else was awaited.
     early: VecDeque<Message>,
     outside: Option<Box<dyn Outside>>,
+    boards: Boards,
+    denied: BTreeSet<String>,
+    /// When it was last looked who has ended.
+    looked: Instant,
+}
+
+/// The data of output ports that are read.
+#[derive(Default)]
+struct Boards {
+    /// By component, port and instance, with the number of each.
+    of: HashMap<(usize, u32, String), (u64, Board)>,
+    /// To which one an input port is led, by component, port and name of the source.
+    shown: HashMap<(usize, u32, String), u64>,
+    made: u64,
+    /// Those that have become too small. A host may still be on its way to one, by a path that no other may have.
+    small: Vec<Board>,
 }
 
 impl Children {
@@ -85,6 +112,7 @@ impl Children {
         let (sender, arrivals) = channel();
         let children = libraries.into_iter().map(|library| Child {
             process: None,
+            parted: None,
             library,
         });
         Children {
@@ -96,9 +124,17 @@ impl Children {
             begin: Instant::now(),
             early: VecDeque::new(),
             outside: None,
+            boards: Boards::default(),
+            denied: BTreeSet::new(),
+            looked: Instant::now(),
             arrivals,
             sender,
         }
+    }
+
+    /// What the system does not grant to hosts, in words.
+    pub(crate) fn denied(&self) -> &BTreeSet<String> {
+        &self.denied
     }
 
     /// By which messages come from outside.
@@ -133,6 +169,12 @@ impl Children {
         let mut process = System.start(&program).map_err(wrong)?;
         let output = process.child.stdout.take();
         let output = output.ok_or_else(|| format!("the host of `{name}` has no output"))?;
+        // The engine waits for nobody that does not read.
+        if let Some(input) = &process.child.stdin {
+            let flags = rustix::fs::fcntl_getfl(input).map_err(|it| wrong(it.into()))?;
+            rustix::fs::fcntl_setfl(input, flags | OFlags::NONBLOCK)
+                .map_err(|it| wrong(it.into()))?;
+        }
         let (sender, started) = (self.sender.clone(), self.started);
         std::thread::spawn(move || {
             let mut output = BufReader::new(output);
@@ -147,25 +189,47 @@ impl Children {
             let _ = sender.send(Arrival::Closed(component, started));
         });
         self.children[component].process = Some(process);
+        self.children[component].parted = None;
         Ok(())
     }
 
     fn order(&mut self, component: usize, order: &Order) {
         let process = self.children.get_mut(component);
         let process = process.and_then(|it| it.process.as_mut());
-        if let Some(input) = process.and_then(|it| it.child.stdin.as_mut()) {
-            // Where it cannot be written the host has ended, and its output tells.
-            let _ = order.send(input);
+        let Some(process) = process else { return };
+        let sent = match (order.bytes(), &mut process.child.stdin) {
+            (Ok(bytes), Some(input)) => send(input, &bytes),
+            _ => Ok(()),
+        };
+        // Where it cannot be written the host has ended, and its output tells; one that does not read ends so.
+        if sent.is_err_and(|it| it.kind() == io::ErrorKind::TimedOut) {
+            process.kill();
         }
     }
 
     /// Why a host has ended.
     fn ended(&mut self, component: usize) -> String {
-        let process = self.children[component].process.take();
-        let status = process.map(|mut it| it.wait());
-        match status {
-            Some(Ok(status)) => in_words(status),
-            _ => "ended".to_owned(),
+        let Some(mut process) = self.children[component].process.take() else {
+            return "ended".to_owned();
+        };
+        let until = Instant::now() + DYING;
+        let mut status = process.child.try_wait();
+        while matches!(status, Ok(None)) && Instant::now() < until {
+            std::thread::sleep(Duration::from_millis(1));
+            status = process.child.try_wait();
+        }
+        if let Ok(Some(status)) = status {
+            return in_words(status);
+        }
+        // One that ends already ends as it would.
+        process.kill();
+        match process.wait() {
+            Ok(status) if std::os::unix::process::ExitStatusExt::signal(&status) != Some(9) => {
+                in_words(status)
+            }
+            _ => {
+                "has closed its channel to the engine, or written into it, and was ended".to_owned()
+            }
         }
     }
 
@@ -187,6 +251,9 @@ impl Children {
     /// Likewise; `None` also when nothing has come and this run is to end.
     fn next_unless_interrupted(&mut self, until: Instant) -> Option<Arrival> {
         loop {
+            if let Some(parted) = self.parted() {
+                return Some(parted);
+            }
             let look = Instant::now() + LOOK;
             match self.next(until.min(look)) {
                 None if look < until && !self.interrupt.is_raised() => {}
@@ -195,12 +262,41 @@ impl Children {
         }
     }
 
+    /// A host that has ended although its output has not: what a codel has started still has that.
+    fn parted(&mut self) -> Option<Arrival> {
+        let now = Instant::now();
+        if now < self.looked + LOOK {
+            return None;
+        }
+        self.looked = now;
+        for (component, child) in self.children.iter_mut().enumerate() {
+            let Some(process) = &mut child.process else {
+                continue;
+            };
+            match child.parted {
+                // What it has said until then was heard meanwhile.
+                Some(since) if now > since + PARTING => {
+                    return Some(Arrival::Closed(component, self.started));
+                }
+                None if matches!(process.child.try_wait(), Ok(Some(_))) => child.parted = Some(now),
+                _ => {}
+            }
+        }
+        None
+    }
+
     /// What an arrival tells the engine.
     fn message(&mut self, arrival: Arrival) -> Option<Message> {
         match arrival {
             Arrival::Reply(component, _, Reply::Ran(ran)) => Some(Message::Ran(component, ran)),
+            Arrival::Reply(_, _, Reply::Denied(what)) => {
+                self.denied.insert(what);
+                None
+            }
             Arrival::Reply(..) => None,
             Arrival::Closed(component, _) => {
+                // It may have been told before.
+                self.children.get(component)?.process.as_ref()?;
                 let why = self.ended(component);
                 Some(Message::Lost { component, why })
             }
@@ -216,6 +312,28 @@ fn own() -> PathBuf {
         true => own,
         false => std::env::current_exe().unwrap_or(own),
     }
+}
+
+/// Writes to a host, which reads all the time; it gets some to do so.
+fn send(input: &mut ChildStdin, mut bytes: &[u8]) -> io::Result<()> {
+    let until = Instant::now() + PATIENCE;
+    while !bytes.is_empty() {
+        match input.write(bytes) {
+            Ok(count) => bytes = bytes.get(count..).unwrap_or_default(),
+            Err(it) if it.kind() == io::ErrorKind::Interrupted => {}
+            Err(it) if it.kind() == io::ErrorKind::WouldBlock => {
+                let left = until.saturating_duration_since(Instant::now());
+                if left.is_zero() {
+                    return Err(io::ErrorKind::TimedOut.into());
+                }
+                let left = rustix::event::Timespec::try_from(left).map_err(io::Error::other)?;
+                let mut wanted = [PollFd::new(&*input, PollFlags::OUT)];
+                rustix::event::poll(&mut wanted, Some(&left))?;
+            }
+            Err(it) => return Err(it),
+        }
+    }
+    Ok(())
 }
 
 /// How a process ended.
@@ -242,6 +360,7 @@ impl Hosts for Children {
     fn start(&mut self) -> Result<(), String> {
         self.started += 1;
         self.early.clear();
+        self.boards = Boards::default();
         for component in 0..self.children.len() {
             // Dropping a process ends it.
             self.children[component].process = None;
@@ -296,11 +415,18 @@ impl Hosts for Children {
         self.order(component, &Order::End { service, instance });
         let until = Instant::now() + PATIENCE;
         loop {
-            match self.next(until)? {
-                Arrival::Reply(of, _, Reply::Ended(outputs)) if of == component => {
+            match self.next_unless_interrupted(until) {
+                None if self.interrupt.is_raised() => return None,
+                None => {
+                    self.kill(component);
+                    let why = "did not answer within 10 s".to_owned();
+                    self.early.push_back(Message::Lost { component, why });
+                    return None;
+                }
+                Some(Arrival::Reply(of, _, Reply::Ended(outputs))) if of == component => {
                     return Some(outputs);
                 }
-                arrival => {
+                Some(arrival) => {
                     let lost = matches!(&arrival, Arrival::Closed(of, _) if *of == component);
                     let message = self.message(arrival);
                     self.early.extend(message);
@@ -312,9 +438,43 @@ impl Hosts for Children {
         }
     }
 
-    fn feed(&mut self, component: usize, port: u32, id: &str, data: &[u8]) {
-        let (id, data) = (id.to_owned(), data.to_vec());
-        self.order(component, &Order::Feed { port, id, data });
+    fn share(&mut self, from: Source<'_>, readers: &[Reader<'_>], data: &[u8]) {
+        let key = (from.component, from.port, from.id.to_owned());
+        let fits = self
+            .boards
+            .of
+            .get(&key)
+            .is_some_and(|it| it.1.holds(data.len()));
+        if !fits {
+            let Ok(board) = Board::new(data.len()) else {
+                // There is no memory left: readers keep what they have.
+                self.denied
+                    .insert("memory for the data of ports".to_owned());
+                return;
+            };
+            self.boards.made += 1;
+            let small = self
+                .boards
+                .of
+                .insert(key.clone(), (self.boards.made, board));
+            self.boards.small.extend(small.map(|it| it.1));
+        }
+        let Some((number, board)) = self.boards.of.get_mut(&key) else {
+            return;
+        };
+        board.write(data);
+        let (number, path) = (*number, board.path());
+        for reader in readers {
+            let place = (reader.component, reader.port, reader.name.to_owned());
+            if self.boards.shown.insert(place, number) != Some(number) {
+                let order = Order::Share {
+                    port: reader.port,
+                    id: reader.name.to_owned(),
+                    path: path.clone(),
+                };
+                self.order(reader.component, &order);
+            }
+        }
     }
 
     fn wait(&mut self, until: u64) -> Option<Message> {

@@ -51,8 +51,8 @@ fn serve(library: &Path, real: bool) -> io::Result<()> {
         Ok(it) => Arc::new(it),
         Err(why) => return tell(&output, &Reply::Unusable(why)),
     };
-    if real {
-        realtime::lock_memory();
+    if real && !realtime::lock_memory() {
+        tell(&output, &Reply::Denied("locked memory".to_owned()))?;
     }
     tell(&output, &Reply::Ready)?;
     let mut lanes: HashMap<u32, Sender<(u32, u32, u32)>> = HashMap::new();
@@ -63,7 +63,7 @@ fn serve(library: &Path, real: bool) -> io::Result<()> {
                 instance,
                 inputs,
             } => component.make(service, instance, &inputs),
-            Order::Feed { port, id, data } => component.feed(port, &id, &data),
+            Order::Share { port, id, path } => component.share(port, &id, &path)?,
             Order::End { service, instance } => {
                 tell(&output, &Reply::Ended(component.end(service, instance)))?;
             }
@@ -72,10 +72,11 @@ fn serve(library: &Path, real: bool) -> io::Result<()> {
                 ticket,
                 codel,
                 instance,
+                core,
             } => {
                 let thread = lanes
                     .entry(lane)
-                    .or_insert_with(|| start(&component, &output, real));
+                    .or_insert_with(|| start(&component, &output, real.then_some(core)));
                 let _ = thread.send((ticket, codel, instance));
             }
         }
@@ -99,13 +100,22 @@ fn tell(output: &Output, reply: &Reply) -> io::Result<()> {
     reply.send(&mut *output)
 }
 
-/// A thread that runs the codels of a task, one after the other.
-fn start(component: &Arc<Component>, output: &Output, real: bool) -> Sender<(u32, u32, u32)> {
+/// A thread that runs the codels of a task, one after the other; `real` for real time, with the core it is tied to.
+fn start(
+    component: &Arc<Component>,
+    output: &Output,
+    real: Option<Option<u32>>,
+) -> Sender<(u32, u32, u32)> {
     let (orders, queue) = channel::<(u32, u32, u32)>();
     let (component, output) = (component.clone(), output.clone());
     std::thread::spawn(move || {
-        if real {
+        if let Some(core) = real {
+            // Whether that is granted was told by the engine, which asks for the same.
             realtime::raise_priority();
+            if let Some(core) = core.filter(|&it| !realtime::pin(it)) {
+                // Where it cannot be told, nothing can.
+                let _ = tell(&output, &Reply::Denied(format!("core {core}")));
+            }
         }
         for (ticket, codel, instance) in queue {
             let start = Instant::now();
@@ -120,7 +130,8 @@ fn start(component: &Arc<Component>, output: &Output, real: bool) -> Sender<(u32
                 nanos,
             };
             if tell(&output, &Reply::Ran(ran)).is_err() {
-                return;
+                // Nobody hears any more what comes of codels.
+                std::process::exit(2);
             }
         }
     });

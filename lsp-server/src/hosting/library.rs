@@ -5,12 +5,15 @@
 )]
 
 use std::ffi::{CString, c_char, c_int, c_void};
+use std::io;
 use std::path::Path;
+use std::sync::Mutex;
 
 use dotgen_codegen::codels::glue::ENTRIES;
 use dotgen_runtime::hosts::{How, Written};
 use libloading::Library;
 
+use super::board::View;
 use super::wire::Taking;
 
 /// `struct glue_buffer`
@@ -24,7 +27,7 @@ struct Buffer {
 type Make = unsafe extern "C" fn(u32, u32, *const c_void, usize) -> c_int;
 type Run = unsafe extern "C" fn(u32, u32, *mut Buffer);
 type End = unsafe extern "C" fn(u32, u32, *mut Buffer);
-type Feed = unsafe extern "C" fn(u32, *const c_char, *const c_void, usize);
+type Share = unsafe extern "C" fn(u32, *const c_char, *const c_void) -> *const c_void;
 type Forget = unsafe extern "C" fn(*mut Buffer);
 
 /// What came of a codel.
@@ -40,8 +43,10 @@ pub(super) struct Component {
     make: Make,
     run: Run,
     end: End,
-    feed: Feed,
+    share: Share,
     forget: Forget,
+    /// Where the glue looks for data of ports.
+    views: Mutex<Vec<View>>,
     /// Must outlive the functions.
     _library: Library,
 }
@@ -57,13 +62,14 @@ impl Component {
         // SAFETY: the object was built by dotgen from the codels that the user asks to run.
         unsafe {
             let library = Library::new(path).map_err(wrong)?;
-            let [make, run, end, feed, forget] = ENTRIES;
+            let [make, run, end, share, forget] = ENTRIES;
             Ok(Component {
                 make: *library.get::<Make>(make).map_err(wrong)?,
                 run: *library.get::<Run>(run).map_err(wrong)?,
                 end: *library.get::<End>(end).map_err(wrong)?,
-                feed: *library.get::<Feed>(feed).map_err(wrong)?,
+                share: *library.get::<Share>(share).map_err(wrong)?,
                 forget: *library.get::<Forget>(forget).map_err(wrong)?,
+                views: Mutex::default(),
                 _library: library,
             })
         }
@@ -76,12 +82,20 @@ impl Component {
         }
     }
 
-    pub(super) fn feed(&self, port: u32, id: &str, data: &[u8]) {
-        let Ok(id) = CString::new(id) else { return };
-        // SAFETY: the bytes are only read, within their size, and the name ends with a zero.
-        unsafe {
-            (self.feed)(port, id.as_ptr(), data.as_ptr().cast(), data.len());
-        }
+    /// Leads an input port to its data.
+    ///
+    /// # Errors
+    /// It cannot be reached.
+    pub(super) fn share(&self, port: u32, id: &str, path: &str) -> io::Result<()> {
+        let id = CString::new(id)?;
+        let view = View::open(path)?;
+        let address = view.address();
+        let mut views = self.views.lock().unwrap_or_else(|it| it.into_inner());
+        views.push(view);
+        // SAFETY: the name ends with a zero and is only read; the view stays where it is until the glue returns it.
+        let before = unsafe { (self.share)(port, id.as_ptr(), address) };
+        views.retain(|it| it.address() != before);
+        Ok(())
     }
 
     pub(super) fn end(&self, service: u32, instance: u32) -> Vec<u8> {

@@ -1,7 +1,7 @@
 //! What the system grants to who has to be in time. What it does not grant is done without.
 #![allow(
     unsafe_code,
-    reason = "three calls of the C library, which take numbers and a structure that is filled"
+    reason = "calls of the C library, which take numbers and structures that are filled"
 )]
 
 /// Priority of threads: above all ordinary ones, below those of drivers.
@@ -11,8 +11,14 @@ const PRIORITY: i32 = 40;
 /// Keeps all pages of this process in memory; whether that is granted.
 pub(crate) fn lock_memory() -> bool {
     #[cfg(target_os = "linux")]
-    // SAFETY: the call takes flags.
+    // SAFETY: the calls take numbers and a structure that is filled.
     unsafe {
+        let mut limit: libc::rlimit = std::mem::zeroed();
+        let known = libc::getrlimit(libc::RLIMIT_MEMLOCK, &mut limit) == 0;
+        // Within a limit, a codel that asks for more memory later would not get it.
+        if libc::geteuid() != 0 && !(known && limit.rlim_cur == libc::RLIM_INFINITY) {
+            return false;
+        }
         return libc::mlockall(libc::MCL_CURRENT | libc::MCL_FUTURE) == 0;
     }
     #[allow(unreachable_code, reason = "elsewhere nothing is asked for")]
@@ -31,4 +37,23 @@ pub(crate) fn raise_priority() -> bool {
     }
     #[allow(unreachable_code, reason = "elsewhere nothing is asked for")]
     false
+}
+
+/// Ties this thread to a core; whether that is granted.
+pub(crate) fn pin(core: u32) -> bool {
+    #[cfg(target_os = "linux")]
+    // SAFETY: the set is whole, a core beyond it is not put there, and the kernel only reads it.
+    unsafe {
+        let mut set: libc::cpu_set_t = std::mem::zeroed();
+        if core as usize >= libc::CPU_SETSIZE as usize {
+            return false;
+        }
+        libc::CPU_SET(core as usize, &mut set);
+        return libc::sched_setaffinity(0, size_of::<libc::cpu_set_t>(), &set) == 0;
+    }
+    #[allow(unreachable_code, reason = "elsewhere nothing is asked for")]
+    {
+        let _ = core;
+        false
+    }
 }

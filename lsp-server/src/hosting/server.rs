@@ -1,7 +1,7 @@
 //! Services as JSON over a socket: see `docs/socket.md`.
 
 use std::collections::{BTreeMap, HashMap};
-use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::io::{self, BufRead as _, BufReader, Read as _, Write};
 use std::net::Shutdown;
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::Path;
@@ -42,6 +42,35 @@ impl Known {
 /// Listens until it is dropped; then its socket is gone.
 pub(crate) struct Server {
     _socket: Passing,
+    shared: Arc<Shared>,
+}
+
+impl Server {
+    /// Takes the lines of the profile, one at a time, for whoever follows the run.
+    pub(crate) fn followers(&self) -> Followers {
+        Followers(self.shared.clone())
+    }
+}
+
+/// See [`Server::followers`].
+pub(crate) struct Followers(Arc<Shared>);
+
+impl Write for Followers {
+    fn write(&mut self, line: &[u8]) -> io::Result<usize> {
+        let state = self.0.state();
+        if !state.followers.is_empty() {
+            let text = String::from_utf8_lossy(line);
+            let told = json!({"event": "ran", "line": text.trim_end()});
+            for (client, id) in &state.followers {
+                client.say(told.clone(), id);
+            }
+        }
+        Ok(line.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
 }
 
 /// What the threads of all clients, and the engine, share.
@@ -57,6 +86,8 @@ struct State {
     next: u64,
     requests: HashMap<u64, Asked>,
     watchers: Vec<Watcher>,
+    /// Who follows the runs of codels, with their numbers of that request.
+    followers: Vec<(Client, Value)>,
     /// The newest data of output ports.
     data: HashMap<(usize, u32, String), Vec<u8>>,
     /// Components that are gone, and how they ended.
@@ -136,9 +167,7 @@ pub(crate) fn listen(
     let listener = UnixListener::bind(path);
     umask(before);
     let listener = listener.map_err(wrong)?;
-    let server = Server {
-        _socket: Passing::new(path.to_owned()),
-    };
+    let socket = Passing::new(path.to_owned());
     let shared = Arc::new(Shared {
         state: Mutex::default(),
         known,
@@ -153,6 +182,10 @@ pub(crate) fn listen(
             std::thread::spawn(move || serve(&shared, stream, number));
         }
     });
+    let server = Server {
+        _socket: socket,
+        shared: shared.clone(),
+    };
     Ok((server, Box::new(Teller { shared })))
 }
 
@@ -191,6 +224,7 @@ fn serve(shared: &Shared, stream: UnixStream, number: u64) {
     }
     let mut state = shared.state();
     state.watchers.retain(|it| it.client.number != number);
+    state.followers.retain(|it| it.0.number != number);
     // Its requests go on, but nobody hears of them.
     state.requests.retain(|_, it| it.client.number != number);
 }
@@ -256,11 +290,18 @@ fn answer(
         shared.door.bring(Message::Abort(number));
         return Ok(Some(json!({"event": "aborting"})));
     }
+    if request.get("profile").is_some() {
+        let mut state = shared.state();
+        // First the answer: lines come after it.
+        client.say(json!({"event": "profiling"}), id);
+        state.followers.push((client.clone(), id.clone()));
+        return Ok(None);
+    }
     if request.get("describe").is_some() {
         let all: Vec<Value> = shared.known.values().map(describe).collect();
         return Ok(Some(json!({"event": "description", "components": all})));
     }
-    Err("a request has `call`, `abort`, `watch`, `read` or `describe`".to_owned())
+    Err("a request has `call`, `abort`, `watch`, `read`, `profile` or `describe`".to_owned())
 }
 
 /// What whoever watches a component is told when nothing comes from it any more.

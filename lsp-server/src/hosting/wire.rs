@@ -7,6 +7,9 @@ use dotgen_runtime::hosts::{Call, How, Ran, Written};
 /// A frame is never longer: a length beyond it is nonsense.
 const LONGEST: usize = 1 << 30;
 
+/// Stands for no core.
+const NO_CORE: u32 = u32::MAX;
+
 /// What the engine says.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Order {
@@ -22,15 +25,13 @@ pub(super) enum Order {
         ticket: u32,
         codel: u32,
         instance: u32,
+        /// The core that the thread is tied to.
+        core: Option<u32>,
     },
     /// A request ends.
     End { service: u32, instance: u32 },
-    /// New data for an input port.
-    Feed {
-        port: u32,
-        id: String,
-        data: Vec<u8>,
-    },
+    /// Where the data of an input port is from now on: the path of a [board](super::board).
+    Share { port: u32, id: String, path: String },
 }
 
 /// What a host says.
@@ -44,6 +45,8 @@ pub(super) enum Reply {
     Ran(Ran),
     /// The outputs of a request.
     Ended(Vec<u8>),
+    /// What the system does not grant, in words.
+    Denied(String),
 }
 
 impl Order {
@@ -53,10 +56,12 @@ impl Order {
             ticket: call.ticket,
             codel: call.codel,
             instance: call.instance,
+            core: call.core,
         }
     }
 
-    pub(super) fn send(&self, to: &mut impl Write) -> io::Result<()> {
+    /// As it is sent.
+    pub(super) fn bytes(&self) -> io::Result<Vec<u8>> {
         let mut out = Frame::default();
         match self {
             Order::Make {
@@ -69,18 +74,22 @@ impl Order {
                 ticket,
                 codel,
                 instance,
+                core,
             } => out
                 .byte(1)
                 .number(*lane)
                 .number(*ticket)
                 .number(*codel)
-                .number(*instance),
+                .number(*instance)
+                .number(core.unwrap_or(NO_CORE)),
             Order::End { service, instance } => out.byte(2).number(*service).number(*instance),
-            Order::Feed { port, id, data } => {
-                out.byte(3).number(*port).bytes(id.as_bytes()).bytes(data)
-            }
+            Order::Share { port, id, path } => out
+                .byte(3)
+                .number(*port)
+                .bytes(id.as_bytes())
+                .bytes(path.as_bytes()),
         };
-        out.send(to)
+        out.whole()
     }
 
     /// `None` at the end.
@@ -100,15 +109,16 @@ impl Order {
                 ticket: it.number()?,
                 codel: it.number()?,
                 instance: it.number()?,
+                core: Some(it.number()?).filter(|it| *it != NO_CORE),
             },
             2 => Order::End {
                 service: it.number()?,
                 instance: it.number()?,
             },
-            3 => Order::Feed {
+            3 => Order::Share {
                 port: it.number()?,
                 id: it.text()?,
-                data: it.bytes()?.to_vec(),
+                path: it.text()?,
             },
             _ => return Err(nonsense()),
         };
@@ -123,6 +133,7 @@ impl Reply {
             Reply::Ready => out.byte(0),
             Reply::Unusable(why) => out.byte(1).bytes(why.as_bytes()),
             Reply::Ended(outputs) => out.byte(2).bytes(outputs),
+            Reply::Denied(what) => out.byte(4).bytes(what.as_bytes()),
             Reply::Ran(ran) => {
                 let how = match ran.how {
                     How::Event => 0,
@@ -142,7 +153,8 @@ impl Reply {
                 &mut out
             }
         };
-        out.send(to)
+        to.write_all(&out.whole()?)?;
+        to.flush()
     }
 
     /// `None` at the end.
@@ -181,6 +193,7 @@ impl Reply {
                     all
                 },
             }),
+            4 => Reply::Denied(it.text()?),
             _ => return Err(nonsense()),
         };
         Ok(Some(reply))
@@ -212,14 +225,13 @@ impl Frame {
         self
     }
 
-    fn send(&self, to: &mut impl Write) -> io::Result<()> {
+    /// With its length: a reader that is waked for a length alone is waked twice.
+    fn whole(&self) -> io::Result<Vec<u8>> {
         let length = u32::try_from(self.0.len()).map_err(|_| nonsense())?;
         let mut whole = Vec::with_capacity(self.0.len() + 4);
         whole.extend(length.to_le_bytes());
         whole.extend(&self.0);
-        // At once: a reader that is waked for a length alone is waked twice.
-        to.write_all(&whole)?;
-        to.flush()
+        Ok(whole)
     }
 }
 

@@ -86,25 +86,26 @@ impl Live<'_> {
         let (_, index) = self.parts.services[it.service];
         let hosted = self.alive[component] && self.parts.of(component).is_some();
         let well = !it.refused && it.failed.is_none() && (!service.activity || it.ended);
-        let mut outputs = Vec::new();
+        let mut outputs = Some(Vec::new());
         if hosted {
             if let (true, Some(copies)) = (well, self.parts.copies[it.service]) {
                 self.copy(component, copies, it.number);
             }
-            outputs = self
-                .hosts
-                .end(component, index, it.number)
-                .unwrap_or_default();
+            outputs = match self.alive[component] {
+                true => self.hosts.end(component, index, it.number),
+                false => None,
+            };
         }
         let Some(id) = it.wanted else { return };
-        let answer = match it.failed {
-            _ if well => Answer::Done(outputs),
-            Some((exception, detail)) => Answer::Failed { exception, detail },
-            None if it.refused => Answer::Failed {
+        let answer = match (it.failed, outputs) {
+            (_, None) => return self.answer_failed(id, "::dotgen::lost"),
+            (_, Some(outputs)) if well => Answer::Done(outputs),
+            (Some((exception, detail)), _) => Answer::Failed { exception, detail },
+            (None, _) if it.refused => Answer::Failed {
                 exception: "::genom::disallowed".to_owned(),
                 detail: Vec::new(),
             },
-            None => Answer::Failed {
+            (None, _) => Answer::Failed {
                 exception: "::genom::interrupted".to_owned(),
                 detail: Vec::new(),
             },
@@ -121,6 +122,7 @@ impl Live<'_> {
             ticket,
             codel,
             instance,
+            core: None,
         });
         let until = self.hosts.now() + BLOCKED;
         while let Some(message) = self.hosts.wait(until) {
@@ -134,6 +136,10 @@ impl Live<'_> {
                 }
                 other => self.message(other),
             }
+        }
+        if self.hosts.now() >= until {
+            self.hosts.kill(component);
+            self.lost(component, "did not answer within 10 s".to_owned());
         }
     }
 

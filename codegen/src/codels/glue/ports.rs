@@ -20,22 +20,19 @@ impl Glue<'_, '_> {
         for (at, remote) in component.remotes.iter().enumerate() {
             out += &self.remote(at, remote)?;
         }
-        out += "\nGLUE_C GLUE_EXPORT void\n\
-                dotgen_glue_feed(uint32_t port, const char *id, const void *data, size_t size)\n{\n\
-                \x20 (void)id; (void)data; (void)size;\n  pthread_mutex_lock(&glue_mutex);\n\
+        out += "\nGLUE_C GLUE_EXPORT const struct glue_board *\n\
+                dotgen_glue_share(uint32_t port, const char *id, const struct glue_board *board)\n{\n\
+                \x20 const struct glue_board *before = board;\n  (void)id;\n  pthread_mutex_lock(&glue_mutex);\n\
                 \x20 switch (port) {\n";
         for (at, port) in component.ports.iter().enumerate() {
             if port.dir == PortDir::In {
                 _ = writeln!(
                     out,
-                    "  case {at}: {{\n\
-                     \x20   struct glue_inst_{at} *it = glue_find_{at}(id, 1);\n\
-                     \x20   it->news.size = 0;\n    glue_put(&it->news, data, size);\n\
-                     \x20   it->fresh = 1;\n    break;\n  }}"
+                    "  case {at}: before = glue_lead(&glue_find_{at}(id, 1)->shared, board); break;"
                 );
             }
         }
-        out += "  }\n  pthread_mutex_unlock(&glue_mutex);\n}\n";
+        out += "  }\n  pthread_mutex_unlock(&glue_mutex);\n  return before;\n}\n";
         Ok(out)
     }
 
@@ -48,7 +45,7 @@ impl Glue<'_, '_> {
         };
         Ok(format!(
             "\nstruct glue_inst_{at} {{\n  struct glue_inst_{at} *next;\n  char *id;\n\
-             \x20 glue_t{ty} value;\n  int known, fresh, closed;\n  struct glue_buffer news;\n}};\n\
+             \x20 glue_t{ty} value;\n  int known, closed;\n  struct glue_shared shared;\n  struct glue_buffer news;\n}};\n\
              static struct glue_inst_{at} *glue_first_{at};\n\n\
              static struct glue_inst_{at} *\nglue_find_{at}(const char *id, int make)\n{{\n\
              \x20 struct glue_inst_{at} *it;\n\
@@ -67,9 +64,9 @@ impl Glue<'_, '_> {
             PortDir::In => format!(
                 "\nstatic void\nglue_read_{at}(const char *id)\n{{\n\
                  \x20 struct glue_inst_{at} *it;\n  pthread_mutex_lock(&glue_mutex);\n\
-                 \x20 it = glue_find_{at}(id, 0);\n  if (it != NULL && it->fresh) {{\n\
+                 \x20 it = glue_find_{at}(id, 0);\n  if (it != NULL && glue_look(&it->shared, &it->news)) {{\n\
                  \x20   struct glue_reader r = {{ it->news.bytes, it->news.size, 0 }};\n\
-                 \x20   glue_load_{ty}(&r, &it->value);\n    it->known = 1;\n    it->fresh = 0;\n\
+                 \x20   glue_load_{ty}(&r, &it->value);\n    it->known = 1;\n\
                  \x20 }}\n  pthread_mutex_unlock(&glue_mutex);\n}}\n"
             ),
             PortDir::Out => format!(

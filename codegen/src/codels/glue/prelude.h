@@ -87,6 +87,53 @@ glue_get_length(struct glue_reader *r)
   return length;
 }
 
+/* The newest data of a port, in memory that its writer shares: which turn it is, 0 before the first one, and two places
+ * with their sizes, of which that of the turn is whole. Nothing can be written through this mapping. */
+struct glue_board {
+  uint64_t turn, room, sizes[2];
+  unsigned char none[32];
+  unsigned char data[];
+};
+
+struct glue_shared {
+  const struct glue_board *board;
+  uint64_t turn;
+};
+
+/* Leads to another board; returns the one before, which nobody here looks at any more. */
+static inline const struct glue_board *
+glue_lead(struct glue_shared *s, const struct glue_board *board)
+{
+  const struct glue_board *before = s->board;
+
+  s->board = board;
+  s->turn = 0;
+  return before;
+}
+
+/* Copies what is new; whether there is something. */
+static inline int
+glue_look(struct glue_shared *s, struct glue_buffer *b)
+{
+  const struct glue_board *from = s->board;
+  uint64_t turn, size;
+
+  if (from == NULL) return 0;
+  for (;;) {
+    turn = __atomic_load_n(&from->turn, __ATOMIC_ACQUIRE);
+    if (turn == s->turn) return 0;
+    size = __atomic_load_n(&from->sizes[turn % 2], __ATOMIC_RELAXED);
+    b->size = 0;
+    if (size <= from->room)
+      glue_put(b, from->data + (turn % 2) * from->room, (size_t)size);
+    /* The writer comes back to this place only after another turn has begun. */
+    __atomic_thread_fence(__ATOMIC_ACQUIRE);
+    if (__atomic_load_n(&from->turn, __ATOMIC_RELAXED) == turn) break;
+  }
+  s->turn = turn;
+  return 1;
+}
+
 /* What a codel has done to a port: kind 0 write, 1 open, 2 close. Told when the codel has ended. */
 static __thread struct glue_buffer glue_written;
 static __thread uint32_t glue_writes;

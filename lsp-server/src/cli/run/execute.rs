@@ -1,6 +1,6 @@
 //! One system, run: on the virtual or the real clock, with or without its codels.
 
-use std::io;
+use std::io::{self, Write};
 
 use dotgen_runtime::profile::{Profile, functions};
 use dotgen_runtime::report::Report;
@@ -11,7 +11,7 @@ use dotgen_timing::system::Ticks;
 use dotgen_timing::verify::{Interrupt, Options, Prepared, SystemInput};
 
 use super::record::Recording;
-use super::recorder::Recorder;
+use super::recorder::{Recorder, Runs};
 use super::{Arguments, Clock, Simulate};
 use crate::cli::session::Session;
 use crate::verification::Problem;
@@ -73,7 +73,7 @@ impl Context<'_, '_> {
     ) -> anyhow::Result<Run> {
         let plan = arguments.plan(prepared);
         let system = &prepared.built.system;
-        let mut profile = stream.map(|it| Profile::new(system, functions(system, self.names), it));
+        let mut profile = self.profile(prepared, stream, None);
         let interrupted = || self.interrupt.is_raised();
         let bounds = self.bounds.clone();
         let mut recording = self.recording(arguments, prepared, false)?;
@@ -94,6 +94,24 @@ impl Context<'_, '_> {
             told: self.told(prepared, &outcome),
             report,
         })
+    }
+
+    /// What writes the runs of codels, if somebody wants them.
+    fn profile<'r, 'a>(
+        &self,
+        prepared: &'r Prepared,
+        recorder: Option<&'r mut Recorder<'a>>,
+        followers: Option<Box<dyn Write>>,
+    ) -> Option<Profile<'r, Runs<'r, 'a>>> {
+        if recorder.is_none() && followers.is_none() {
+            return None;
+        }
+        let system = &prepared.built.system;
+        let runs = Runs {
+            recorder,
+            followers,
+        };
+        Some(Profile::new(system, functions(system, self.names), runs))
     }
 
     /// The recording that is wanted, if one is.
@@ -182,7 +200,7 @@ impl Context<'_, '_> {
                     .to_owned(),
             );
         }
-        let _server = match real {
+        let server = match real {
             true => Some(super::serve::start(
                 arguments,
                 self.problem,
@@ -195,7 +213,10 @@ impl Context<'_, '_> {
         let plan = arguments.plan(&opened);
         let grown = |it: &Option<Ticks>| it.map(|it| it.saturating_mul(factor));
         let bounds: Vec<_> = self.bounds.iter().map(grown).collect();
-        let mut profile = stream.map(|it| Profile::new(system, functions(system, self.names), it));
+        let followers = server
+            .as_ref()
+            .map(|it| Box::new(it.followers()) as Box<dyn Write>);
+        let mut profile = self.profile(&opened, stream, followers);
         let interrupted = || self.interrupt.is_raised();
         let stops_activities = arguments.on_violation == super::OnViolation::StopActivity;
         let mut live = Live::new(system, &parts, &mut children, !real, stops_activities);
@@ -221,12 +242,17 @@ impl Context<'_, '_> {
             anyhow::bail!("{why}");
         }
         let mut report = Report::new(&opened, &plan, &outcome, &bounds);
+        let told = self.told(&opened, &outcome);
+        let (lines, messages) = (lines(profile), messages(recording));
+        drop(outcome);
+        let denied = children.denied().iter();
+        notes.extend(denied.map(|it| format!("the system does not grant {it}")));
         report.notes.extend(notes);
         Ok(Some(Run {
-            lines: lines(profile),
-            messages: messages(recording),
+            lines,
+            messages,
             executed: parts.counts(system),
-            told: self.told(&opened, &outcome),
+            told,
             report,
         }))
     }
@@ -242,6 +268,6 @@ fn messages(recording: Option<Recording<'_, '_>>) -> anyhow::Result<Option<(u64,
     Ok(Some(counts))
 }
 
-fn lines(profile: Option<Profile<'_, &mut Recorder<'_>>>) -> io::Result<u64> {
+fn lines(profile: Option<Profile<'_, Runs<'_, '_>>>) -> io::Result<u64> {
     profile.map_or(Ok(0), |it| it.finish().map(|it| it.1))
 }

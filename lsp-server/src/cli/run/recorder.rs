@@ -1,4 +1,4 @@
-//! Where the runs of codels of a run go: a log, a trace, or both.
+//! Where the runs of codels of a run go: a log, a trace, who follows the run.
 
 use std::io::{self, Write};
 
@@ -75,5 +75,27 @@ impl Write for Recorder<'_> {
             Some((_, stream)) => stream.flush(),
             None => Ok(()),
         }
+    }
+}
+
+/// A recorder, if there is one, and who follows the run, if somebody may.
+pub(super) struct Runs<'r, 'a> {
+    pub(super) recorder: Option<&'r mut Recorder<'a>>,
+    pub(super) followers: Option<Box<dyn Write>>,
+}
+
+impl Write for Runs<'_, '_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if let Some(followers) = &mut self.followers {
+            followers.write_all(bytes)?;
+        }
+        if let Some(recorder) = &mut self.recorder {
+            recorder.write_all(bytes)?;
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.recorder.as_mut().map_or(Ok(()), |it| it.flush())
     }
 }

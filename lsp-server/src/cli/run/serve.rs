@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use anyhow::Context;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::verify::Prepared;
 use std::os::unix::fs::DirBuilderExt as _;
@@ -25,7 +26,8 @@ pub(super) fn start(
         Some(path) => {
             let folder = path.parent().filter(|it| !it.as_str().is_empty());
             if let Some(folder) = folder.filter(|it| !it.exists()) {
-                std::fs::DirBuilder::new().mode(0o700).create(folder)?;
+                let made = std::fs::DirBuilder::new().mode(0o700).create(folder);
+                made.with_context(|| format!("cannot make the folder `{folder}` for the socket"))?;
             }
             path.clone().into_std_path_buf()
         }

@@ -300,8 +300,12 @@ fn answer(
     all.dedup();
     for edits in all.chunk_by(|a, b| a.path == b.path) {
         let Some(first) = edits.first() else { continue };
+        // Pragmas may stand one after the other at one place, such as the end of a file.
         let apart = |it: &[FileEdit]| match it {
-            [a, b] => a.range.end <= b.range.start && a.range != b.range,
+            [a, b] => {
+                let lines = form == Form::Pragma && a.range.is_empty();
+                a.range.end <= b.range.start && (lines || a.range != b.range)
+            }
             _ => true,
         };
         ensure!(
