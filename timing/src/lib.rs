@@ -3,6 +3,7 @@
 //! Data flows one way: specifications and a scenario become a [`system::TimedSystem`], which
 //! [`explore`] explores once for all checks.
 
+pub mod abstraction;
 pub mod advice;
 pub mod analytic;
 mod cancel;

@@ -7,12 +7,14 @@ use dotgen_analysis::diagnostic::Severity;
 use dotgen_analysis::host::{
     AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags, UnitResult,
 };
+use dotgen_timing::abstraction::abstract_bounds;
 use dotgen_timing::analytic::response_bounds;
 use dotgen_timing::explore::Limits;
 use dotgen_timing::report::{CheckReport, Report, Soundness, Value, Verdict};
 use dotgen_timing::scn::ast::{CheckKind, Item, Path};
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::scn::parse;
+use dotgen_timing::system::TimedSystem;
 use dotgen_timing::system::build::build;
 use dotgen_timing::verify::{Cancel, Options, SystemInput, settings, verify};
 use num_rational::Ratio;
@@ -21,7 +23,7 @@ use serde_json::{Value as Json, json};
 use crate::expected::answers;
 use crate::servers::chains::Chain;
 use crate::servers::model::{Datum, read};
-use crate::servers::random::{Texts, chained, quiet, requests, texts, varied};
+use crate::servers::random::{Texts, chained, periodic, quiet, requests, texts, varied};
 use crate::servers::{CAP, Interpreter};
 use crate::{all_agree, first, systems};
 
@@ -130,6 +132,7 @@ fn compare(name: &str, texts: &Texts) -> Option<Result<(), String>> {
             wrong.push(format!("{of}: {exact:?}, beyond the quick bound {bound:?}"));
         }
     }
+    wrong.extend(beyond_abstraction(&built.system, &expected));
     for (check, want) in expected {
         let found = report.checks.iter().find(|it| {
             let name = format!("{} {}", it.kind, it.of);
@@ -157,6 +160,69 @@ fn compare(name: &str, texts: &Texts) -> Option<Result<(), String>> {
         true => Ok(()),
         false => Err(format!("{}\n{}", wrong.join("\n"), shown())),
     })
+}
+
+/// Says so where the middle tier has a bound that some run exceeds, or where a deadline is missed though it has bounds.
+fn beyond_abstraction(system: &TimedSystem, expected: &[(String, Json)]) -> Vec<String> {
+    let Ok(bounds) = abstract_bounds(system, &Cancel::default()) else {
+        return Vec::new();
+    };
+    ABSTRACTED.fetch_add(1, Ordering::Relaxed);
+    let answer = |kind: &str, task: usize, what: &str| {
+        let of = format!("{kind} {}", system.task_path(task));
+        let it = expected.iter().find(|it| it.0 == of);
+        it.map_or(Json::Null, |it| it.1[what].clone())
+    };
+    let mut wrong = Vec::new();
+    for (task, bound) in bounds.into_iter().enumerate() {
+        let unit = system.unit * Ratio::from_integer(1000);
+        let bound = unit * Ratio::from_integer(i128::from(bound));
+        let kept = match answer("response", task, "value") {
+            Json::Number(it) => it
+                .as_i64()
+                .is_some_and(|it| Ratio::from_integer(i128::from(it)) <= bound),
+            it => it.is_null(),
+        };
+        if !kept {
+            wrong.push(format!(
+                "response of {task}: {}, the middle tier says {bound}",
+                answer("response", task, "value")
+            ));
+        }
+        if answer("response", task, "value") == json!(to_integer(bound)) {
+            REACHED.fetch_add(1, Ordering::Relaxed);
+        }
+        for kind in ["schedulable", "no-overdue"] {
+            if answer(kind, task, "verdict") == json!("refuted") {
+                wrong.push(format!("{kind} of {task} fails, proved by the middle tier"));
+            }
+        }
+    }
+    wrong
+}
+
+fn to_integer(it: Ratio<i128>) -> i64 {
+    i64::try_from(it.to_integer()).unwrap_or(-1)
+}
+
+/// Systems for which the middle tier has bounds.
+static ABSTRACTED: AtomicUsize = AtomicUsize::new(0);
+
+/// Bounds that are the exact values.
+static REACHED: AtomicUsize = AtomicUsize::new(0);
+
+#[test]
+fn the_middle_tier_is_never_below_the_interpreter_of_the_servers() {
+    all_agree(first(), cases(), 3, |seed| {
+        let texts = periodic(&mut systems::Dice::new(seed));
+        compare(&format!("seed {seed}"), &texts)
+    });
+    let (abstracted, reached) = (
+        ABSTRACTED.load(Ordering::Relaxed),
+        REACHED.load(Ordering::Relaxed),
+    );
+    eprintln!("{abstracted} systems have bounds, {reached} of which are reached");
+    assert!(abstracted as u64 >= cases() / 5, "bounds are compared");
 }
 
 /// Number of systems, more on demand.

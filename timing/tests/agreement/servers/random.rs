@@ -22,6 +22,8 @@ struct Known {
     varied: bool,
     /// Nothing is requested, and cores are given in order of asking.
     quiet: bool,
+    /// Nothing is requested, cores are given and kept in any way, and all tasks have periods.
+    periodic: bool,
     /// Clients ask for what all components understand, and how requests end.
     requests: bool,
     /// Data flow, through ports and through variables of activities.
@@ -86,6 +88,16 @@ pub(crate) fn quiet(dice: &mut Dice) -> Texts {
         ..Known::default()
     };
     draw(dice, quiet)
+}
+
+/// Permanent activities alone, of tasks with periods.
+pub(crate) fn periodic(dice: &mut Dice) -> Texts {
+    let periodic = Known {
+        quiet: true,
+        periodic: true,
+        ..Known::default()
+    };
+    draw(dice, periodic)
 }
 
 fn draw(dice: &mut Dice, mut known: Known) -> Texts {
@@ -155,11 +167,15 @@ fn component(dice: &mut Dice, c: usize, of: usize, known: &mut Known) -> String 
     let tasks = 1 + dice.below(if of == 1 { 3 } else { 2 });
     let mut periodic = Vec::new();
     for t in 0..tasks {
-        let has_period = dice.in_ten(7);
+        let has_period = known.periodic || dice.in_ten(7);
         periodic.push(has_period);
         let _ = writeln!(out, " task t{t} {{");
         if has_period {
-            let _ = writeln!(out, "  period {} ms;", dice.pick(&[3, 4, 6, 6, 8]));
+            let period = match known.periodic {
+                true => dice.pick(&[4, 6, 8, 12, 12, 16]),
+                false => dice.pick(&[3, 4, 6, 6, 8]),
+            };
+            let _ = writeln!(out, "  period {period} ms;");
             if dice.in_ten(3) {
                 let _ = writeln!(out, "  delay {} ms;", 1 + dice.below(3));
             }
@@ -167,11 +183,11 @@ fn component(dice: &mut Dice, c: usize, of: usize, known: &mut Known) -> String 
         if known.varied && dice.in_ten(4) {
             let _ = writeln!(out, "  priority {};", dice.below(3));
         }
-        if known.varied && dice.in_ten(1) {
+        if (known.varied || known.periodic) && dice.in_ten(1) {
             out.push_str("  throw bad;\n");
         }
         known.tasks.push(format!("{name}.t{t}"));
-        if dice.in_ten(6) {
+        if dice.in_ten(if known.periodic { 9 } else { 6 }) {
             let path = format!("{name}.t{t}");
             machine(dice, &mut out, &format!("t{t}"), &path, false, known);
         }
@@ -321,6 +337,10 @@ fn scenario(dice: &mut Dice, known: &Known) -> String {
         true => dice.pick(&["fifo", "edf", "any", "priority", "priority", "fair"]),
     };
     let (cores, policy) = match known.quiet {
+        true if known.periodic => (
+            dice.pick(&["free", "1", "2", "2", "4"]),
+            dice.pick(&["fifo", "fifo", "edf", "edf", "any"]),
+        ),
         true => (dice.pick(&["1", "2", "2"]), "fifo"),
         false => (cores, policy),
     };

@@ -1,0 +1,52 @@
+//! The middle tier: bounds on response times from a graph of abstract states, between response-time analysis and the
+//! exact search.
+//!
+//! It is an abstraction in the manner of schedule-abstraction graphs (M. Nasri, B. Brandenburg, *An exact and sustainable
+//! analysis of non-preemptive scheduling*, RTSS 2017; M. Nasri, G. Nelissen, B. Brandenburg, *Response-time analysis of
+//! limited-preemptive parallel DAG tasks under global scheduling*, ECRTS 2019). A state says what has been done: which jobs, and how
+//! far each has come. When it was done is known as intervals: of the ends of codels, of the moments at which cores are
+//! free. States in which the same has been done are one, in whatever order it was done; its intervals are the hulls of theirs.
+//!
+//! * `model`: what of a system is looked at, and what is refused;
+//! * `state`: a state, and when two are the same;
+//! * `steps`: the two kinds of steps, a core that is given and a codel that begins;
+//! * `starting`: what follows the end of a job, and how tasks are started;
+//! * `batch`: busy windows of independent jobs that are taken in one step, whatever their order;
+//! * `search`: the graph, within a budget.
+//!
+//! The bounds are never below the exact values. What they are about, and why that is so: `docs/explorer.md`.
+
+mod batch;
+mod model;
+mod refusal;
+mod search;
+mod starting;
+mod state;
+mod steps;
+
+use self::model::models;
+pub use self::refusal::Refusal;
+use self::search::{Search, Tier};
+use crate::cancel::Cancel;
+use crate::system::{Ticks, TimedSystem};
+
+/// Bounds on the response times of all tasks, all of which meet their deadlines; or why there are none.
+///
+/// # Errors
+///
+/// The first reason why the system cannot be treated, or why nothing follows.
+pub fn abstract_bounds(system: &TimedSystem, cancel: &Cancel) -> Result<Vec<Ticks>, Refusal> {
+    let mut out = vec![0; system.tasks.len()];
+    for model in models(system)? {
+        // States one by one give the tighter bounds. Where they are too many, busy windows are taken as a whole.
+        let one_by_one = Search::new(&model, Tier::OneByOne, cancel).run();
+        let found = match one_by_one {
+            Err(Refusal::States { .. }) => Search::new(&model, Tier::Batches, cancel).run(),
+            it => it,
+        }?;
+        for (thread, bound) in model.threads.iter().zip(found) {
+            out[thread.task] = Ticks::try_from(bound).map_err(|_| Refusal::Hyperperiod)?;
+        }
+    }
+    Ok(out)
+}

@@ -1,0 +1,251 @@
+//! Busy windows: jobs that share nothing but cores, taken in one step.
+//!
+//! Where many jobs are released at the same moment, nearly every set of them can be done first, and there are too many
+//! of these sets (the partial-order reduction for schedule-abstraction graphs of S. Ranjha, G. Nelissen, M. Nasri, RTSS 2021 and after, is about
+//! the same). So a bound on the end of each job is found without looking at orders. If each keeps its deadline by it, and
+//! all are done before the next release, what follows does not depend on the order either.
+//!
+//! The bound of a job counts, from its release on, what can be done before it gets a core: jobs that go before it, as far as they
+//! may not be done yet, and under earliest deadline first at most one job for each core that does not, and is under way. While it waits all
+//! cores work. The bounds are the least that follow from each other. Until the first job exceeds its own, all others have kept theirs;
+//! so no job is the first.
+
+use super::model::Model;
+use super::state::{Cycle, Stage, State};
+use super::steps::Out;
+use crate::system::{Policy, Yield};
+
+/// Jobs of a window, at most.
+const JOBS: usize = 2_000;
+
+/// Rounds until bounds no longer change, at most.
+const ROUNDS: usize = 200;
+
+/// Systems all of whose tasks share nothing but cores.
+#[derive(Debug)]
+pub(super) struct Batches<'m> {
+    model: &'m Model<'m>,
+    cores: i64,
+    /// By thread and state of its machine, the longest job that begins and pauses there, if all that begin there do.
+    longest: Vec<Vec<Option<i64>>>,
+}
+
+struct Job {
+    thread: usize,
+    release: i64,
+    deadline: i64,
+    work: i64,
+    /// A bound on its end.
+    end: i64,
+}
+
+impl<'m> Batches<'m> {
+    /// `None` where some tasks share more, or never come back to the same place with each job.
+    pub(super) fn new(model: &'m Model<'m>) -> Option<Self> {
+        let cores = i64::try_from(model.cores?).ok()?;
+        let mut all = Vec::new();
+        for (thread, it) in model.threads.iter().enumerate() {
+            let states = 0..model.machine(thread)?.states.len();
+            let longest: Vec<Option<i64>> = states.map(|at| longest(model, thread, at)).collect();
+            if it.contends || longest.iter().all(Option::is_none) {
+                return None;
+            }
+            all.push(longest);
+        }
+        Some(Batches {
+            model,
+            cores,
+            longest: all,
+        })
+    }
+
+    /// Takes the busy window that begins with a state, if that proves all its deadlines.
+    pub(super) fn follow(&self, s: &State, out: &mut Out) -> bool {
+        let rests = |it: usize| {
+            let ready = s.when[it].ready;
+            s.is(it, Stage::Waiting)
+                && s.done[it].cycle == Cycle::Measured
+                && ready.from == ready.to
+                && ready.from == self.model.threads[it].tick(i64::from(s.done[it].next) - 1)
+        };
+        if !(0..self.model.threads.len()).all(rests) {
+            return false;
+        }
+        let Some(jobs) = self.window(s) else {
+            return false;
+        };
+        let mut s = s.clone();
+        s.steps += jobs.len();
+        for job in &jobs {
+            let worst = &mut out.worst[job.thread];
+            *worst = (*worst).max(job.end - job.release);
+            s.done[job.thread].next += 1;
+        }
+        let over = jobs.iter().map(|it| it.end).max().unwrap_or(0);
+        for (it, thread) in self.model.threads.iter().enumerate() {
+            let tick = thread.tick(i64::from(s.done[it].next) - 1);
+            s.when[it].ready = super::state::Span::at(tick);
+            s.when[it].since = tick;
+        }
+        s.free_to.iter_mut().for_each(|it| *it = over.max(*it));
+        s.tidy(self.model);
+        out.states.push(s);
+        true
+    }
+
+    /// The jobs that are done before the next one is released, with bounds on their ends by which all keep their deadlines.
+    fn window(&self, s: &State) -> Option<Vec<Job>> {
+        let ready = |it: usize| s.when[it].ready.from;
+        let longest = |it: usize| self.longest[it].get(s.done[it].at as usize).copied()?;
+        let work: Vec<i64> = (0..s.done.len()).map(longest).collect::<Option<_>>()?;
+        let begin = (0..s.done.len()).map(ready).min()?;
+        // What is still under way when it begins.
+        let rest: i64 = s.free_to.iter().map(|it| (it - begin).max(0)).sum();
+        let mut until = begin;
+        let mut jobs: Vec<Job> = Vec::new();
+        let mut taken = vec![0i64; s.done.len()];
+        loop {
+            for (thread, taken) in taken.iter_mut().enumerate() {
+                let it = &self.model.threads[thread];
+                loop {
+                    let release = ready(thread) + *taken * it.period;
+                    if release > until {
+                        break;
+                    }
+                    *taken += 1;
+                    jobs.push(Job {
+                        thread,
+                        release,
+                        deadline: release + it.period,
+                        work: work[thread],
+                        end: release + work[thread],
+                    });
+                }
+            }
+            if jobs.len() > JOBS || until - begin > self.model.hyperperiod {
+                return None;
+            }
+            jobs.sort_by_key(|it| it.release);
+            self.bound(&mut jobs, begin, rest)?;
+            let over = jobs.iter().map(|it| it.end).max()?;
+            if over <= until {
+                return Some(jobs);
+            }
+            until = over;
+        }
+    }
+
+    /// Finds bounds on the ends of jobs, in the order of their releases; `None` if a deadline may be missed.
+    fn bound(&self, jobs: &mut [Job], begin: i64, rest: i64) -> Option<()> {
+        let backlog = backlog(jobs, begin, rest);
+        for _ in 0..ROUNDS {
+            let ends: Vec<i64> = (0..jobs.len())
+                .map(|it| self.end(jobs, it, (begin, rest), backlog[it]))
+                .collect::<Option<_>>()?;
+            let mut changed = false;
+            for (job, end) in jobs.iter_mut().zip(ends) {
+                changed |= end > job.end;
+                job.end = job.end.max(end);
+            }
+            if !changed {
+                return Some(());
+            }
+        }
+        None
+    }
+
+    /// The latest end of a job, given bounds on those of all others; `None` if it is not before the deadline.
+    fn end(
+        &self,
+        jobs: &[Job],
+        number: usize,
+        (begin, rest): (i64, i64),
+        backlog: i64,
+    ) -> Option<i64> {
+        let job = &jobs[number];
+        let first = |other: &Job| match self.model.policy {
+            Policy::Fifo => other.release <= job.release,
+            Policy::Edf => other.deadline <= job.deadline,
+            _ => true,
+        };
+        let others = || {
+            let all = jobs.iter().enumerate();
+            all.filter(|&(it, _)| it != number).map(|(_, it)| it)
+        };
+        let under_way = |it: &&Job| it.release <= job.release && it.end > job.release;
+        // All cores work while it waits: on what was there before it …
+        let left = (begin + rest - job.release).max(0).min(rest);
+        let mut last: Vec<i64> = others()
+            .filter(under_way)
+            .filter(|it| !first(it))
+            .map(|it| it.work)
+            .collect();
+        last.sort_unstable_by_key(|it| -it);
+        if self.model.policy == Policy::Fifo {
+            last.clear();
+        }
+        let last: i64 = last.iter().take(self.cores as usize).sum();
+        let before: i64 = others()
+            .filter(under_way)
+            .filter(|it| first(it))
+            .map(|it| it.work)
+            .sum();
+        let mut present = left + last + before;
+        if self.cores == 1 {
+            present = present.min(backlog);
+        }
+        // … and on what comes while it waits, and goes before it.
+        let mut begins = job.release + present / self.cores;
+        loop {
+            if begins + job.work >= job.deadline {
+                return None;
+            }
+            let later = others().filter(|it| it.release > job.release && it.release <= begins);
+            let more: i64 = later.filter(|it| first(it)).map(|it| it.work).sum();
+            let next = job.release + (present + more) / self.cores;
+            if next <= begins {
+                return Some(begins + job.work);
+            }
+            begins = next;
+        }
+    }
+}
+
+/// By job, the work of all others that is left at the moment of its release on one core, at most: those released at that moment count.
+fn backlog(jobs: &[Job], begin: i64, rest: i64) -> Vec<i64> {
+    let mut out = Vec::with_capacity(jobs.len());
+    for job in jobs {
+        let (mut left, mut now) = (rest, begin);
+        for other in jobs.iter().filter(|it| it.release <= job.release) {
+            left = (left - (other.release - now)).max(0) + other.work;
+            now = other.release;
+        }
+        out.push(left - job.work);
+    }
+    out
+}
+
+/// The longest job of a task that begins with a state of its machine, if it pauses there whatever happens.
+fn longest(model: &Model, thread: usize, from: usize) -> Option<i64> {
+    let machine = model.machine(thread)?;
+    // Without cycles, a state is looked at once for each way to it; there are few.
+    let mut todo = vec![(from, 0i64)];
+    let (mut longest, mut looked_at) = (0, 0);
+    while let Some((at, before)) = todo.pop() {
+        looked_at += 1;
+        let state = &machine.states[at];
+        let codel = &model.system.codels[state.codel];
+        if looked_at > 1_000 || codel.throws {
+            return None;
+        }
+        let work = before + i64::from(codel.upper);
+        for it in &state.yields {
+            match *it {
+                Yield::Next(next) => todo.push((next, work)),
+                Yield::Pause(next) if next == from => longest = longest.max(work),
+                _ => return None,
+            }
+        }
+    }
+    Some(longest)
+}

@@ -1,0 +1,325 @@
+//! What of a system the middle tier looks at, and what it refuses.
+
+use super::refusal::Refusal;
+use crate::scn::semantics::Semantics;
+use crate::system::{
+    CodelSet, FOREVER, LockOrder, Machine, Policy, TimedSystem, Yield, pauseless_cycles,
+};
+
+/// Jobs in the time after which everything comes again, above which a system is refused.
+const JOBS: i64 = 20_000;
+
+/// Combinations of places in which tasks can be when they have started, above which a system is refused.
+const BEGINNINGS: usize = 64;
+
+/// Tasks that are looked at together.
+#[derive(Debug)]
+pub(super) struct Model<'s> {
+    pub(super) system: &'s TimedSystem,
+    pub(super) threads: Vec<Thread>,
+    /// Cores, where there are fewer than tasks.
+    pub(super) cores: Option<usize>,
+    pub(super) policy: Policy,
+    /// Whether codels wait in a queue, or any that waits may be next.
+    pub(super) queue: bool,
+    /// By codel, whether some codel waits for it.
+    pub(super) waited_for: Vec<bool>,
+    /// How many groups of tasks there are whose codels wait for each other.
+    pub(super) groups: usize,
+    /// The time after which all ticks come again.
+    pub(super) hyperperiod: i64,
+}
+
+/// A task.
+#[derive(Debug)]
+pub(super) struct Thread {
+    /// Its number in the system.
+    pub(super) task: usize,
+    pub(super) period: i64,
+    /// Its first tick.
+    pub(super) first: i64,
+    /// Number of its machine; `None`: it has nothing to execute.
+    pub(super) machine: Option<usize>,
+    /// Its group.
+    pub(super) group: usize,
+    /// Whether it shares anything with the others of its group.
+    pub(super) contends: bool,
+    /// Places of its machine in which it can be before its first tick; servers: none, it begins at `start`.
+    pub(super) paused: Vec<usize>,
+    /// Servers: the thread that is started when its first pass has ended.
+    pub(super) successor: Option<usize>,
+    /// Servers: it is started by another one.
+    pub(super) started: bool,
+}
+
+impl Thread {
+    /// The time of one of its ticks.
+    pub(super) fn tick(&self, number: i64) -> i64 {
+        self.first + number * self.period
+    }
+}
+
+impl Model<'_> {
+    pub(super) fn machine(&self, thread: usize) -> Option<&Machine> {
+        let number = self.threads[thread].machine?;
+        Some(&self.system.machines[number])
+    }
+}
+
+/// The parts of a system that can be looked at apart; or why it is refused.
+pub(super) fn models(system: &TimedSystem) -> Result<Vec<Model<'_>>, Refusal> {
+    let platform = &system.platform;
+    let servers = platform.semantics == Semantics::SERVERS && platform.locks == LockOrder::Queue;
+    if !servers && !platform.semantics.is_published() {
+        return Err(Refusal::Semantics);
+    }
+    if system.requested().contains(&true) {
+        return Err(Refusal::Requests);
+    }
+    let threads = (0..system.tasks.len()).map(|task| thread(system, task, servers));
+    let mut threads: Vec<Thread> = threads.collect::<Result<_, _>>()?;
+    let enough = platform
+        .cores
+        .is_none_or(|cores| cores as usize >= threads.len());
+    let tied = system.tasks.iter().any(|it| it.affinity.is_some());
+    if system.preempts() && (!enough || tied) {
+        return Err(Refusal::Preemption);
+    }
+    let groups = group(system, &mut threads, servers);
+    if !servers && platform.locks != LockOrder::Free && threads.iter().any(|it| it.contends) {
+        return Err(Refusal::Semantics);
+    }
+    if servers {
+        chain(system, &mut threads);
+    }
+    let whole = |threads: Vec<Thread>, cores: Option<usize>, groups: usize| {
+        let hyperperiod = hyperperiod(&threads)?;
+        Ok(Model {
+            system,
+            threads,
+            cores,
+            policy: platform.policy,
+            queue: servers,
+            waited_for: waited_for(system),
+            groups,
+            hyperperiod,
+        })
+    };
+    if !enough {
+        let cores = platform.cores.map(|it| it as usize);
+        return Ok(vec![whole(threads, cores, groups)?]);
+    }
+    // Without a core to share, tasks meet only in their groups, and where one starts another.
+    let parts = parts(&threads);
+    let models = parts.into_iter().map(|part| {
+        let all = std::mem::take(&mut threads).into_iter();
+        let (mut own, rest): (Vec<Thread>, Vec<Thread>) =
+            all.partition(|it| part.contains(&it.task));
+        threads = rest;
+        let mut numbers: Vec<usize> = own.iter().map(|it| it.group).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        let tasks: Vec<usize> = own.iter().map(|it| it.task).collect();
+        for it in &mut own {
+            it.group = numbers.binary_search(&it.group).unwrap_or(0);
+            it.successor = it
+                .successor
+                .and_then(|next| tasks.iter().position(|&task| task == next));
+        }
+        whole(own, None, numbers.len())
+    });
+    models.collect()
+}
+
+fn thread(system: &TimedSystem, task: usize, servers: bool) -> Result<Thread, Refusal> {
+    let it = &system.tasks[task];
+    let period = i64::from(it.period.ok_or(Refusal::Aperiodic)?);
+    if it.keep_idle_tick {
+        return Err(Refusal::KeepsTicks);
+    }
+    if system.runs_apart(task) {
+        return Err(Refusal::Apart);
+    }
+    let machine = it.permanent.map(|a| system.automata[a].machine);
+    if let Some(machine) = machine {
+        let machine = &system.machines[machine];
+        if !pauseless_cycles(machine).is_empty() {
+            return Err(Refusal::WithoutPause);
+        }
+        let upper = |state: &crate::system::State| system.codels[state.codel].upper;
+        if machine.states.iter().any(|it| upper(it) == FOREVER) {
+            return Err(Refusal::Endless);
+        }
+    }
+    let delay = i64::from(it.delay);
+    let first = match (servers, delay) {
+        (true, 0) => period,
+        (true, delay) => delay,
+        (false, delay) => period + delay,
+    };
+    let paused = match (servers, machine) {
+        (true, _) => Vec::new(),
+        (false, Some(machine)) => after_start_up(system, &system.machines[machine])?,
+        (false, None) => return Err(Refusal::Ends),
+    };
+    Ok(Thread {
+        task,
+        period,
+        first,
+        machine,
+        group: 0,
+        contends: false,
+        paused,
+        successor: None,
+        started: false,
+    })
+}
+
+/// Published models: where a machine pauses first, if that takes no time.
+fn after_start_up(system: &TimedSystem, machine: &Machine) -> Result<Vec<usize>, Refusal> {
+    let ends = |state: &crate::system::State| {
+        system.codels[state.codel].throws || state.yields.contains(&Yield::End)
+    };
+    if machine.states.iter().any(ends) {
+        return Err(Refusal::Ends);
+    }
+    let mut paused = Vec::new();
+    let mut seen = vec![false; machine.states.len()];
+    let mut todo = vec![machine.start];
+    while let Some(at) = todo.pop() {
+        if std::mem::replace(&mut seen[at], true) {
+            continue;
+        }
+        let state = &machine.states[at];
+        if system.codels[state.codel].upper > 0 {
+            return Err(Refusal::StartUp);
+        }
+        for it in &state.yields {
+            match *it {
+                Yield::Next(next) => todo.push(next),
+                Yield::Pause(next) if !paused.contains(&next) => paused.push(next),
+                _ => {}
+            }
+        }
+    }
+    Ok(paused)
+}
+
+fn waited_for(system: &TimedSystem) -> Vec<bool> {
+    let mut out = vec![false; system.codels.len()];
+    for it in &system.codels {
+        it.conflicts.iter().for_each(|other| out[other] = true);
+    }
+    out
+}
+
+/// Puts tasks whose codels wait for each other into groups. With a queue, all tasks of a component in which anybody waits
+/// for anybody are one, as the queue is one.
+fn group(system: &TimedSystem, threads: &mut [Thread], servers: bool) -> usize {
+    let codels = |it: &Thread| {
+        let mut all = CodelSet::default();
+        let states = it.machine.map(|it| &system.machines[it].states);
+        for state in states.into_iter().flatten() {
+            all.insert(state.codel);
+        }
+        all
+    };
+    let sets: Vec<CodelSet> = threads.iter().map(codels).collect();
+    let waits = |one: usize, other: usize| {
+        let mut own = sets[one].iter();
+        own.any(|it| system.codels[it].conflicts.intersects(&sets[other]))
+    };
+    let mut of: Vec<usize> = (0..threads.len()).collect();
+    for one in 0..threads.len() {
+        for other in (0..threads.len()).filter(|&it| it != one) {
+            if !waits(one, other) {
+                continue;
+            }
+            let component = |it: usize| system.tasks[threads[it].task].component;
+            let joined = |it: usize| {
+                it == one || it == other || (servers && component(it) == component(one))
+            };
+            let joined: Vec<usize> = (0..threads.len()).filter(|&it| joined(it)).collect();
+            let old: Vec<usize> = joined.iter().map(|&it| of[it]).collect();
+            let into = of[one];
+            for it in &mut of {
+                if old.contains(it) {
+                    *it = into;
+                }
+            }
+            for it in joined {
+                threads[it].contends = true;
+            }
+        }
+    }
+    let mut numbers = of.clone();
+    numbers.sort_unstable();
+    numbers.dedup();
+    for (thread, of) in threads.iter_mut().zip(of) {
+        thread.group = numbers.binary_search(&of).unwrap_or(0);
+    }
+    numbers.len()
+}
+
+/// Servers: each task is started by the one before it. For now successors are numbers of threads, which are those of tasks.
+fn chain(system: &TimedSystem, threads: &mut [Thread]) {
+    for component in &system.components {
+        for pair in component.tasks.windows(2) {
+            threads[pair[0]].successor = Some(pair[1]);
+            threads[pair[1]].started = true;
+        }
+    }
+}
+
+/// Tasks that are connected by groups or by starting one another, as numbers in the system.
+fn parts(threads: &[Thread]) -> Vec<Vec<usize>> {
+    let mut of: Vec<usize> = (0..threads.len()).collect();
+    let mut join = |one: usize, other: usize| {
+        let (from, to) = (of[one].max(of[other]), of[one].min(of[other]));
+        of.iter_mut()
+            .filter(|it| **it == from)
+            .for_each(|it| *it = to);
+    };
+    for (one, it) in threads.iter().enumerate() {
+        if let Some(next) = it.successor {
+            join(one, next);
+        }
+        let same = |other: &usize| threads[*other].group == it.group;
+        (0..one).filter(same).for_each(|other| join(one, other));
+    }
+    let mut out: Vec<Vec<usize>> = Vec::new();
+    for first in 0..threads.len() {
+        if of[first] == first {
+            let own = (0..threads.len()).filter(|&it| of[it] == first);
+            out.push(own.map(|it| threads[it].task).collect());
+        }
+    }
+    out
+}
+
+/// The least common multiple of all periods.
+fn hyperperiod(threads: &[Thread]) -> Result<i64, Refusal> {
+    let mut all: i64 = 1;
+    for it in threads {
+        all = all / gcd(all, it.period) * it.period;
+        if all > 1 << 40 {
+            return Err(Refusal::Hyperperiod);
+        }
+    }
+    let jobs: i64 = threads.iter().map(|it| all / it.period).sum();
+    let beginnings = threads
+        .iter()
+        .try_fold(1usize, |all, it| all.checked_mul(it.paused.len().max(1)));
+    match jobs > JOBS {
+        true => Err(Refusal::Hyperperiod),
+        false if beginnings.is_none_or(|it| it > BEGINNINGS) => Err(Refusal::StartUp),
+        false => Ok(all),
+    }
+}
+
+fn gcd(one: i64, other: i64) -> i64 {
+    match other {
+        0 => one,
+        _ => gcd(other, one % other),
+    }
+}

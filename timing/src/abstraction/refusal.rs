@@ -1,0 +1,63 @@
+//! Why the middle tier has no bounds.
+
+use std::fmt;
+
+/// Why a system has no bounds of the middle tier.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refusal {
+    /// It follows neither the servers nor the published models in every point, or has a lock order that is not treated.
+    Semantics,
+    /// Cores are taken away from codels that execute.
+    Preemption,
+    /// Clients request services.
+    Requests,
+    /// A task has no period.
+    Aperiodic,
+    /// A task keeps its tick while it has nothing to do.
+    KeepsTicks,
+    /// A codel is executed by a separate thread.
+    Apart,
+    /// A turn need not come to a pause.
+    WithoutPause,
+    /// A codel has no longest time.
+    Endless,
+    /// Published models: starting up takes time, or can lead to too many places.
+    StartUp,
+    /// Published models: a task has no permanent activity, or one that can end.
+    Ends,
+    /// The tasks come together again too late.
+    Hyperperiod,
+    /// More states were looked at than the budget allows.
+    States {
+        /// So many.
+        looked_at: usize,
+    },
+    /// A job may still be under way when the next tick of its task comes.
+    MayMiss {
+        /// The task.
+        task: usize,
+    },
+    /// Nobody wants it any more, or time is up.
+    Cancelled,
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Refusal::Semantics => f.write_str("single points of the semantics differ"),
+            Refusal::Preemption => f.write_str("cores are taken away from codels that execute"),
+            Refusal::Requests => f.write_str("clients request services"),
+            Refusal::Aperiodic => f.write_str("a task has no period"),
+            Refusal::KeepsTicks => f.write_str("ticks of idle tasks are kept"),
+            Refusal::Apart => f.write_str("`async` codels have threads of their own"),
+            Refusal::WithoutPause => f.write_str("a turn need not come to a pause"),
+            Refusal::Endless => f.write_str("a codel has no longest time"),
+            Refusal::StartUp => f.write_str("starting up takes time"),
+            Refusal::Ends => f.write_str("a task has nothing to execute, or may end to have"),
+            Refusal::Hyperperiod => f.write_str("the periods have too long a common multiple"),
+            Refusal::States { looked_at } => write!(f, "given up after {looked_at} abstract states"),
+            Refusal::MayMiss { .. } => f.write_str("a deadline may be missed, as far as it can tell"),
+            Refusal::Cancelled => f.write_str("there was no time for it"),
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! The graph of states, built within a budget.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use rustc_hash::FxHashMap;
+
+use super::batch::Batches;
+use super::model::Model;
+use super::refusal::Refusal;
+use super::state::{Done, State};
+use super::steps::Out;
+use crate::cancel::Cancel;
+
+/// How steps are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Tier {
+    /// One by one.
+    OneByOne,
+    /// Busy windows of independent jobs as a whole, where that proves their deadlines.
+    Batches,
+}
+
+/// States that are looked at, at most.
+const BUDGET: usize = 100_000;
+
+/// The same where there are batches to fall back on.
+const FIRST_BUDGET: usize = 5_000;
+
+/// The graph of one part of a system.
+pub(super) struct Search<'m> {
+    model: &'m Model<'m>,
+    cancel: &'m Cancel,
+    batches: Option<Batches<'m>>,
+    budget: usize,
+    known: FxHashMap<Box<[Done]>, usize>,
+    states: Vec<State>,
+    /// Which states have become wider since they were followed.
+    open: Vec<bool>,
+    /// Those, the ones with the fewest steps first: what leads to the same comes together before it is followed.
+    next: BinaryHeap<Reverse<(usize, usize)>>,
+    /// By thread, the longest response time so far.
+    worst: Vec<i64>,
+}
+
+impl<'m> Search<'m> {
+    pub(super) fn new(model: &'m Model<'m>, tier: Tier, cancel: &'m Cancel) -> Self {
+        let batches = Batches::new(model);
+        let budget = match (tier, &batches) {
+            (Tier::OneByOne, Some(_)) => FIRST_BUDGET,
+            _ => BUDGET,
+        };
+        Search {
+            model,
+            cancel,
+            batches: batches.filter(|_| tier == Tier::Batches),
+            budget,
+            known: FxHashMap::default(),
+            states: Vec::new(),
+            open: Vec::new(),
+            next: BinaryHeap::new(),
+            worst: vec![0; model.threads.len()],
+        }
+    }
+
+    /// By thread, a bound on its response time.
+    pub(super) fn run(mut self) -> Result<Vec<i64>, Refusal> {
+        for s in self.model.initial() {
+            self.add(s);
+        }
+        let mut looked_at = 0;
+        let mut following = Vec::new();
+        while let Some(Reverse((_, number))) = self.next.pop() {
+            if !std::mem::take(&mut self.open[number]) {
+                continue;
+            }
+            looked_at += 1;
+            if looked_at > self.budget {
+                return Err(Refusal::States { looked_at });
+            }
+            if looked_at.is_multiple_of(64) && self.cancel.is_over() {
+                return Err(Refusal::Cancelled);
+            }
+            let s = self.states[number].clone();
+            let mut out = Out {
+                states: &mut following,
+                worst: &mut self.worst,
+            };
+            let batch = self
+                .batches
+                .as_ref()
+                .is_some_and(|it| it.follow(&s, &mut out));
+            if !batch {
+                self.model.follow(&s, &mut out)?;
+            }
+            for s in following.drain(..) {
+                self.add(s);
+            }
+        }
+        Ok(self.worst)
+    }
+
+    fn add(&mut self, s: State) {
+        let key = s.key();
+        let number = match self.known.get(&key) {
+            Some(&number) => {
+                if !self.states[number].widen(&s) {
+                    return;
+                }
+                number
+            }
+            None => {
+                let number = self.states.len();
+                self.known.insert(key, number);
+                self.states.push(s);
+                self.open.push(false);
+                number
+            }
+        };
+        if !self.open[number] {
+            self.open[number] = true;
+            let steps = self.states[number].steps;
+            self.next.push(Reverse((steps, number)));
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! What follows the end of a codel: the end of a job, the ticks that came meanwhile, and the start of the next task.
+
+use super::model::Model;
+use super::refusal::Refusal;
+use super::state::{Cycle, Done, Span, Stage, State, When};
+use super::steps::Out;
+
+/// How a codel ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum End {
+    /// Another one follows in the same job.
+    GoesOn(usize),
+    /// The job is done; the next one begins with this state.
+    Pauses(usize),
+    /// The permanent activity has ended.
+    Ends,
+    /// It has ended by an exception.
+    Fails,
+}
+
+impl Model<'_> {
+    /// The states in which tasks have done nothing yet.
+    pub(super) fn initial(&self) -> Vec<State> {
+        let threads = self.threads.len();
+        let off = Done {
+            stage: Stage::Off,
+            cycle: Cycle::FirstPass,
+            at: 0,
+            next: 0,
+            held: 0,
+        };
+        let blank = State {
+            done: vec![off; threads],
+            when: vec![When::default(); threads],
+            free_from: vec![0; self.cores.unwrap_or(0)],
+            free_to: vec![0; self.cores.unwrap_or(0)],
+            begun: vec![Span::default(); self.groups],
+            given: 0,
+            steps: 0,
+        };
+        let mut all = vec![blank];
+        for (thread, it) in self.threads.iter().enumerate() {
+            let before = std::mem::take(&mut all);
+            if it.started {
+                all = before;
+                continue;
+            }
+            for s in before {
+                let places = match it.paused.is_empty() {
+                    true => vec![None],
+                    false => it.paused.iter().copied().map(Some).collect(),
+                };
+                for at in places {
+                    let mut s = s.clone();
+                    let cycle = match at {
+                        Some(_) => Cycle::Measured,
+                        None => Cycle::FirstPass,
+                    };
+                    let at = at.or_else(|| self.machine(thread).map(|it| it.start));
+                    let tick = Span::at(it.tick(0));
+                    self.release(&mut s, thread, (tick, 1), cycle, at.unwrap_or(0));
+                    all.push(s);
+                }
+            }
+        }
+        let settled = all.into_iter().flat_map(|s| self.settle(s));
+        let mut out: Vec<State> = settled.collect();
+        out.iter_mut().for_each(|it| it.tidy(self));
+        out
+    }
+
+    /// The next job of a task is released.
+    fn release(
+        &self,
+        s: &mut State,
+        thread: usize,
+        (ready, next): (Span, i64),
+        cycle: Cycle,
+        at: usize,
+    ) {
+        let it = &mut s.done[thread];
+        it.stage = Stage::Waiting;
+        it.cycle = cycle;
+        it.at = at as u16;
+        it.next = next as i32;
+        s.when[thread].ready = ready;
+        s.when[thread].since = ready.from;
+    }
+
+    /// Where a task is idle, or started, from some moment on, and its next tick but for those before that moment has a number: when its
+    /// next job is released, and the number of the tick that comes after that. Several ticks that came before count as one.
+    fn releases(&self, thread: usize, from: Span, next: i64) -> Vec<(Span, i64)> {
+        let it = &self.threads[thread];
+        let mut out = Vec::new();
+        if from.from <= it.tick(next) {
+            out.push((Span::at(it.tick(next)), next + 1));
+        }
+        let mut tick = next;
+        while it.tick(tick) <= from.to {
+            // This tick was the last one before.
+            let kept = Span {
+                from: from.from.max(it.tick(tick)),
+                to: from.to.min(it.tick(tick + 1)),
+            };
+            tick += 1;
+            if kept.from <= kept.to {
+                out.push((kept, tick));
+            }
+        }
+        out
+    }
+
+    /// A codel of a task ends.
+    pub(super) fn end_codel(
+        &self,
+        mut s: State,
+        thread: usize,
+        end: Span,
+        how: End,
+        out: &mut Out,
+    ) -> Result<(), Refusal> {
+        let cycle = s.done[thread].cycle;
+        let next = i64::from(s.done[thread].next);
+        let mut all = Vec::new();
+        if let End::GoesOn(at) = how {
+            s.done[thread].at = at as u16;
+            s.when[thread].ready = end;
+            if cycle == Cycle::FirstPass {
+                s.done[thread].cycle = Cycle::First;
+            }
+            all.push(s);
+        } else {
+            if self.cores.is_some() {
+                s.free_from.push(end.from);
+                s.free_from.sort_unstable();
+                s.free_to.push(end.to);
+                s.free_to.sort_unstable();
+            }
+            if cycle == Cycle::Measured {
+                let it = &self.threads[thread];
+                if end.to >= it.tick(next) {
+                    return Err(Refusal::MayMiss { task: it.task });
+                }
+                let worst = &mut out.worst[thread];
+                *worst = (*worst).max(end.to - s.when[thread].since);
+            }
+            match how {
+                End::Pauses(at) if cycle == Cycle::Measured => {
+                    let tick = Span::at(self.threads[thread].tick(next));
+                    self.release(&mut s, thread, (tick, next + 1), Cycle::Measured, at);
+                    all.push(s);
+                }
+                End::Pauses(at) => {
+                    for release in self.releases(thread, end, next) {
+                        let mut s = s.clone();
+                        self.release(&mut s, thread, release, Cycle::Measured, at);
+                        all.push(s);
+                    }
+                }
+                _ => {
+                    self.leave(&mut s, thread);
+                    all.push(s);
+                }
+            }
+        }
+        if cycle == Cycle::FirstPass
+            && let Some(successor) = self.threads[thread].successor
+        {
+            all = all
+                .into_iter()
+                .flat_map(|s| self.start(s, successor, end, how))
+                .collect();
+        }
+        for s in all {
+            for mut s in self.settle(s) {
+                s.tidy(self);
+                out.states.push(s);
+            }
+        }
+        Ok(())
+    }
+
+    /// A task has nothing to execute any more.
+    fn leave(&self, s: &mut State, thread: usize) {
+        let it = &mut s.done[thread];
+        (it.stage, it.cycle, it.at, it.next) = (Stage::Gone, Cycle::Measured, 0, 0);
+    }
+
+    /// The first pass of a task has ended, and the next one is started; after a failure, none ever is.
+    fn start(&self, mut s: State, thread: usize, end: Span, how: End) -> Vec<State> {
+        if how == End::Fails {
+            let mut next = Some(thread);
+            while let Some(thread) = next {
+                self.leave(&mut s, thread);
+                next = self.threads[thread].successor;
+            }
+            return vec![s];
+        }
+        let at = self.machine(thread).map_or(0, |it| it.start);
+        let releases = self.releases(thread, end, 0).into_iter();
+        let released = |release| {
+            let mut s = s.clone();
+            self.release(&mut s, thread, release, Cycle::FirstPass, at);
+            s
+        };
+        releases.map(released).collect()
+    }
+
+    /// Where there are cores enough, nobody waits for one.
+    fn settle(&self, s: State) -> Vec<State> {
+        if self.cores.is_some() {
+            return vec![s];
+        }
+        let mut todo = vec![s];
+        let mut out = Vec::new();
+        'states: while let Some(mut s) = todo.pop() {
+            for thread in 0..self.threads.len() {
+                if !s.is(thread, Stage::Waiting) {
+                    continue;
+                }
+                if self.threads[thread].machine.is_some() {
+                    s.done[thread].stage = Stage::Active;
+                    continue;
+                }
+                let begin = s.when[thread].ready;
+                self.leave(&mut s, thread);
+                match self.threads[thread].successor {
+                    Some(next) => todo.extend(self.start(s, next, begin, End::Ends)),
+                    None => todo.push(s),
+                }
+                continue 'states;
+            }
+            out.push(s);
+        }
+        out
+    }
+}

@@ -1,0 +1,253 @@
+//! The two kinds of steps: a task is given a core, and a codel begins.
+//!
+//! Cores are given in the order of time, and the codels of a group take their tickets (or their locks) in the order of
+//! time. Steps that are not ordered by that can be taken in any order, as what is known of each remains true.
+
+use super::model::Model;
+use super::refusal::Refusal;
+use super::starting::End;
+use super::state::{Cycle, Span, Stage, State};
+use crate::system::{Policy, Yield};
+
+/// Where steps lead.
+pub(super) struct Out<'o> {
+    pub(super) states: &'o mut Vec<State>,
+    /// By thread, the longest response time so far.
+    pub(super) worst: &'o mut [i64],
+}
+
+impl Model<'_> {
+    /// The states that follow a state, in which each run that has come to it goes on.
+    pub(super) fn follow(&self, s: &State, out: &mut Out) -> Result<(), Refusal> {
+        if let Some((group, until)) = self.undisturbed(s) {
+            let own = |&it: &usize| self.threads[it].group == group;
+            for thread in s.all(Stage::Active).filter(own) {
+                if self.earliest(s, thread) <= until {
+                    self.begin_codel(s, thread, until, out)?;
+                }
+            }
+            return Ok(());
+        }
+        // The next step of all, in the order of time, whatever it is: the others come no earlier.
+        let active = s.all(Stage::Active).map(|it| self.latest(s, it));
+        let until = active.min().unwrap_or(i64::MAX);
+        let given = self.given_by(s).unwrap_or(i64::MAX).min(until);
+        for thread in s.all(Stage::Active) {
+            let earliest = self.earliest(s, thread);
+            if earliest <= given {
+                self.begin_codel(&not_before(s, earliest), thread, given, out)?;
+            }
+        }
+        for thread in s.all(Stage::Waiting) {
+            if let Some(mut when) = self.gets_core(s, thread)
+                && when.from <= given
+            {
+                when.to = when.to.min(given);
+                self.give_core(&not_before(s, when.from), thread, when, out)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// A group whose next codel begins before any task of it that has no core yet can be given one; and by when. What
+    /// other groups do makes no difference to it.
+    fn undisturbed(&self, s: &State) -> Option<(usize, i64)> {
+        let mut until = vec![i64::MAX; self.groups];
+        let mut holder = i64::MAX;
+        for thread in s.all(Stage::Active) {
+            let group = &mut until[self.threads[thread].group];
+            *group = (*group).min(self.latest(s, thread));
+            holder = holder.min(s.when[thread].ready.from);
+        }
+        let core = s.free_from.first().map_or(holder, |it| holder.min(*it));
+        let core = core.max(s.given);
+        for thread in s.all(Stage::Waiting) {
+            let group = &mut until[self.threads[thread].group];
+            if s.when[thread].ready.from.max(core) <= *group {
+                *group = i64::MAX;
+            }
+        }
+        let (group, &until) = until.iter().enumerate().min_by_key(|it| it.1)?;
+        (until != i64::MAX).then_some((group, until))
+    }
+
+    /// The codel that an active task executes next.
+    fn codel(&self, s: &State, thread: usize) -> Option<usize> {
+        let state = self
+            .machine(thread)?
+            .states
+            .get(s.done[thread].at as usize)?;
+        Some(state.codel)
+    }
+
+    /// When everything has ended that the next codel of a task has to wait for, as far as it has begun.
+    fn holders(&self, s: &State, thread: usize) -> Option<Span> {
+        let it = &self.threads[thread];
+        let codel = self.codel(s, thread).filter(|_| it.contends)?;
+        let conflicts = &self.system.codels[codel].conflicts;
+        let others = (0..self.threads.len()).filter(|&other| {
+            other != thread && self.threads[other].group == it.group && s.done[other].held != 0
+        });
+        let holders =
+            others.filter(|&other| conflicts.contains(s.done[other].held as usize - 1));
+        holders
+            .map(|other| s.when[other].held)
+            .reduce(|one, other| one.max(other))
+    }
+
+    /// The earliest moment of the next step of an active task: that it takes a ticket, or begins.
+    fn earliest(&self, s: &State, thread: usize) -> i64 {
+        let ready = s.when[thread].ready.from;
+        match self.holders(s, thread).filter(|_| !self.queue) {
+            Some(it) => it.from.max(ready),
+            None => ready,
+        }
+    }
+
+    /// The latest moment of the same, unless another one of the group comes first.
+    fn latest(&self, s: &State, thread: usize) -> i64 {
+        let ready = s.when[thread].ready.to;
+        match self.holders(s, thread).filter(|_| !self.queue) {
+            Some(it) => it.to.max(ready),
+            None => ready,
+        }
+    }
+
+    /// A codel takes its ticket (or begins, where there is no queue), before all others of its group that have not yet and by `until`.
+    fn begin_codel(
+        &self,
+        s: &State,
+        thread: usize,
+        until: i64,
+        out: &mut Out,
+    ) -> Result<(), Refusal> {
+        let it = &self.threads[thread];
+        let Some(state) = self
+            .machine(thread)
+            .and_then(|machine| machine.states.get(s.done[thread].at as usize))
+        else {
+            return Ok(());
+        };
+        let mut s = s.clone();
+        s.steps += 1;
+        let mut begin = Span {
+            from: self.earliest(&s, thread),
+            to: self.latest(&s, thread).min(until),
+        };
+        if it.contends {
+            let ticket = begin;
+            if self.queue {
+                // Behind the one before, and not while somebody executes that it has to wait for.
+                begin = begin.max(s.begun[it.group]);
+                if let Some(holders) = self.holders(&s, thread) {
+                    begin = begin.max(holders);
+                }
+            }
+            let others = |&other: &usize| other != thread && self.threads[other].group == it.group;
+            let others: Vec<usize> = s.all(Stage::Active).filter(others).collect();
+            for other in others {
+                let ready = &mut s.when[other].ready;
+                match self.queue {
+                    true => ready.from = ready.from.max(ticket.from),
+                    false => *ready = ready.max(begin),
+                }
+            }
+            s.begun[it.group] = begin;
+        }
+        let codel = &self.system.codels[state.codel];
+        let end = Span {
+            from: begin.from + i64::from(codel.lower),
+            to: begin.to + i64::from(codel.upper),
+        };
+        (s.done[thread].held, s.when[thread].held) = (0, Span::default());
+        if it.contends && self.waited_for[state.codel] {
+            s.done[thread].held = state.codel as u32 + 1;
+            s.when[thread].held = end;
+        }
+        for it in &state.yields {
+            let how = match *it {
+                Yield::Next(next) => End::GoesOn(next),
+                Yield::Pause(next) => End::Pauses(next),
+                Yield::End => End::Ends,
+            };
+            self.end_codel(s.clone(), thread, end, how, out)?;
+        }
+        if codel.throws {
+            self.end_codel(s, thread, end, End::Fails, out)?;
+        }
+        Ok(())
+    }
+
+    /// By when the next core is given, if somebody waits for it and one is known to be free by then.
+    fn given_by(&self, s: &State) -> Option<i64> {
+        let released = s.all(Stage::Waiting).map(|it| s.when[it].ready.to).min()?;
+        Some(released.max(*s.free_to.first()?))
+    }
+
+    /// When a task can be the next that is given a core.
+    fn gets_core(&self, s: &State, thread: usize) -> Option<Span> {
+        let ready = s.when[thread].ready;
+        let from = ready.from.max(*s.free_from.first()?).max(s.given);
+        let mut to = self.given_by(s)?;
+        for other in s.all(Stage::Waiting).filter(|&other| other != thread) {
+            let released = s.when[other].ready.to;
+            match self.policy {
+                Policy::Fifo if released < ready.from => return None,
+                Policy::Edf => {
+                    let (Some(own), Some(deadline)) =
+                        (self.deadline(s, thread), self.deadline(s, other))
+                    else {
+                        continue;
+                    };
+                    // Whoever has waited for longer goes first where deadlines are equal.
+                    if deadline < own || (deadline == own && released < ready.from) {
+                        to = to.min(released);
+                    }
+                }
+                _ => {}
+            }
+        }
+        (from <= to).then_some(Span { from, to })
+    }
+
+    /// The deadline of the job of a waiting task, unless it is one of a tick that was kept.
+    fn deadline(&self, s: &State, thread: usize) -> Option<i64> {
+        let it = &self.threads[thread];
+        let tick = it.tick(i64::from(s.done[thread].next) - 1);
+        (s.when[thread].ready == Span::at(tick)).then_some(tick + it.period)
+    }
+
+    fn give_core(
+        &self,
+        s: &State,
+        thread: usize,
+        when: Span,
+        out: &mut Out,
+    ) -> Result<(), Refusal> {
+        let mut s = s.clone();
+        s.steps += 1;
+        s.given = when.from;
+        s.free_from.remove(0);
+        s.free_to.remove(0);
+        s.when[thread].ready = when;
+        s.done[thread].stage = Stage::Active;
+        if self.threads[thread].machine.is_none() {
+            debug_assert_eq!(s.done[thread].cycle, Cycle::FirstPass);
+            return self.end_codel(s, thread, when, End::Ends, out);
+        }
+        s.tidy(self);
+        out.states.push(s);
+        Ok(())
+    }
+}
+
+/// A state in which nothing more begins before a moment.
+fn not_before(s: &State, time: i64) -> State {
+    let mut s = s.clone();
+    let active: Vec<usize> = s.all(Stage::Active).collect();
+    for it in active {
+        let ready = &mut s.when[it].ready;
+        ready.from = ready.from.max(time);
+    }
+    s
+}
