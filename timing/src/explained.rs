@@ -1,5 +1,6 @@
 //! Which reductions the explorations of a verification used, and why others were not.
 
+use crate::abstraction::Refusal;
 use crate::explore::{Activity, Kind, Reason};
 
 /// What became of each reduction, over all explorations.
@@ -7,6 +8,8 @@ use crate::explore::{Activity, Kind, Reason};
 pub struct Explained {
     /// Number of explorations.
     pub explorations: usize,
+    /// What became of the abstraction that comes before them, and how often: used, or why not.
+    pub abstractions: Vec<(Option<Refusal>, usize)>,
     /// One per reduction, in the order in which they were first met.
     pub reductions: Vec<Explanation>,
 }
@@ -48,6 +51,30 @@ impl Explained {
         }
     }
 
+    /// Adds a system that was looked at in abstract states, or why it could not be.
+    pub(crate) fn add_abstraction(&mut self, off: Option<Refusal>) {
+        match self.abstractions.iter_mut().find(|it| it.0 == off) {
+            Some((_, count)) => *count += 1,
+            None => self.abstractions.push((off, 1)),
+        }
+    }
+
+    fn abstraction(&self) -> Option<(&'static str, String)> {
+        let all: usize = self.abstractions.iter().map(|it| it.1).sum();
+        let parts = self.abstractions.iter().map(|(off, count)| {
+            let part = match count {
+                count if *count == all => String::new(),
+                count => format!(" in {count} of {all} parts"),
+            };
+            match off {
+                None => format!("used{part}"),
+                Some(reason) => format!("not used{part}: {reason}"),
+            }
+        });
+        let parts: Vec<String> = parts.collect();
+        (all > 0).then(|| (Kind::ScheduleAbstraction.name(), parts.join("; ")))
+    }
+
     /// One line for each reduction: its name, and what became of it.
     pub fn lines(&self) -> Vec<(&'static str, String)> {
         let line = |it: &Explanation| {
@@ -65,7 +92,8 @@ impl Explained {
             }
             (it.kind.name(), parts.join("; "))
         };
-        self.reductions.iter().map(line).collect()
+        let lines = self.reductions.iter().map(line);
+        self.abstraction().into_iter().chain(lines).collect()
     }
 }
 

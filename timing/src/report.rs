@@ -80,6 +80,25 @@ pub enum Soundness {
     WholeUnits,
 }
 
+/// What proves an answer without an exploration.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Layer {
+    /// Response-time analysis.
+    ResponseTimeAnalysis,
+    /// Abstract states of the schedule.
+    ScheduleAbstraction,
+}
+
+impl std::fmt::Display for Layer {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Layer::ResponseTimeAnalysis => "response-time analysis",
+            Layer::ScheduleAbstraction => "schedule abstraction",
+        })
+    }
+}
+
 /// A task: number of its component, as in [`crate::scn::names::Names::components`], and its index there.
 pub type TaskId = (usize, u32);
 
@@ -134,6 +153,9 @@ pub struct CheckReport {
     pub verdict: Verdict,
     /// What the answer is worth.
     pub soundness: Soundness,
+    /// What proves it, or its bound, where no exploration does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub by: Option<Layer>,
     /// The least bound, for `response` and `within`. When the verdict is unknown, a lower bound of it; with
     /// [`Soundness::UpperBound`] an upper one.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -26,7 +26,7 @@ pub use self::prepared::{Asked, Prepared, Question, prepare};
 use self::soon::Seen;
 pub(crate) use self::units::to_f64;
 pub use crate::cancel::{Cancel, Effort, Interrupt};
-use crate::explore::{Findings, Limits, Stop, Watch, explore, explore_telling};
+use crate::explore::{Findings, Kind, Limits, Stop, Watch, explore, explore_telling};
 use crate::remark::Sighting;
 use crate::report::Report;
 use crate::scn::Diagnostic;
@@ -170,7 +170,7 @@ pub(crate) fn verify_settings(
         };
         parts.push((built, of_group));
     }
-    let groups: Vec<(Group, &[usize], Analysed)> = (parts.iter())
+    let mut groups: Vec<(Group, &[usize], Analysed)> = (parts.iter())
         .map(|(built, of_group)| {
             let group = Group { built, ..of_whole };
             (group, &**of_group, Analysed::new(built))
@@ -181,6 +181,9 @@ pub(crate) fn verify_settings(
         group.analyse(&checks, of_group, analysed, &mut report);
     }
     tell(&mut report);
+    for (group, of_group, analysed) in &mut groups {
+        group.abstracted(&checks, of_group, analysed, &mut report);
+    }
     let seen: Vec<Seen> = (groups.iter())
         .map(|(group, of_group, _)| group.soon(&checks, of_group, groups.len() == 1, &mut report))
         .collect();
@@ -205,6 +208,9 @@ struct Group<'g> {
     tell: &'g (dyn Fn(&mut Report) + Sync),
 }
 
+/// Where bounds answer all checks, exact values are looked for in this part of the states there may be.
+const SETTLED: usize = 100;
+
 /// Said when all checks were answered before everything was explored.
 const NOT_EXAMINED: &str =
     "no request was seen to be refused for want of a slot, but not everything was looked at";
@@ -219,13 +225,56 @@ impl Group<'_> {
         report: &mut Report,
     ) {
         for &i in of_group {
+            if !report.is_open(i) {
+                continue;
+            }
             if let Some(missing) = self.nothing(&checks[i]) {
                 report.answer(i, missing);
             } else if let Some(bound) = analysed.deadline(&checks[i]) {
-                report.answer(i, self.meets_deadlines(&checks[i], bound));
+                report.answer(i, self.meets_deadlines(&checks[i], bound, analysed));
             } else if analysed.is_zero(&checks[i]) {
                 report.answer(i, self.takes_no_time(&checks[i]));
             }
+        }
+    }
+
+    /// Answers what abstract states can answer, if anything is left that they might.
+    fn abstracted(
+        &self,
+        checks: &[Single],
+        of_group: &[usize],
+        analysed: &mut Analysed,
+        report: &mut Report,
+    ) {
+        let open = |&&i: &&usize| report.is_open(i) && checks[i].is_of_task();
+        let wanted = of_group.iter().any(|it| open(&it));
+        if !wanted || self.limits.without.contains(Kind::ScheduleAbstraction) {
+            return;
+        }
+        let found = analysed.abstracted(self.cancel);
+        report.reductions.add_abstraction(found.err());
+        if found.is_err() {
+            return;
+        }
+        let before = report.answered();
+        self.analyse(checks, of_group, analysed, report);
+        if report.answered() > before {
+            (self.tell)(report);
+        }
+    }
+
+    /// The effort for some checks. Where each of them has a bound that answers it, looking for exact values is worth less.
+    fn limits_for(&self, checks: &[Single], part: &[usize], analysed: &Analysed) -> Limits {
+        let settled = |&i: &usize| match checks[i].what {
+            What::Response(_, limit) => analysed.settles(&checks[i], self.ticks(limit)),
+            _ => false,
+        };
+        match part.iter().all(settled) {
+            true => Limits {
+                states: self.limits.states / SETTLED,
+                ..self.limits
+            },
+            false => self.limits,
         }
     }
 
@@ -283,6 +332,7 @@ impl Group<'_> {
             )
         });
         if !explored.is_empty() {
+            let limits = self.limits_for(checks, &explored, analysed);
             let (watch, places) = self.watch(checks, explored.into_iter(), analysed);
             let mut news = |found: &Findings| {
                 let before = report.answered();
@@ -292,7 +342,7 @@ impl Group<'_> {
                 }
             };
             let system = &self.built.system;
-            let found = explore_telling(system, &watch, self.limits, self.cancel, &mut news);
+            let found = explore_telling(system, &watch, limits, self.cancel, &mut news);
             report.effort(&found);
             self.refusals(&found, report);
             // As it was told, where an exploration that begins again comes to it by another run.

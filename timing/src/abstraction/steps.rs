@@ -247,7 +247,8 @@ fn not_before(s: &State, time: i64) -> State {
     let active: Vec<usize> = s.all(Stage::Active).collect();
     for it in active {
         let ready = &mut s.when[it].ready;
-        ready.from = ready.from.max(time);
+        // It may have been ready before, and waited for somebody who has locks until now.
+        *ready = ready.max(Span::at(time));
     }
     s
 }

@@ -1,12 +1,14 @@
-//! What response-time analysis alone can answer.
+//! What bounds on response times can answer: those of response-time analysis, and of the middle tier.
 //!
-//! Its bounds are never below the exact values, so a task with a bound below its period meets its deadlines. That needs no
+//! They are never below the exact values, so a task with a bound below its period meets its deadlines. That needs no
 //! exploration, and stands when one has to be given up.
 
 use super::Group;
 use super::checks::{Single, What};
+use crate::abstraction::{Refusal, abstract_bounds};
 use crate::analytic::{meets_deadlines, response_bounds};
-use crate::report::{CheckReport, Soundness, Value, Verdict};
+use crate::cancel::Cancel;
+use crate::report::{CheckReport, Layer, Soundness, Value, Verdict};
 use crate::system::Ticks;
 use crate::system::build::Built;
 
@@ -14,6 +16,10 @@ use crate::system::build::Built;
 pub(super) struct Analysed<'b> {
     built: &'b Built,
     bounds: Vec<Option<Ticks>>,
+    /// By task, where its bound is from.
+    layers: Vec<Layer>,
+    /// Whether the middle tier has treated the system.
+    abstracted: bool,
 }
 
 impl<'b> Analysed<'b> {
@@ -21,7 +27,35 @@ impl<'b> Analysed<'b> {
         Analysed {
             built,
             bounds: response_bounds(&built.system),
+            layers: vec![Layer::ResponseTimeAnalysis; built.system.tasks.len()],
+            abstracted: false,
         }
+    }
+
+    /// Looks for lower bounds with the middle tier.
+    pub(super) fn abstracted(&mut self, cancel: &Cancel) -> Result<(), Refusal> {
+        let found = abstract_bounds(&self.built.system, cancel)?;
+        self.abstracted = true;
+        for (task, found) in found.into_iter().enumerate() {
+            let bound = &mut self.bounds[task];
+            if bound.is_none_or(|bound| found < bound) {
+                *bound = Some(found);
+                self.layers[task] = Layer::ScheduleAbstraction;
+            }
+        }
+        Ok(())
+    }
+
+    /// What the bound is from that a check of a task is answered with.
+    fn layer(&self, check: &Single) -> Layer {
+        let task = check.what.task().map(|it| self.built.tasks[&it]);
+        task.map_or(Layer::ResponseTimeAnalysis, |it| self.layers[it])
+    }
+
+    /// Whether a bound that is no quick one answers a check of a response time, though not with the least one.
+    pub(super) fn settles(&self, check: &Single, limit: Option<Ticks>) -> bool {
+        let within = |bound: Ticks| limit.is_none_or(|limit| bound <= limit);
+        self.abstracted && self.response(check).is_some_and(within)
     }
 
     /// The bound that proves that a check of deadlines holds: on a response time, or on the time a job waits for a core.
@@ -68,20 +102,29 @@ impl<'b> Analysed<'b> {
         };
         let task = self.built.tasks[&it];
         let system = &self.built.system.tasks[task];
-        self.bounds[task] == Some(0) && system.period.is_some() && !system.keep_idle_tick
+        // A task that the middle tier has no time for may have no job at all.
+        let exists = self.layers[task] == Layer::ResponseTimeAnalysis;
+        exists && self.bounds[task] == Some(0) && system.period.is_some() && !system.keep_idle_tick
     }
 }
 
 impl Group<'_> {
-    pub(super) fn meets_deadlines(&self, check: &Single, bound: Ticks) -> CheckReport {
+    pub(super) fn meets_deadlines(
+        &self,
+        check: &Single,
+        bound: Ticks,
+        analysed: &Analysed,
+    ) -> CheckReport {
         let blank = self.blank(check);
+        let by = analysed.layer(check);
         CheckReport {
             verdict: Verdict::Proved,
             soundness: for_any_time(blank.soundness),
+            by: Some(by),
             note: Some(match check.what {
                 What::NoOverdue(_) if bound == 0 => "no job ever waits for a core".to_owned(),
                 _ => format!(
-                    "by response-time analysis: a job takes at most {}",
+                    "by {by}: a job takes at most {}",
                     self.in_words(bound)
                 ),
             }),
@@ -93,6 +136,7 @@ impl Group<'_> {
         CheckReport {
             verdict: Verdict::Proved,
             value: Some(self.time(0)),
+            by: Some(Layer::ResponseTimeAnalysis),
             note: Some("by response-time analysis: a job takes no time".to_owned()),
             soundness: for_any_time(self.blank(check).soundness),
             ..self.blank(check)
@@ -116,23 +160,25 @@ impl Group<'_> {
         let What::Response(_, limit) = check.what else {
             return;
         };
-        let bound_in_words = self.in_words(bound);
+        let (bound_in_words, by) = (self.in_words(bound), analysed.layer(check));
         if self.ticks(limit).is_some_and(|limit| bound > limit) {
             out.note = Some(format!(
                 "for ends at any time analysis knows a bound of {bound_in_words}"
             ));
         } else if out.value == Some(self.time(bound)) {
             out.soundness = Soundness::Exact;
+            out.by = Some(by);
         } else {
             let reached = match out.value {
                 Some(it @ Value::Time(_)) => format!(", and {} is reached", self.with_unit(it)),
                 _ => String::new(),
             };
             out.note = Some(format!(
-                "by response-time analysis: at most {bound_in_words}{reached}; ends between whole units of time were not explored"
+                "by {by}: at most {bound_in_words}{reached}; ends between whole units of time were not explored"
             ));
             out.value = Some(self.time(bound));
             out.soundness = Soundness::UpperBound;
+            out.by = Some(by);
             out.witness.clear();
             out.left_out = false;
         }
@@ -147,12 +193,11 @@ impl Group<'_> {
             What::Response(_, limit) => self.ticks(limit).is_none_or(|limit| bound <= limit),
             _ => false,
         };
-        self.bounded_by(
-            ("response-time analysis", "a job takes"),
-            bound,
-            within,
-            out,
-        );
+        let by = analysed.layer(check);
+        self.bounded_by((&by.to_string(), "a job takes"), bound, within, out);
+        if out.verdict == Verdict::Proved {
+            out.by = Some(by);
+        }
     }
 
     /// What was not settled has a bound by analysis, which is an answer if it is within the limit. `by`: by which analysis, and what it

@@ -73,6 +73,7 @@ impl Group<'_> {
             value: None,
             note: None,
             gave_up: None,
+            by: None,
             counterexample: Vec::new(),
             possible_run: Vec::new(),
             reason: Vec::new(),

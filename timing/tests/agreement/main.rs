@@ -9,7 +9,10 @@ mod servers;
 mod systems;
 mod walks;
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use brute::{Brute, CAP, Results};
+use dotgen_timing::abstraction::abstract_bounds;
 use dotgen_timing::analytic::{meets_deadlines, response_bounds};
 use dotgen_timing::explore::{
     Bound, Found, InZones, Kind, Limits, Measured, ResponseTime, Stop, Watch, Within, chase,
@@ -165,6 +168,7 @@ fn compare_system(
                 ));
             }
         }
+        abstracted(system, &expected)?;
         agree("deadlock", 0, expected.deadlock, found.deadlock.is_some())?;
         if let Some(it) = &found.deadlock
             && !replay(it)?.deadlock
@@ -185,6 +189,49 @@ fn compare_system(
         Ok(())
     };
     Some(check().map_err(|why| format!("seed {seed}: {why}\n{system:#?}\n{within:#?}")))
+}
+
+/// Where the middle tier has bounds, no run exceeds them, and no deadline is missed.
+fn abstracted(system: &TimedSystem, expected: &Results) -> Result<(), String> {
+    let Ok(bounds) = abstract_bounds(system, &Cancel::default()) else {
+        return Ok(());
+    };
+    ABSTRACTED.fetch_add(1, Ordering::Relaxed);
+    for (task, bound) in bounds.into_iter().enumerate() {
+        let exact = expected.response[task];
+        if exact.is_some_and(|it| it > bound) {
+            return Err(format!(
+                "response {task} is {exact:?}, the middle tier says {bound}"
+            ));
+        }
+        REACHED.fetch_add(usize::from(exact == Some(bound)), Ordering::Relaxed);
+        if expected.missed[task] || expected.overdue[task] {
+            return Err(format!("task {task} is late, but for the middle tier"));
+        }
+    }
+    Ok(())
+}
+
+/// Systems for which the middle tier has bounds.
+static ABSTRACTED: AtomicUsize = AtomicUsize::new(0);
+
+/// Bounds that are the exact values.
+static REACHED: AtomicUsize = AtomicUsize::new(0);
+
+fn compare_periodic(seed: u64) -> Option<Result<(), String>> {
+    let system = systems::periodic::periodic(&mut systems::Dice::new(seed));
+    compare_system(seed, &system, &[], &measured(seed, &system), 1)
+}
+
+#[test]
+fn the_middle_tier_is_never_below_brute_force() {
+    all_agree(first(), cases(), 3, compare_periodic);
+    let (abstracted, reached) = (
+        ABSTRACTED.load(Ordering::Relaxed),
+        REACHED.load(Ordering::Relaxed),
+    );
+    eprintln!("{abstracted} systems have bounds, {reached} of which are reached");
+    assert!(abstracted as u64 >= cases() / 5, "bounds are compared");
 }
 
 /// Who knows how long jobs take at most ends as soon as one has taken as long, with the same results.

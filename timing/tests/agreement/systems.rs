@@ -1,6 +1,7 @@
 //! Random small systems.
 
 pub(crate) mod alike;
+pub(crate) mod periodic;
 pub(crate) mod requests;
 
 use dotgen_timing::property::{Atom, Predicate, StatePhase, TaskState};

@@ -8,7 +8,8 @@ use dotgen_timing::explained::Explained;
 const TITLE: Style = Style::new().bold();
 
 pub(super) fn print(out: &mut impl Write, it: &Explained) -> anyhow::Result<()> {
-    if it.explorations == 0 {
+    let lines = it.lines();
+    if lines.is_empty() {
         writeln!(
             out,
             "\n{TITLE}reductions{TITLE:#}\n  none: nothing had to be explored"
@@ -16,7 +17,6 @@ pub(super) fn print(out: &mut impl Write, it: &Explained) -> anyhow::Result<()> 
         return Ok(());
     }
     writeln!(out, "\n{TITLE}reductions{TITLE:#}")?;
-    let lines = it.lines();
     let width = lines.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
     for (name, what) in lines {
         writeln!(out, "  {name:<width$}  {what}")?;

@@ -28,11 +28,13 @@ pub enum Kind {
     Zones,
     /// What a single state shows is also looked for by randomised depth-first search.
     RandomSearch,
+    /// Deadlines and bounds on response times are looked for among abstract states first.
+    ScheduleAbstraction,
 }
 
 impl Kind {
     /// All of them.
-    pub const ALL: [Kind; 11] = [
+    pub const ALL: [Kind; 12] = [
         Kind::PersistentSets,
         Kind::PersistentRequests,
         Kind::SleepSets,
@@ -44,6 +46,7 @@ impl Kind {
         Kind::MomentCovering,
         Kind::Zones,
         Kind::RandomSearch,
+        Kind::ScheduleAbstraction,
     ];
 
     /// Its name, for options and people.
@@ -60,6 +63,7 @@ impl Kind {
             Kind::MomentCovering => "moment-covering",
             Kind::Zones => "zones",
             Kind::RandomSearch => "random-search",
+            Kind::ScheduleAbstraction => "schedule-abstraction",
         }
     }
 

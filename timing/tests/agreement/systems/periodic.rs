@@ -1,0 +1,60 @@
+//! Systems of periodic tasks that nobody asks for anything.
+
+use dotgen_timing::system::{FOREVER, LockOrder, Policy, State, TimedSystem, Yield};
+
+use super::{Dice, automaton, codel, competing};
+
+/// Two to four periodic tasks that compete for locks and cores, and start up without taking time.
+pub(crate) fn periodic(dice: &mut Dice) -> TimedSystem {
+    let mut system = competing(dice);
+    system.platform.policy = dice.pick(&[Policy::Fifo, Policy::Edf, Policy::Edf, Policy::Any]);
+    system.platform.locks = dice.pick(&[LockOrder::Free, LockOrder::Free, LockOrder::Free, LockOrder::Fifo]);
+    for t in 0..system.tasks.len() {
+        let task = &mut system.tasks[t];
+        task.period = Some(dice.pick(&[4, 6, 6, 8, 12, 12]));
+        task.delay = if dice.in_ten(2) { 1 + dice.below(4) } else { 0 };
+        if task.permanent.is_none() {
+            let component = task.component;
+            let codel = codel(&mut system, dice, component, format!("t{t}.s0"));
+            system.machines.push(dotgen_timing::system::Machine {
+                name: format!("t{t}"),
+                states: vec![State {
+                    name: "s0".to_owned(),
+                    codel,
+                    yields: vec![Yield::Pause(0)],
+                    is_async: false,
+                }],
+                start: 0,
+                stop: None,
+                loop_limit: None,
+                rounds: false,
+            });
+            let machine = system.machines.len() - 1;
+            system.tasks[t].permanent = Some(automaton(&mut system, t, machine, None));
+        }
+    }
+    for it in &mut system.codels {
+        if it.upper == FOREVER {
+            it.upper = 2;
+            it.lower = it.lower.min(2);
+        }
+        if dice.in_ten(1) {
+            it.upper += 1;
+        }
+    }
+    for machine in &mut system.machines {
+        let start = machine.states[machine.start].codel;
+        (system.codels[start].lower, system.codels[start].upper) = (0, 0);
+        machine.loop_limit = None;
+        for (at, state) in machine.states.iter_mut().enumerate() {
+            for it in &mut state.yields {
+                *it = match *it {
+                    Yield::Next(to) if to > at && at != machine.start => Yield::Next(to),
+                    Yield::Next(to) | Yield::Pause(to) => Yield::Pause(to),
+                    Yield::End => Yield::Pause(0),
+                };
+            }
+        }
+    }
+    system
+}
