@@ -3,7 +3,8 @@
 use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Work};
 
 use crate::decide::Decide;
-use crate::live::{Broken, Live, Published};
+use crate::live::Live;
+use crate::watch::Watch;
 
 /// Actions at one moment after which time is taken to stand still. A system has some for each task, codel
 /// and client.
@@ -28,30 +29,6 @@ pub enum End {
     Interrupted,
     /// A component could not be started.
     NotStarted,
-}
-
-/// Whoever watches a run.
-pub trait Watch {
-    /// Something was seen; the stepper is past it.
-    fn see(&mut self, stepper: &Stepper, seen: &Seen);
-
-    /// Something is about to be done.
-    fn act(&mut self, stepper: &Stepper, action: Action);
-
-    /// Somebody outside interrupts the activity that has a place.
-    fn interrupt(&mut self, stepper: &Stepper, place: usize);
-
-    /// Time has passed.
-    fn moment(&mut self, stepper: &Stepper);
-
-    /// An output port of a component has new data.
-    fn wrote(&mut self, stepper: &Stepper, written: &Published);
-
-    /// A codel that is executed did what it must not.
-    fn broke(&mut self, stepper: &Stepper, broken: Broken);
-
-    /// Whether to end the run.
-    fn is_over(&self) -> bool;
 }
 
 /// Runs a system from time 0 until a time, in base units. What is `live` is executed; all else is decided.

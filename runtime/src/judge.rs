@@ -5,7 +5,7 @@ use dotgen_timing::system::Ticks;
 use dotgen_timing::verify::{Prepared, Question};
 
 use crate::engine::End;
-use crate::live::Broken;
+use crate::watch::Broken;
 
 /// What a run says about a check. No run proves that a check holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]

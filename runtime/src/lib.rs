@@ -3,7 +3,7 @@
 //! A run goes through the rules that are verified, step by step ([`dotgen_timing::explore::Stepper`]): what
 //! can happen is known there and nowhere else. Here it is chosen ([`decide`]), done ([`engine`]), counted
 //! ([`tally`]) and held to the checks of the scenario and to proved bounds ([`judge`]). [`simulation`] puts
-//! these together.
+//! these together. Whoever looks on is told through [`watch`].
 //!
 //! Where components have codels, [`live`] has them executed: by [`hosts`], which this crate knows as a trait
 //! only. On the real clock ([`paced`]) the rules are the same, with times as they really are ([`refine`]).
@@ -19,3 +19,4 @@ pub mod refine;
 pub mod report;
 pub mod simulation;
 pub mod tally;
+pub mod watch;

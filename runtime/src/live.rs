@@ -13,55 +13,8 @@ use dotgen_timing::explore::{Seen, Stepper, Work};
 use dotgen_timing::system::{TimedSystem, Yield};
 
 use crate::hosts::{Call, Hosts, How, Message, Ran, Reader, Source, Wanted};
+use crate::watch::{Broken, Published};
 pub use parts::{Feed, Part, Parts};
-
-/// Something that codels did and must not.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
-#[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum Broken {
-    /// A codel ended with something that it does not declare.
-    Undeclared {
-        /// `component.owner.state`
-        codel: String,
-        /// The function.
-        function: String,
-        /// Full name of the event; empty where it is none at all.
-        event: String,
-    },
-    /// A component is gone, with its codel.
-    Lost {
-        /// The component.
-        component: String,
-        /// What it executed: the codel and its function.
-        codel: Option<(String, String)>,
-        /// How it ended.
-        why: String,
-    },
-    /// A codel took longer than it states.
-    Overrun {
-        /// `component.owner.state`
-        codel: String,
-        /// The function.
-        function: String,
-        /// Nanoseconds that it took.
-        took: u64,
-        /// Nanoseconds that it states.
-        limit: u64,
-    },
-}
-
-/// New data of an output port.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Published {
-    /// The component of the system.
-    pub component: usize,
-    /// The port, by number in its model.
-    pub port: u32,
-    /// Its instance, for a port that is `multiple`.
-    pub id: String,
-    /// The bytes of the value.
-    pub data: Vec<u8>,
-}
 
 /// A request that is being worked on.
 #[derive(Debug)]

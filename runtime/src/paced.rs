@@ -6,8 +6,9 @@
 use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Work};
 
 use crate::decide::Decide;
-use crate::engine::{self, CROWDED, End, Watch};
+use crate::engine::{self, CROWDED, End};
 use crate::live::Live;
+use crate::watch::Watch;
 
 /// How the clock is counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -9,9 +9,9 @@ use serde::Serialize;
 use crate::decide::Durations;
 use crate::engine::End;
 use crate::judge::{Moment, Verdict, Violation};
-use crate::live::Broken;
 use crate::simulation::{Outcome, Plan};
 use crate::tally::Times;
+use crate::watch::Broken;
 
 /// Version of the JSON form: raised when a field changes its meaning or goes.
 pub const FORMAT: u32 = 1;

@@ -7,12 +7,13 @@ use dotgen_timing::system::{Ticks, TimedSystem};
 use dotgen_timing::verify::Prepared;
 
 use crate::decide::{Drawn, Durations};
-use crate::engine::{self, End, Watch};
+use crate::engine::{self, End};
 use crate::judge::Judge;
-use crate::live::{Broken, Live, Published};
+use crate::live::Live;
 use crate::paced::{self, Pace};
 use crate::profile::Profile;
 use crate::tally::Tally;
+use crate::watch::{Broken, Published, Watch};
 
 /// What to run.
 #[derive(Debug, Clone, Copy)]

@@ -3,9 +3,9 @@
 use dotgen_analysis::host::UnitResult;
 use dotgen_recording::replay::{Replay, Report, Rule, Step, What, opened};
 use dotgen_runtime::decide::Durations;
-use dotgen_runtime::live::Published;
 use dotgen_runtime::profile::Profile;
 use dotgen_runtime::simulation::{Plan, Record, simulate_recorded};
+use dotgen_runtime::watch::Published;
 use dotgen_timing::explore::{Action, Stepper};
 use dotgen_timing::scn::parse;
 use dotgen_timing::scn::semantics::LockRule;

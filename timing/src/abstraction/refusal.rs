@@ -55,8 +55,12 @@ impl fmt::Display for Refusal {
             Refusal::StartUp => f.write_str("starting up takes time"),
             Refusal::Ends => f.write_str("a task has nothing to execute, or may end to have"),
             Refusal::Hyperperiod => f.write_str("the periods have too long a common multiple"),
-            Refusal::States { looked_at } => write!(f, "given up after {looked_at} abstract states"),
-            Refusal::MayMiss { .. } => f.write_str("a deadline may be missed, as far as it can tell"),
+            Refusal::States { looked_at } => {
+                write!(f, "given up after {looked_at} abstract states")
+            }
+            Refusal::MayMiss { .. } => {
+                f.write_str("a deadline may be missed, as far as it can tell")
+            }
             Refusal::Cancelled => f.write_str("there was no time for it"),
         }
     }

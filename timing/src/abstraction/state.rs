@@ -121,7 +121,8 @@ impl State {
 
     /// Threads that still have something to execute, and have been started.
     fn live(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.done.len()).filter(|&it| matches!(self.done[it].stage, Stage::Waiting | Stage::Active))
+        (0..self.done.len())
+            .filter(|&it| matches!(self.done[it].stage, Stage::Waiting | Stage::Active))
     }
 
     /// Widens the intervals so that they contain those of another state in which the same has been done; whether they did not.

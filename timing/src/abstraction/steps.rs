@@ -88,8 +88,7 @@ impl Model<'_> {
         let others = (0..self.threads.len()).filter(|&other| {
             other != thread && self.threads[other].group == it.group && s.done[other].held != 0
         });
-        let holders =
-            others.filter(|&other| conflicts.contains(s.done[other].held as usize - 1));
+        let holders = others.filter(|&other| conflicts.contains(s.done[other].held as usize - 1));
         holders
             .map(|other| s.when[other].held)
             .reduce(|one, other| one.max(other))

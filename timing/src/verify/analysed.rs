@@ -123,10 +123,7 @@ impl Group<'_> {
             by: Some(by),
             note: Some(match check.what {
                 What::NoOverdue(_) if bound == 0 => "no job ever waits for a core".to_owned(),
-                _ => format!(
-                    "by {by}: a job takes at most {}",
-                    self.in_words(bound)
-                ),
+                _ => format!("by {by}: a job takes at most {}", self.in_words(bound)),
             }),
             ..blank
         }

@@ -8,7 +8,12 @@ use super::{Dice, automaton, codel, competing};
 pub(crate) fn periodic(dice: &mut Dice) -> TimedSystem {
     let mut system = competing(dice);
     system.platform.policy = dice.pick(&[Policy::Fifo, Policy::Edf, Policy::Edf, Policy::Any]);
-    system.platform.locks = dice.pick(&[LockOrder::Free, LockOrder::Free, LockOrder::Free, LockOrder::Fifo]);
+    system.platform.locks = dice.pick(&[
+        LockOrder::Free,
+        LockOrder::Free,
+        LockOrder::Free,
+        LockOrder::Fifo,
+    ]);
     for t in 0..system.tasks.len() {
         let task = &mut system.tasks[t];
         task.period = Some(dice.pick(&[4, 6, 6, 8, 12, 12]));
