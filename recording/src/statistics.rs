@@ -8,7 +8,7 @@
 
 use rustc_hash::FxHashMap;
 
-use crate::log::{About, Kinds, Left, Run, line};
+use crate::log::{About, Kinds, Left, line};
 
 /// Least, greatest and mean time with the deviation from that, in nanoseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -61,9 +61,13 @@ enum Cycle {
     Next,
 }
 
+/// A line. A log has millions of them.
 #[derive(Debug, Clone, Copy)]
 struct Entry {
-    run: Run,
+    asked: i64,
+    began: i64,
+    ended: i64,
+    kind: u32,
     cycle: Cycle,
 }
 
@@ -124,13 +128,11 @@ impl Collector {
         if let Some(task) = self.tasks.get_mut(belongs.task) {
             task.fresh = true;
             task.entries.push(Entry {
-                run: Run {
-                    asked: line.asked,
-                    began: line.began,
-                    ended: line.ended,
-                    kind,
-                },
+                asked: line.asked,
+                began: line.began,
+                ended: line.ended,
                 cycle: Cycle::No,
+                kind,
             });
         }
     }
@@ -177,12 +179,12 @@ impl Collector {
     /// A file has ended: its lines are put in order among those of the files before.
     pub fn file_ended(&mut self) {
         let (belongs, keys) = (&self.belongs, &self.keys);
-        let of = |it: &Entry| belongs.get(it.run.kind as usize).copied().flatten();
+        let of = |it: &Entry| belongs.get(it.kind as usize).copied().flatten();
         // By group: the last line, and whether the one before that paused.
         let mut last: Vec<Option<(usize, bool)>> = vec![None; keys.len()];
         for task in self.tasks.iter_mut().filter(|it| it.fresh) {
             task.fresh = false;
-            task.entries.sort_by_key(|it| it.run.asked);
+            task.entries.sort_by_key(|it| it.asked);
             for place in 0..task.entries.len() {
                 let Some(now) = task.entries.get(place).copied() else {
                     continue;
@@ -200,7 +202,7 @@ impl Collector {
                     let paused = match before {
                         None => false,
                         // Of equal ones the last counts: this one stands in the place of the one before.
-                        Some((before, paused)) if before.run.asked == now.run.asked => paused,
+                        Some((before, paused)) if before.asked == now.asked => paused,
                         Some((before, _)) => of(before).is_some_and(|it| it.pauses),
                     };
                     *last = Some((place, paused));
@@ -229,7 +231,7 @@ impl Collector {
             .collect();
         for task in &self.tasks {
             for it in &task.entries {
-                let belongs = self.belongs.get(it.run.kind as usize).copied().flatten();
+                let belongs = self.belongs.get(it.kind as usize).copied().flatten();
                 let Some(belongs) = belongs else { continue };
                 for (group, place) in belongs.groups {
                     if let Some(sum) = sums.get_mut(group) {
@@ -312,20 +314,21 @@ struct OfGroup {
 
 impl OfGroup {
     fn next(&mut self, entry: Entry, place: usize) {
-        if self
-            .pending
-            .is_some_and(|it| it.0.run.asked != entry.run.asked)
-        {
+        if self.pending.is_some_and(|it| it.0.asked != entry.asked) {
             self.flush();
         }
         self.pending = Some((entry, place));
     }
 
     fn flush(&mut self) {
-        let Some((Entry { run, cycle }, place)) = self.pending.take() else {
+        let Some((run, place)) = self.pending.take() else {
             return;
         };
-        let cycle = if self.has_cycles { cycle } else { Cycle::No };
+        let cycle = if self.has_cycles {
+            run.cycle
+        } else {
+            Cycle::No
+        };
         self.execution.add(run.ended - run.began);
         if let Some(count) = self.counts.get_mut(place) {
             if *count == 0 {
