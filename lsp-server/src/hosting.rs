@@ -8,6 +8,7 @@
 //! | [`children`] | the engine's side: starts hosts, talks to them, knows how they ended |
 //! | [`board`] | the data of a port, in memory that engine and hosts share |
 //! | [`server`] | requests from outside, as JSON over a socket |
+//! | [`stream`] | a connection with a client |
 //! | [`places`] | where the sockets of this user are |
 //! | [`realtime`] | what the system grants to who has to be in time |
 
@@ -18,4 +19,5 @@ mod library;
 pub(crate) mod places;
 pub(crate) mod realtime;
 pub(crate) mod server;
+mod stream;
 mod wire;

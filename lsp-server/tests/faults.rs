@@ -503,3 +503,73 @@ fn what_stands_where_a_socket_should_be_stays() {
     assert_eq!(directory.read("s"), "mine");
     assert_eq!(directory.read("elsewhere"), "mine");
 }
+
+#[test]
+fn nothing_listens_beyond_a_private_socket_unless_told_to() {
+    let directory = with_body("");
+    let arguments = [REAL, &["--simulate", "all"]].concat();
+    let listening = |run: &Listening| {
+        let links = std::fs::read_dir(format!("/proc/{}/fd", run.0.id())).expect("it is mine");
+        let links = links
+            .flatten()
+            .filter_map(|it| std::fs::read_link(it.path()).ok());
+        let sockets = links.filter_map(|it| {
+            let name = it.to_str()?.strip_prefix("socket:[")?.strip_suffix(']')?;
+            Some(name.to_owned())
+        });
+        let sockets: Vec<String> = sockets.collect();
+        let mut found = Vec::new();
+        for table in ["tcp", "tcp6", "udp", "udp6"] {
+            let text = std::fs::read_to_string(format!("/proc/net/{table}")).unwrap_or_default();
+            for line in text.lines().skip(1) {
+                let words: Vec<&str> = line.split_whitespace().collect();
+                if words
+                    .get(9)
+                    .is_some_and(|it| sockets.iter().any(|own| own == it))
+                {
+                    found.push((table, words[1].to_owned()));
+                }
+            }
+        }
+        found
+    };
+    let run = Listening::start(&directory, &arguments);
+    assert_eq!(listening(&run), []);
+    drop(run);
+    let run = Listening::start(&directory, &[&arguments[..], &["--listen", "0"]].concat());
+    let found = listening(&run);
+    let [(table, address)] = found.as_slice() else {
+        panic!("{found:?}");
+    };
+    let (host, port) = address.split_once(':').expect("an address");
+    // 127.0.0.1, as this machine has its bytes.
+    let loopback = format!("{:08X}", u32::from_ne_bytes([127, 0, 0, 1]));
+    assert_eq!((*table, host), ("tcp", loopback.as_str()));
+    let port = u16::from_str_radix(port, 16).expect("a number");
+    let client = std::net::TcpStream::connect(("127.0.0.1", port)).expect("it listens");
+    (&client)
+        .write_all(b"{\"id\": 1, \"describe\": null}\n")
+        .expect("it reads");
+    let mut said = String::new();
+    BufReader::new(&client)
+        .read_line(&mut said)
+        .expect("it answers");
+    assert!(said.contains("\"good\""), "{said}");
+    // Somebody listens there already.
+    let taken = [
+        &arguments[..3],
+        &["real", "--simulate", "all", "--socket", "t"],
+    ]
+    .concat();
+    let port = port.to_string();
+    let taken = [&taken[..], &["--listen", &port]].concat();
+    let taken = directory.run(&taken);
+    assert_eq!(status(&taken), 2);
+    assert!(
+        stderr(&taken).contains("cannot listen at 127.0.0.1"),
+        "{}",
+        stderr(&taken)
+    );
+    assert!(!directory.path().join("t").exists());
+    drop(run);
+}

@@ -106,6 +106,19 @@ pub enum Answer {
     },
 }
 
+/// An input port is to read an output port, as somebody outside wants it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Connection {
+    /// Component and output port.
+    pub from: (usize, u32),
+    /// Its instance; empty for a port that is not `multiple`.
+    pub id: String,
+    /// Component and input port.
+    pub to: (usize, u32),
+    /// The name by which that finds it; empty for a port that is not `multiple`.
+    pub name: String,
+}
+
 /// What a host tells.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Message {
@@ -122,6 +135,8 @@ pub enum Message {
     Wanted(Wanted),
     /// Somebody outside wants the request of this number to end.
     Abort(u64),
+    /// Somebody outside connects ports, instead of what they were connected with.
+    Connect(Connection),
 }
 
 /// Runs codels, and knows the time. A component that is lost takes everything and does nothing.

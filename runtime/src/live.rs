@@ -12,7 +12,7 @@ use std::collections::VecDeque;
 use dotgen_timing::explore::{Seen, Stepper, Work};
 use dotgen_timing::system::{TimedSystem, Yield};
 
-use crate::hosts::{Call, Hosts, How, Message, Ran, Reader, Source, Wanted};
+use crate::hosts::{Call, Connection, Hosts, How, Message, Ran, Reader, Source, Wanted};
 use crate::watch::{Broken, Published};
 pub use parts::{Feed, Part, Parts};
 
@@ -70,6 +70,8 @@ pub struct Live<'p> {
     wanted: Vec<VecDeque<Wanted>>,
     /// Requests from outside that are to end.
     aborts: Vec<u64>,
+    /// Ports that were connected from outside.
+    connected: Vec<Connection>,
 }
 
 impl<'p> Live<'p> {
@@ -94,6 +96,7 @@ impl<'p> Live<'p> {
             published: Vec::new(),
             wanted: (0..components).map(|_| VecDeque::new()).collect(),
             aborts: Vec::new(),
+            connected: Vec::new(),
             system,
             parts,
             hosts,
@@ -283,6 +286,11 @@ impl<'p> Live<'p> {
                 }
             }
             Message::Abort(id) => self.aborts.push(id),
+            Message::Connect(it) => {
+                let other = |known: &Connection| (known.to, &known.name) != (it.to, &it.name);
+                self.connected.retain(other);
+                self.connected.push(it);
+            }
         }
     }
 
@@ -481,8 +489,8 @@ impl<'p> Live<'p> {
             });
         }
         let feeds = self.parts.feeds.iter();
-        let feeds = feeds.filter(|it| it.from == (component, port) && self.alive[it.to.0]);
-        let readers = feeds.map(|it| Reader {
+        let feeds = feeds.filter(|it| it.from == (component, port));
+        let feeds = feeds.map(|it| Reader {
             component: it.to.0,
             port: it.to.1,
             name: match (it.multiple, id) {
@@ -491,6 +499,20 @@ impl<'p> Live<'p> {
                 (true, id) => id,
             },
         });
+        // What was connected from outside takes the place of what the scenario says.
+        let replaced = |reader: &Reader<'_>| {
+            let mut all = self.connected.iter();
+            all.any(|it| it.to == (reader.component, reader.port) && it.name == reader.name)
+        };
+        let connected = self.connected.iter();
+        let connected = connected.filter(|it| it.from == (component, port) && it.id == id);
+        let connected = connected.map(|it| Reader {
+            component: it.to.0,
+            port: it.to.1,
+            name: &it.name,
+        });
+        let readers = feeds.filter(|it| !replaced(it)).chain(connected);
+        let readers = readers.filter(|it| self.alive[it.component]);
         let readers: Vec<Reader<'_>> = readers.collect();
         if !readers.is_empty() {
             let from = Source {

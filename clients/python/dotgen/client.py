@@ -95,10 +95,14 @@ class _Exchange:
 class Activity(Generic[_T]):
     """A service that was requested."""
 
-    def __init__(self, connection: Connection, number: int, exchange: _Exchange) -> None:
+    def __init__(
+        self, connection: Connection, number: int, exchange: _Exchange, named: bool = False
+    ) -> None:
         self._connection = connection
         self._number = number
         self._exchange = exchange
+        # Outputs are a dictionary, also where there is one.
+        self._named = named
 
     def wait(self, timeout: float | None = None) -> _T:
         """Waits for the end and returns the outputs: a value if there is one, else a dictionary."""
@@ -106,7 +110,7 @@ class Activity(Generic[_T]):
         self._connection._forget(self._number)
         if end["event"] == "failed":
             raise Failed(end["exception"], end.get("detail"))
-        outputs: _T = _outputs(end["output"])
+        outputs: _T = end["output"] if self._named else _outputs(end["output"])
         return outputs
 
     def accepted(self, timeout: float | None = None) -> Activity[_T]:
@@ -175,7 +179,7 @@ class Component:
         for service in description["services"]:
             setattr(self, service["name"], self._function(service))
 
-    def _function(self, service: dict[str, Any]) -> Callable[..., Any]:
+    def _function(self, service: dict[str, Any], named: bool = False) -> Callable[..., Any]:
         path = f"{self._description['name']}.{service['name']}"
         names = [it["name"] for it in service["inputs"]]
 
@@ -191,7 +195,7 @@ class Component:
                         raise Wrong(f"{path} was given `{name}` twice")
                     inputs[name] = value
             number, exchange = self._connection._send({"call": path, "input": inputs})
-            activity = Activity[Any](self._connection, number, exchange)
+            activity = Activity[Any](self._connection, number, exchange, named)
             return activity.accepted() if ack else activity.wait()
 
         request.__name__ = service["name"]
@@ -211,9 +215,11 @@ class Connection:
     """A connection with a run."""
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        host, _, port = os.fspath(path).rpartition(":")
+        loopback = host in ("localhost", "127.0.0.1") and port.isdecimal()
+        self._socket = socket.socket(socket.AF_INET if loopback else socket.AF_UNIX, socket.SOCK_STREAM)
         try:
-            self._socket.connect(os.fspath(path))
+            self._socket.connect(("127.0.0.1", int(port)) if loopback else os.fspath(path))
         except OSError as error:
             self._socket.close()
             raise Lost(f"no run listens at `{os.fspath(path)}`: {error.strerror}") from None
@@ -314,7 +320,8 @@ def _folder() -> pathlib.Path:
 
 
 def connect(path: str | os.PathLike[str] | None = None) -> Connection:
-    """Connects to a run: the one whose socket is at a path, else the only one there is."""
+    """Connects to a run: the one whose socket is at a path, or that listens at `localhost:PORT`; else the only one there
+    is."""
     if path is not None:
         return Connection(path)
     folder = _folder()

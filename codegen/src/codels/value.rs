@@ -272,8 +272,8 @@ impl<'s> Values<'s> {
     fn discriminator(&self, switch: TypeId, value: &Value) -> i64 {
         match (self.kind(switch), value) {
             (TypeKind::Enum { enumerators }, Value::String(name)) => {
-                let mut all = enumerators.iter();
-                let at = all.position(|&it| self.name(it) == *name);
+                let name = name.rsplit("::").next().unwrap_or(name);
+                let at = enumerators.iter().position(|&it| self.name(it) == name);
                 at.map_or(0, |it| i64::try_from(it).unwrap_or(0))
             }
             (_, Value::Bool(it)) => i64::from(*it),

@@ -72,6 +72,10 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "PATH")]
     socket: Option<Utf8PathBuf>,
 
+    /// Listen at this TCP port of this machine as well, for all of its users, with --clock real; 0 is any
+    #[arg(long, value_name = "PORT")]
+    listen: Option<u16>,
+
     /// Run so many times from the start; each run has the next seed
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     runs: u64,
@@ -259,6 +263,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     if arguments.socket.is_some() && arguments.clock == Clock::Virtual {
         anyhow::bail!(
             "`--socket` is for `--clock real`: on the virtual clock nobody can ask in time"
+        );
+    }
+    if arguments.listen.is_some() && arguments.clock == Clock::Virtual {
+        anyhow::bail!(
+            "`--listen` is for `--clock real`: on the virtual clock nobody can ask in time"
         );
     }
     let output = |path, endings| Output { path, endings };

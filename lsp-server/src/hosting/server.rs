@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 use std::io::{self, BufRead as _, BufReader, Read as _, Write};
-use std::net::Shutdown;
+use std::net::{Ipv4Addr, SocketAddr, TcpListener};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
@@ -10,16 +10,20 @@ use std::sync::{Arc, Mutex, MutexGuard};
 
 use dotgen_analysis::model::{Component, PortDir, ServiceKind, Spec, TypeId, TypeKind};
 use dotgen_codegen::codels::value::{Values, goes_in, goes_out};
-use dotgen_runtime::hosts::{Answer, Message, Wanted};
+use dotgen_runtime::hosts::{Answer, Connection, Message, Wanted};
 use rustix::fs::Mode;
 use rustix::process::umask;
 use serde_json::{Map, Value, json};
 
 use super::children::{Door, Outside};
+use super::stream::Stream;
 use crate::files::disk::Passing;
 
 /// A line is never longer.
 const LONGEST: u64 = 16 << 20;
+
+/// The service that all components have beside their own.
+const CONNECT: &str = "connect_port";
 
 /// Lines that a client may be behind; whoever reads more slowly misses data of ports.
 const BEHIND: usize = 1024;
@@ -46,6 +50,26 @@ pub(crate) struct Server {
 }
 
 impl Server {
+    /// Listens at a TCP port as well, on loopback: every user of this machine may connect there. Port 0 is any; the
+    /// result is the one that was taken.
+    ///
+    /// # Errors
+    /// In words: where somebody else listens there, or nobody may.
+    pub(crate) fn listen_on_loopback(&self, port: u16) -> Result<SocketAddr, String> {
+        let address = SocketAddr::from((Ipv4Addr::LOCALHOST, port));
+        let wrong = |it: io::Error| format!("cannot listen at {address}: {it}");
+        let listener = TcpListener::bind(address).map_err(wrong)?;
+        let taken = listener.local_addr().map_err(wrong)?;
+        let shared = self.shared.clone();
+        // It waits until the process ends.
+        std::thread::spawn(move || {
+            for stream in listener.incoming().flatten() {
+                accept(&shared, Stream::Tcp(stream));
+            }
+        });
+        Ok(taken)
+    }
+
     /// Takes the lines of the profile, one at a time, for whoever follows the run.
     pub(crate) fn followers(&self) -> Followers {
         Followers(self.shared.clone())
@@ -84,6 +108,8 @@ struct Shared {
 #[derive(Default)]
 struct State {
     next: u64,
+    /// How many have connected.
+    clients: u64,
     requests: HashMap<u64, Asked>,
     watchers: Vec<Watcher>,
     /// Who follows the runs of codels, with their numbers of that request.
@@ -114,14 +140,14 @@ struct Watcher {
 struct Client {
     number: u64,
     lines: SyncSender<String>,
-    stream: Arc<UnixStream>,
+    stream: Arc<Stream>,
 }
 
 impl Client {
     /// Answers. Whoever does not read is not waited for, but let go, as he would miss the answer.
     fn say(&self, it: Value, id: &Value) {
         if !self.offer(it, id) {
-            let _ = self.stream.shutdown(Shutdown::Both);
+            self.stream.hang_up();
         }
     }
 
@@ -176,10 +202,8 @@ pub(crate) fn listen(
     let accepting = shared.clone();
     // It waits until the process ends.
     std::thread::spawn(move || {
-        for (stream, number) in listener.incoming().zip(0u64..) {
-            let Ok(stream) = stream else { continue };
-            let shared = accepting.clone();
-            std::thread::spawn(move || serve(&shared, stream, number));
+        for stream in listener.incoming().flatten() {
+            accept(&accepting, Stream::Unix(stream));
         }
     });
     let server = Server {
@@ -189,7 +213,16 @@ pub(crate) fn listen(
     Ok((server, Box::new(Teller { shared })))
 }
 
-fn serve(shared: &Shared, stream: UnixStream, number: u64) {
+fn accept(shared: &Arc<Shared>, stream: Stream) {
+    let mut state = shared.state();
+    let number = state.clients;
+    state.clients += 1;
+    drop(state);
+    let shared = shared.clone();
+    std::thread::spawn(move || serve(&shared, stream, number));
+}
+
+fn serve(shared: &Shared, stream: Stream, number: u64) {
     let stream = Arc::new(stream);
     let (lines, queue) = sync_channel(BEHIND);
     let output = stream.clone();
@@ -229,7 +262,7 @@ fn serve(shared: &Shared, stream: UnixStream, number: u64) {
     state.requests.retain(|_, it| it.client.number != number);
 }
 
-fn write(mut output: &UnixStream, queue: &Receiver<String>) {
+fn write(mut output: &Stream, queue: &Receiver<String>) {
     for line in queue {
         if output.write_all(line.as_bytes()).is_err() {
             return;
@@ -360,7 +393,12 @@ fn call(
     let at = component(shared, name)?;
     let known = &shared.known[&at];
     let services = &known.component().services;
-    let Some(index) = services.iter().position(|it| it.name == service) else {
+    let found = services.iter().position(|it| it.name == service);
+    if found.is_none() && service == CONNECT {
+        client.say(connect(shared, at, input)?, id);
+        return Ok(());
+    }
+    let Some(index) = found else {
         let names: Vec<&str> = services.iter().map(|it| it.name.as_str()).collect();
         let names = names.join(", ");
         return Err(format!(
@@ -402,6 +440,53 @@ fn call(
     }
 }
 
+/// Connects an input port of a component, as the service of that name does in servers: `local` is the port, with its
+/// instance after a slash if it is `multiple`, `remote` is `COMPONENT/PORT`, likewise.
+fn connect(shared: &Shared, at: usize, input: Option<&Value>) -> Result<Value, String> {
+    let text = |key: &str| {
+        let given = input.and_then(|it| it.get(key)).and_then(Value::as_str);
+        given.ok_or_else(|| format!("`{CONNECT}` needs `local` and `remote`; `{key}` is no text"))
+    };
+    let (local, remote) = (text("local")?, text("remote")?);
+    let failed = |exception: &str| {
+        let exception = format!("::genom::{exception}");
+        Ok(json!({"event": "failed", "exception": exception, "detail": null}))
+    };
+    let find = |at: usize, dir: PortDir, path: &str| {
+        let (port, instance) = path.split_once('/').unwrap_or((path, ""));
+        let known = shared.known.get(&at)?;
+        let mut ports = (0u32..).zip(&known.component().ports);
+        let (number, port) = ports.find(|(_, it)| it.name == port && it.dir == dir)?;
+        let fits = port.multiple != instance.is_empty();
+        let layout = Values::new(&known.spec).layout(port.data);
+        fits.then(|| (number, instance.to_owned(), layout))
+    };
+    let Some((to, name, wanted)) = find(at, PortDir::In, local) else {
+        return failed("no_such_inport");
+    };
+    let (component, path) = remote.split_once('/').unwrap_or((remote, ""));
+    let mut all = shared.known.iter();
+    let from = all.find(|(_, it)| it.component().name == component);
+    let from = from.and_then(|(&from, _)| Some((from, find(from, PortDir::Out, path)?)));
+    let Some((from, (port, id, written))) = from else {
+        return failed("no_such_outport");
+    };
+    // Servers refuse by the name of the type; here it is what it holds.
+    if wanted != written {
+        return failed("port_io");
+    }
+    let connection = Connection {
+        from: (from, port),
+        to: (at, to),
+        id,
+        name,
+    };
+    match shared.door.bring(Message::Connect(connection)) {
+        true => Ok(json!({"event": "done", "output": {}})),
+        false => Err("the run has ended".to_owned()),
+    }
+}
+
 fn describe(known: &Known) -> Value {
     let values = Values::new(&known.spec);
     let component = known.component();
@@ -424,6 +509,16 @@ fn describe(known: &Known) -> Value {
             "outputs": outputs.map(|it| it.name.as_str()).collect::<Vec<_>>(),
         })
     });
+    let mut services: Vec<Value> = services.collect();
+    if !component.services.iter().any(|it| it.name == CONNECT) {
+        services.push(json!({
+            "name": CONNECT,
+            "kind": "function",
+            "doc": "Connect two ports",
+            "inputs": [{"name": "local"}, {"name": "remote"}],
+            "outputs": [],
+        }));
+    }
     let ports = component.ports.iter().map(|it| {
         json!({
             "name": it.name.as_str(),
@@ -434,7 +529,7 @@ fn describe(known: &Known) -> Value {
     json!({
         "name": component.name.as_str(),
         "doc": component.doc,
-        "services": services.collect::<Vec<_>>(),
+        "services": services,
         "ports": ports.collect::<Vec<_>>(),
     })
 }

@@ -87,7 +87,10 @@ pub(crate) struct Listening(pub(crate) Child);
 
 impl Listening {
     pub(crate) fn start(directory: &Directory, arguments: &[&str]) -> Listening {
-        let mut command = directory.command(arguments);
+        Listening::begin(&mut directory.command(arguments))
+    }
+
+    pub(crate) fn begin(command: &mut Command) -> Listening {
         command.stdout(Stdio::null()).stderr(Stdio::piped());
         let mut child = command.spawn().expect("the program starts");
         let output = child.stderr.take().expect("it is piped");

@@ -58,6 +58,12 @@ pub(super) fn start(
     }
     let (server, outside) = listen(&path, known, children.door()).map_err(anyhow::Error::msg)?;
     children.tell(outside);
+    if let Some(port) = arguments.listen {
+        let address = server
+            .listen_on_loopback(port)
+            .map_err(anyhow::Error::msg)?;
+        report::note(&format!("for all users of this machine at {address}"));
+    }
     report::note(&format!("listening at `{}`", path.display()));
     Ok(server)
 }

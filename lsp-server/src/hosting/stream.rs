@@ -1,0 +1,47 @@
+//! A connection with a client: through a Unix socket, or TCP.
+
+use std::io::{self, Read, Write};
+use std::net::{Shutdown, TcpStream};
+use std::os::unix::net::UnixStream;
+
+/// See the [module](self). Read and written by two threads.
+#[derive(Debug)]
+pub(super) enum Stream {
+    /// Only this user.
+    Unix(UnixStream),
+    /// Whoever is on this machine.
+    Tcp(TcpStream),
+}
+
+impl Stream {
+    /// Lets the client go.
+    pub(super) fn hang_up(&self) {
+        // It may be gone already.
+        let _ = match self {
+            Stream::Unix(it) => it.shutdown(Shutdown::Both),
+            Stream::Tcp(it) => it.shutdown(Shutdown::Both),
+        };
+    }
+}
+
+impl Read for &Stream {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        match self {
+            Stream::Unix(it) => (&*it).read(bytes),
+            Stream::Tcp(it) => (&*it).read(bytes),
+        }
+    }
+}
+
+impl Write for &Stream {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Stream::Unix(it) => (&*it).write(bytes),
+            Stream::Tcp(it) => (&*it).write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
