@@ -39,8 +39,8 @@ pub(crate) enum Mutation {
     SettingsPulled(Vec<Value>),
     /// `didChangeWorkspaceFolders`
     Folders(DidChangeWorkspaceFoldersParams),
-    /// The files of the workspace were listed.
-    Scanned(Vec<Utf8PathBuf>),
+    /// The files of the workspace were listed, for the request of that number.
+    Scanned(u64, Vec<Utf8PathBuf>),
     /// A file is to be shown as included by a root; `None` lets dotgen choose.
     Choose(Utf8PathBuf, Option<Utf8PathBuf>),
 }
@@ -122,12 +122,15 @@ impl State {
                 self.pending.chosen = true;
                 self.pending.files.insert(file);
             }
-            Mutation::Scanned(files) => {
-                let configured = self.workspace.set_files(files);
-                self.pending.roots = true;
-                match configured {
-                    true => self.reconfigure(),
-                    false => self.register_documents(),
+            Mutation::Scanned(number, files) => {
+                // A listing that began before the folders changed has files of folders that are gone, and lacks others.
+                if number == self.last_listing {
+                    let configured = self.workspace.set_files(files);
+                    self.pending.roots = true;
+                    match configured {
+                        true => self.reconfigure(),
+                        false => self.register_documents(),
+                    }
                 }
                 self.listings = self.listings.saturating_sub(1);
                 if self.listings == 0 {
@@ -231,6 +234,8 @@ impl State {
 
     /// Lists the files of the workspace folders, with progress.
     pub(super) fn scan(&mut self) {
+        self.last_listing += 1;
+        let number = self.last_listing;
         let folders = self.workspace.scanned_folders();
         let Some(events) = self.events.upgrade().filter(|_| !folders.is_empty()) else {
             return;
@@ -250,7 +255,7 @@ impl State {
                 1 => "1 specification".to_owned(),
                 count => format!("{count} specifications"),
             };
-            let _ = events.send(Event::Mutation(Mutation::Scanned(files)));
+            let _ = events.send(Event::Mutation(Mutation::Scanned(number, files)));
             crate::protocol::progress::end(progress, summary).await;
         });
     }

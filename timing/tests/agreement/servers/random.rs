@@ -63,7 +63,26 @@ pub(crate) fn chained(dice: &mut Dice) -> Texts {
         chains: true,
         ..Known::default()
     };
-    let mut out = draw(dice, chains);
+    asking_chains(dice, chains)
+}
+
+/// Chains through permanent activities of tasks with periods, of which no one waits for a core.
+pub(crate) fn chained_steadily(dice: &mut Dice) -> Texts {
+    let steady = Known {
+        chains: true,
+        quiet: true,
+        periodic: true,
+        ..Known::default()
+    };
+    let mut out = asking_chains(dice, steady);
+    for cores in ["cores 1;", "cores 2;", "cores 4;"] {
+        out.scenario = out.scenario.replace(cores, "cores free;");
+    }
+    out
+}
+
+fn asking_chains(dice: &mut Dice, known: Known) -> Texts {
+    let mut out = draw(dice, known);
     let from = dice.pick(&["c.p", "c.p", "c.q"]);
     let to = match out.specifications.len() {
         1 => "c.r",
