@@ -1,4 +1,5 @@
-//! The Python client and the stubs of components, as mypy sees them.
+//! What Python's tools say: mypy of the client and of the stubs of components, the packages of MCAP and Perfetto of
+//! recordings and traces.
 
 use std::path::Path;
 use std::process::Command;
@@ -8,34 +9,33 @@ mod directory;
 
 use directory::{Directory, status, stderr, stdout};
 
-/// Python with mypy; installed where it is not there and can be.
-fn mypy() -> Option<Command> {
-    let own = Path::new(env!("CARGO_TARGET_TMPDIR")).join("mypy");
-    let python = |own: &Path| {
+/// Python with packages; they are installed where they are not there and can be.
+fn python(packages: &[&str], import: &str) -> Option<Command> {
+    let own = Path::new(env!("CARGO_TARGET_TMPDIR")).join(packages.join("-"));
+    let python = || {
         let mut command = Command::new("python3");
         let client = Path::new(env!("CARGO_MANIFEST_DIR")).join("../clients/python");
-        let path = std::env::join_paths([own, &client]).expect("no colons");
+        let path = std::env::join_paths([&own, &client]).expect("no colons");
         command
             .env("PYTHONPATH", path)
             .env("PYTHONDONTWRITEBYTECODE", "1");
-        command.args(["-m", "mypy"]);
         command
     };
-    let works = |mut it: Command| {
-        it.arg("--version")
-            .output()
-            .is_ok_and(|it| it.status.success())
+    let works = || {
+        let output = python().args(["-c", import]).output();
+        output.is_ok_and(|it| it.status.success())
     };
-    if !works(python(&own)) {
+    if !works() {
         let mut pip = Command::new("python3");
         pip.args(["-m", "pip", "install", "--quiet", "--target"]);
-        let installed = pip.arg(&own).arg("mypy").output();
-        if !installed.is_ok_and(|it| it.status.success()) || !works(python(&own)) {
-            eprintln!("SKIPPED: there is no mypy, and it cannot be installed");
+        let installed = pip.arg(&own).args(packages).output();
+        if !installed.is_ok_and(|it| it.status.success()) || !works() {
+            let packages = packages.join(", ");
+            eprintln!("SKIPPED: there is no {packages} for Python, and it cannot be installed");
             return None;
         }
     }
-    Some(python(&own))
+    Some(python())
 }
 
 const USE: &str = "from __future__ import annotations
@@ -58,7 +58,10 @@ for each in echo.each:
 
 #[test]
 fn stubs_are_strict_and_find_what_is_wrong() {
-    let Some(mut mypy) = mypy() else { return };
+    let Some(mut mypy) = python(&["mypy"], "import mypy.api") else {
+        return;
+    };
+    mypy.args(["-m", "mypy"]);
     let gen_file = include_str!("hosted/echo.gen").replace("LANG", "c");
     let directory = Directory::new(&[
         ("echo.gen", gen_file.as_str()),
@@ -107,4 +110,81 @@ fn stubs_are_strict_and_find_what_is_wrong() {
         "{said}{}",
         stderr(&output)
     );
+}
+
+/// Reads a recording and a trace of the pump, strictly.
+const READ: &str = "import json
+from google.protobuf import unknown_fields
+from mcap.reader import make_reader
+from mcap.stream_reader import StreamReader
+from perfetto.protos.perfetto.trace import perfetto_trace_pb2 as protos
+
+with open('run.mcap', 'rb') as file:
+    kinds = {type(it).__name__ for it in StreamReader(file, validate_crcs=True).records}
+assert {'Header', 'Message', 'DataEnd', 'Statistics', 'Footer'} <= kinds, kinds
+with open('run.mcap', 'rb') as file:
+    reader = make_reader(file, validate_crcs=True)
+    summary = reader.get_summary()
+    count = 0
+    for schema, channel, message in reader.iter_messages():
+        assert channel.message_encoding == 'json' and schema.encoding == 'jsonschema'
+        json.loads(schema.data), json.loads(message.data)
+        count += 1
+    assert count == summary.statistics.message_count > 100, count
+
+def unknown(message):
+    count = len(unknown_fields.UnknownFieldSet(message))
+    for field, value in message.ListFields():
+        if field.message_type is not None:
+            values = [value] if isinstance(value, type(message)) or hasattr(value, 'ListFields') else value
+            count += sum(unknown(it) for it in values)
+    return count
+
+trace = protos.Trace()
+with open('run.pftrace', 'rb') as file:
+    trace.ParseFromString(file.read())
+assert unknown(trace) == 0
+tracks, open_slices, times = set(), {}, {}
+for packet in trace.packet:
+    if packet.HasField('track_descriptor'):
+        track = packet.track_descriptor
+        assert not track.HasField('parent_uuid') or track.parent_uuid in tracks
+        tracks.add(track.uuid)
+    if packet.HasField('track_event'):
+        event = packet.track_event
+        track = event.track_uuid
+        assert track in tracks
+        assert times.get(track, 0) <= packet.timestamp
+        times[track] = packet.timestamp
+        if event.type == event.TYPE_SLICE_BEGIN:
+            open_slices[track] = open_slices.get(track, 0) + 1
+        elif event.type == event.TYPE_SLICE_END:
+            open_slices[track] -= 1
+            assert open_slices[track] >= 0
+assert len(tracks) > 4 and not any(open_slices.values()), open_slices
+";
+
+#[test]
+fn recordings_and_traces_are_read_by_the_packages_of_their_formats() {
+    let packages = ["mcap", "perfetto", "protobuf"];
+    let import = "import mcap.reader, perfetto.protos.perfetto.trace.perfetto_trace_pb2";
+    let Some(mut python) = python(&packages, import) else {
+        return;
+    };
+    let directory = Directory::new(&[("read.py", READ)]);
+    let pump = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/pump/pump.scn");
+    let pump = pump.to_str().expect("it is text");
+    let words = [
+        "--until",
+        "2s",
+        "--record",
+        "run.mcap",
+        "--trace",
+        "run.pftrace",
+    ];
+    let run = directory.run(&[&["run", pump, "--bounds", "none"], &words[..]].concat());
+    assert_eq!(status(&run), 0, "{}", stderr(&run));
+    let output = python.arg("read.py").current_dir(directory.path()).output();
+    let output = output.expect("it runs");
+    assert!(output.status.success(), "{}", stderr(&output));
 }

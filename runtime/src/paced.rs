@@ -60,7 +60,9 @@ pub fn run(
         }
         seen.clear();
         live.accept(stepper, &mut told);
-        live.abort(stepper, watch);
+        live.abort(stepper, &mut |stepper, place| {
+            watch.interrupt(stepper, place)
+        });
         engine::tell_broken(stepper, live, watch);
         if watch.is_over() {
             return End::Stopped;

@@ -159,12 +159,12 @@ impl Live<'_> {
         wanted.is_some_and(|it| requests == Some(it.service))
     }
 
-    /// Interrupts what somebody outside wants no more.
-    pub fn abort(&mut self, stepper: &mut Stepper, watch: &mut dyn Watch) {
+    /// Interrupts what somebody outside wants no more; `tell` hears of the place of each before.
+    pub fn abort(&mut self, stepper: &mut Stepper, tell: &mut dyn FnMut(&Stepper, usize)) {
         for id in std::mem::take(&mut self.aborts) {
             let of = |it: &Option<Instance>| it.as_ref().is_some_and(|it| it.wanted == Some(id));
             if let Some(place) = self.places.iter().position(of) {
-                watch.interrupt(stepper, place);
+                tell(stepper, place);
                 stepper.interrupt(place);
             }
             let mut waiting = None;

@@ -95,13 +95,13 @@ pub(super) fn build<'s>(
         let name = &member.component.name;
         match part {
             None => out.notes.push(format!(
-                "`{name}` is simulated: it has no sources of codels"
+                "`{name}` is simulated: it has no sources of codels; `dotgen codels stub` writes them"
             )),
             Some(part) if !part.missing.is_empty() => {
                 let mut missing: Vec<&str> = part.missing.iter().map(|it| it.as_str()).collect();
                 missing.sort_unstable();
                 out.notes.push(format!(
-                    "simulated codels of `{name}`, which have no function: {}",
+                    "simulated codels of `{name}`, which have no function (`dotgen codels stub` writes them): {}",
                     missing.join(", ")
                 ));
             }
