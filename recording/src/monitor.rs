@@ -10,6 +10,7 @@
 //! * codels that exclude each other at the same time (7), or in another order than they asked, where that
 //!   counts (8);
 //! * codels of one task at the same time, or more of them than cores (9);
+//! * a codel that goes on although one of higher priority has begun on the core to which both are tied (22);
 //! * ticks of a periodic task that are not one period apart, as far as its greatest response time allows to
 //!   tell (4);
 //! * a response time beyond its proved bound.
@@ -321,7 +322,8 @@ impl<'s> Monitor<'s> {
                 },
                 order::Wrong::SameCore(other, core) => What::SameCore {
                     other: self.model.path(other),
-                    core,
+                    // Scenarios count from 1.
+                    core: core + 1,
                 },
                 order::Wrong::Cores(executing, cores) => What::Cores { executing, cores },
             };
@@ -342,6 +344,7 @@ impl<'s> Monitor<'s> {
             instance: at.instance,
             thread: self.model.thread(at.task, at.is_async),
             core: core.filter(|_| !starts_up),
+            tied: self.model.tied(at.task, at.is_async).filter(|_| !starts_up),
             ..run
         };
         self.ordered(run);

@@ -437,3 +437,58 @@ fn transitions_never_taken_are_told() {
     let counts: BTreeMap<&str, u64> = recorder.monitor(&prepared, &log).counts;
     assert_eq!(counts, BTreeMap::new());
 }
+
+#[test]
+fn a_thread_on_the_wrong_core_is_found() {
+    let scenario = r#"
+scenario plant {
+  use "plant.gen";
+  semantics servers;
+  cores 2;
+  policy priority;
+  affinity plant.fast 1; affinity plant.slow 2; affinity plant.side 2;
+  client c { repeat * { delay [7,9] ms; send plant.go; await ended; } }
+}
+"#;
+    let long = PLANT.replace(
+        "side_start(inout c) yield pause::start wcet 2 ms",
+        "side_start(inout c) yield pause::start wcet 6 ms",
+    );
+    let long = long.replace(
+        "slow_second(inout b) yield pause::start wcet 1 ms",
+        "slow_second(inout b) yield pause::start wcet 20 ms",
+    );
+    let recorder = Recorder::new(&[long], scenario).expect("it is legal");
+    let prepared = recorder.prepared().expect("it is complete");
+    let unit = prepared.ticks(num_rational::Ratio::from_integer(4));
+    let mut preempted = 0;
+    for seed in 0..100 {
+        let log = recorder.record(&prepared, unit, seed, Durations::Random);
+        let clean = recorder.monitor(&prepared, &log);
+        assert_eq!(clean.deviation_count, 0, "{:#?}", clean.deviations);
+        let mut rows = rows(&log);
+        // The short period goes first, and takes the core from the other one.
+        let inside = |a: &Row, b: &Row| {
+            let long = b.times[1] + MS < b.times[2];
+            a.times[1] + MS < b.times[1] && b.times[2] + MS < a.times[2] && long
+        };
+        let slow = rows.iter().enumerate().filter(|it| it.1.is("slow_second"));
+        let side = || rows.iter().filter(|it| it.is("side_start"));
+        let nested =
+            slow.filter_map(|(at, row)| Some((at, side().find(|it| inside(row, it))?.times)));
+        let Some((at, times)) = nested.last() else {
+            continue;
+        };
+        preempted += 1;
+        // On another core it would not have waited.
+        rows[at].times[2] = (times[1] + times[2]) / 2;
+        let report = recorder.monitor(&prepared, &written(rows));
+        assert_eq!(
+            report.counts.get("same-core"),
+            Some(&1),
+            "{:?}",
+            report.counts
+        );
+    }
+    assert!(preempted > 10, "{preempted}");
+}

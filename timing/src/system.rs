@@ -438,7 +438,7 @@ impl TimedSystem {
 
     /// The priority of every task, then of every control task; the lower number goes first. Where no task states one,
     /// the shorter period goes first, and what has none last.
-    pub(crate) fn priorities(&self) -> Vec<u64> {
+    pub fn priorities(&self) -> Vec<u64> {
         let stated = self.tasks.iter().any(|it| it.priority.is_some());
         let of_task = |it: &Task| match stated {
             true => u64::from(it.priority.unwrap_or(UNSTATED)),

@@ -21,6 +21,8 @@ pub(super) struct Model<'s> {
     /// None has.
     untimed: bool,
     preempts: bool,
+    /// By task.
+    priorities: Vec<u64>,
 }
 
 /// What a kind of lines is about.
@@ -90,6 +92,7 @@ impl<'s> Model<'s> {
             timed: (system.codels.iter()).all(|it| it.upper > 0 || it.site.is_none()),
             untimed: system.codels.iter().all(|it| it.upper == 0),
             preempts: preempts(system),
+            priorities: system.priorities(),
             system,
             names,
             bounds,
@@ -165,6 +168,15 @@ impl<'s> Model<'s> {
         let own = is_async && self.system.platform.async_free;
         let needs = !own && !self.preempts && self.system.needs_core(task);
         needs.then(|| self.system.tasks.get(task).and_then(|it| it.affinity))
+    }
+
+    /// Where threads with priorities lose their cores: the core to which a task is tied, and its priority.
+    pub(super) fn tied(&self, task: usize, is_async: bool) -> Option<(u32, u64)> {
+        let own = is_async && self.system.platform.async_free;
+        let priorities = self.preempts && self.system.platform.policy == Policy::Priority;
+        let core = self.system.tasks.get(task)?.affinity;
+        let core = core.filter(|_| priorities && !own)?;
+        Some((core, self.priorities.get(task).copied()?))
     }
 
     pub(super) fn resolve(&self, kind: &Kind, instance: u32) -> Resolved {

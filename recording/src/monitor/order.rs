@@ -24,6 +24,8 @@ pub(super) struct Executing {
     pub(super) thread: Option<usize>,
     /// Whether it takes a core, and which if that is fixed.
     pub(super) core: Option<Option<u32>>,
+    /// Where threads lose their core to others: the one it is tied to, and its priority; the lower number goes first.
+    pub(super) tied: Option<(u32, u64)>,
 }
 
 /// What is wrong with the first codel, and the other one.
@@ -49,6 +51,18 @@ pub(super) struct Order {
 impl Executing {
     fn overlaps(&self, other: &Executing) -> bool {
         self.began < other.ended && other.began < self.ended
+    }
+
+    /// Whether one that goes first on the same core had begun, and this one executed to its end all the same.
+    fn ignores(&self, other: &Executing) -> bool {
+        let (Some((core, own)), Some((same, first))) = (self.tied, other.tied) else {
+            return false;
+        };
+        core == same
+            && first < own
+            && self.began < other.began
+            && other.began + SLACK < self.ended
+            && self.ended + SLACK < other.ended
     }
 
     fn executes_at(&self, moment: i64) -> bool {
@@ -119,6 +133,12 @@ impl Order {
                 && core == other
             {
                 out.push((second.codel, Wrong::SameCore(first.codel, core)));
+            }
+            if one_process
+                && first.ignores(second)
+                && let Some((core, _)) = first.tied
+            {
+                out.push((first.codel, Wrong::SameCore(second.codel, core)));
             }
             busy += usize::from(overlaps && it.core.is_some());
         }
