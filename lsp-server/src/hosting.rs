@@ -8,6 +8,7 @@
 //! | [`children`] | the engine's side: starts hosts, talks to them, knows how they ended |
 //! | [`board`] | the data of a port, in memory that engine and hosts share |
 //! | [`server`] | requests from outside, as JSON over a socket |
+//! | [`known`] | what is known of the components of a run |
 //! | [`stream`] | a connection with a client |
 //! | [`places`] | where the sockets of this user are |
 //! | [`realtime`] | what the system grants to who has to be in time |
@@ -15,6 +16,7 @@
 mod board;
 pub(crate) mod children;
 pub(crate) mod host;
+pub(crate) mod known;
 mod library;
 pub(crate) mod places;
 pub(crate) mod realtime;

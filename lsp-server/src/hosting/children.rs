@@ -328,7 +328,10 @@ fn send(input: &mut ChildStdin, mut bytes: &[u8]) -> io::Result<()> {
                 }
                 let left = rustix::event::Timespec::try_from(left).map_err(io::Error::other)?;
                 let mut wanted = [PollFd::new(&*input, PollFlags::OUT)];
-                rustix::event::poll(&mut wanted, Some(&left))?;
+                match rustix::event::poll(&mut wanted, Some(&left)) {
+                    Ok(_) | Err(rustix::io::Errno::INTR) => {}
+                    Err(it) => return Err(it.into()),
+                }
             }
             Err(it) => return Err(it),
         }

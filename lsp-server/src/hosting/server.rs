@@ -8,40 +8,23 @@ use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard};
 
-use dotgen_analysis::model::{Component, PortDir, ServiceKind, Spec, TypeId, TypeKind};
-use dotgen_codegen::codels::value::{Values, goes_in, goes_out};
+use dotgen_analysis::model::PortDir;
+use dotgen_codegen::codels::value::Values;
 use dotgen_runtime::hosts::{Answer, Connection, Message, Wanted};
 use rustix::fs::Mode;
 use rustix::process::umask;
 use serde_json::{Map, Value, json};
 
 use super::children::{Door, Outside};
+use super::known::{CONNECT, Known, describe, detail_of};
 use super::stream::Stream;
 use crate::files::disk::Passing;
 
 /// A line is never longer.
 const LONGEST: u64 = 16 << 20;
 
-/// The service that all components have beside their own.
-const CONNECT: &str = "connect_port";
-
 /// Lines that a client may be behind; whoever reads more slowly misses data of ports.
 const BEHIND: usize = 1024;
-
-/// A component that can be asked for something.
-pub(crate) struct Known {
-    pub(crate) spec: Arc<Spec>,
-    /// Index among those of the specification.
-    pub(crate) component: u32,
-    /// The services of the system, by index among those of the component.
-    pub(crate) services: Vec<Option<usize>>,
-}
-
-impl Known {
-    fn component(&self) -> &Component {
-        &self.spec.components[self.component as usize]
-    }
-}
 
 /// Listens until it is dropped; then its socket is gone.
 pub(crate) struct Server {
@@ -245,7 +228,11 @@ fn serve(shared: &Shared, stream: Stream, number: u64) {
             Err(it) => {
                 let why = format!("this is no JSON: {it}");
                 client.say(json!({"event": "error", "message": why}), &Value::Null);
-                continue;
+                // A page in a browser can reach the port as well, but what it sends begins like this.
+                match stream.is_private() {
+                    true => continue,
+                    false => break,
+                }
             }
         };
         let id = request.get("id").cloned().unwrap_or(Value::Null);
@@ -487,53 +474,6 @@ fn connect(shared: &Shared, at: usize, input: Option<&Value>) -> Result<Value, S
     }
 }
 
-fn describe(known: &Known) -> Value {
-    let values = Values::new(&known.spec);
-    let component = known.component();
-    let services = component.services.iter().map(|service| {
-        let inputs = service.params.iter().filter(|it| goes_in(it));
-        let inputs = inputs.map(|it| match values.default_of(it) {
-            Some(default) => json!({"name": it.name.as_str(), "default": default}),
-            None => json!({"name": it.name.as_str()}),
-        });
-        let outputs = service.params.iter().filter(|it| goes_out(it));
-        json!({
-            "name": service.name.as_str(),
-            "kind": match service.kind {
-                ServiceKind::Attribute => "attribute",
-                ServiceKind::Function => "function",
-                ServiceKind::Activity => "activity",
-            },
-            "doc": service.doc,
-            "inputs": inputs.collect::<Vec<_>>(),
-            "outputs": outputs.map(|it| it.name.as_str()).collect::<Vec<_>>(),
-        })
-    });
-    let mut services: Vec<Value> = services.collect();
-    if !component.services.iter().any(|it| it.name == CONNECT) {
-        services.push(json!({
-            "name": CONNECT,
-            "kind": "function",
-            "doc": "Connect two ports",
-            "inputs": [{"name": "local"}, {"name": "remote"}],
-            "outputs": [],
-        }));
-    }
-    let ports = component.ports.iter().map(|it| {
-        json!({
-            "name": it.name.as_str(),
-            "direction": if it.dir == PortDir::In { "in" } else { "out" },
-            "doc": it.doc,
-        })
-    });
-    json!({
-        "name": component.name.as_str(),
-        "doc": component.doc,
-        "services": services,
-        "ports": ports.collect::<Vec<_>>(),
-    })
-}
-
 /// The engine's side.
 struct Teller {
     shared: Arc<Shared>,
@@ -601,27 +541,5 @@ impl Outside for Teller {
         state
             .data
             .insert((component, port, id.to_owned()), data.to_vec());
-    }
-}
-
-/// The detail of an exception.
-fn detail_of(spec: &Spec, exception: &str, bytes: &[u8]) -> Value {
-    if exception == "::genom::syserr"
-        && let Ok(code) = <[u8; 4]>::try_from(bytes)
-    {
-        return json!({"code": i32::from_ne_bytes(code)});
-    }
-    if exception == "::genom::unkex" {
-        let end = bytes.iter().position(|&it| it == 0).unwrap_or(bytes.len());
-        let what = String::from_utf8_lossy(bytes.get(..end).unwrap_or_default());
-        return json!({"what": what});
-    }
-    let ids = (0..spec.types.len() as u32).map(TypeId);
-    let mut exceptions = ids.filter(|&it| matches!(spec.ty(it).kind, TypeKind::Exception { .. }));
-    let found = exceptions.find(|&it| spec.full_name(it).as_deref() == Some(exception));
-    let value = found.and_then(|it| Values::new(spec).decode(it, bytes).ok());
-    match value {
-        Some(Value::Object(it)) if it.is_empty() => Value::Null,
-        it => it.unwrap_or(Value::Null),
     }
 }

@@ -14,6 +14,11 @@ pub(super) enum Stream {
 }
 
 impl Stream {
+    /// Whether only this user can have it.
+    pub(super) fn is_private(&self) -> bool {
+        matches!(self, Stream::Unix(_))
+    }
+
     /// Lets the client go.
     pub(super) fn hang_up(&self) {
         // It may be gone already.

@@ -10,8 +10,9 @@ use std::os::unix::fs::DirBuilderExt as _;
 use super::Arguments;
 use crate::cli::report;
 use crate::hosting::children::Children;
+use crate::hosting::known::Known;
 use crate::hosting::places;
-use crate::hosting::server::{Known, Server, listen};
+use crate::hosting::server::{Server, listen};
 use crate::verification::Problem;
 
 /// Listens for whoever wants something of a run.
