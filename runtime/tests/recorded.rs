@@ -474,9 +474,9 @@ scenario plant {
         };
         let slow = rows.iter().enumerate().filter(|it| it.1.is("slow_second"));
         let side = || rows.iter().filter(|it| it.is("side_start"));
-        let nested =
+        let mut nested =
             slow.filter_map(|(at, row)| Some((at, side().find(|it| inside(row, it))?.times)));
-        let Some((at, times)) = nested.last() else {
+        let Some((at, times)) = nested.next_back() else {
             continue;
         };
         preempted += 1;

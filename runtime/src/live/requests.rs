@@ -4,7 +4,6 @@ use dotgen_timing::explore::{Stepper, Work};
 
 use super::{BLOCKED, Instance, Live};
 use crate::hosts::{Answer, Call, Message};
-use crate::watch::Watch;
 
 impl Live<'_> {
     /// The activities that have begun and ended, and the requests that are handled.
