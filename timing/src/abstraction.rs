@@ -24,25 +24,50 @@ mod starting;
 mod state;
 mod steps;
 
+use self::batch::Batches;
 use self::model::models;
 pub use self::refusal::Refusal;
-use self::search::{Search, Tier};
+use self::search::Search;
 use crate::cancel::Cancel;
 use crate::system::{Ticks, TimedSystem};
+
+/// How many abstract states are looked at, at most.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Budget {
+    /// Steps one by one give the tighter bounds. Where busy windows can be taken as a whole instead, this is when they are.
+    pub before_batches: usize,
+    /// Then the system is refused.
+    pub states: usize,
+}
+
+impl Default for Budget {
+    fn default() -> Self {
+        Budget {
+            before_batches: 5_000,
+            states: 100_000,
+        }
+    }
+}
 
 /// Bounds on the response times of all tasks, all of which meet their deadlines; or why there are none.
 ///
 /// # Errors
 ///
 /// The first reason why the system cannot be treated, or why nothing follows.
-pub fn abstract_bounds(system: &TimedSystem, cancel: &Cancel) -> Result<Vec<Ticks>, Refusal> {
+pub fn abstract_bounds(
+    system: &TimedSystem,
+    budget: Budget,
+    cancel: &Cancel,
+) -> Result<Vec<Ticks>, Refusal> {
     let mut out = vec![0; system.tasks.len()];
     for model in models(system)? {
-        // States one by one give the tighter bounds. Where they are too many, busy windows are taken as a whole.
-        let one_by_one = Search::new(&model, Tier::OneByOne, cancel).run();
-        let found = match one_by_one {
-            Err(Refusal::States { .. }) => Search::new(&model, Tier::Batches, cancel).run(),
-            it => it,
+        let search = |batches, states| Search::new(&model, batches, states, cancel).run();
+        let found = match Batches::new(&model) {
+            None => search(None, budget.states),
+            batches => match search(None, budget.before_batches) {
+                Err(Refusal::States { .. }) => search(batches, budget.states),
+                it => it,
+            },
         }?;
         for (thread, bound) in model.threads.iter().zip(found) {
             out[thread.task] = Ticks::try_from(bound).map_err(|_| Refusal::Hyperperiod)?;

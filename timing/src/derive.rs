@@ -131,13 +131,8 @@ impl<'a> Asked<'a> {
         options: &'a Options,
         cancel: &'a Cancel,
     ) -> Self {
-        let Limits {
-            states,
-            bytes,
-            threads,
-            without,
-        } = options.limits;
-        let together = threads.clamp(1, questions.max(1));
+        let limits = options.limits;
+        let together = limits.threads.clamp(1, questions.max(1));
         Asked {
             names,
             scenario,
@@ -145,10 +140,8 @@ impl<'a> Asked<'a> {
             cancel,
             together,
             share: Limits {
-                states,
-                bytes: bytes / together,
-                threads,
-                without,
+                bytes: limits.bytes / together,
+                ..limits
             },
             memory: RwLock::default(),
         }

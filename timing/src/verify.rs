@@ -211,6 +211,9 @@ struct Group<'g> {
 /// Where bounds answer all checks, exact values are looked for in this part of the states there may be.
 const SETTLED: usize = 100;
 
+/// And with so many actions.
+const STEPS_IF_SETTLED: u64 = 200_000;
+
 /// Said when all checks were answered before everything was explored.
 const NOT_EXAMINED: &str =
     "no request was seen to be refused for want of a slot, but not everything was looked at";
@@ -272,6 +275,7 @@ impl Group<'_> {
         match part.iter().all(settled) {
             true => Limits {
                 states: self.limits.states / SETTLED,
+                steps: self.limits.steps.min(STEPS_IF_SETTLED),
                 ..self.limits
             },
             false => self.limits,

@@ -7,6 +7,7 @@ mod client;
 mod endurance;
 mod enemy;
 mod fischer;
+mod flight;
 mod growth;
 mod measure;
 mod periodic;
@@ -61,6 +62,8 @@ enum What {
     Rivals,
     /// Verification of the published systems.
     Verify,
+    /// Verification of a flight stack, with and without schedule abstraction.
+    Flight,
     /// Verification of growing systems; draws the charts in docs/charts.
     Growth,
     /// Workspaces of growing size, on the command line and in an editor; draws the charts in docs/charts.
@@ -104,6 +107,7 @@ pub(crate) fn bench(options: &Options) -> Result<bool> {
         What::Server => server(&dotgen, runs(101))?,
         What::Rivals => return rivals::rivals(&dotgen, runs(5), options.sets),
         What::Verify => growth::corpus(&dotgen, runs(5))?,
+        What::Flight => flight::flight(&dotgen, runs(3))?,
         What::Growth => growth::growth(&dotgen, runs(5))?,
         What::Reductions => reductions::reductions(&dotgen, runs(1))?,
         What::Templates => return templates::templates(&dotgen, runs(15)),

@@ -436,6 +436,7 @@ impl Arguments {
             bytes: self.max_memory.saturating_mul(1 << 20),
             threads: self.threads.unwrap_or(Limits::default().threads),
             without: self.without.iter().copied().collect(),
+            ..Limits::default()
         };
         Ok(Options {
             cores: self.cores.map(|it| it.0),

@@ -11,8 +11,7 @@
 //! so no job is the first.
 
 use super::model::Model;
-use super::state::{Cycle, Stage, State};
-use super::steps::Out;
+use super::state::{Cycle, Out, Span, Stage, State};
 use crate::system::{Policy, Yield};
 
 /// Jobs of a window, at most.
@@ -26,8 +25,17 @@ const ROUNDS: usize = 200;
 pub(super) struct Batches<'m> {
     model: &'m Model<'m>,
     cores: i64,
-    /// By thread and state of its machine, the longest job that begins and pauses there, if all that begin there do.
-    longest: Vec<Vec<Option<i64>>>,
+    /// By thread and state of its machine, the jobs that begin there, if all of them pause at the same state.
+    turns: Vec<Vec<Option<Turn>>>,
+}
+
+/// Jobs of a task that begin with the same state of its machine.
+#[derive(Debug, Clone, Copy)]
+struct Turn {
+    /// The longest of them.
+    work: i64,
+    /// With what the next one begins.
+    then: usize,
 }
 
 struct Job {
@@ -35,27 +43,29 @@ struct Job {
     release: i64,
     deadline: i64,
     work: i64,
+    /// Under the semantics of the servers the first one is not.
+    measured: bool,
     /// A bound on its end.
     end: i64,
 }
 
 impl<'m> Batches<'m> {
-    /// `None` where some tasks share more, or never come back to the same place with each job.
+    /// `None` where some tasks share more, or never pause at a place that is known.
     pub(super) fn new(model: &'m Model<'m>) -> Option<Self> {
         let cores = i64::try_from(model.cores?).ok()?;
         let mut all = Vec::new();
         for (thread, it) in model.threads.iter().enumerate() {
             let states = 0..model.machine(thread)?.states.len();
-            let longest: Vec<Option<i64>> = states.map(|at| longest(model, thread, at)).collect();
-            if it.contends || longest.iter().all(Option::is_none) {
+            let turns: Vec<Option<Turn>> = states.map(|at| turn(model, thread, at)).collect();
+            if it.contends || turns.iter().all(Option::is_none) {
                 return None;
             }
-            all.push(longest);
+            all.push(turns);
         }
         Some(Batches {
             model,
             cores,
-            longest: all,
+            turns: all,
         })
     }
 
@@ -63,8 +73,10 @@ impl<'m> Batches<'m> {
     pub(super) fn follow(&self, s: &State, out: &mut Out) -> bool {
         let rests = |it: usize| {
             let ready = s.when[it].ready;
+            // Who starts another task makes ticks of that one count.
+            let starts = self.model.threads[it].successor.is_some();
             s.is(it, Stage::Waiting)
-                && s.done[it].cycle == Cycle::Measured
+                && (s.done[it].cycle == Cycle::Measured || !starts)
                 && ready.from == ready.to
                 && ready.from == self.model.threads[it].tick(i64::from(s.done[it].next) - 1)
         };
@@ -77,14 +89,21 @@ impl<'m> Batches<'m> {
         let mut s = s.clone();
         s.steps += jobs.len();
         for job in &jobs {
-            let worst = &mut out.worst[job.thread];
-            *worst = (*worst).max(job.end - job.release);
-            s.done[job.thread].next += 1;
+            if job.measured {
+                let worst = &mut out.worst[job.thread];
+                *worst = (*worst).max(job.end - job.release);
+            }
+            let done = &mut s.done[job.thread];
+            done.next += 1;
+            done.cycle = Cycle::Measured;
+            if let Some(turn) = self.turns[job.thread][done.at as usize] {
+                done.at = turn.then as u16;
+            }
         }
         let over = jobs.iter().map(|it| it.end).max().unwrap_or(0);
         for (it, thread) in self.model.threads.iter().enumerate() {
             let tick = thread.tick(i64::from(s.done[it].next) - 1);
-            s.when[it].ready = super::state::Span::at(tick);
+            s.when[it].ready = Span::at(tick);
             s.when[it].since = tick;
         }
         s.free_to.iter_mut().for_each(|it| *it = over.max(*it));
@@ -96,8 +115,7 @@ impl<'m> Batches<'m> {
     /// The jobs that are done before the next one is released, with bounds on their ends by which all keep their deadlines.
     fn window(&self, s: &State) -> Option<Vec<Job>> {
         let ready = |it: usize| s.when[it].ready.from;
-        let longest = |it: usize| self.longest[it].get(s.done[it].at as usize).copied()?;
-        let work: Vec<i64> = (0..s.done.len()).map(longest).collect::<Option<_>>()?;
+        let mut at: Vec<usize> = s.done.iter().map(|it| it.at as usize).collect();
         let begin = (0..s.done.len()).map(ready).min()?;
         // What is still under way when it begins.
         let rest: i64 = s.free_to.iter().map(|it| (it - begin).max(0)).sum();
@@ -112,14 +130,17 @@ impl<'m> Batches<'m> {
                     if release > until {
                         break;
                     }
-                    *taken += 1;
+                    let turn = self.turns[thread][at[thread]]?;
+                    at[thread] = turn.then;
                     jobs.push(Job {
                         thread,
                         release,
                         deadline: release + it.period,
-                        work: work[thread],
-                        end: release + work[thread],
+                        work: turn.work,
+                        measured: *taken > 0 || s.done[thread].cycle == Cycle::Measured,
+                        end: release + turn.work,
                     });
+                    *taken += 1;
                 }
             }
             if jobs.len() > JOBS || until - begin > self.model.hyperperiod {
@@ -225,12 +246,12 @@ fn backlog(jobs: &[Job], begin: i64, rest: i64) -> Vec<i64> {
     out
 }
 
-/// The longest job of a task that begins with a state of its machine, if it pauses there whatever happens.
-fn longest(model: &Model, thread: usize, from: usize) -> Option<i64> {
+/// The jobs of a task that begin with a state of its machine; `None` if they can pause at several, or end.
+fn turn(model: &Model, thread: usize, from: usize) -> Option<Turn> {
     let machine = model.machine(thread)?;
     // Without cycles, a state is looked at once for each way to it; there are few.
     let mut todo = vec![(from, 0i64)];
-    let (mut longest, mut looked_at) = (0, 0);
+    let (mut work, mut then, mut looked_at) = (0, None, 0);
     while let Some((at, before)) = todo.pop() {
         looked_at += 1;
         let state = &machine.states[at];
@@ -238,14 +259,17 @@ fn longest(model: &Model, thread: usize, from: usize) -> Option<i64> {
         if looked_at > 1_000 || codel.throws {
             return None;
         }
-        let work = before + i64::from(codel.upper);
+        let until = before + i64::from(codel.upper);
         for it in &state.yields {
             match *it {
-                Yield::Next(next) => todo.push((next, work)),
-                Yield::Pause(next) if next == from => longest = longest.max(work),
+                Yield::Next(next) => todo.push((next, until)),
+                Yield::Pause(next) if then.is_none_or(|it| it == next) => {
+                    then = Some(next);
+                    work = until.max(work);
+                }
                 _ => return None,
             }
         }
     }
-    Some(longest)
+    then.map(|then| Turn { work, then })
 }

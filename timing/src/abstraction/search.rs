@@ -8,24 +8,8 @@ use rustc_hash::FxHashMap;
 use super::batch::Batches;
 use super::model::Model;
 use super::refusal::Refusal;
-use super::state::{Done, State};
-use super::steps::Out;
+use super::state::{Done, Out, State};
 use crate::cancel::Cancel;
-
-/// How steps are taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Tier {
-    /// One by one.
-    OneByOne,
-    /// Busy windows of independent jobs as a whole, where that proves their deadlines.
-    Batches,
-}
-
-/// States that are looked at, at most.
-const BUDGET: usize = 100_000;
-
-/// The same where there are batches to fall back on.
-const FIRST_BUDGET: usize = 5_000;
 
 /// The graph of one part of a system.
 pub(super) struct Search<'m> {
@@ -44,16 +28,17 @@ pub(super) struct Search<'m> {
 }
 
 impl<'m> Search<'m> {
-    pub(super) fn new(model: &'m Model<'m>, tier: Tier, cancel: &'m Cancel) -> Self {
-        let batches = Batches::new(model);
-        let budget = match (tier, &batches) {
-            (Tier::OneByOne, Some(_)) => FIRST_BUDGET,
-            _ => BUDGET,
-        };
+    /// With `batches`, busy windows are taken as a whole where that proves their deadlines.
+    pub(super) fn new(
+        model: &'m Model<'m>,
+        batches: Option<Batches<'m>>,
+        budget: usize,
+        cancel: &'m Cancel,
+    ) -> Self {
         Search {
             model,
             cancel,
-            batches: batches.filter(|_| tier == Tier::Batches),
+            batches,
             budget,
             known: FxHashMap::default(),
             states: Vec::new(),

@@ -2,8 +2,7 @@
 
 use super::model::Model;
 use super::refusal::Refusal;
-use super::state::{Cycle, Done, Span, Stage, State, When};
-use super::steps::Out;
+use super::state::{Cycle, Done, Out, Span, Stage, State, When};
 
 /// How a codel ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -87,6 +87,13 @@ pub(super) struct When {
     pub(super) held: Span,
 }
 
+/// Where steps lead.
+pub(super) struct Out<'o> {
+    pub(super) states: &'o mut Vec<State>,
+    /// By thread, the longest response time so far.
+    pub(super) worst: &'o mut [i64],
+}
+
 /// A state of the graph.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct State {

@@ -6,15 +6,8 @@
 use super::model::Model;
 use super::refusal::Refusal;
 use super::starting::End;
-use super::state::{Cycle, Span, Stage, State};
+use super::state::{Cycle, Out, Span, Stage, State};
 use crate::system::{Policy, Yield};
-
-/// Where steps lead.
-pub(super) struct Out<'o> {
-    pub(super) states: &'o mut Vec<State>,
-    /// By thread, the longest response time so far.
-    pub(super) worst: &'o mut [i64],
-}
 
 impl Model<'_> {
     /// The states that follow a state, in which each run that has come to it goes on.

@@ -412,8 +412,9 @@ impl<R: Rules> Search<'_, R> {
     fn out_of_bounds(&mut self) -> bool {
         let states = self.nodes.len() + self.layer.len() + self.states_beside();
         let reason = Stop::reason(states, self.memory(), self.limits, self.cancel);
-        if reason.is_some() {
-            self.stopped = reason;
+        let too_many = (self.steps > self.limits.steps).then_some(Stop::States);
+        if let Some(reason) = reason.or(too_many) {
+            self.stopped = Some(reason);
             return true;
         }
         self.hunt_if_due();

@@ -55,6 +55,8 @@ pub struct Limits {
     pub states: usize,
     /// Greatest number of bytes for them.
     pub bytes: usize,
+    /// Greatest number of actions followed in one exploration.
+    pub steps: u64,
     /// Greatest number of explorations at the same time, where there are several. What is found does not depend on it.
     pub threads: usize,
     /// Reductions that are switched off, to see what they bring. What is found does not depend on it.
@@ -66,6 +68,7 @@ impl Default for Limits {
         Limits {
             states: 20_000_000,
             bytes: 4 << 30,
+            steps: u64::MAX,
             threads: std::thread::available_parallelism().map_or(1, usize::from),
             without: Kinds::NONE,
         }

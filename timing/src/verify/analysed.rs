@@ -5,7 +5,7 @@
 
 use super::Group;
 use super::checks::{Single, What};
-use crate::abstraction::{Refusal, abstract_bounds};
+use crate::abstraction::{Budget, Refusal, abstract_bounds};
 use crate::analytic::{meets_deadlines, response_bounds};
 use crate::cancel::Cancel;
 use crate::report::{CheckReport, Layer, Soundness, Value, Verdict};
@@ -34,7 +34,7 @@ impl<'b> Analysed<'b> {
 
     /// Looks for lower bounds with the middle tier.
     pub(super) fn abstracted(&mut self, cancel: &Cancel) -> Result<(), Refusal> {
-        let found = abstract_bounds(&self.built.system, cancel)?;
+        let found = abstract_bounds(&self.built.system, Budget::default(), cancel)?;
         self.abstracted = true;
         for (task, found) in found.into_iter().enumerate() {
             let bound = &mut self.bounds[task];

@@ -7,7 +7,7 @@ use dotgen_analysis::diagnostic::Severity;
 use dotgen_analysis::host::{
     AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags, UnitResult,
 };
-use dotgen_timing::abstraction::abstract_bounds;
+use dotgen_timing::abstraction::{Budget, abstract_bounds};
 use dotgen_timing::analytic::response_bounds;
 use dotgen_timing::explore::{Kind, Kinds, Limits};
 use dotgen_timing::report::{CheckReport, Report, Soundness, Value, Verdict};
@@ -109,6 +109,7 @@ fn compare_without(name: &str, texts: &Texts, without: Kinds) -> Option<Result<(
             bytes: 1 << 28,
             threads: 1,
             without,
+            ..Limits::default()
         },
         ..Options::default()
     };
@@ -171,7 +172,18 @@ fn compare_without(name: &str, texts: &Texts, without: Kinds) -> Option<Result<(
 
 /// Says so where the middle tier has a bound that some run exceeds, or where a deadline is missed though it has bounds.
 fn beyond_abstraction(system: &TimedSystem, expected: &[(String, Json)]) -> Vec<String> {
-    let Ok(bounds) = abstract_bounds(system, &Cancel::default()) else {
+    let mut wrong = beyond_bounds(system, Budget::default(), expected);
+    // With busy windows from the start.
+    let batches = Budget {
+        before_batches: 0,
+        ..Budget::default()
+    };
+    wrong.extend(beyond_bounds(system, batches, expected));
+    wrong
+}
+
+fn beyond_bounds(system: &TimedSystem, budget: Budget, expected: &[(String, Json)]) -> Vec<String> {
+    let Ok(bounds) = abstract_bounds(system, budget, &Cancel::default()) else {
         return Vec::new();
     };
     ABSTRACTED.fetch_add(1, Ordering::Relaxed);

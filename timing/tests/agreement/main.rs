@@ -12,7 +12,7 @@ mod walks;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use brute::{Brute, CAP, Results};
-use dotgen_timing::abstraction::abstract_bounds;
+use dotgen_timing::abstraction::{Budget, abstract_bounds};
 use dotgen_timing::analytic::{meets_deadlines, response_bounds};
 use dotgen_timing::explore::{
     Bound, Found, InZones, Kind, Limits, Measured, ResponseTime, Stop, Watch, Within, chase,
@@ -32,6 +32,7 @@ fn limits(seed: u64) -> Limits {
         bytes: 1 << 28,
         threads: 1,
         without: Kind::ALL.into_iter().filter(off).collect(),
+        ..Limits::default()
     }
 }
 
@@ -168,7 +169,13 @@ fn compare_system(
                 ));
             }
         }
-        abstracted(system, &expected)?;
+        abstracted(system, Budget::default(), &expected)?;
+        // With busy windows from the start.
+        let batches = Budget {
+            before_batches: 0,
+            ..Budget::default()
+        };
+        abstracted(system, batches, &expected)?;
         agree("deadlock", 0, expected.deadlock, found.deadlock.is_some())?;
         if let Some(it) = &found.deadlock
             && !replay(it)?.deadlock
@@ -192,8 +199,8 @@ fn compare_system(
 }
 
 /// Where the middle tier has bounds, no run exceeds them, and no deadline is missed.
-fn abstracted(system: &TimedSystem, expected: &Results) -> Result<(), String> {
-    let Ok(bounds) = abstract_bounds(system, &Cancel::default()) else {
+fn abstracted(system: &TimedSystem, budget: Budget, expected: &Results) -> Result<(), String> {
+    let Ok(bounds) = abstract_bounds(system, budget, &Cancel::default()) else {
         return Ok(());
     };
     ABSTRACTED.fetch_add(1, Ordering::Relaxed);

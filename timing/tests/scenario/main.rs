@@ -1,5 +1,6 @@
 //! Scenario language and verification, on small specifications of our own.
 
+mod abstraction;
 mod advice;
 mod beside;
 mod chains;

@@ -1,6 +1,6 @@
 //! Systems of periodic tasks that nobody asks for anything.
 
-use dotgen_timing::system::{FOREVER, LockOrder, Policy, State, TimedSystem, Yield};
+use dotgen_timing::system::{CodelSet, FOREVER, LockOrder, Policy, State, TimedSystem, Yield};
 
 use super::{Dice, automaton, codel, competing};
 
@@ -47,6 +47,14 @@ pub(crate) fn periodic(dice: &mut Dice) -> TimedSystem {
             it.upper += 1;
         }
     }
+    // What shares nothing but cores, and comes back to the same place, can be looked at as a whole.
+    let plain = dice.in_ten(4);
+    if plain {
+        for it in &mut system.codels {
+            it.conflicts = CodelSet::default();
+        }
+        system.platform.cores = Some(dice.pick(&[1, 1, 2]));
+    }
     for machine in &mut system.machines {
         let start = machine.states[machine.start].codel;
         (system.codels[start].lower, system.codels[start].upper) = (0, 0);
@@ -58,6 +66,9 @@ pub(crate) fn periodic(dice: &mut Dice) -> TimedSystem {
                     Yield::Next(to) | Yield::Pause(to) => Yield::Pause(to),
                     Yield::End => Yield::Pause(0),
                 };
+                if plain && at != machine.start {
+                    *it = Yield::Pause(at);
+                }
             }
         }
     }

@@ -1,0 +1,151 @@
+//! The middle tier: what it answers, and what it refuses.
+
+use std::fmt::Write;
+
+use dotgen_timing::abstraction::{Budget, Refusal, abstract_bounds};
+use dotgen_timing::explore::Kind;
+use dotgen_timing::report::{Layer, Report, Verdict};
+use dotgen_timing::scn::names::Names;
+use dotgen_timing::scn::parse;
+use dotgen_timing::system::build::build;
+use dotgen_timing::verify::{Cancel, Options, SystemInput, settings, verify};
+
+use super::load;
+
+/// Two components whose tasks share data and two cores.
+const ARM: &str = r#"
+component joint {
+  version "1"; lang "c";
+  ids { long state; long goal; };
+  task servo {
+    period 4 ms;
+    codel<start> servo_start(out state) yield pause::read wcet 0.1 ms;
+    codel<read> servo_read(out state) yield act, pause::read wcet 0.5 ms;
+    codel<act> servo_act(in state, in goal) yield pause::read wcet 0.5 ms;
+  };
+  task plan {
+    period 20 ms; delay 1 ms;
+    codel<start> plan_start(out goal) yield pause::think wcet 0.1 ms;
+    codel<think> plan_think() yield write wcet 6 ms;
+    codel<write> plan_write(out goal) yield pause::think wcet 0.5 ms;
+  };
+};
+component eye {
+  version "1"; lang "c";
+  task look {
+    period 10 ms;
+    codel<start> look_start() yield pause::look wcet 0.1 ms;
+    codel<look> look_main() yield pause::look wcet 2 ms;
+  };
+};
+"#;
+
+fn bounds(specification: &str, scenario: &str) -> Result<String, Refusal> {
+    let unit = load(specification);
+    let names = Names::new(&[&unit.spec]);
+    let parsed = parse(&format!("scenario x {{ {scenario} }}"));
+    assert_eq!(parsed.errors, []);
+    let settings = settings(&parsed.scenario, &Options::default());
+    let built = build(&names, &settings, &|_| true);
+    let bounds = abstract_bounds(&built.system, Budget::default(), &Cancel::default())?;
+    let mut out = String::new();
+    for (task, bound) in bounds.iter().enumerate() {
+        let _ = writeln!(out, "{} {bound}", built.system.task_path(task));
+    }
+    Ok(out)
+}
+
+fn answers(scenario: &str, options: &Options) -> Report {
+    let unit = load(ARM);
+    let parsed = parse(&format!("scenario x {{ {scenario} }}"));
+    assert_eq!(parsed.errors, []);
+    let input = SystemInput {
+        specs: vec![&unit.spec],
+    };
+    verify(&input, &parsed.scenario, options, &Cancel::default())
+}
+
+#[test]
+fn tasks_that_share_locks_and_cores_have_bounds_of_what_can_come_together() {
+    // In base units of 0.1 ms. `servo` waits for one codel of `plan`, and nobody for a core.
+    insta::assert_snapshot!(bounds(ARM, "cores 2; policy edf;").unwrap(), @r"
+    joint.servo 15
+    joint.plan 65
+    eye.look 20
+    ");
+    insta::assert_snapshot!(bounds(ARM, "cores free;").unwrap(), @r"
+    joint.servo 15
+    joint.plan 65
+    eye.look 20
+    ");
+}
+
+#[test]
+fn deadlines_are_proved_by_the_middle_tier_where_analysis_knows_nothing() {
+    let report = answers(
+        "cores 2; policy edf; check schedulable *; check no-overdue *;",
+        &Options::default(),
+    );
+    for it in &report.checks {
+        assert_eq!(it.verdict, Verdict::Proved, "{it:?}");
+        assert_eq!(it.by, Some(Layer::ScheduleAbstraction), "{it:?}");
+    }
+    // Nothing had to be explored.
+    assert_eq!(report.states, 0);
+    let lines = report.reductions.lines();
+    assert_eq!(lines, [("schedule-abstraction", "used".to_owned())]);
+}
+
+#[test]
+fn an_exact_value_is_reached_by_its_bound_or_below() {
+    let scenario = "cores 2; policy edf; check response *;";
+    let found = answers(scenario, &Options::default());
+    let mut options = Options::default();
+    options.limits.without = [Kind::ScheduleAbstraction].into_iter().collect();
+    let exact = answers(scenario, &options);
+    for (found, exact) in found.checks.iter().zip(&exact.checks) {
+        assert_eq!(exact.by, None);
+        assert_eq!(found.verdict, Verdict::Proved);
+        assert_eq!(found.value, exact.value, "{}", found.of);
+    }
+}
+
+#[test]
+fn what_is_not_treated_is_refused_with_its_reason() {
+    let refused = |specification: &str, scenario: &str| bounds(specification, scenario).err();
+    let preempted = refused(ARM, "cores 2; policy priority;");
+    assert_eq!(preempted, Some(Refusal::Preemption));
+    let points = refused(ARM, "cores 2; policy edf; turns pause;");
+    assert_eq!(points, Some(Refusal::Semantics));
+    let aperiodic = ARM.replace("period 10 ms;", "");
+    let aperiodic = refused(&aperiodic, "cores 2; policy edf;");
+    assert_eq!(aperiodic, Some(Refusal::Aperiodic));
+    let round = ARM.replace("yield act, pause::read", "yield act, read");
+    let round = refused(&round, "cores 2; policy edf;");
+    assert_eq!(round, Some(Refusal::WithoutPause));
+    // One core is held by `plan` for more than a period of `servo`.
+    let late = refused(ARM, "cores 1; policy edf;");
+    assert_eq!(late, Some(Refusal::MayMiss { task: 0 }));
+    let published = refused(ARM, "semantics published; cores 2;");
+    assert_eq!(published, Some(Refusal::StartUp));
+}
+
+/// With everything released at the same moment there are too many sets of jobs that can be done first.
+#[test]
+fn fifty_periodic_tasks_on_one_core_keep_their_deadlines() {
+    let mut specification = String::new();
+    for i in 0..50 {
+        let period = [60, 80, 120, 240][i % 4];
+        let _ = writeln!(
+            specification,
+            "component c{i} {{ version \"1\"; lang \"c\"; task t {{ period {period} ms;
+             codel<start> s{i}() yield pause::main wcet 0 ms;
+             codel<main> m{i}() yield pause::main wcet 1 ms; }}; }};"
+        );
+    }
+    for semantics in ["servers", "published"] {
+        let scenario = format!("semantics {semantics}; cores 1; policy edf;");
+        let found = bounds(&specification, &scenario);
+        assert_eq!(found.map(|it| it.lines().count()), Ok(50), "{semantics}");
+    }
+}
