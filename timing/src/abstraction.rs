@@ -40,6 +40,9 @@ pub struct Budget {
     pub states: usize,
 }
 
+/// States, times the tasks that each has an interval for, at most: they have to be kept in memory.
+const PLACES: usize = 1_000_000;
+
 impl Default for Budget {
     fn default() -> Self {
         Budget {
@@ -61,6 +64,10 @@ pub fn abstract_bounds(
 ) -> Result<Vec<Ticks>, Refusal> {
     let mut out = vec![0; system.tasks.len()];
     for model in models(system)? {
+        let budget = Budget {
+            states: budget.states.min(PLACES / model.threads.len().max(1)),
+            ..budget
+        };
         let search = |batches, states| Search::new(&model, batches, states, cancel).run();
         let found = match Batches::new(&model) {
             None => search(None, budget.states),
