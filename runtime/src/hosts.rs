@@ -119,6 +119,17 @@ pub struct Connection {
     pub name: String,
 }
 
+/// Why a codel that asks a service of another component gets no outputs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unanswered {
+    /// There is no such service, or none that can answer in time.
+    Nobody,
+    /// Its component is lost.
+    Lost,
+    /// It was refused, interrupted, or has thrown an exception.
+    Failed,
+}
+
 /// What a host tells.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Message {
@@ -135,6 +146,17 @@ pub enum Message {
     Wanted(Wanted),
     /// Somebody outside wants the request of this number to end.
     Abort(u64),
+    /// A codel asks a service of another component, and waits.
+    Asked {
+        /// Its component.
+        component: usize,
+        /// Comes back with the answer.
+        ask: u32,
+        /// The remote, by number in its model.
+        remote: u32,
+        /// The inputs of the service.
+        inputs: Vec<u8>,
+    },
     /// Somebody outside connects ports, instead of what they were connected with.
     Connect(Connection),
 }
@@ -168,6 +190,9 @@ pub trait Hosts {
 
     /// Ends a component that does not answer.
     fn kill(&mut self, component: usize);
+
+    /// Answers a codel that has asked: the outputs of the service.
+    fn reply(&mut self, component: usize, ask: u32, outputs: Result<Vec<u8>, Unanswered>);
 
     /// Tells whoever wanted something what became of it.
     fn answer(&mut self, id: u64, answer: Answer);

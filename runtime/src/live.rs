@@ -7,7 +7,7 @@
 mod parts;
 mod requests;
 
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
 
 use dotgen_timing::explore::{Seen, Stepper, Work};
 use dotgen_timing::system::{TimedSystem, Yield};
@@ -70,6 +70,9 @@ pub struct Live<'p> {
     wanted: Vec<VecDeque<Wanted>>,
     /// Requests from outside that are to end.
     aborts: Vec<u64>,
+    /// Requests of codels to other components, by their number: the component, and what it calls them.
+    asks: HashMap<u64, (usize, u32)>,
+    next_ask: u64,
     /// Ports that were connected from outside.
     connected: Vec<Connection>,
 }
@@ -97,6 +100,8 @@ impl<'p> Live<'p> {
             wanted: (0..components).map(|_| VecDeque::new()).collect(),
             aborts: Vec::new(),
             connected: Vec::new(),
+            asks: HashMap::new(),
+            next_ask: 0,
             system,
             parts,
             hosts,
@@ -111,6 +116,7 @@ impl<'p> Live<'p> {
         self.running.clear();
         self.pending.iter_mut().for_each(|it| *it = None);
         self.places = (0..stepper.places()).map(|_| None).collect();
+        self.asks.clear();
         self.fault = self.hosts.start().err();
         self.fault.is_none()
     }
@@ -282,10 +288,16 @@ impl<'p> Live<'p> {
                 if self.is_alive(component) {
                     self.wanted[component].push_back(it);
                 } else {
-                    self.answer_failed(it.id, "::dotgen::lost");
+                    self.answer_failed(it.id, requests::LOST);
                 }
             }
             Message::Abort(id) => self.aborts.push(id),
+            Message::Asked {
+                component,
+                ask,
+                remote,
+                inputs,
+            } => self.asked(component, ask, remote, inputs),
             Message::Connect(it) => {
                 let other = |known: &Connection| (known.to, &known.name) != (it.to, &it.name);
                 self.connected.retain(other);
@@ -355,7 +367,7 @@ impl<'p> Live<'p> {
         let mut gone: Vec<u64> = of.filter_map(|it| it.wanted.take()).collect();
         gone.extend(self.wanted[component].drain(..).map(|it| it.id));
         for id in gone {
-            self.answer_failed(id, "::dotgen::lost");
+            self.answer_failed(id, requests::LOST);
         }
     }
 

@@ -2,7 +2,7 @@
 //! codels, compiled with them into one shared object.
 //!
 //! It holds what a server would hold (the ids, the parameters of the activities, the data of the ports) and
-//! calls the codels as their prototypes want it. A host calls five C functions, told by [`ENTRIES`];
+//! calls the codels as their prototypes want it. A host calls six C functions, told by [`ENTRIES`];
 //! services, codels and ports have the numbers they have in the model. How values cross says the head of
 //! `glue/prelude.h`; [`value`](super::value) reads and writes the same bytes.
 
@@ -28,15 +28,17 @@ const PRELUDE_C: &str = include_str!("glue/prelude_c.h");
 /// - `void end(service, instance, buffer)`: adds the outputs, and forgets them;
 /// - `board *share(port, id, board *)`: where the data of an input port is from now on (`struct glue_board`); returns
 ///   where it was;
-/// - `void drop(buffer)`: forgets the bytes of a buffer.
+/// - `void drop(buffer)`: forgets the bytes of a buffer;
+/// - `void asks(function)`: what calls services of other components (`glue_asks`).
 ///
 /// All numbers are `uint32_t`, sizes `size_t`.
-pub const ENTRIES: [&str; 5] = [
+pub const ENTRIES: [&str; 6] = [
     "dotgen_glue_make",
     "dotgen_glue_run",
     "dotgen_glue_end",
     "dotgen_glue_share",
     "dotgen_glue_drop",
+    "dotgen_glue_asks",
 ];
 
 /// The source. Codels of the functions that are `missing` are not called: whoever hosts the component must
@@ -63,6 +65,11 @@ pub fn source(expected: &Expected<'_>, missing: &FxHashSet<Name>) -> LangResult 
     }
     for port in &component.ports {
         glue.number(port.data);
+    }
+    for remote in &component.remotes {
+        for param in &remote.params {
+            glue.number(param.ty);
+        }
     }
     for ty in 0..expected.spec.types.len() as u32 {
         if let TypeKind::Exception { members } = &expected.spec.ty(TypeId(ty)).kind {

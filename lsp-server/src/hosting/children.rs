@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use camino::Utf8PathBuf;
 use dotgen_codegen::process::{Channels, Process, Processes as _, Program, Resources};
-use dotgen_runtime::hosts::{Answer, Call, Hosts, Message, Reader, Source};
+use dotgen_runtime::hosts::{Answer, Call, Hosts, Message, Reader, Source, Unanswered};
 use dotgen_timing::verify::Interrupt;
 use rustix::event::{PollFd, PollFlags};
 use rustix::fs::OFlags;
@@ -293,6 +293,20 @@ impl Children {
                 self.denied.insert(what);
                 None
             }
+            Arrival::Reply(
+                component,
+                _,
+                Reply::Asked {
+                    ask,
+                    remote,
+                    inputs,
+                },
+            ) => Some(Message::Asked {
+                component,
+                ask,
+                remote,
+                inputs,
+            }),
             Arrival::Reply(..) => None,
             Arrival::Closed(component, _) => {
                 // It may have been told before.
@@ -501,6 +515,24 @@ impl Hosts for Children {
         if let Some(it) = self.children.get_mut(component) {
             it.process = None;
         }
+    }
+
+    fn reply(&mut self, component: usize, ask: u32, outputs: Result<Vec<u8>, Unanswered>) {
+        let (error, outputs) = match outputs {
+            Ok(outputs) => (0, outputs),
+            Err(Unanswered::Nobody) => (libc::ENOSYS, Vec::new()),
+            Err(Unanswered::Lost) => (libc::ENOTCONN, Vec::new()),
+            Err(Unanswered::Failed) => (libc::EIO, Vec::new()),
+        };
+        let error = error.unsigned_abs();
+        self.order(
+            component,
+            &Order::Answered {
+                ask,
+                error,
+                outputs,
+            },
+        );
     }
 
     fn answer(&mut self, id: u64, answer: Answer) {

@@ -4,6 +4,7 @@
 //! What codels print goes to the error output, and they have nothing to read.
 
 use std::collections::HashMap;
+use std::ffi::c_int;
 use std::fs::File;
 use std::io::{self, BufReader};
 use std::os::fd::OwnedFd;
@@ -15,7 +16,7 @@ use std::time::Instant;
 
 use dotgen_runtime::hosts::Ran;
 
-use super::library::Component;
+use super::library::{BRING, Bring, Component};
 use super::realtime;
 use super::wire::{Order, Reply};
 
@@ -45,6 +46,33 @@ pub(crate) fn intercept() -> Option<ExitCode> {
 
 type Output = Arc<Mutex<File>>;
 
+/// Codels that wait for an answer of another component, by what they have asked.
+#[derive(Default)]
+struct Waiting {
+    next: u32,
+    all: HashMap<u32, Sender<Result<Vec<u8>, c_int>>>,
+}
+
+/// Asks through the engine.
+fn bring(output: Output, waiting: Arc<Mutex<Waiting>>) -> Bring {
+    Box::new(move |remote, inputs| {
+        let (sender, answer) = channel();
+        let mut all = waiting.lock().unwrap_or_else(|it| it.into_inner());
+        all.next = all.next.wrapping_add(1);
+        let ask = all.next;
+        all.all.insert(ask, sender);
+        drop(all);
+        let inputs = inputs.to_vec();
+        let asked = Reply::Asked {
+            ask,
+            remote,
+            inputs,
+        };
+        tell(&output, &asked).map_err(|_| libc::ENOTCONN)?;
+        answer.recv().unwrap_or(Err(libc::ENOTCONN))
+    })
+}
+
 fn serve(library: &Path, real: bool) -> io::Result<()> {
     let (mut input, output) = channels()?;
     let component = match Component::load(library) {
@@ -54,6 +82,9 @@ fn serve(library: &Path, real: bool) -> io::Result<()> {
     if real && !realtime::lock_memory() {
         tell(&output, &Reply::Denied("locked memory".to_owned()))?;
     }
+    let waiting = Arc::<Mutex<Waiting>>::default();
+    // There is one component in a process.
+    let _ = BRING.set(bring(output.clone(), waiting.clone()));
     tell(&output, &Reply::Ready)?;
     let mut lanes: HashMap<u32, Sender<(u32, u32, u32)>> = HashMap::new();
     while let Some(order) = Order::receive(&mut input)? {
@@ -63,6 +94,20 @@ fn serve(library: &Path, real: bool) -> io::Result<()> {
                 instance,
                 inputs,
             } => component.make(service, instance, &inputs),
+            Order::Answered {
+                ask,
+                error,
+                outputs,
+            } => {
+                let mut waiting = waiting.lock().unwrap_or_else(|it| it.into_inner());
+                let result = match error {
+                    0 => Ok(outputs),
+                    error => Err(c_int::try_from(error).unwrap_or(libc::EIO)),
+                };
+                if let Some(it) = waiting.all.remove(&ask) {
+                    let _ = it.send(result);
+                }
+            }
             Order::Share { port, id, path } => component.share(port, &id, &path)?,
             Order::End { service, instance } => {
                 tell(&output, &Reply::Ended(component.end(service, instance)))?;

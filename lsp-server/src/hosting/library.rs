@@ -7,7 +7,7 @@
 use std::ffi::{CString, c_char, c_int, c_void};
 use std::io;
 use std::path::Path;
-use std::sync::Mutex;
+use std::sync::{Mutex, OnceLock};
 
 use dotgen_codegen::codels::glue::ENTRIES;
 use dotgen_runtime::hosts::{How, Written};
@@ -28,7 +28,42 @@ type Make = unsafe extern "C" fn(u32, u32, *const c_void, usize) -> c_int;
 type Run = unsafe extern "C" fn(u32, u32, *mut Buffer);
 type End = unsafe extern "C" fn(u32, u32, *mut Buffer);
 type Share = unsafe extern "C" fn(u32, *const c_char, *const c_void) -> *const c_void;
+type Put = unsafe extern "C" fn(*mut c_void, *const c_void, usize);
+type Ask = unsafe extern "C" fn(u32, *const c_void, usize, Put, *mut c_void) -> c_int;
+type Asks = unsafe extern "C" fn(Ask);
 type Forget = unsafe extern "C" fn(*mut Buffer);
+
+/// Brings what a codel asks for (a remote and its inputs) to another component: the outputs, or an error of the system.
+pub(super) type Bring = Box<dyn Fn(u32, &[u8]) -> Result<Vec<u8>, c_int> + Send + Sync>;
+
+/// Set once, before codels run.
+pub(super) static BRING: OnceLock<Bring> = OnceLock::new();
+
+/// Called by the glue.
+unsafe extern "C" fn ask(
+    remote: u32,
+    inputs: *const c_void,
+    size: usize,
+    put: Put,
+    to: *mut c_void,
+) -> c_int {
+    let Some(bring) = BRING.get() else {
+        return libc::ENOSYS;
+    };
+    let inputs = match inputs.is_null() {
+        true => &[],
+        // SAFETY: the glue has so many bytes there, and waits.
+        false => unsafe { std::slice::from_raw_parts(inputs.cast::<u8>(), size) },
+    };
+    match bring(remote, inputs) {
+        Ok(outputs) => {
+            // SAFETY: the function of the glue copies so many bytes to what it was called with.
+            unsafe { put(to, outputs.as_ptr().cast(), outputs.len()) };
+            0
+        }
+        Err(error) => error,
+    }
+}
 
 /// What came of a codel.
 pub(super) struct Outcome {
@@ -62,7 +97,8 @@ impl Component {
         // SAFETY: the object was built by dotgen from the codels that the user asks to run.
         unsafe {
             let library = Library::new(path).map_err(wrong)?;
-            let [make, run, end, share, forget] = ENTRIES;
+            let [make, run, end, share, forget, asks] = ENTRIES;
+            library.get::<Asks>(asks).map_err(wrong)?(ask);
             Ok(Component {
                 make: *library.get::<Make>(make).map_err(wrong)?,
                 run: *library.get::<Run>(run).map_err(wrong)?,

@@ -32,6 +32,12 @@ pub(super) enum Order {
     End { service: u32, instance: u32 },
     /// Where the data of an input port is from now on: the path of a [board](super::board).
     Share { port: u32, id: String, path: String },
+    /// What a codel has asked for: the outputs, or an error of the system.
+    Answered {
+        ask: u32,
+        error: u32,
+        outputs: Vec<u8>,
+    },
 }
 
 /// What a host says.
@@ -47,6 +53,12 @@ pub(super) enum Reply {
     Ended(Vec<u8>),
     /// What the system does not grant, in words.
     Denied(String),
+    /// A codel asks a service of another component.
+    Asked {
+        ask: u32,
+        remote: u32,
+        inputs: Vec<u8>,
+    },
 }
 
 impl Order {
@@ -88,6 +100,11 @@ impl Order {
                 .number(*port)
                 .bytes(id.as_bytes())
                 .bytes(path.as_bytes()),
+            Order::Answered {
+                ask,
+                error,
+                outputs,
+            } => out.byte(4).number(*ask).number(*error).bytes(outputs),
         };
         out.whole()
     }
@@ -120,6 +137,11 @@ impl Order {
                 id: it.text()?,
                 path: it.text()?,
             },
+            4 => Order::Answered {
+                ask: it.number()?,
+                error: it.number()?,
+                outputs: it.bytes()?.to_vec(),
+            },
             _ => return Err(nonsense()),
         };
         Ok(Some(order))
@@ -134,6 +156,11 @@ impl Reply {
             Reply::Unusable(why) => out.byte(1).bytes(why.as_bytes()),
             Reply::Ended(outputs) => out.byte(2).bytes(outputs),
             Reply::Denied(what) => out.byte(4).bytes(what.as_bytes()),
+            Reply::Asked {
+                ask,
+                remote,
+                inputs,
+            } => out.byte(5).number(*ask).number(*remote).bytes(inputs),
             Reply::Ran(ran) => {
                 let how = match ran.how {
                     How::Event => 0,
@@ -194,6 +221,11 @@ impl Reply {
                 },
             }),
             4 => Reply::Denied(it.text()?),
+            5 => Reply::Asked {
+                ask: it.number()?,
+                remote: it.number()?,
+                inputs: it.bytes()?.to_vec(),
+            },
             _ => return Err(nonsense()),
         };
         Ok(Some(reply))

@@ -1,7 +1,7 @@
 //! What of a system has codels that can run.
 
-use dotgen_analysis::model::{Name, PortDir, ServiceKind};
-use dotgen_codegen::codels::value::Values;
+use dotgen_analysis::model::{Name, Param, PortDir, Remote, ServiceKind};
+use dotgen_codegen::codels::value::{Values, goes_in, goes_out};
 use dotgen_timing::scn::names::{Member, Names};
 use dotgen_timing::system::settings::Settings;
 use dotgen_timing::system::{FOREVER, TimedSystem, sources};
@@ -49,6 +49,8 @@ pub struct Parts<'s> {
     pub feeds: Vec<Feed>,
     /// Inputs that are not fed because their types hold something else.
     pub unlike: Vec<String>,
+    /// The services of the system that remotes stand for, by component and remote.
+    remotes: Vec<Vec<Option<usize>>>,
     /// The client that stands for somebody outside, by component.
     first_outside: Option<usize>,
 }
@@ -76,6 +78,7 @@ impl<'s> Parts<'s> {
             inputs: vec![Vec::new(); system.services.len()],
             feeds: Vec::new(),
             unlike: Vec::new(),
+            remotes: vec![Vec::new(); system.components.len()],
             first_outside: None,
         };
         for (&name, &component) in &built.components {
@@ -119,6 +122,11 @@ impl<'s> Parts<'s> {
             });
         }
         out.connect(prepared, names, settings);
+        for (&name, &component) in &built.components {
+            let remotes = names.components[name].component.remotes.iter();
+            let service = |it| built.services.get(&provider(names, name, it)?).copied();
+            out.remotes[component] = remotes.map(service).collect();
+        }
         out
     }
 
@@ -152,6 +160,11 @@ impl<'s> Parts<'s> {
                 }
             }
         }
+    }
+
+    /// The service of the system that a remote of a component stands for.
+    pub fn remote(&self, component: usize, remote: u32) -> Option<usize> {
+        *self.remotes.get(component)?.get(remote as usize)?
     }
 
     /// Whether somebody outside sends requests, by clients that stand after those of the scenario: see
@@ -204,4 +217,31 @@ impl<'s> Parts<'s> {
         let all = system.codels.iter().filter(|it| it.site.is_some()).count();
         (real, all.saturating_sub(real))
     }
+}
+
+/// The component, and its service, that a remote stands for: the only other one that is the interface, or provides it.
+/// `None` too where the parameters hold something else.
+fn provider(names: &Names<'_>, asking: usize, remote: &Remote) -> Option<(usize, u32)> {
+    let own = &names.components[asking];
+    let interface = &own.spec.components.get(remote.interface as usize)?.name;
+    let all = names.components.iter().enumerate();
+    let mut found = all.filter(|(name, it)| {
+        let mut provided = it.component.provides.iter();
+        let named = |&of: &u32| it.spec.components.get(of as usize).map(|it| &it.name);
+        let provides = provided.any(|of| named(of) == Some(interface));
+        *name != asking && (it.component.name == *interface || provides)
+    });
+    let (name, member) = found.next()?;
+    if found.next().is_some() {
+        return None;
+    }
+    let mut services = (0u32..).zip(&member.component.services);
+    let (number, service) = services.find(|it| it.1.name == remote.name)?;
+    let shape = |spec, params: &[Param]| -> Vec<_> {
+        let crosses = params.iter().filter(|it| goes_in(it) || goes_out(it));
+        let layout = |it: &Param| (it.dir, Values::new(spec).layout(it.ty));
+        crosses.map(layout).collect()
+    };
+    let alike = shape(own.spec, &remote.params) == shape(member.spec, &service.params);
+    alike.then_some((name, number))
 }

@@ -3,7 +3,13 @@
 use dotgen_timing::explore::{Stepper, Work};
 
 use super::{BLOCKED, Instance, Live};
-use crate::hosts::{Answer, Call, Message};
+use crate::hosts::{Answer, Call, Message, Unanswered, Wanted};
+
+/// Marks the numbers of requests that codels make.
+const OF_CODELS: u64 = 1 << 63;
+
+/// The exception that stands for a component that is gone.
+pub(super) const LOST: &str = "::dotgen::lost";
 
 impl Live<'_> {
     /// The activities that have begun and ended, and the requests that are handled.
@@ -97,7 +103,7 @@ impl Live<'_> {
         }
         let Some(id) = it.wanted else { return };
         let answer = match (it.failed, outputs) {
-            (_, None) => return self.answer_failed(id, "::dotgen::lost"),
+            (_, None) => return self.answer_failed(id, LOST),
             (_, Some(outputs)) if well => Answer::Done(outputs),
             (Some((exception, detail)), _) => Answer::Failed { exception, detail },
             (None, _) if it.refused => Answer::Failed {
@@ -109,7 +115,7 @@ impl Live<'_> {
                 detail: Vec::new(),
             },
         };
-        self.hosts.answer(id, answer);
+        self.answer(id, answer);
     }
 
     /// The values of an attribute are copied.
@@ -180,17 +186,52 @@ impl Live<'_> {
 
     /// Tells that activities were accepted: to be asked after each step.
     pub fn accept(&mut self, stepper: &Stepper, told: &mut Vec<u32>) {
-        for it in self.places.iter().flatten() {
+        for place in 0..self.places.len() {
+            let Some(it) = &self.places[place] else {
+                continue;
+            };
             let component = self.system.services[it.service].component;
             let handled = stepper.handling(component).is_some();
             if let (Some(id), false) = (it.wanted, handled)
                 && !told.contains(&it.number)
             {
                 told.push(it.number);
-                self.hosts.answer(id, Answer::Accepted);
+                self.answer(id, Answer::Accepted);
             }
         }
         told.retain(|number| self.places.iter().flatten().any(|it| it.number == *number));
+    }
+
+    /// A codel asks a service of another component. On the virtual clock no time passes for an answer.
+    pub(super) fn asked(&mut self, component: usize, ask: u32, remote: u32, inputs: Vec<u8>) {
+        let service = self.parts.remote(component, remote);
+        let Some(service) = service.filter(|_| !self.waits) else {
+            return self.hosts.reply(component, ask, Err(Unanswered::Nobody));
+        };
+        self.next_ask += 1;
+        let id = OF_CODELS | self.next_ask;
+        self.asks.insert(id, (component, ask));
+        self.message(Message::Wanted(Wanted {
+            id,
+            service,
+            inputs,
+        }));
+    }
+
+    /// Tells whoever wanted something what became of it: somebody outside, or a codel.
+    fn answer(&mut self, id: u64, answer: Answer) {
+        if id & OF_CODELS == 0 {
+            return self.hosts.answer(id, answer);
+        }
+        let outputs = match answer {
+            Answer::Accepted => return,
+            Answer::Done(outputs) => Ok(outputs),
+            Answer::Failed { exception, .. } if exception == LOST => Err(Unanswered::Lost),
+            Answer::Failed { .. } => Err(Unanswered::Failed),
+        };
+        if let Some((component, ask)) = self.asks.remove(&id) {
+            self.hosts.reply(component, ask, outputs);
+        }
     }
 
     pub(super) fn answer_failed(&mut self, id: u64, exception: &str) {
@@ -198,6 +239,6 @@ impl Live<'_> {
             exception: exception.to_owned(),
             detail: Vec::new(),
         };
-        self.hosts.answer(id, answer);
+        self.answer(id, answer);
     }
 }

@@ -324,7 +324,11 @@ impl Glue<'_, '_> {
     /// What needs nothing of the component.
     pub(super) fn entries(&self) -> String {
         "\nGLUE_C GLUE_EXPORT void\ndotgen_glue_drop(struct glue_buffer *b)\n{\n  free(b->bytes);\n\
-         \x20 b->bytes = NULL;\n  b->size = b->room = 0;\n}\n"
+         \x20 b->bytes = NULL;\n  b->size = b->room = 0;\n}\n\n\
+         GLUE_C GLUE_EXPORT void\n\
+         dotgen_glue_asks(int (*asks)(uint32_t, const void *, size_t,\n\
+         \x20                           void (*)(void *, const void *, size_t), void *))\n{\n\
+         \x20 glue_asks = asks;\n}\n"
             .to_owned()
     }
 }

@@ -1,9 +1,10 @@
-//! Ports: what codels get as `port`, and where its data is. Remote services, which answer with an error.
+//! Ports: what codels get as `port`, and where its data is. Remote services.
 
 use dotgen_analysis::model::{ParamDir, Port, PortDir, Remote, TypeKind};
 use std::fmt::Write as _;
 
 use super::Glue;
+use crate::codels::value::{goes_in, goes_out};
 use crate::lang::{LangResult, Passing};
 
 impl Glue<'_, '_> {
@@ -192,10 +193,11 @@ impl Glue<'_, '_> {
         Ok(out)
     }
 
-    /// A call of another component from inside a codel cannot be answered while the codel holds its locks.
+    /// A call of another component, which the engine brings there; the codel waits.
     fn remote(&self, at: usize, remote: &Remote) -> LangResult {
         let name = self.mapper.declarator(remote.ty, "")?;
         let mut arguments = Vec::new();
+        let (mut save, mut load) = (String::new(), String::new());
         for param in &remote.params {
             let passing = match param.dir {
                 ParamDir::In => Passing::Value,
@@ -203,22 +205,50 @@ impl Glue<'_, '_> {
                 ParamDir::Local => continue,
             };
             arguments.push(self.mapper.argument(param.ty, passing, &param.name)?);
+            let ty = self.known(param.ty)?;
+            let is_array = matches!(
+                self.kind(param.ty),
+                TypeKind::Array { .. } | TypeKind::String { bound: Some(_) }
+            );
+            let value = self.mapper.dereference(param.ty, passing, &param.name)?;
+            // Arrays are pointers in both languages.
+            let place = match is_array {
+                true => format!("(glue_t{ty} *)({value})"),
+                false => format!("(glue_t{ty} *)&({value})"),
+            };
+            if goes_in(param) {
+                _ = writeln!(save, "  glue_save_{ty}(&glue_in, {place});");
+            }
+            if goes_out(param) {
+                _ = writeln!(load, "    glue_load_{ty}(&glue_r, {place});");
+            }
         }
+        let body = format!(
+            "  struct glue_buffer glue_in = {{ NULL, 0, 0 }}, glue_out = {{ NULL, 0, 0 }};\n\
+             \x20 struct glue_reader glue_r = {{ NULL, 0, 0 }};\n  int glue_error;\n{save}\
+             \x20 glue_error = glue_ask({at}, &glue_in, &glue_out);\n  free(glue_in.bytes);\n\
+             \x20 glue_r.bytes = glue_out.bytes;\n  glue_r.left = glue_out.size;\n\
+             \x20 if (glue_error == 0) {{\n    pthread_mutex_lock(&glue_mutex);\n{load}\
+             \x20   pthread_mutex_unlock(&glue_mutex);\n    if (glue_r.bad) glue_error = EIO;\n  }}\n\
+             \x20 free(glue_out.bytes);\n"
+        );
         if self.is_cxx() {
             if arguments.is_empty() {
                 arguments.push("void".into());
             }
             return Ok(format!(
                 "\nstruct glue_remote_class_{at} : public {name} {{\n\
-                 \x20 void call({}) {{ genom::syserr e; e.detail.code = ENOSYS; throw e; }}\n}};\n\
+                 \x20 void call({}) {{\n{body}\
+                 \x20 if (glue_error) {{ genom::syserr e; e.detail.code = glue_error; throw e; }}\n  }}\n}};\n\
                  static glue_remote_class_{at} glue_remote_{at};\n",
                 arguments.join(", ")
             ));
         }
         arguments.push("genom_context self".into());
         Ok(format!(
-            "\nstatic genom_event\nglue_call_{at}({})\n{{\n\
-             \x20 genom_syserr_detail d = {{ ENOSYS }};\n  return genom_syserr(&d, self);\n}}\n\
+            "\nstatic genom_event\nglue_call_{at}({})\n{{\n{body}\
+             \x20 if (glue_error) {{\n    genom_syserr_detail d = {{ glue_error }};\n\
+             \x20   return genom_syserr(&d, self);\n  }}\n  return genom_ok;\n}}\n\
              static {name} glue_remote_{at} = {{ glue_call_{at} }};\n",
             arguments.join(", ")
         ))

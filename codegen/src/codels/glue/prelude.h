@@ -134,6 +134,24 @@ glue_look(struct glue_shared *s, struct glue_buffer *b)
   return 1;
 }
 
+/* Asks a service of another component, and waits: the number of the remote, its inputs, and what takes the outputs. 0 or an
+ * error of the system. */
+static int (*glue_asks)(uint32_t remote, const void *inputs, size_t size,
+                        void (*put)(void *to, const void *outputs, size_t size), void *to);
+
+static inline void
+glue_take_outputs(void *to, const void *outputs, size_t size)
+{
+  glue_put((struct glue_buffer *)to, outputs, size);
+}
+
+static inline int
+glue_ask(uint32_t remote, const struct glue_buffer *inputs, struct glue_buffer *outputs)
+{
+  if (glue_asks == NULL) return ENOSYS;
+  return glue_asks(remote, inputs->bytes, inputs->size, glue_take_outputs, outputs);
+}
+
 /* What a codel has done to a port: kind 0 write, 1 open, 2 close. Told when the codel has ended. */
 static __thread struct glue_buffer glue_written;
 static __thread uint32_t glue_writes;
