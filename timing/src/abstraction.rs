@@ -1,11 +1,12 @@
-//! The middle tier: bounds on response times from a graph of abstract states, between response-time analysis and the
-//! exact search.
+//! The middle tier: bounds on response times from a graph of abstract states, between response-time analysis
+//! and the exact search.
 //!
-//! It is an abstraction in the manner of schedule-abstraction graphs (M. Nasri, B. Brandenburg, *An exact and sustainable
-//! analysis of non-preemptive scheduling*, RTSS 2017; M. Nasri, G. Nelissen, B. Brandenburg, *Response-time analysis of
-//! limited-preemptive parallel DAG tasks under global scheduling*, ECRTS 2019). A state says what has been done: which jobs, and how
-//! far each has come. When it was done is known as intervals: of the ends of codels, of the moments at which cores are
-//! free. States in which the same has been done are one, in whatever order it was done; its intervals are the hulls of theirs.
+//! It is an abstraction in the manner of schedule-abstraction graphs (M. Nasri, B. Brandenburg, *An exact and
+//! sustainable analysis of non-preemptive scheduling*, RTSS 2017; M. Nasri, G. Nelissen, B. Brandenburg,
+//! *Response-time analysis of limited-preemptive parallel DAG tasks under global scheduling*, ECRTS 2019). A
+//! state says what has been done: which jobs, and how far each has come. When it was done is known as
+//! intervals: of the ends of codels, of the moments at which cores are free. States in which the same has
+//! been done are one, in whatever order it was done; its intervals are the hulls of theirs.
 //!
 //! * `model`: what of a system is looked at, and what is refused;
 //! * `state`: a state, and when two are the same;
@@ -34,7 +35,8 @@ use crate::system::{Ticks, TimedSystem};
 /// How many abstract states are looked at, at most.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Budget {
-    /// Steps one by one give the tighter bounds. Where busy windows can be taken as a whole instead, this is when they are.
+    /// Steps one by one give the tighter bounds. Where busy windows can be taken as a whole instead, this is
+    /// when they are.
     pub before_batches: usize,
     /// Then the system is refused.
     pub states: usize,

@@ -1,14 +1,15 @@
 //! Busy windows: jobs that share nothing but cores, taken in one step.
 //!
-//! Where many jobs are released at the same moment, nearly every set of them can be done first, and there are too many
-//! of these sets (the partial-order reduction for schedule-abstraction graphs of S. Ranjha, G. Nelissen, M. Nasri, RTSS 2021 and after, is about
-//! the same). So a bound on the end of each job is found without looking at orders. If each keeps its deadline by it, and
-//! all are done before the next release, what follows does not depend on the order either.
+//! Where many jobs are released at the same moment, nearly every set of them can be done first, and there are
+//! too many of these sets (the partial-order reduction for schedule-abstraction graphs of S. Ranjha, G.
+//! Nelissen, M. Nasri, RTSS 2021 and after, is about the same). So a bound on the end of each job is found
+//! without looking at orders. If each keeps its deadline by it, and all are done before the next release,
+//! what follows does not depend on the order either.
 //!
-//! The bound of a job counts, from its release on, what can be done before it gets a core: jobs that go before it, as far as they
-//! may not be done yet, and under earliest deadline first at most one job for each core that does not, and is under way. While it waits all
-//! cores work. The bounds are the least that follow from each other. Until the first job exceeds its own, all others have kept theirs;
-//! so no job is the first.
+//! The bound of a job counts, from its release on, what can be done before it gets a core: jobs that go
+//! before it, as far as they may not be done yet, and under earliest deadline first at most one job for each
+//! core that does not, and is under way. While it waits all cores work. The bounds are the least that follow
+//! from each other. Until the first job exceeds its own, all others have kept theirs; so no job is the first.
 
 use super::model::Model;
 use super::state::{Cycle, Out, Span, Stage, State};
@@ -112,7 +113,8 @@ impl<'m> Batches<'m> {
         true
     }
 
-    /// The jobs that are done before the next one is released, with bounds on their ends by which all keep their deadlines.
+    /// The jobs that are done before the next one is released, with bounds on their ends by which all keep
+    /// their deadlines.
     fn window(&self, s: &State) -> Option<Vec<Job>> {
         let ready = |it: usize| s.when[it].ready.from;
         let mut at: Vec<usize> = s.done.iter().map(|it| it.at as usize).collect();
@@ -232,7 +234,8 @@ impl<'m> Batches<'m> {
     }
 }
 
-/// By job, the work of all others that is left at the moment of its release on one core, at most: those released at that moment count.
+/// By job, the work of all others that is left at the moment of its release on one core, at most: those
+/// released at that moment count.
 fn backlog(jobs: &[Job], begin: i64, rest: i64) -> Vec<i64> {
     let mut out = Vec::with_capacity(jobs.len());
     for job in jobs {

@@ -213,8 +213,8 @@ fn waited_for(system: &TimedSystem) -> Vec<bool> {
     out
 }
 
-/// Puts tasks whose codels wait for each other into groups. With a queue, all tasks of a component in which anybody waits
-/// for anybody are one, as the queue is one.
+/// Puts tasks whose codels wait for each other into groups. With a queue, all tasks of a component in which
+/// anybody waits for anybody are one, as the queue is one.
 fn group(system: &TimedSystem, threads: &mut [Thread], servers: bool) -> usize {
     let codels = |it: &Thread| {
         let mut all = CodelSet::default();
@@ -261,7 +261,8 @@ fn group(system: &TimedSystem, threads: &mut [Thread], servers: bool) -> usize {
     numbers.len()
 }
 
-/// Servers: each task is started by the one before it. For now successors are numbers of threads, which are those of tasks.
+/// Servers: each task is started by the one before it. For now successors are numbers of threads, which are
+/// those of tasks.
 fn chain(system: &TimedSystem, threads: &mut [Thread]) {
     for component in &system.components {
         for pair in component.tasks.windows(2) {

@@ -5,7 +5,8 @@ use std::fmt;
 /// Why a system has no bounds of the middle tier.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Refusal {
-    /// It follows neither the servers nor the published models in every point, or has a lock order that is not treated.
+    /// It follows neither the servers nor the published models in every point, or has a lock order that is
+    /// not treated.
     Semantics,
     /// Cores are taken away from codels that execute.
     Preemption,

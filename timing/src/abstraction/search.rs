@@ -21,7 +21,8 @@ pub(super) struct Search<'m> {
     states: Vec<State>,
     /// Which states have become wider since they were followed.
     open: Vec<bool>,
-    /// Those, the ones with the fewest steps first: what leads to the same comes together before it is followed.
+    /// Those, the ones with the fewest steps first: what leads to the same comes together before it is
+    /// followed.
     next: BinaryHeap<Reverse<(usize, usize)>>,
     /// By thread, the longest response time so far.
     worst: Vec<i64>,

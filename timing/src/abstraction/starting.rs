@@ -1,4 +1,5 @@
-//! What follows the end of a codel: the end of a job, the ticks that came meanwhile, and the start of the next task.
+//! What follows the end of a codel: the end of a job, the ticks that came meanwhile, and the start of the
+//! next task.
 
 use super::model::Model;
 use super::refusal::Refusal;
@@ -86,8 +87,9 @@ impl Model<'_> {
         s.when[thread].since = ready.from;
     }
 
-    /// Where a task is idle, or started, from some moment on, and its next tick but for those before that moment has a number: when its
-    /// next job is released, and the number of the tick that comes after that. Several ticks that came before count as one.
+    /// Where a task is idle, or started, from some moment on, and its next tick but for those before that
+    /// moment has a number: when its next job is released, and the number of the tick that comes after that.
+    /// Several ticks that came before count as one.
     fn releases(&self, thread: usize, from: Span, next: i64) -> Vec<(Span, i64)> {
         let it = &self.threads[thread];
         let mut out = Vec::new();

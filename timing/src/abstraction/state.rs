@@ -100,7 +100,8 @@ pub(super) struct State {
     /// By thread.
     pub(super) done: Vec<Done>,
     pub(super) when: Vec<When>,
-    /// Cores whose last job is done up to its last codel. The first of them is free at the first moment, and so on: no earlier …
+    /// Cores whose last job is done up to its last codel. The first of them is free at the first moment, and
+    /// so on: no earlier …
     pub(super) free_from: Vec<i64>,
     /// … and no later.
     pub(super) free_to: Vec<i64>,
@@ -132,7 +133,8 @@ impl State {
             .filter(|&it| matches!(self.done[it].stage, Stage::Waiting | Stage::Active))
     }
 
-    /// Widens the intervals so that they contain those of another state in which the same has been done; whether they did not.
+    /// Widens the intervals so that they contain those of another state in which the same has been done;
+    /// whether they did not.
     pub(super) fn widen(&mut self, other: &State) -> bool {
         let mut wider = false;
         for (one, other) in self.when.iter_mut().zip(&other.when) {

@@ -1,7 +1,8 @@
 //! The two kinds of steps: a task is given a core, and a codel begins.
 //!
-//! Cores are given in the order of time, and the codels of a group take their tickets (or their locks) in the order of
-//! time. Steps that are not ordered by that can be taken in any order, as what is known of each remains true.
+//! Cores are given in the order of time, and the codels of a group take their tickets (or their locks) in the
+//! order of time. Steps that are not ordered by that can be taken in any order, as what is known of each
+//! remains true.
 
 use super::model::Model;
 use super::refusal::Refusal;
@@ -42,8 +43,8 @@ impl Model<'_> {
         Ok(())
     }
 
-    /// A group whose next codel begins before any task of it that has no core yet can be given one; and by when. What
-    /// other groups do makes no difference to it.
+    /// A group whose next codel begins before any task of it that has no core yet can be given one; and by
+    /// when. What other groups do makes no difference to it.
     fn undisturbed(&self, s: &State) -> Option<(usize, i64)> {
         let mut until = vec![i64::MAX; self.groups];
         let mut holder = i64::MAX;
@@ -105,7 +106,8 @@ impl Model<'_> {
         }
     }
 
-    /// A codel takes its ticket (or begins, where there is no queue), before all others of its group that have not yet and by `until`.
+    /// A codel takes its ticket (or begins, where there is no queue), before all others of its group that
+    /// have not yet and by `until`.
     fn begin_codel(
         &self,
         s: &State,

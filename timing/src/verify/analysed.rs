@@ -1,7 +1,7 @@
 //! What bounds on response times can answer: those of response-time analysis, and of the middle tier.
 //!
-//! They are never below the exact values, so a task with a bound below its period meets its deadlines. That needs no
-//! exploration, and stands when one has to be given up.
+//! They are never below the exact values, so a task with a bound below its period meets its deadlines. That
+//! needs no exploration, and stands when one has to be given up.
 
 use super::Group;
 use super::checks::{Single, What};
@@ -52,13 +52,15 @@ impl<'b> Analysed<'b> {
         task.map_or(Layer::ResponseTimeAnalysis, |it| self.layers[it])
     }
 
-    /// Whether a bound that is no quick one answers a check of a response time, though not with the least one.
+    /// Whether a bound that is no quick one answers a check of a response time, though not with the least
+    /// one.
     pub(super) fn settles(&self, check: &Single, limit: Option<Ticks>) -> bool {
         let within = |bound: Ticks| limit.is_none_or(|limit| bound <= limit);
         self.abstracted && self.response(check).is_some_and(within)
     }
 
-    /// The bound that proves that a check of deadlines holds: on a response time, or on the time a job waits for a core.
+    /// The bound that proves that a check of deadlines holds: on a response time, or on the time a job waits
+    /// for a core.
     pub(super) fn deadline(&self, check: &Single) -> Option<Ticks> {
         let system = &self.built.system;
         match check.what {
@@ -140,8 +142,8 @@ impl Group<'_> {
         }
     }
 
-    /// Where the exploration looked at whole units of time only, though others make a difference, analysis may know a
-    /// bound on a response time for any time.
+    /// Where the exploration looked at whole units of time only, though others make a difference, analysis
+    /// may know a bound on a response time for any time.
     pub(super) fn bound_between_units(
         &self,
         check: &Single,
@@ -197,8 +199,8 @@ impl Group<'_> {
         }
     }
 
-    /// What was not settled has a bound by analysis, which is an answer if it is within the limit. `by`: by which analysis, and what it
-    /// says, before "at most".
+    /// What was not settled has a bound by analysis, which is an answer if it is within the limit. `by`: by
+    /// which analysis, and what it says, before "at most".
     pub(super) fn bounded_by(
         &self,
         (by, what): (&str, &str),
