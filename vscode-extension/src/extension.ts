@@ -16,6 +16,7 @@ import { createComponent } from './newComponent';
 import { InlineDiagrams } from './preview/inline';
 import { DiagramPreview, type Target } from './preview/panel';
 import { ReleaseStatus } from './commands/release';
+import { RunPanel, type RunTarget } from './run/panel';
 import { statusItem } from './status';
 import { TraceViewer, type TraceTarget } from './trace/panel';
 import { VerificationPanel, type VerificationTarget } from './verification/panel';
@@ -33,6 +34,7 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
   const inline = new InlineDiagrams(it, context.globalState);
   const verification = new VerificationPanel(it, context.extensionUri);
   const traces = new TraceViewer(it, context.extensionUri);
+  const runs = new RunPanel(it, context.extensionUri);
   const headers = new CodelHeaders(it, context.workspaceState);
   const generate = new GenerateCommands(it);
   context.subscriptions.push(
@@ -49,6 +51,10 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
     inline,
     verification,
     vscode.commands.registerCommand('dotgen.showVerification', (target?: VerificationTarget) => verification.show(target)),
+    runs,
+    vscode.commands.registerCommand('dotgen.simulate', (target?: RunTarget) => runs.start('virtual', target)),
+    vscode.commands.registerCommand('dotgen.run', (target?: RunTarget) => runs.start('real', target)),
+    vscode.commands.registerCommand('dotgen.stopRun', () => runs.stop()),
     traces,
     vscode.commands.registerCommand('dotgen.showTrace', (target?: TraceTarget) => traces.show(target)),
     vscode.commands.registerCommand('dotgen.openTrace', (file?: vscode.Uri) => traces.open(file)),

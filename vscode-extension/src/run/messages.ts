@@ -1,0 +1,94 @@
+// What the panel of runs and its page say to each other. The page draws a `RunView` and knows nothing else.
+
+/** The report of `dotgen run --format json` (docs/run.md), as far as it is shown. */
+export interface Report {
+  scenario: string;
+  unit: string;
+  seed: number;
+  time: number;
+  end: string;
+  tasks: { task: string; jobs: number; greatest?: number; mean?: number; bound?: number; period?: number; missed: number }[];
+  services: { service: string; requests: number; refused: number; ended: number }[];
+  machines: { machine: string; transitions: { from: string; to: string; taken: number }[] }[];
+  checks: { name?: string; check: string; of: string; verdict: string; greatest?: number; limit?: number; at?: { time: number }; violations: number }[];
+  violations: Violation[];
+  'violation-count': number;
+  assumptions: string[];
+  notes: string[];
+}
+
+/** The members depend on the kind. */
+export interface Violation {
+  at: { time: number };
+  kind: string;
+  check?: number;
+  task?: string;
+  response?: number;
+  bound?: number;
+  codel?: string;
+  event?: string;
+  took?: number;
+  limit?: number;
+  component?: string;
+  why?: string;
+}
+
+export interface Input {
+  name: string;
+  default?: unknown;
+}
+
+export interface Service {
+  /** With its component: `pump.fill`. */
+  name: string;
+  kind: string;
+  doc: string | null;
+  inputs: Input[];
+  /** What came of the last request; empty before the first. */
+  answer: string;
+  /** A request is under way that can be interrupted. */
+  active: boolean;
+}
+
+/** The last values of a number of a port. */
+export interface Series {
+  /** Members on the way to it; empty where the value is the number. */
+  name: string;
+  values: number[];
+}
+
+export interface Port {
+  /** `pump/level` */
+  name: string;
+  doc: string | null;
+  /** The newest value as JSON; empty before the first. */
+  value: string;
+  series: Series[];
+}
+
+export type RunState = 'starting' | 'running' | 'stopping' | 'ended' | 'failed';
+
+export interface RunView {
+  /** What is run, for people. */
+  name: string;
+  clock: 'virtual' | 'real';
+  state: RunState;
+  /** Of the run that has ended. */
+  report: Report | null;
+  /** The first run can be stepped through. */
+  hasTrace: boolean;
+  services: Service[];
+  ports: Port[];
+  log: string[];
+}
+
+export type ToPage = { type: 'run'; view: RunView };
+
+export type FromPage =
+  | { type: 'ready' }
+  | { type: 'stop' }
+  | { type: 'again' }
+  | { type: 'trace' }
+  /** Inputs by name, as JSON texts; those left empty are not sent. */
+  | { type: 'call'; service: string; inputs: Record<string, string> }
+  | { type: 'abort'; service: string };

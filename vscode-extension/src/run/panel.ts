@@ -1,0 +1,121 @@
+// The panel of a run: starts `dotgen run`, hands its view to the page, and does what is asked there.
+import { dirname } from 'node:path';
+import * as vscode from 'vscode';
+import type { Server } from '../client';
+import { notRunning } from '../commands/server';
+import { serverSettings } from '../config';
+import { SidePanel } from '../panel/panel';
+import { LANGUAGE, SCENARIO } from '../protocol';
+import type { FromPage, RunView, ToPage } from './messages';
+import { page } from './page';
+import { Run } from './process';
+
+/** A port may be written a thousand times a second; nobody sees that. */
+const SHOWN_EVERY_MS = 150;
+
+/** Argument of the commands, as lenses give it. */
+export interface RunTarget {
+  uri: string;
+}
+
+interface Subject {
+  uri: string;
+  clock: RunView['clock'];
+}
+
+export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
+  private run: Run | undefined;
+  private later: NodeJS.Timeout | undefined;
+
+  constructor(
+    private readonly server: Server,
+    extension: vscode.Uri,
+  ) {
+    super({ type: 'dotgen.run', title: 'Run', find: true, page }, extension);
+  }
+
+  override dispose(): void {
+    this.end();
+    super.dispose();
+  }
+
+  /** Runs what a lens names, or the active document. The one that runs is ended. */
+  async start(clock: RunView['clock'], target?: RunTarget): Promise<void> {
+    const editor = vscode.window.activeTextEditor;
+    const here = editor !== undefined && [LANGUAGE, SCENARIO].includes(editor.document.languageId) ? editor.document.uri.toString() : undefined;
+    const uri = typeof target?.uri === 'string' ? target.uri : here;
+    if (uri === undefined) {
+      void vscode.window.showInformationMessage('Open a specification (.gen) or a scenario (.scn) first.');
+      return;
+    }
+    if (!vscode.workspace.isTrusted) {
+      void vscode.window.showWarningMessage('Components are run in trusted folders only.');
+      return;
+    }
+    const file = vscode.Uri.parse(uri);
+    const { info } = this.server;
+    if (info === undefined) {
+      await notRunning(this.server);
+      return;
+    }
+    if (file.scheme !== 'file' || !(await vscode.workspace.saveAll(false))) {
+      void vscode.window.showWarningMessage('What runs is read from the disk: save the files first.');
+      return;
+    }
+    this.end();
+    this.subject = { uri, clock };
+    const cwd = vscode.workspace.getWorkspaceFolder(file)?.uri.fsPath ?? dirname(file.fsPath);
+    const env = { ...process.env, ...serverSettings().extraEnv };
+    this.run = new Run({ command: info.path, env, file: file.fsPath, cwd, clock }, vscode.workspace.asRelativePath(file), () => this.soon());
+    this.open();
+    if (this.panel !== undefined) this.panel.title = clock === 'real' ? 'Run' : 'Simulation';
+    await this.update();
+  }
+
+  stop(): void {
+    this.run?.stop();
+  }
+
+  protected async update(): Promise<void> {
+    this.later = undefined;
+    const { run } = this;
+    // `dotgen.runs`: the command Stop is shown while something runs.
+    void vscode.commands.executeCommand('setContext', 'dotgen.runs', run?.isOver === false);
+    if (run !== undefined) this.send({ type: 'run', view: run.view });
+  }
+
+  protected closed(): void {
+    this.end();
+    void this.update();
+  }
+
+  protected async receive(message: FromPage): Promise<void> {
+    const { run, subject } = this;
+    switch (message.type) {
+      case 'ready':
+        return this.update();
+      case 'stop':
+        return this.stop();
+      case 'again':
+        return subject === undefined ? undefined : this.start(subject.clock, subject);
+      case 'trace':
+        if (run !== undefined) await vscode.commands.executeCommand('dotgen.openTrace', vscode.Uri.file(run.trace));
+        return;
+      case 'call':
+        return run?.call(message.service, message.inputs);
+      case 'abort':
+        return run?.abort(message.service);
+    }
+  }
+
+  private soon(): void {
+    this.later ??= setTimeout(() => void this.update(), SHOWN_EVERY_MS);
+  }
+
+  private end(): void {
+    clearTimeout(this.later);
+    this.later = undefined;
+    this.run?.dispose();
+    this.run = undefined;
+  }
+}

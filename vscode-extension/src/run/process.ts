@@ -1,0 +1,130 @@
+// `dotgen run` as a child: one run, and the view of it.
+import { spawn, type ChildProcess } from 'node:child_process';
+import { mkdtempSync, rmSync, existsSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { createInterface } from 'node:readline';
+import type { Report, RunState, RunView } from './messages';
+import { Talk } from './talk';
+
+/** Lines of the log that are kept. */
+const LINES = 500;
+
+export interface RunOptions {
+  /** The program. */
+  command: string;
+  env: NodeJS.ProcessEnv;
+  /** A scenario or specification on disk. */
+  file: string;
+  cwd: string;
+  clock: RunView['clock'];
+}
+
+export class Run {
+  private readonly child: ChildProcess;
+  private readonly folder = mkdtempSync(join(tmpdir(), 'dotgen-'));
+  private readonly talk: Talk | undefined;
+  private readonly log: string[] = [];
+  private state: RunState = 'starting';
+  private report: Report | null = null;
+  private said = '';
+
+  constructor(
+    private readonly options: RunOptions,
+    private readonly name: string,
+    /** Something is to be shown anew. */
+    private readonly changed: () => void,
+  ) {
+    const socket = join(this.folder, 'run.sock');
+    this.child = spawn(options.command, [...argumentsOf(options, this.trace, socket)], { cwd: options.cwd, env: options.env, stdio: ['ignore', 'pipe', 'pipe'] });
+    const { stdout, stderr } = this.child;
+    stdout?.setEncoding('utf8').on('data', (text: string) => (this.said += text));
+    if (stderr !== null) createInterface({ input: stderr, crlfDelay: Infinity }).on('line', (line) => this.tell(line));
+    this.child.on('error', (error) => this.finish(error.message));
+    this.child.on('close', (code, signal) => this.finish(code === null ? `ended by ${signal}` : ''));
+    this.child.on('spawn', () => this.state === 'starting' && this.become('running'));
+    if (options.clock === 'real') {
+      this.talk = new Talk(socket, changed);
+    }
+  }
+
+  /** The first run, for the trace viewer. */
+  get trace(): string {
+    return join(this.folder, 'run.json');
+  }
+
+  get isOver(): boolean {
+    return this.state === 'ended' || this.state === 'failed';
+  }
+
+  get view(): RunView {
+    const { talk } = this;
+    return {
+      name: this.name,
+      clock: this.options.clock,
+      state: this.state,
+      report: this.report,
+      hasTrace: this.isOver && existsSync(this.trace),
+      services: talk?.services ?? [],
+      ports: talk?.ports ?? [],
+      log: this.log,
+    };
+  }
+
+  /** Ends the run, which then tells what happened until now. The second time it ends without a word. */
+  stop(): void {
+    if (this.isOver) return;
+    this.child.kill('SIGINT');
+    this.become('stopping');
+  }
+
+  call(service: string, inputs: Record<string, string>): void {
+    this.talk?.call(service, inputs);
+  }
+
+  abort(service: string): void {
+    this.talk?.abort(service);
+  }
+
+  dispose(): void {
+    this.talk?.end();
+    this.child.kill('SIGTERM');
+    rmSync(this.folder, { recursive: true, force: true });
+  }
+
+  private tell(line: string): void {
+    this.log.push(line);
+    if (this.log.length > LINES) this.log.shift();
+    this.changed();
+  }
+
+  private finish(why: string): void {
+    if (this.isOver) return;
+    this.talk?.end();
+    if (why !== '') this.log.push(why);
+    this.report = reportOf(this.said);
+    this.become(this.report === null ? 'failed' : 'ended');
+  }
+
+  private become(state: RunState): void {
+    this.state = state;
+    this.changed();
+  }
+}
+
+/** Of `dotgen run`. */
+export function argumentsOf({ file, clock }: RunOptions, trace: string, socket: string): string[] {
+  // A robot does not wait for a search; what is verified is in the verification panel.
+  const how = clock === 'real' ? ['--clock', 'real', '--bounds', 'analysed', '--socket', socket] : ['--simulate', 'all', '--trace', trace];
+  return ['run', file, ...how, '--format', 'json'];
+}
+
+/** What the program wrote; null if that is no report of one run. */
+export function reportOf(text: string): Report | null {
+  try {
+    const it = JSON.parse(text) as Partial<Report> | null;
+    return Array.isArray(it?.tasks) ? (it as Report) : null;
+  } catch {
+    return null;
+  }
+}

@@ -1,0 +1,147 @@
+// A run, talked to at its socket: docs/socket.md has the protocol.
+import { createConnection, type Socket } from 'node:net';
+import { createInterface } from 'node:readline';
+import type { Input, Port, Service } from './messages';
+
+/** Values of a series that are kept. */
+const KEPT = 120;
+/** Numbers of a port that are plotted. */
+const SERIES = 6;
+const RETRY_MS = 150;
+
+interface Described {
+  name: string;
+  services: { name: string; kind: string; doc: string | null; inputs: Input[] }[];
+  ports: { name: string; direction: string; doc: string | null }[];
+}
+
+interface Told {
+  id: string;
+  event: string;
+  components?: Described[];
+  value?: unknown;
+  output?: unknown;
+  exception?: string;
+  detail?: unknown;
+  message?: string;
+}
+
+export class Talk {
+  readonly services: Service[] = [];
+  readonly ports: Port[] = [];
+  private socket: Socket | undefined;
+  private retry: NodeJS.Timeout | undefined;
+  private ended = false;
+  /** The request of each service that is under way. */
+  private readonly requests = new Map<string, string>();
+  private sent = 0;
+
+  constructor(
+    private readonly path: string,
+    private readonly changed: () => void,
+  ) {
+    this.connect();
+  }
+
+  /** Sends a request. Throws what is wrong with an input, in words. */
+  call(service: string, texts: Record<string, string>): void {
+    const it = this.services.find(({ name }) => name === service);
+    if (it === undefined) return;
+    const input: Record<string, unknown> = {};
+    for (const { name } of it.inputs) {
+      const text = texts[name]?.trim() ?? '';
+      if (text !== '') input[name] = value(text);
+    }
+    const id = `call ${++this.sent}`;
+    this.requests.set(service, id);
+    it.active = it.kind === 'activity';
+    it.answer = 'sent';
+    this.say({ id, call: service, input });
+    this.changed();
+  }
+
+  abort(service: string): void {
+    const id = this.requests.get(service);
+    if (id !== undefined) this.say({ id: `abort ${++this.sent}`, abort: id });
+  }
+
+  end(): void {
+    this.ended = true;
+    clearTimeout(this.retry);
+    this.socket?.destroy();
+    for (const it of this.services) it.active = false;
+  }
+
+  /** The run listens some time after it was started: codels are compiled before. */
+  private connect(): void {
+    const socket = createConnection(this.path);
+    this.socket = socket;
+    socket.on('connect', () => this.say({ id: 'describe', describe: null }));
+    socket.on('error', () => {
+      if (!this.ended) this.retry = setTimeout(() => this.connect(), RETRY_MS);
+    });
+    createInterface({ input: socket, crlfDelay: Infinity }).on('line', (line) => this.hear(JSON.parse(line) as Told)).on('error', () => {});
+  }
+
+  private say(request: unknown): void {
+    this.socket?.write(`${JSON.stringify(request)}\n`);
+  }
+
+  private hear(told: Told): void {
+    if (told.id === 'describe') this.described(told.components ?? []);
+    else if (told.event === 'data') this.data(told);
+    else this.answered(told);
+    this.changed();
+  }
+
+  private described(components: Described[]): void {
+    for (const { name: component, services, ports } of components) {
+      for (const it of services) this.services.push({ ...it, name: `${component}.${it.name}`, answer: '', active: false });
+      for (const { name, doc, direction } of ports) {
+        if (direction !== 'out') continue;
+        const full = `${component}/${name}`;
+        this.ports.push({ name: full, doc, value: '', series: [] });
+        this.say({ id: full, watch: full });
+      }
+    }
+  }
+
+  private data({ id, value }: Told): void {
+    const port = this.ports.find((it) => it.name === id);
+    if (port === undefined) return;
+    port.value = JSON.stringify(value);
+    for (const [name, number] of numbers(value).slice(0, SERIES)) {
+      let series = port.series.find((it) => it.name === name);
+      if (series === undefined) port.series.push((series = { name, values: [] }));
+      series.values.push(number);
+      if (series.values.length > KEPT) series.values.shift();
+    }
+  }
+
+  private answered({ id, event, output, exception, detail, message }: Told): void {
+    const [service] = [...this.requests].find(([, request]) => request === id) ?? [];
+    const it = this.services.find(({ name }) => name === service);
+    if (it === undefined) return;
+    const details = detail === null || detail === undefined ? '' : ` ${JSON.stringify(detail)}`;
+    const empty = output === null || output === undefined || JSON.stringify(output) === '{}';
+    it.answer = { done: empty ? 'done' : `done: ${JSON.stringify(output)}`, failed: `failed: ${exception ?? ''}${details}`, error: message ?? 'not understood' }[event] ?? event;
+    if (event !== 'accepted') it.active = false;
+  }
+}
+
+/** What somebody has typed: JSON, or else a text. */
+export function value(text: string): unknown {
+  try {
+    return JSON.parse(text);
+  } catch {
+    return text;
+  }
+}
+
+/** The numbers in a value, with the members on the way to them. */
+export function numbers(value: unknown, name = ''): [string, number][] {
+  if (typeof value === 'number') return [[name, value]];
+  if (typeof value !== 'object' || value === null) return [];
+  return Object.entries(value).flatMap(([member, it]) => numbers(it, name === '' ? member : `${name}.${member}`));
+}
+

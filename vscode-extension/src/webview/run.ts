@@ -1,0 +1,192 @@
+// The page of a run: draws what it is sent, and tells what is done to it.
+import type { FromPage, Port, Report, RunView, Service, ToPage, Violation } from '../run/messages';
+import { update } from './update';
+
+declare function acquireVsCodeApi(): { postMessage(message: FromPage): void };
+
+const host = acquireVsCodeApi();
+const element = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
+const STATES: Record<RunView['state'], string> = { starting: 'starting …', running: 'running …', stopping: 'stopping …', ended: 'kept', failed: 'could not run' };
+const ENDS: Record<string, string> = { done: '', 'nothing-left': 'nothing was left to happen', standstill: 'time stood still', stopped: 'stopped at a violation', interrupted: 'stopped' };
+
+function node<K extends keyof HTMLElementTagNameMap>(tag: K, content: (Node | string)[] | string = '', className = ''): HTMLElementTagNameMap[K] {
+  const it = document.createElement(tag);
+  it.append(...(typeof content === 'string' ? [content] : content));
+  if (className !== '') it.className = className;
+  return it;
+}
+
+/** A number of a report, to what can be read. */
+const number = (it: number | undefined) => (it === undefined ? '–' : String(Number(it.toPrecision(4))));
+
+/** A column is of numbers where its name begins with `#`. */
+function table(id: string, names: string[], rows: (Node | string)[][]): void {
+  const section = element(id);
+  section.hidden = rows.length === 0;
+  const of = (name: string) => (name.startsWith('#') ? 'number' : '');
+  const head = node('tr', names.map((it) => {
+    const cell = node('th', it.replace('#', ''), of(it));
+    cell.scope = 'col';
+    return cell;
+  }));
+  const all = rows.map((row) => node('tr', row.map((it, i) => node('td', [it], of(names[i] ?? '')))));
+  update(section.querySelector('table') as Element, [node('thead', [head]), node('tbody', all)]);
+}
+
+function list(id: string, lines: string[]): void {
+  const section = element(id);
+  section.hidden = lines.length === 0;
+  update(section.querySelector('ul') as Element, lines.map((it) => node('li', it)));
+}
+
+function violation(it: Violation, { unit, checks }: Report): string {
+  const at = `${number(it.at.time)} ${unit}: `;
+  switch (it.kind) {
+    case 'check': {
+      const check = checks[it.check ?? -1];
+      return at + (check === undefined ? 'a check is violated' : `${check.check} ${check.of} is violated`);
+    }
+    case 'beyond-bound':
+      return `${at}${it.task} took ${number(it.response)} ${unit}, and its proved bound is ${number(it.bound)} ${unit}`;
+    case 'overrun':
+      return `${at}${it.codel} took ${number(it.took)} ${unit}, and its wcet is ${number(it.limit)} ${unit}: what is proved assumes that`;
+    case 'undeclared':
+      return `${at}${it.codel} returned ${it.event ?? 'an event'}, which it does not declare`;
+    case 'lost':
+      return `${at}the process of ${it.component} has ended: ${it.why ?? ''}`;
+    default:
+      return at + it.kind;
+  }
+}
+
+function showHead({ name, clock, state, report, hasTrace }: RunView): void {
+  element('title').textContent = `${clock === 'real' ? 'Run' : 'Simulation'} of ${name}`;
+  const badge = element('state');
+  const violated = (report?.['violation-count'] ?? 0) > 0;
+  const word = violated ? 'violated' : STATES[state];
+  // Screen readers tell every change of a live region, also to the same.
+  if (badge.textContent !== word) badge.textContent = word;
+  badge.className = `state ${violated || state === 'failed' ? 'violated' : state === 'ended' ? 'kept' : 'faint'}`;
+  const facts = report === null ? [] : [`${number(report.time)} ${report.unit}`, ENDS[report.end] ?? report.end, `seed ${report.seed}`];
+  element('facts').textContent = facts.filter((it) => it !== '').join(' · ');
+  const over = state === 'ended' || state === 'failed';
+  element('stop').hidden = over;
+  element('again').hidden = !over;
+  element('trace').hidden = !hasTrace;
+}
+
+function showReport(report: Report | null): void {
+  const unit = report?.unit ?? '';
+  list('violations', (report?.violations ?? []).map((it) => violation(it, report as Report)));
+  table('tasks', ['task', '#jobs', `#mean (${unit})`, `#greatest (${unit})`, `#bound (${unit})`, `#period (${unit})`, '#missed'], (report?.tasks ?? []).map((it) => {
+    const beyond = it.greatest !== undefined && it.bound !== undefined && it.greatest > it.bound;
+    const greatest = node('span', number(it.greatest), beyond ? 'violated' : '');
+    return [it.task, String(it.jobs), number(it.mean), greatest, number(it.bound), number(it.period), node('span', String(it.missed), it.missed > 0 ? 'violated' : '')];
+  }));
+  table('checks', ['check', 'of', 'verdict', `#greatest (${unit})`, `#limit (${unit})`], (report?.checks ?? []).map((it) => [
+    it.name === undefined ? it.check : `${it.name}: ${it.check}`,
+    it.of,
+    node('span', it.verdict, it.verdict === 'violated' ? 'violated' : ''),
+    number(it.greatest),
+    number(it.limit),
+  ]));
+  table('requests', ['service', '#requests', '#refused', '#ended'], (report?.services ?? []).map((it) => [it.service, String(it.requests), String(it.refused), String(it.ended)]));
+  table('machines', ['machine', 'from', 'to', '#taken'], (report?.machines ?? []).flatMap(({ machine, transitions }) =>
+    transitions.map((it) => [machine, it.from, it.to, it.taken === 0 ? node('span', 'never', 'faint') : String(it.taken)]),
+  ));
+  list('assumptions', [...(report?.assumptions ?? []), ...(report?.notes ?? [])]);
+}
+
+/** What is typed into a form stays, so a form is made once; only its answer changes. */
+function showServices(services: Service[], over: boolean): void {
+  const section = element('services');
+  section.hidden = services.length === 0;
+  const all = section.querySelector('.all') as Element;
+  const names = services.map((it) => it.name).join(' ');
+  if (section.dataset['names'] !== names) {
+    section.dataset['names'] = names;
+    all.replaceChildren(...services.map(form));
+  }
+  services.forEach((it, i) => {
+    const made = all.children[i];
+    const answer = made?.querySelector('.answer');
+    if (answer && answer.textContent !== it.answer) answer.textContent = it.answer;
+    const [send, abort] = made?.querySelectorAll('button') ?? [];
+    if (send !== undefined) send.disabled = over;
+    if (abort !== undefined) abort.hidden = over || !it.active;
+  });
+}
+
+function form({ name, doc, inputs }: Service): HTMLElement {
+  const send = node('button', 'Send');
+  send.setAttribute('aria-label', `Send ${name}`);
+  const abort = node('button', 'Interrupt');
+  abort.type = 'button';
+  abort.hidden = true;
+  abort.setAttribute('aria-label', `Interrupt ${name}`);
+  abort.addEventListener('click', () => host.postMessage({ type: 'abort', service: name }));
+  const fields = inputs.map((it) => {
+    const field = node('input');
+    field.type = 'text';
+    field.name = it.name;
+    field.placeholder = it.default === undefined ? 'zero' : JSON.stringify(it.default);
+    field.title = 'A value as JSON; its default if nothing is written';
+    return node('label', [it.name, field]);
+  });
+  const answer = node('span', '', 'answer');
+  answer.setAttribute('role', 'status');
+  const made = node('form', [node('span', name, 'name'), ...fields, send, abort, answer]);
+  made.setAttribute('aria-label', name);
+  if (doc) made.append(node('span', doc, 'doc'));
+  made.addEventListener('submit', (event) => {
+    event.preventDefault();
+    const texts = [...made.querySelectorAll('input')].map((it) => [it.name, it.value]);
+    host.postMessage({ type: 'call', service: name, inputs: Object.fromEntries(texts) });
+  });
+  return made;
+}
+
+function plot(values: number[], name: string): Node {
+  const svg = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
+  const [least, greatest] = [Math.min(...values), Math.max(...values)];
+  const height = greatest - least || 1;
+  const line = document.createElementNS('http://www.w3.org/2000/svg', 'polyline');
+  line.setAttribute('points', values.map((it, i) => `${(i * 120) / Math.max(1, values.length - 1)},${25 - ((it - least) / height) * 24}`).join(' '));
+  svg.setAttribute('viewBox', '0 0 120 26');
+  svg.setAttribute('role', 'img');
+  svg.setAttribute('aria-label', `${name} from ${number(least)} to ${number(greatest)}, now ${number(values.at(-1))}`);
+  svg.append(line);
+  return node('span', [node('span', name, 'faint'), svg as unknown as Node], 'plot');
+}
+
+function showPorts(ports: Port[]): void {
+  const section = element('ports');
+  section.hidden = ports.length === 0;
+  const all = ports.map(({ name, doc, value, series }) => {
+    const title = node('code', name);
+    if (doc) title.title = doc;
+    return node('div', [title, node('span', value === '' ? 'nothing yet' : value, value === '' ? 'faint' : 'value'), ...series.map((it) => plot(it.values, it.name))], 'port');
+  });
+  update(section.querySelector('.all') as Element, all);
+}
+
+function showLog(lines: string[]): void {
+  element('told').hidden = lines.length === 0;
+  const log = element('log');
+  const text = lines.join('\n');
+  if (log.textContent === text) return;
+  const atEnd = log.scrollTop + log.clientHeight >= log.scrollHeight - 4;
+  log.textContent = text;
+  if (atEnd) log.scrollTop = log.scrollHeight;
+}
+
+for (const type of ['stop', 'again', 'trace'] as const) element(type).addEventListener('click', () => host.postMessage({ type }));
+window.addEventListener('message', ({ data }: MessageEvent<ToPage>) => {
+  const { view } = data;
+  showHead(view);
+  showReport(view.report);
+  showServices(view.services, view.state === 'ended' || view.state === 'failed');
+  showPorts(view.ports);
+  showLog(view.log);
+});
+host.postMessage({ type: 'ready' });
