@@ -377,6 +377,7 @@ fn pages() -> Result<Outcome> {
         "webview/trace.test.mjs",
         "webview/diagram.test.mjs",
         "webview/verification.test.mjs",
+        "webview/run.test.mjs",
     ];
     let arguments = [&["--test", "--test-reporter=tap"], &pages[..]].concat();
     let mut outcome = Outcome::default();

@@ -1,0 +1,44 @@
+// A scenario is simulated and run where it is written.
+import assert from 'node:assert/strict';
+
+export const workspace = 'pump';
+export const settings = { 'workbench.colorTheme': 'Default Dark Modern' };
+
+export function checks(wb) {
+  const { page } = wb;
+  const frame = page.frameLocator('iframe.webview.ready').first().frameLocator('iframe#active-frame');
+  const state = (word) => frame.locator('#state', { hasText: word });
+
+  const more = [
+    ['a scenario is simulated: tasks are beside their bounds', async () => {
+      await wb.open('pump.scn');
+      await wb.statusItem.locator('.codicon-check').waitFor();
+      await wb.command('dotgen: Simulate');
+      await state('kept').waitFor();
+      const tasks = frame.locator('#tasks tbody tr');
+      assert.deepEqual((await tasks.locator('td:first-child').allInnerTexts()), ['pump.control', 'pump.report']);
+      const [greatest, bound] = (await tasks.first().locator('td.number').allInnerTexts()).slice(2, 4).map(Number);
+      assert.ok(greatest <= bound, `${greatest} ${bound}`);
+      await wb.shot('90-simulation.png');
+    }],
+    ['its first run is stepped through', async () => {
+      await frame.locator('#trace').click();
+      await page.locator('.part.panel', { hasText: 'Trace' }).waitFor();
+      await wb.shot('91-simulation-trace.png');
+    }],
+    ['on the real clock, a service is asked by its form, and the run is stopped', async () => {
+      await wb.open('pump.scn');
+      await wb.command('dotgen: Run');
+      const form = frame.getByRole('form', { name: 'pump.fill' });
+      await form.waitFor();
+      await form.getByLabel('height').fill('2');
+      await form.getByRole('button', { name: 'Send pump.fill' }).click();
+      await form.locator('.answer', { hasText: 'done' }).waitFor();
+      await wb.shot('92-run.png');
+      await frame.locator('#stop').click();
+      await frame.locator('#facts', { hasText: 'stopped' }).waitFor();
+      await wb.shot('93-stopped.png');
+    }],
+  ];
+  return { more };
+}

@@ -1,0 +1,90 @@
+// The page of runs in Chromium: what it shows, what is typed into it, what screen readers are told, what the keyboard reaches.
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { opener, THEMES, violations } from './page.mjs';
+
+let pages;
+before(async () => (pages = await opener('src/run/page.ts', 'src/webview/run.ts')));
+after(() => pages.close());
+
+const report = {
+  scenario: 'tank', unit: 'ms', seed: 7, time: 10_000, end: 'done',
+  tasks: [{ task: 'pump.control', jobs: 999, greatest: 9, mean: 2.111611612, bound: 8, period: 10, missed: 0 }, { task: 'pump.listen', jobs: 0, missed: 0 }],
+  services: [{ service: 'pump.fill', requests: 1, refused: 0, ended: 1 }],
+  machines: [{ machine: 'pump.fill', transitions: [{ from: 'start', to: 'wait', taken: 1 }, { from: 'wait', to: 'ether', taken: 0 }] }],
+  checks: [{ name: 'control', check: 'response', of: 'pump.control', verdict: 'violated', greatest: 9, limit: 8.5, at: { time: 20 }, violations: 1 }],
+  violations: [{ at: { time: 20 }, kind: 'check', check: 0 }, { at: { time: 30.5 }, kind: 'overrun', codel: 'pump.control.main', took: 5, limit: 3 }],
+  'violation-count': 2, assumptions: ['cores: 1'], notes: ['a note'],
+};
+const service = { name: 'pump.fill', kind: 'activity', doc: 'Pumps.', inputs: [{ name: 'height', default: 1 }, { name: 'how' }], answer: '', active: false };
+const port = { name: 'pump/level', doc: 'of the tank', value: '{"z":3}', series: [{ name: 'z', values: [1, 2, 3] }] };
+const view = (more) => ({ type: 'run', view: { name: 'pump.scn', clock: 'real', state: 'running', report: null, hasTrace: false, services: [service], ports: [port], log: ['note: one', 'two'], ...more } });
+const ended = view({ state: 'ended', report, hasTrace: true, clock: 'virtual' });
+
+for (const theme of Object.keys(THEMES)) {
+  test(`names and roles for screen readers: ${theme}`, async () => {
+    const it = await pages.open({ theme, width: 700, height: 1000 });
+    assert.deepEqual(await violations(it.page), [], 'empty');
+    await it.send(view({}));
+    assert.deepEqual(await violations(it.page), [], 'running');
+    await it.send(ended);
+    for (const closed of await it.page.locator('details').all()) await closed.evaluate((details) => (details.open = true));
+    assert.deepEqual(await violations(it.page), [], 'ended');
+    assert.deepEqual(it.errors, []);
+    if (process.env.SHOTS) await it.page.screenshot({ path: `${process.env.SHOTS}/run-${theme}.png`, fullPage: true });
+    await it.page.close();
+  });
+}
+
+test('what runs is told: violations by name, times beside their bounds, transitions never taken', async () => {
+  const it = await pages.open({ width: 700, height: 1000 });
+  await it.send(ended);
+  assert.equal(await it.page.locator('#state').innerText(), 'violated');
+  assert.deepEqual(await it.page.locator('#violations li').allInnerTexts(), [
+    '20 ms: response pump.control is violated',
+    '30.5 ms: pump.control.main took 5 ms, and its wcet is 3 ms: what is proved assumes that',
+  ]);
+  assert.deepEqual(await it.page.locator('#tasks tbody tr').first().locator('td').allInnerTexts(), ['pump.control', '999', '2.112', '9', '8', '10', '0']);
+  assert.equal(await it.page.locator('#tasks .violated').innerText(), '9');
+  await it.page.locator('#machines summary').click();
+  assert.equal(await it.page.locator('#machines .faint').innerText(), 'never');
+  for (const name of ['trace', 'again']) await it.page.locator(`#${name}`).click();
+  assert.deepEqual((await it.said()).slice(-2), [{ type: 'trace' }, { type: 'again' }]);
+  await it.page.close();
+});
+
+test('what is typed into a form stays while values come, and is sent', async () => {
+  const it = await pages.open({ width: 700, height: 700 });
+  await it.send(view({}));
+  const field = it.page.getByLabel('height');
+  await field.fill('2.5');
+  await it.send(view({ ports: [{ ...port, value: '{"z":9}', series: [{ name: 'z', values: [1, 2, 3, 9] }] }] }));
+  assert.equal(await field.inputValue(), '2.5');
+  assert.equal(await it.page.locator('.port svg').getAttribute('aria-label'), 'z from 1 to 9, now 9');
+  await field.press('Enter');
+  assert.deepEqual((await it.said()).at(-1), { type: 'call', service: 'pump.fill', inputs: { height: '2.5', how: '' } });
+  await it.send(view({ services: [{ ...service, answer: 'accepted', active: true }] }));
+  assert.equal(await it.page.locator('.answer').innerText(), 'accepted');
+  await it.page.getByRole('button', { name: 'Interrupt pump.fill' }).click();
+  assert.deepEqual((await it.said()).at(-1), { type: 'abort', service: 'pump.fill' });
+  await it.page.locator('#stop').click();
+  assert.deepEqual((await it.said()).at(-1), { type: 'stop' });
+  await it.send(view({ state: 'ended', report }));
+  assert.equal(await it.page.getByRole('button', { name: 'Send pump.fill' }).isDisabled(), true);
+  await it.page.close();
+});
+
+test('the keyboard alone reaches everything that can be pressed', async () => {
+  const it = await pages.open({ width: 700, height: 900 });
+  await it.send(view({ services: [{ ...service, active: true }], report, hasTrace: true }));
+  const pressed = ':is(button, input, summary, #log):visible';
+  const count = await it.page.locator(pressed).evaluateAll((all) => all.map((one, number) => one.setAttribute('data-test', number)).length);
+  assert.ok(count >= 8, String(count));
+  const seen = new Set();
+  for (let i = 0; i < count + 6; i++) {
+    await it.page.keyboard.press('Tab');
+    seen.add(await it.page.evaluate(() => document.activeElement?.getAttribute('data-test')));
+  }
+  for (let i = 0; i < count; i++) assert.ok(seen.has(String(i)), `${i} is not reached`);
+  await it.page.close();
+});
