@@ -78,12 +78,14 @@ function showHead({ name, clock, state, report, hasTrace }: RunView): void {
 function showReport(report: Report | null): void {
   const unit = report?.unit ?? '';
   list('violations', (report?.violations ?? []).map((it) => violation(it, report as Report)));
-  table('tasks', ['task', '#jobs', `#mean (${unit})`, `#greatest (${unit})`, `#bound (${unit})`, `#period (${unit})`, '#missed'], (report?.tasks ?? []).map((it) => {
+  // The unit once, over all of its columns.
+  for (const [id, title] of [['tasks', 'Tasks'], ['checks', 'Checks']] as const) (element(id).querySelector('h2') as Element).textContent = `${title}, times in ${unit}`;
+  table('tasks', ['task', '#jobs', '#mean', '#greatest', '#bound', '#period', '#missed'], (report?.tasks ?? []).map((it) => {
     const beyond = it.greatest !== undefined && it.bound !== undefined && it.greatest > it.bound;
     const greatest = node('span', number(it.greatest), beyond ? 'violated' : '');
     return [it.task, String(it.jobs), number(it.mean), greatest, number(it.bound), number(it.period), node('span', String(it.missed), it.missed > 0 ? 'violated' : '')];
   }));
-  table('checks', ['check', 'of', 'verdict', `#greatest (${unit})`, `#limit (${unit})`], (report?.checks ?? []).map((it) => [
+  table('checks', ['check', 'of', 'verdict', '#greatest', '#limit'], (report?.checks ?? []).map((it) => [
     it.name === undefined ? it.check : `${it.name}: ${it.check}`,
     it.of,
     node('span', it.verdict, it.verdict === 'violated' ? 'violated' : ''),
