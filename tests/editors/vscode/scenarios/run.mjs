@@ -26,7 +26,20 @@ export function checks(wb) {
       await page.locator('.part.panel', { hasText: 'Trace' }).waitFor();
       await wb.shot('91-simulation-trace.png');
     }],
+    ['a time is broken, and the run violates what was proved', async () => {
+      // Beside the panel, not over it.
+      await wb.command('View: Focus First Editor Group');
+      await wb.open('pump.gen');
+      await wb.endOf('pump.gen', 'yield pause::start wcet');
+      for (let i = 0; i < '4 ms;'.length; i++) await page.keyboard.press('Backspace');
+      await wb.type('9 ms;');
+      await frame.locator('#again').click();
+      await state('violated').waitFor();
+      await frame.locator('#violations li', { hasText: 'schedulable pump.control is violated' }).first().waitFor();
+      await wb.shot('94-violated.png');
+    }],
     ['on the real clock, a service is asked by its form, and the run is stopped', async () => {
+      await wb.command('View: Focus First Editor Group');
       await wb.open('pump.scn');
       await wb.command('dotgen: Run');
       const form = frame.getByRole('form', { name: 'pump.fill' });
