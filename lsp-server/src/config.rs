@@ -57,6 +57,8 @@ pub struct Config {
     pub inlay_hints: InlayConfig,
     /// Which code lenses are shown.
     pub code_lens: LensConfig,
+    /// Whether lenses run components and scenarios.
+    pub run_lenses: bool,
     /// Verification of open documents.
     pub verification: Verification,
     /// The style of the formatter.
@@ -110,6 +112,7 @@ impl Config {
             severity: settings.severity.clone(),
             inlay_hints: settings.inlay_config(),
             code_lens: settings.lens_config(),
+            run_lenses: settings.run_lenses(),
             connections: connections(settings),
             verification: settings.verification.clone(),
             lints: settings.timing.lints(),

@@ -15,6 +15,7 @@ mod lifecycle;
 mod ordering;
 mod pictures;
 mod random;
+mod runs;
 mod scenario;
 mod system;
 mod templates;

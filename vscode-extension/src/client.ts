@@ -192,7 +192,7 @@ export class Server implements vscode.Disposable {
       // A request that fails is in the output; what the user has to know is told by the server, or below.
       revealOutputChannelOn: RevealOutputChannelOn.Never,
       stdioOptions: { stdout: forwardLog, stderr: forwardLog },
-      initializationOptions: (): InitializationOptions => ({ trusted: vscode.workspace.isTrusted, hoverImages: true, verificationStatus: true, documentText: true }),
+      initializationOptions: (): InitializationOptions => ({ trusted: vscode.workspace.isTrusted, hoverImages: true, verificationStatus: true, documentText: true, runs: vscode.workspace.isTrusted }),
       initializationFailedHandler: (error) => {
         this.startError = text(error);
         return false;

@@ -12,7 +12,8 @@ export interface InitializationOptions {
   hoverImages: boolean;
   /** Notifications about verifications are wanted, and the command that shows one exists. */
   verificationStatus: boolean;
-  /** The client executes `dotgen.toggleInlineDiagram`. */
+  /** The client executes `dotgen.run` and `dotgen.simulate`. */
+  runs: boolean;
   /** The client answers `dotgen/documentText`. */
   documentText: boolean;
 }

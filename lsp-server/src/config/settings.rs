@@ -94,6 +94,10 @@ pub struct Settings {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]
     pub code_lens_codels: Option<bool>,
+    /// Show what runs a component or a scenario above its name, in editors that can; on by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("default" = true))]
+    pub code_lens_runs: Option<bool>,
     /// Show the types of names that another component or interface declares.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = true))]

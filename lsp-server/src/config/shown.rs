@@ -5,29 +5,31 @@ use dotgen_analysis::ide::{InlayConfig, InlayTypes, LensConfig};
 use super::Settings;
 
 impl Settings {
-    pub(super) fn code_lenses(&self) -> [Option<bool>; 5] {
+    pub(super) fn code_lenses(&self) -> [Option<bool>; 6] {
         [
             self.code_lens,
             self.code_lens_verdicts,
             self.code_lens_state_machines,
             self.code_lens_accesses,
             self.code_lens_codels,
+            self.code_lens_runs,
         ]
     }
 
-    pub(super) fn code_lenses_mut(&mut self) -> [&mut Option<bool>; 5] {
+    pub(super) fn code_lenses_mut(&mut self) -> [&mut Option<bool>; 6] {
         [
             &mut self.code_lens,
             &mut self.code_lens_verdicts,
             &mut self.code_lens_state_machines,
             &mut self.code_lens_accesses,
             &mut self.code_lens_codels,
+            &mut self.code_lens_runs,
         ]
     }
 
     /// The lenses to show: all, unless switched off.
     pub fn lens_config(&self) -> LensConfig {
-        let [any, verdicts, machines, accesses, codels] =
+        let [any, verdicts, machines, accesses, codels, _] =
             self.code_lenses().map(|it| it.unwrap_or(true));
         LensConfig {
             verdicts: any && verdicts,
@@ -35,6 +37,11 @@ impl Settings {
             accesses: any && accesses,
             codels: any && codels,
         }
+    }
+
+    /// Whether lenses that run something are shown, as the others are.
+    pub fn run_lenses(&self) -> bool {
+        self.code_lens.unwrap_or(true) && self.code_lens_runs.unwrap_or(true)
     }
 
     pub(super) fn inlay_hints(&self) -> [Option<bool>; 6] {

@@ -6,6 +6,10 @@ pub(crate) const SHOW_DIAGRAM: &str = "dotgen.showDiagram";
 pub(crate) const SHOW_REFERENCES: &str = "dotgen.showReferences";
 /// Client command that shows a verification; argument `{ uri, check }`.
 pub(crate) const SHOW_VERIFICATION: &str = "dotgen.showVerification";
+/// Client command that runs a document on the virtual clock, without its codels; argument `{ uri }`.
+pub(crate) const SIMULATE: &str = "dotgen.simulate";
+/// Client command that runs a document on the real clock, with its codels; argument `{ uri }`.
+pub(crate) const RUN: &str = "dotgen.run";
 /// Command of the server: shows where a codel is declared, or its function. Argument: a location.
 pub(crate) const SHOW_CODEL: &str = "dotgen.showCodel";
 /// Server command: a picture as Mermaid. Argument: as for `dotgen/diagram`.

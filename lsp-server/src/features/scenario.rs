@@ -51,7 +51,7 @@ impl Language for Scenario {
         prepare_rename: TextDocumentPositionParams => Refusable<PrepareRenameResponse> = prepare_rename;
         rename: RenameParams => Refusable<WorkspaceEdit> = rename;
         format: DocumentFormattingParams => Option<Vec<TextEdit>> = format;
-        lenses: CodeLensParams => Option<Vec<CodeLens>> = super::verification::scenario_lenses;
+        lenses: CodeLensParams => Option<Vec<CodeLens>> = super::runs::scenario_lenses;
         // What the text alone tells.
         selections: SelectionRangeParams => Option<Vec<SelectionRange>> = selection_range::handle;
         links: DocumentLinkParams => Option<Vec<DocumentLink>> = document_link::handle;

@@ -40,6 +40,8 @@ pub struct ClientCaps {
     pub hover_images: bool,
     /// Wants to be told where verifications stand (`initializationOptions.verificationStatus`).
     pub verification_status: bool,
+    /// Runs components: executes `dotgen.run` and `dotgen.simulate` (`initializationOptions.runs`).
+    pub runs: bool,
     /// `CodeAction` literals.
     pub code_action_literals: bool,
     /// Versioned document changes in workspace edits.
@@ -135,6 +137,7 @@ impl ClientCaps {
             document_text: flag(raw, "/initializationOptions/documentText"),
             hover_images: flag(raw, "/initializationOptions/hoverImages"),
             verification_status: flag(raw, "/initializationOptions/verificationStatus"),
+            runs: flag(raw, "/initializationOptions/runs"),
             code_action_literals: text
                 .code_action
                 .is_some_and(|it| it.code_action_literal_support.is_some()),

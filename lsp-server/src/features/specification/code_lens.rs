@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use crate::features::commands::{SHOW_DIAGRAM, SHOW_REFERENCES};
-use crate::features::verification;
+use crate::features::{runs, verification};
 use crate::protocol::types::*;
 use crate::workspace::snapshot::{Snapshot, Subject};
 
@@ -45,8 +45,8 @@ pub(crate) fn handle(
             "version": subject.version,
         })),
     });
-    let verdicts = verdicts.into_iter().map(|it| it.1);
-    Ok(Some(convert.chain(verdicts).collect()))
+    let ready = runs::lenses(snapshot, subject)?.into_iter().chain(verdicts);
+    Ok(Some(convert.chain(ready.map(|it| it.1)).collect()))
 }
 
 /// Adds to a lens what it says and does.

@@ -1,0 +1,90 @@
+//! Lenses that run what is written: over the components of a specification, and over a scenario. The client runs it.
+
+use std::ops::Range;
+
+use camino::Utf8Path;
+use dotgen_analysis::host::Cancellable;
+use dotgen_analysis::ide::SymbolKind;
+use dotgen_timing::scn;
+use serde_json::json;
+
+use crate::features::commands::{RUN, SIMULATE};
+use crate::protocol::types::{CodeLens, CodeLensParams, Command};
+use crate::workspace::snapshot::{Snapshot, Subject};
+
+/// `Simulate` and `Run` over every component, with the place of its name; nothing for clients that do not run components.
+pub(crate) fn lenses(
+    snapshot: &Snapshot,
+    subject: &Subject,
+) -> Cancellable<Vec<(usize, CodeLens)>> {
+    if !offered(snapshot) {
+        return Ok(Vec::new());
+    }
+    let mut names: Vec<Range<usize>> = Vec::new();
+    let mut open = snapshot.analysis.document_symbols(&subject.path)?;
+    // Components may be in modules.
+    while let Some(it) = open.pop() {
+        match it.kind {
+            SymbolKind::Component => names.push(it.selection_range),
+            SymbolKind::Module => open.extend(it.children),
+            _ => {}
+        }
+    }
+    names.sort_by_key(|it| it.start);
+    over(snapshot, subject, names)
+}
+
+/// The verdicts of a scenario, after what runs it.
+pub(crate) fn scenario_lenses(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    params: &CodeLensParams,
+) -> Cancellable<Option<Vec<CodeLens>>> {
+    let verdicts = super::verification::scenario_lenses(snapshot, subject, params)?;
+    if !offered(snapshot) {
+        return Ok(verdicts);
+    }
+    let names = name_of(snapshot, &subject.path)?.into_iter().collect();
+    let runs = over(snapshot, subject, names)?;
+    let runs = runs.into_iter().map(|it| it.1);
+    Ok(Some(verdicts.into_iter().flatten().chain(runs).collect()))
+}
+
+fn offered(snapshot: &Snapshot) -> bool {
+    snapshot.client.runs && snapshot.config.run_lenses
+}
+
+/// Where the name of a scenario is, if it has one.
+fn name_of(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Option<Range<usize>>> {
+    let Some(text) = snapshot.analysis.text(path)? else {
+        return Ok(None);
+    };
+    let name = scn::parse(&text).scenario.name_range;
+    Ok((!name.is_empty()).then_some(name))
+}
+
+fn over(
+    snapshot: &Snapshot,
+    subject: &Subject,
+    names: Vec<Range<usize>>,
+) -> Cancellable<Vec<(usize, CodeLens)>> {
+    let Some(lines) = snapshot.lines(&subject.path)? else {
+        return Ok(Vec::new());
+    };
+    let lens = |range: &Range<usize>, title: &str, command: &str| CodeLens {
+        range: lines.range(range),
+        command: Some(Command::new(
+            title.to_owned(),
+            command.to_owned(),
+            Some(vec![json!({ "uri": subject.uri })]),
+        )),
+        data: None,
+    };
+    Ok(names
+        .iter()
+        .flat_map(|it| {
+            let both = [("Simulate", SIMULATE), ("Run", RUN)];
+            both.map(|(title, command)| (it.start, lens(it, title, command)))
+        })
+        .collect())
+}
