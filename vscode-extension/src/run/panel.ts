@@ -3,12 +3,12 @@ import { dirname } from 'node:path';
 import * as vscode from 'vscode';
 import type { Server } from '../client';
 import { notRunning } from '../commands/server';
-import { serverSettings } from '../config';
+import { explicitSettings, serverSettings } from '../config';
 import { SidePanel } from '../panel/panel';
 import { LANGUAGE, SCENARIO } from '../protocol';
 import type { FromPage, RunView, ToPage } from './messages';
 import { page } from './page';
-import { Run } from './process';
+import { Run, type Reading } from './process';
 
 /** A port may be written a thousand times a second; nobody sees that. */
 const SHOWN_EVERY_MS = 150;
@@ -66,7 +66,8 @@ export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
     this.subject = { uri, clock };
     const cwd = vscode.workspace.getWorkspaceFolder(file)?.uri.fsPath ?? dirname(file.fsPath);
     const env = { ...process.env, ...serverSettings().extraEnv };
-    this.run = new Run({ command: info.path, env, file: file.fsPath, cwd, clock }, vscode.workspace.asRelativePath(file), () => this.soon());
+    const reading: Reading = explicitSettings(['includePaths', 'defines', 'release'], file);
+    this.run = new Run({ command: info.path, env, file: file.fsPath, cwd, clock, reading }, vscode.workspace.asRelativePath(file), () => this.soon());
     this.open();
     if (this.panel !== undefined) this.panel.title = clock === 'real' ? 'Run' : 'Simulation';
     await this.update();

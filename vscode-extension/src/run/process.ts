@@ -2,7 +2,7 @@
 import { spawn, type ChildProcess } from 'node:child_process';
 import { mkdtempSync, rmSync, existsSync } from 'node:fs';
 import { tmpdir } from 'node:os';
-import { join } from 'node:path';
+import { isAbsolute, join } from 'node:path';
 import { createInterface } from 'node:readline';
 import type { Report, RunState, RunView } from './messages';
 import { Talk } from './talk';
@@ -18,6 +18,15 @@ export interface RunOptions {
   file: string;
   cwd: string;
   clock: RunView['clock'];
+  /** How specifications are read, where the editor is set to something. */
+  reading?: Reading;
+}
+
+/** Settings of the editor that decide how a specification is read; `dotgen run` finds those of dotgen.toml itself. */
+export interface Reading {
+  includePaths?: string[];
+  defines?: Record<string, boolean | number | string>;
+  release?: string;
 }
 
 export class Run {
@@ -113,10 +122,14 @@ export class Run {
 }
 
 /** Of `dotgen run`. */
-export function argumentsOf({ file, clock }: RunOptions, trace: string, socket: string): string[] {
+export function argumentsOf({ file, clock, cwd, reading = {} }: RunOptions, trace: string, socket: string): string[] {
   // A robot does not wait for a search; what is verified is in the verification panel.
   const how = clock === 'real' ? ['--clock', 'real', '--bounds', 'analysed', '--socket', socket] : ['--simulate', 'all', '--trace', trace];
-  return ['run', file, ...how, '--format', 'json'];
+  const { includePaths = [], defines = {}, release = '' } = reading;
+  const include = includePaths.flatMap((it) => ['-I', isAbsolute(it) ? it : join(cwd, it)]);
+  const defined = Object.entries(defines).filter(([, body]) => body !== false);
+  const define = defined.flatMap(([name, body]) => ['-D', body === true ? name : `${name}=${body}`]);
+  return ['run', file, ...how, ...include, ...define, ...(release === '' ? [] : ['--release', release]), '--format', 'json'];
 }
 
 /** What the program wrote; null if that is no report of one run. */

@@ -24,6 +24,13 @@ require('node:net').createServer((it) => {
 }).listen(at);
 `;
 
+test('specifications are read as in the editor', () => {
+  const reading = { includePaths: ['idl', '/opt/idl'], defines: { SIM: true, OLD: false, N: 3 }, release: '2.99.39' };
+  const options: RunOptions = { command: 'dotgen', env: {}, file: '/r/a.gen', cwd: '/r', clock: 'virtual', reading };
+  const given = argumentsOf(options, '/t/run.json', '').join(' ');
+  assert.match(given, / -I \/r\/idl -I \/opt\/idl -D SIM -D N=3 --release 2\.99\.39 /);
+});
+
 /** Waits until something is shown. */
 async function shown(changes: { next: () => Promise<void> }, holds: () => boolean): Promise<void> {
   while (!holds()) await changes.next();
