@@ -80,7 +80,11 @@ export class Talk {
     socket.on('error', () => {
       if (!this.ended) this.retry = setTimeout(() => this.connect(), RETRY_MS);
     });
-    createInterface({ input: socket, crlfDelay: Infinity }).on('line', (line) => this.hear(JSON.parse(line) as Told)).on('error', () => {});
+    const heard = (line: string): void => {
+      const told = parsed(line);
+      if (told !== undefined) this.hear(told);
+    };
+    createInterface({ input: socket, crlfDelay: Infinity }).on('line', heard).on('error', () => {});
   }
 
   private say(request: unknown): void {
@@ -127,6 +131,12 @@ export class Talk {
     it.answer = { done: empty ? 'done' : `done: ${JSON.stringify(output)}`, failed: `failed: ${exception ?? ''}${details}`, error: message ?? 'not understood' }[event] ?? event;
     if (event !== 'accepted') it.active = false;
   }
+}
+
+/** A line of the socket. Half of one comes where the run is killed while it writes. */
+function parsed(line: string): Told | undefined {
+  const it = value(line);
+  return typeof it === 'object' && it !== null ? (it as Told) : undefined;
 }
 
 /** What somebody has typed: JSON, or else a text. */

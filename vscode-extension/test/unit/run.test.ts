@@ -15,6 +15,7 @@ const report = () => { console.log(JSON.stringify({ scenario: 'tank', tasks: [],
 process.on('SIGINT', report);
 require('node:net').createServer((it) => {
   const say = (told) => it.write(JSON.stringify(told) + '\\n');
+  it.write('{"id": "half\\n');
   require('node:readline').createInterface({ input: it }).on('line', (line) => {
     const { id, describe, watch, call, input, abort } = JSON.parse(line);
     if (describe === null) say({ id, event: 'description', components: [{ name: 'pump', services: [{ name: 'fill', kind: 'activity', doc: 'Pumps.', inputs: [{ name: 'height', default: 1 }], outputs: [] }], ports: [{ name: 'level', direction: 'out', doc: null }, { name: 'flow', direction: 'in', doc: null }] }] });
