@@ -331,20 +331,24 @@ async fn write(
     tokio::pin!(output);
     let mut open = true;
     loop {
-        let message = tokio::select! {
-            answer = answers.recv() => match answer {
-                Some(answer) => answer,
-                None => break,
-            },
-            request = requests.next(), if open => match request {
-                Some(request) => json!(request),
-                None => {
-                    open = false;
-                    continue;
+        tokio::select! {
+            answer = answers.recv() => {
+                let Some(answer) = answer else { break };
+                // Parts of an answer (`$/progress`) are handed over before the answer is, but come another way. The
+                // client drops parts that arrive after their answer, so what has been handed over goes first.
+                let mut earlier = Vec::new();
+                while let Some(Some(request)) = requests.next().now_or_never() {
+                    earlier.push(json!(request));
                 }
+                for message in earlier.into_iter().chain([answer]) {
+                    send(output.as_mut(), message, &spelling).await?;
+                }
+            }
+            request = requests.next(), if open => match request {
+                Some(request) => send(output.as_mut(), json!(request), &spelling).await?,
+                None => open = false,
             },
-        };
-        send(output.as_mut(), message, &spelling).await?;
+        }
     }
     while open && let Some(Some(request)) = requests.next().now_or_never() {
         send(output.as_mut(), json!(request), &spelling).await?;
@@ -369,4 +373,35 @@ async fn send(
 
 fn lock(spelling: &Mutex<Spelling>) -> std::sync::MutexGuard<'_, Spelling> {
     spelling.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A client drops a part of an answer that comes after the answer.
+    #[tokio::test]
+    async fn what_was_handed_over_before_an_answer_is_sent_before_it() {
+        let parts = (0..32).map(|part| Request::build("$/progress").params(json!(part)).finish());
+        let (answers, outgoing) = unbounded_channel();
+        answers
+            .send(json!({ "jsonrpc": "2.0", "id": 1, "result": [] }))
+            .unwrap();
+        drop(answers);
+        let mut output = Vec::new();
+        let parts = futures_util::stream::iter(parts);
+        write(&mut output, outgoing, parts, Arc::default())
+            .await
+            .unwrap();
+
+        let mut frames = Frames::default();
+        frames.push(&output);
+        let mut order = Vec::new();
+        while let Some(Frame::Body(body)) = frames.next() {
+            order.push(message::parse(&body).unwrap().value["method"].clone());
+        }
+        let mut expected = vec![json!("$/progress"); 32];
+        expected.push(Value::Null);
+        assert_eq!(order, expected);
+    }
 }
