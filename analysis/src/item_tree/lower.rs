@@ -76,6 +76,7 @@ pub fn lower(parse: &Parse, fragment: Fragment, raw: &RawTokens, pre: &Preproces
     lower.items(root.items(), Some(fragment), true, &mut items);
     let end = lower.directives.len();
     lower.stray_pragmas(end, true, &mut items);
+    lower.ranges.ranges.shrink_to_fit();
     let misplaced = std::iter::zip(&lower.placed, &pre.includes)
         .filter(|(placed, _)| !**placed)
         .map(|(_, include)| include.range)
@@ -87,6 +88,17 @@ pub fn lower(parse: &Parse, fragment: Fragment, raw: &RawTokens, pre: &Preproces
         misplaced,
     }
 }
+
+/// Lists without room for more: item trees of all files are kept, and most of their lists have one or two elements.
+trait Tight: Iterator + Sized {
+    fn tight(self) -> Vec<Self::Item> {
+        let mut all: Vec<Self::Item> = self.collect();
+        all.shrink_to_fit();
+        all
+    }
+}
+
+impl<I: Iterator> Tight for I {}
 
 struct Lower<'a> {
     map: &'a ExpansionMap,
@@ -199,7 +211,7 @@ impl Lower<'_> {
     }
 
     fn names(&mut self, names: AstChildren<ast::NameRef>) -> Vec<Name> {
-        names.filter_map(|it| self.name_ref(Some(it))).collect()
+        names.filter_map(|it| self.name_ref(Some(it))).tight()
     }
 
     // Items.
@@ -236,6 +248,7 @@ impl Lower<'_> {
         if let Some(body) = owner.body() {
             self.items(body.items(), body.fragment(), false, &mut out);
         }
+        out.shrink_to_fit();
         out
     }
 
@@ -297,10 +310,7 @@ impl Lower<'_> {
             },
             ast::Item::ExceptionDecl(it) => Item::Exceptions {
                 ptr: self.node(&node),
-                exceptions: it
-                    .exceptions()
-                    .filter_map(|it| self.exception(&it))
-                    .collect(),
+                exceptions: it.exceptions().filter_map(|it| self.exception(&it)).tight(),
             },
             ast::Item::TypeDecl(it) => {
                 let ty = self.type_ref(it.type_spec(), &node);
@@ -363,7 +373,7 @@ impl Lower<'_> {
                             .is_none()
                             .then(|| self.expr(it.expr(), it.syntax())),
                     })
-                    .collect(),
+                    .tight(),
                 ty: self.type_ref(it.type_spec(), &node),
                 declarator: it.declarator().and_then(|it| self.declarator(&it)),
             },
@@ -400,7 +410,7 @@ impl Lower<'_> {
                         .args
                         .iter()
                         .map(|arg| (arg.text.clone(), it.ptr(arg.range)))
-                        .collect()
+                        .tight()
                 };
                 Some(Item::Pragma(match word.as_str() {
                     "require" | "requires" => Pragma::Requires {
@@ -492,7 +502,7 @@ impl Lower<'_> {
                 }
             }
             ast::Property::RequiresProperty(it) => {
-                let values = it.values().map(|it| self.literal(Some(it), node)).collect();
+                let values = it.values().map(|it| self.literal(Some(it), node)).tight();
                 match word? {
                     SyntaxKind::REQUIRES_KW => P::Requires(values),
                     _ => P::CodelsRequires(values),
@@ -515,7 +525,7 @@ impl Lower<'_> {
                 }
             }
             ast::Property::ThrowsProperty(it) => {
-                P::Throws(it.paths().filter_map(|it| self.path(&it)).collect())
+                P::Throws(it.paths().filter_map(|it| self.path(&it)).tight())
             }
             ast::Property::PriorityProperty(it) => P::Priority(self.expr(it.expr(), node)),
             ast::Property::SchedulingProperty(_) => P::Scheduling,

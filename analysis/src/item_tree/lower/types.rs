@@ -6,7 +6,7 @@ use dotgen_syntax::{
 };
 use smol_str::SmolStr;
 
-use super::Lower;
+use super::{Lower, Tight};
 use crate::item_tree::{
     BaseType, BinaryOp, Declarator, Duration, Expr, ExprKind, Path, Ptr, TypeDecl, TypeDeclKind,
     TypeRef, TypeRefKind, UnaryOp, Unit,
@@ -58,7 +58,7 @@ impl Lower<'_> {
                     .into_iter()
                     .flat_map(|it| it.enumerators())
                     .filter_map(|it| self.name(it.name()))
-                    .collect();
+                    .tight();
                 Some(inline(name, TypeDeclKind::Enum { enumerators }, ptr))
             }
         };
@@ -69,7 +69,7 @@ impl Lower<'_> {
     }
 
     pub(super) fn declarators(&mut self, all: AstChildren<ast::Declarator>) -> Vec<Declarator> {
-        all.filter_map(|it| self.declarator(&it)).collect()
+        all.filter_map(|it| self.declarator(&it)).tight()
     }
 
     pub(super) fn declarator(&mut self, it: &ast::Declarator) -> Option<Declarator> {
@@ -78,7 +78,7 @@ impl Lower<'_> {
             dimensions: it
                 .dimensions()
                 .map(|it| self.expr(it.expr(), it.syntax()))
-                .collect(),
+                .tight(),
         })
     }
 
@@ -156,7 +156,7 @@ impl Lower<'_> {
                 tokens
                     .iter()
                     .map(|it| (self.string_text(it), self.token(it)))
-                    .collect(),
+                    .tight(),
             ),
             None => ExprKind::Missing,
         }
