@@ -63,6 +63,13 @@ fn severity(it: Severity) -> &'static str {
     }
 }
 
+/// About what is wrong with the machine and not with the text.
+const ENVIRONMENT: &str = "
+`dotgen check` rejects the specification, as the reference compiler does. Editors show a warning: nothing is wrong
+with the text. In both, the rest is checked; what would come from there is unknown, and nothing is reported that
+only follows from it. `dotgen deps` lists what is missing and what would bring it.
+";
+
 fn page(code: &Code) -> String {
     let Code { id, meaning, .. } = code;
     let mut out = format!("# {id}\n\nReports {meaning}.\n\n");
@@ -92,7 +99,9 @@ fn page(code: &Code) -> String {
     if let Some(fix) = code.fix {
         let _ = write!(out, "\n## What to do\n\n{fix}\n");
     }
-    if code.severity == Severity::Error {
+    if dotgen_analysis::codes::is_environment(id) {
+        out.push_str(ENVIRONMENT);
+    } else if code.severity == Severity::Error {
         let rejected = match of_template(id) {
             true => "the template fails",
             false => "the specification is rejected",
