@@ -3,10 +3,11 @@
 
 use std::sync::Arc;
 
-use camino::{Utf8Path, Utf8PathBuf};
+use camino::Utf8PathBuf;
 use divan::Bencher;
 use dotgen_analysis::diagnostic::Severity;
-use dotgen_analysis::host::{Analysis, AnalysisHost, Change, FileContent, Loader, PackageFlags};
+use dotgen_analysis::host::{Analysis, AnalysisHost, Change};
+use dotgen_loaders::{Disk, Nothing};
 
 mod components;
 
@@ -22,18 +23,6 @@ fn main() {
         println!("memory of {COMPONENTS} components: {} MB", after - before);
     }
     divan::main();
-}
-
-struct Nothing;
-
-impl Loader for Nothing {
-    fn read(&self, _: &Utf8Path) -> FileContent {
-        FileContent::Missing
-    }
-
-    fn packages(&self, _: &[String]) -> Result<PackageFlags, String> {
-        Ok(PackageFlags::default())
-    }
 }
 
 fn path(i: usize) -> Utf8PathBuf {
@@ -124,22 +113,6 @@ fn resident_megabytes() -> Option<u64> {
     let line = status.lines().find(|it| it.starts_with("VmRSS:"))?;
     let kilobytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
     Some(kilobytes / 1024)
-}
-
-/// The files of the disk.
-struct Disk;
-
-impl Loader for Disk {
-    fn read(&self, path: &Utf8Path) -> FileContent {
-        match std::fs::read_to_string(path) {
-            Ok(text) => FileContent::Text(text),
-            Err(_) => FileContent::Missing,
-        }
-    }
-
-    fn packages(&self, _: &[String]) -> Result<PackageFlags, String> {
-        Ok(PackageFlags::default())
-    }
 }
 
 /// Cold check of the largest published component among the shared test data, where it is there.

@@ -4,23 +4,12 @@ use std::{fs, path::Path, sync::Arc};
 
 use camino::Utf8Path;
 use dotgen_analysis::{
-    host::{AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags},
+    host::{AnalysisHost, BatchInput, Input},
     model::TypeId,
     model_json,
 };
+use dotgen_loaders::Nothing;
 use serde_json::Value as Json;
-
-struct Nothing;
-
-impl Loader for Nothing {
-    fn read(&self, _: &Utf8Path) -> FileContent {
-        FileContent::Missing
-    }
-
-    fn packages(&self, _: &[String]) -> Result<PackageFlags, String> {
-        Ok(PackageFlags::default())
-    }
-}
 
 fn folder() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

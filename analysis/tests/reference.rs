@@ -3,24 +3,12 @@
 
 use std::sync::Arc;
 
-use camino::Utf8Path;
 use dotgen_analysis::{
     diagnostic::Severity,
-    host::{AnalysisHost, BatchInput, Change, Config, FileContent, Input, Loader, PackageFlags},
+    host::{AnalysisHost, BatchInput, Change, Config, Input},
     release::{Release, ReleaseChoice, ReleaseOrigin},
 };
-
-struct Nothing;
-
-impl Loader for Nothing {
-    fn read(&self, _: &Utf8Path) -> FileContent {
-        FileContent::Missing
-    }
-
-    fn packages(&self, _: &[String]) -> Result<PackageFlags, String> {
-        Ok(PackageFlags::default())
-    }
-}
+use dotgen_loaders::Nothing;
 
 /// Codes and messages of the diagnostics of this severity.
 fn found(text: &str, severity: Severity) -> Vec<(&'static str, String)> {

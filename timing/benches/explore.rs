@@ -7,9 +7,8 @@ use std::sync::Arc;
 
 use camino::Utf8Path;
 use divan::Bencher;
-use dotgen_analysis::host::{
-    AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags, UnitResult,
-};
+use dotgen_analysis::host::{AnalysisHost, BatchInput, Input, UnitResult};
+use dotgen_loaders::Disk;
 use dotgen_timing::scn::ast::{Durations, Item, Scenario};
 use dotgen_timing::scn::parse;
 use dotgen_timing::scn::semantics::Preset;
@@ -17,18 +16,6 @@ use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 
 fn main() {
     divan::main();
-}
-
-struct Disk;
-
-impl Loader for Disk {
-    fn read(&self, path: &Utf8Path) -> FileContent {
-        std::fs::read_to_string(path).map_or(FileContent::Missing, FileContent::Text)
-    }
-
-    fn packages(&self, _: &[String]) -> Result<PackageFlags, String> {
-        Ok(PackageFlags::default())
-    }
 }
 
 fn load(path: &str) -> Option<(Scenario, UnitResult)> {

@@ -5,29 +5,14 @@ mod fixes;
 
 use std::sync::Arc;
 
-use camino::{Utf8Path, Utf8PathBuf};
+use camino::Utf8PathBuf;
 use dotgen_analysis::{
     diagnostic::{Diagnostic, Severity},
-    host::{AnalysisHost, BatchInput, Change, Config, FileContent, Input, Loader, PackageFlags},
+    host::{AnalysisHost, BatchInput, Change, Config, Input},
     lint::codes::CODES,
 };
+use dotgen_loaders::Disk;
 use expect_test::expect;
-
-/// Files of the disk, and every package known.
-struct Disk;
-
-impl Loader for Disk {
-    fn read(&self, path: &Utf8Path) -> FileContent {
-        match std::fs::read_to_string(path) {
-            Ok(text) => FileContent::Text(text),
-            Err(_) => FileContent::Missing,
-        }
-    }
-
-    fn packages(&self, _: &[String]) -> Result<PackageFlags, String> {
-        Ok(PackageFlags::default())
-    }
-}
 
 fn check(input: BatchInput, config: Config) -> Vec<Diagnostic> {
     let mut host = AnalysisHost::new(Arc::new(Disk));

@@ -3,32 +3,17 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use camino::{Utf8Path, Utf8PathBuf};
+use camino::Utf8PathBuf;
 use dotgen_analysis::host::{AnalysisHost, Change, Config, UnitResult};
-use dotgen_analysis::host::{FileContent, Loader, PackageFlags};
 use dotgen_analysis::model::{Component, ComponentKind};
 use dotgen_diagram::graph::Graph;
 use dotgen_diagram::layout::layout;
 use dotgen_diagram::render::{dot::dot, mermaid::mermaid, png::png, svg::svg};
 use dotgen_diagram::theme::Theme;
 use dotgen_diagram::{fsm, locks, system};
+use dotgen_loaders::Disk;
 
 use crate::geometry::problems;
-
-struct Disk;
-
-impl Loader for Disk {
-    fn read(&self, path: &Utf8Path) -> FileContent {
-        match std::fs::read_to_string(path) {
-            Ok(text) => FileContent::Text(text),
-            Err(_) => FileContent::Missing,
-        }
-    }
-
-    fn packages(&self, _: &[String]) -> Result<PackageFlags, String> {
-        Ok(PackageFlags::default())
-    }
-}
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")

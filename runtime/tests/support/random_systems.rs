@@ -1,12 +1,7 @@
 //! Random systems of all that the servers do, as tests of verification make them.
 
-use std::sync::Arc;
-
-use camino::Utf8Path;
-use dotgen_analysis::diagnostic::Severity;
-use dotgen_analysis::host::{
-    AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags, UnitResult,
-};
+use dotgen_analysis::host::UnitResult;
+use dotgen_loaders::unit;
 
 #[allow(dead_code, reason = "shared with the tests of verification")]
 #[path = "../../../timing/tests/agreement/servers/random.rs"]
@@ -35,33 +30,7 @@ pub(crate) mod systems {
     }
 }
 
-struct Nothing;
-
-impl Loader for Nothing {
-    fn read(&self, _: &Utf8Path) -> FileContent {
-        FileContent::Missing
-    }
-
-    fn packages(&self, _: &[String]) -> Result<PackageFlags, String> {
-        Ok(PackageFlags::default())
-    }
-}
-
 /// Specifications, each compiled alone; `None` if one has errors: machines are drawn at random.
 pub(crate) fn load(texts: &[String]) -> Option<Vec<UnitResult>> {
-    let host = AnalysisHost::new(Arc::new(Nothing));
-    let load = |text: &String| {
-        let input = BatchInput {
-            inputs: vec![Input::Text {
-                name: "test.gen".into(),
-                text: text.as_str().into(),
-            }],
-            ..BatchInput::default()
-        };
-        let unit = host.analysis().batch(&input).expect("nobody cancels");
-        let mut errors = unit.diagnostics.iter();
-        let error = errors.any(|it| it.severity == Severity::Error);
-        (!error).then_some(unit)
-    };
-    texts.iter().map(load).collect()
+    texts.iter().map(|it| unit(it).ok()).collect()
 }

@@ -2,25 +2,13 @@
 
 use std::sync::Arc;
 
-use camino::Utf8Path;
-use dotgen_analysis::host::{AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags};
+use dotgen_analysis::host::{AnalysisHost, BatchInput, Input};
+use dotgen_loaders::Nothing;
 use dotgen_syntax::encoding;
 use dotgen_timing::scn;
 
 /// What the scenarios are about.
 const COMPONENT: &str = include_str!("../../../examples/pump/pump.gen");
-
-struct Nothing;
-
-impl Loader for Nothing {
-    fn read(&self, _: &Utf8Path) -> FileContent {
-        FileContent::Missing
-    }
-
-    fn packages(&self, _: &[String]) -> Result<PackageFlags, String> {
-        Ok(PackageFlags::default())
-    }
-}
 
 /// Parses, formats, resolves, and completes at one place.
 pub(super) fn read(input: &[u8]) {

@@ -1,12 +1,9 @@
 //! The verifier agrees with the interpreter of the servers on random specifications and scenarios.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use dotgen_analysis::diagnostic::Severity;
-use dotgen_analysis::host::{
-    AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags, UnitResult,
-};
+use dotgen_analysis::host::UnitResult;
+use dotgen_loaders::unit;
 use dotgen_timing::abstraction::{Budget, abstract_bounds};
 use dotgen_timing::analytic::response_bounds;
 use dotgen_timing::explore::{Kind, Kinds, Limits};
@@ -28,34 +25,6 @@ use crate::servers::random::{
 };
 use crate::servers::{CAP, Interpreter};
 use crate::{all_agree, first, systems};
-
-struct Nothing;
-
-impl Loader for Nothing {
-    fn read(&self, _: &camino::Utf8Path) -> FileContent {
-        FileContent::Missing
-    }
-
-    fn packages(&self, _: &[String]) -> Result<PackageFlags, String> {
-        Ok(PackageFlags::default())
-    }
-}
-
-fn load(host: &AnalysisHost, text: &str) -> Result<UnitResult, String> {
-    let input = BatchInput {
-        inputs: vec![Input::Text {
-            name: "test.gen".into(),
-            text: text.into(),
-        }],
-        ..BatchInput::default()
-    };
-    let unit = host.analysis().batch(&input).expect("nobody cancels");
-    let mut errors = unit.diagnostics.iter();
-    match errors.find(|it| it.severity == Severity::Error) {
-        Some(it) => Err(it.message.clone()),
-        None => Ok(unit),
-    }
-}
 
 /// What is compared of an answer.
 fn answer(it: &CheckReport) -> Json {
@@ -88,9 +57,7 @@ fn compare_without(name: &str, texts: &Texts, without: Kinds) -> Option<Result<(
         scenario,
     } = texts;
     let shown = || format!("{name}\n{}\n{scenario}", specifications.join("\n"));
-    let host = AnalysisHost::new(Arc::new(Nothing));
-    let units: Result<Vec<UnitResult>, String> =
-        specifications.iter().map(|it| load(&host, it)).collect();
+    let units: Result<Vec<UnitResult>, String> = specifications.iter().map(|it| unit(it)).collect();
     let units = match units {
         Ok(it) => it,
         // Machines are drawn at random: not every one of them is a legal specification.
@@ -312,8 +279,7 @@ fn compare_chain(seed: u64, texts: &Texts) -> Option<Result<(), String>> {
             texts.scenario
         )
     };
-    let host = AnalysisHost::new(Arc::new(Nothing));
-    let units = texts.specifications.iter().map(|it| load(&host, it));
+    let units = texts.specifications.iter().map(|it| unit(it));
     let units: Vec<UnitResult> = units.collect::<Result<_, _>>().ok()?;
     let specs: Vec<_> = units.iter().map(|it| &*it.spec).collect();
     let parsed = parse(&texts.scenario);

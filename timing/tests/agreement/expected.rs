@@ -5,30 +5,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use camino::Utf8Path;
-use dotgen_analysis::host::{
-    AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags, UnitResult,
-};
+use dotgen_analysis::host::{AnalysisHost, BatchInput, Input, UnitResult};
+use dotgen_loaders::Disk;
 use dotgen_timing::scn::ast::{Check, CheckKind, Item, Scenario};
 use dotgen_timing::scn::parse;
 use serde_json::{Value as Json, json};
 
 use crate::servers::model::{System, read};
 use crate::servers::{CAP, Interpreter, Predicate, Results, Sequence, predicate};
-
-struct Disk;
-
-impl Loader for Disk {
-    fn read(&self, path: &Utf8Path) -> FileContent {
-        match std::fs::read_to_string(path) {
-            Ok(text) => FileContent::Text(text),
-            Err(_) => FileContent::Missing,
-        }
-    }
-
-    fn packages(&self, _: &[String]) -> Result<PackageFlags, String> {
-        Ok(PackageFlags::default())
-    }
-}
 
 fn cases() -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/servers");

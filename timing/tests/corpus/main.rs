@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use camino::Utf8Path;
-use dotgen_analysis::host::{
-    AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags, UnitResult,
-};
+use dotgen_analysis::host::{AnalysisHost, BatchInput, Input, UnitResult};
+use dotgen_loaders::Disk;
 use dotgen_timing::report::{CheckReport, Report, Value, Verdict};
 use dotgen_timing::scn::ast::{Durations, Item, Policy, Scenario};
 use dotgen_timing::scn::parse;
@@ -20,22 +19,6 @@ fn published() -> Options {
     Options {
         semantics: Some(Preset::Published),
         ..Options::default()
-    }
-}
-
-/// Reads the disk; every package is the folder of the scenario.
-struct Disk;
-
-impl Loader for Disk {
-    fn read(&self, path: &Utf8Path) -> FileContent {
-        match std::fs::read_to_string(path) {
-            Ok(text) => FileContent::Text(text),
-            Err(_) => FileContent::Missing,
-        }
-    }
-
-    fn packages(&self, _arguments: &[String]) -> Result<PackageFlags, String> {
-        Ok(PackageFlags::default())
     }
 }
 

@@ -7,11 +7,9 @@ use std::collections::HashSet;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
-use camino::Utf8Path;
 use counting::Counting;
-use dotgen_analysis::host::{
-    AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags, UnitResult,
-};
+use dotgen_analysis::host::UnitResult;
+use dotgen_loaders::unit;
 use dotgen_timing::derive::{Told, largest_wcet, minimum_cores, sensitivity, smallest_period};
 use dotgen_timing::explore::Limits;
 use dotgen_timing::report::{Value, Verdict};
@@ -32,18 +30,6 @@ fn published() -> Options {
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
-
-struct Nothing;
-
-impl Loader for Nothing {
-    fn read(&self, _: &Utf8Path) -> FileContent {
-        FileContent::Missing
-    }
-
-    fn packages(&self, _: &[String]) -> Result<PackageFlags, String> {
-        Ok(PackageFlags::default())
-    }
-}
 
 /// Three tasks of two components that share data and a port, with activities that any client can request.
 const ROBOT: &str = r#"
@@ -93,15 +79,7 @@ const CHECKS: &str = "scenario robot {
 }";
 
 fn load(text: &str) -> UnitResult {
-    let host = AnalysisHost::new(Arc::new(Nothing));
-    let batch = BatchInput {
-        inputs: vec![Input::Text {
-            name: "test.gen".into(),
-            text: text.into(),
-        }],
-        ..BatchInput::default()
-    };
-    host.analysis().batch(&batch).unwrap()
+    unit(text).expect("a specification without errors")
 }
 
 fn scenario(more: &str) -> Scenario {

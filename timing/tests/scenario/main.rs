@@ -10,13 +10,10 @@ mod quick;
 mod requests;
 mod told;
 
-use std::sync::Arc;
 use std::time::Duration;
 
-use camino::Utf8Path;
-use dotgen_analysis::host::{
-    AnalysisHost, BatchInput, FileContent, Input, Loader, PackageFlags, UnitResult,
-};
+use dotgen_analysis::host::UnitResult;
+use dotgen_loaders::unit;
 use dotgen_timing::derive::{largest_wcet, minimum_cores, smallest_period};
 use dotgen_timing::explore::Stop;
 use dotgen_timing::report::{CheckReport, Report, Soundness, Value, Verdict};
@@ -37,37 +34,8 @@ fn published() -> Options {
     }
 }
 
-struct Nothing;
-
-impl Loader for Nothing {
-    fn read(&self, _: &Utf8Path) -> FileContent {
-        FileContent::Missing
-    }
-
-    fn packages(&self, _: &[String]) -> Result<PackageFlags, String> {
-        Ok(PackageFlags::default())
-    }
-}
-
 fn load(text: &str) -> UnitResult {
-    let input = Input::Text {
-        name: "test.gen".into(),
-        text: text.into(),
-    };
-    let host = AnalysisHost::new(Arc::new(Nothing));
-    let batch = BatchInput {
-        inputs: vec![input],
-        ..BatchInput::default()
-    };
-    let unit = host.analysis().batch(&batch).unwrap();
-    let errors: Vec<&str> = unit
-        .diagnostics
-        .iter()
-        .filter(|it| it.severity == dotgen_analysis::diagnostic::Severity::Error)
-        .map(|it| it.message.as_str())
-        .collect();
-    assert_eq!(errors, Vec::<&str>::new());
-    unit
+    unit(text).expect("a specification without errors")
 }
 
 /// A sensor that writes what a controller reads; both also log.
