@@ -51,7 +51,7 @@ pub(super) fn endurance(dotgen: &Path, minutes: f64) -> Result<()> {
             }
         }
         session.editor.edit(&mut shared, 6, [2, 2], "/*x*/ ")?;
-        session.everything()?;
+        session.everything_anew()?;
         session.editor.edit(&mut shared, 6, [2, 8], "")?;
         session.editor.close(&component)?;
         edits += TYPED + 2;

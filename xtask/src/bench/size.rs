@@ -199,7 +199,14 @@ impl Session {
         self.editor.request("textDocument/diagnostic", params)
     }
 
-    /// Asks for the diagnostics of the workspace until all files have answered. Returns how long it took.
+    /// Like [`Session::everything`], of a client that has no results yet: it is answered also when nothing is new.
+    pub(super) fn everything_anew(&mut self) -> Result<Duration> {
+        self.known.clear();
+        self.everything()
+    }
+
+    /// Asks for the diagnostics of the workspace until all files have answered: there must be news, for which the
+    /// server waits. Returns how long it took.
     pub(super) fn everything(&mut self) -> Result<Duration> {
         let method = "workspace/diagnostic";
         self.token += 1;
