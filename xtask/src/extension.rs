@@ -12,8 +12,8 @@ use crate::tools;
 pub(crate) enum Profile {
     /// Quick to build, for tests and the demo.
     Dev,
-    /// For users.
-    Release,
+    /// For users: small and fast, and slow to build.
+    Dist,
 }
 
 /// The sources of the extension.
@@ -31,8 +31,8 @@ pub(crate) fn build_server(profile: Profile) -> Result<PathBuf> {
         "--bin",
         "dotgen",
     ];
-    if profile == Profile::Release {
-        arguments.push("--release");
+    if profile == Profile::Dist {
+        arguments.push("--profile=dist");
     }
     step("Building the server (a first build takes some minutes)");
     run::run(run::cargo(&arguments))?;
@@ -43,7 +43,7 @@ pub(crate) fn build_server(profile: Profile) -> Result<PathBuf> {
 pub(crate) fn server_program(profile: Profile) -> PathBuf {
     let directory = match profile {
         Profile::Dev => "debug",
-        Profile::Release => "release",
+        Profile::Dist => "dist",
     };
     let name = format!("dotgen{}", std::env::consts::EXE_SUFFIX);
     crate::target().join(directory).join(name)
