@@ -88,6 +88,8 @@ struct Place {
     typed: usize,
     /// Where the right text goes on.
     rest: usize,
+    /// In an interface: a component has to do what it says.
+    in_interface: bool,
 }
 
 /// A text after an item, and where its cursor is.
@@ -118,7 +120,9 @@ fn ends(tokens: &[(std::ops::Range<usize>, String)], from: usize) -> Vec<usize> 
         if depth <= 0 && (text == "," || text == ";") {
             out.push(range.start);
         }
-        if i < 4 || depth == 0 && text == ";" {
+        // A type with its brackets goes as a whole.
+        let closes = depth == 0 && matches!(text.as_str(), ")" | "}" | "]" | ">");
+        if i < 4 || closes || depth == 0 && text == ";" {
             out.push(range.end);
         }
         if depth <= 0 && text == ";" {
@@ -129,15 +133,46 @@ fn ends(tokens: &[(std::ops::Range<usize>, String)], from: usize) -> Vec<usize> 
     out
 }
 
+/// Errors that say how two declarations fit together. Another type for a variable that two services share, or a service
+/// of an interface that a component of the file has yet to implement, is no wrong offer: what is left to do is elsewhere.
+const OF_TWO: [&str; 7] = [
+    "codel-conflict",
+    "async/shared-attribute",
+    "async/shared-resource",
+    "activity-start",
+    "activity-task",
+    "fsm/duplicate-state",
+    "prop-duplicate",
+];
+
+/// What a directive lacks whose first word is there.
+const OF_DIRECTIVES: [&str; 3] = ["pp-include-bad", "pragma-masquerade-syntax", "wcet-pragma"];
+
+/// Whether an error says nothing against an item at a place.
+fn is_beside(code: &str, place: &Place) -> bool {
+    let line = place.before.rsplit('\n').next().unwrap_or_default();
+    match line.trim_start().starts_with('#') {
+        true => OF_DIRECTIVES.contains(&code),
+        // In an interface, all that its component may lack or have as well; elsewhere, what two uses disagree about.
+        false => OF_TWO[..if place.in_interface { 7 } else { 3 }].contains(&code),
+    }
+}
+
 /// Whether a text goes on without a new error.
-fn goes_on(bench: &mut Bench<'_>, text: &str, rest: &[usize], allowed: &Errors) -> bool {
+fn goes_on(
+    bench: &mut Bench<'_>,
+    place: &Place,
+    text: &str,
+    rest: &[usize],
+    allowed: &Errors,
+) -> bool {
     let right = bench.component.text.clone();
     rest.iter().any(|&end| {
         ["", ";", ",", " zz", " zz;"].iter().any(|glue| {
             let errors = bench.errors(&format!("{text}{glue}{}", &right[end..]));
-            errors
-                .iter()
-                .all(|(code, count)| *count <= allowed.get(code).copied().unwrap_or_default())
+            errors.iter().all(|(code, count)| {
+                *count <= allowed.get(code).copied().unwrap_or_default() || is_beside(code, place)
+            })
         })
     })
 }
@@ -162,7 +197,7 @@ fn is_legal(
     }
     let rest = ends(tokens, place.rest);
     let text = taken(&place.before, item);
-    if goes_on(bench, &text, &rest, &allowed) {
+    if goes_on(bench, place, &text, &rest, &allowed) {
         return true;
     }
     // The beginning of something: one of what is offered next has to be legal.
@@ -170,7 +205,7 @@ fn is_legal(
         let begun = format!("{text}{joint}");
         let next = bench.items(&format!("{begun}{}", &right[place.rest..]), begun.len());
         for it in next.iter().take(8) {
-            if goes_on(bench, &taken(&begun, it), &rest, &allowed) {
+            if goes_on(bench, place, &taken(&begun, it), &rest, &allowed) {
                 return true;
             }
         }
@@ -181,11 +216,18 @@ fn is_legal(
 /// The places of a text.
 fn places(text: &str, tokens: &[(std::ops::Range<usize>, String)]) -> Vec<Place> {
     let mut out = Vec::new();
+    let mut in_interface = false;
     for (range, word) in tokens {
+        match word.as_str() {
+            "interface" => in_interface = true,
+            "component" => in_interface = false,
+            _ => {}
+        }
         out.push(Place {
             before: format!("{} ", text[..range.start].trim_end_matches(' ')),
             typed: 0,
             rest: range.start,
+            in_interface,
         });
         let is_word = word.starts_with(|it: char| it.is_ascii_alphabetic());
         for typed in [0, 1, 3, word.len()] {
@@ -194,6 +236,7 @@ fn places(text: &str, tokens: &[(std::ops::Range<usize>, String)]) -> Vec<Place>
                     before: text[..range.start + typed].to_owned(),
                     typed,
                     rest: range.end,
+                    in_interface,
                 });
             }
         }

@@ -1,5 +1,6 @@
 //! Proposals in lists of parameters: of codels, and of services.
 
+use rustc_hash::FxHashMap;
 use smol_str::SmolStr;
 
 use super::{
@@ -132,6 +133,8 @@ struct Source {
     ty: TypeId,
     kind: SymbolKind,
     definition: Option<u32>,
+    /// Something else of the component has the name, so that the source has to be said: also where that cannot be meant.
+    ambiguous: bool,
 }
 
 fn sources(names: &Names<'_, '_>, context: &Context, simple: bool) -> Vec<Source> {
@@ -155,6 +158,7 @@ fn sources(names: &Names<'_, '_>, context: &Context, simple: bool) -> Vec<Source
                     _ => SymbolKind::Parameter,
                 },
                 definition: names.part(|c| Entity::Param(c, index, i as u32)),
+                ambiguous: false,
             });
         }
     }
@@ -170,11 +174,8 @@ fn sources(names: &Names<'_, '_>, context: &Context, simple: bool) -> Vec<Source
             ty,
             kind: SymbolKind::Member,
             definition: names.definition_of(ty),
+            ambiguous: false,
         });
-    }
-    let known = |it: &Source| it.source == "local" || names.is_known(it.definition);
-    if simple {
-        return out;
     }
     for (i, port) in component.ports.iter().enumerate() {
         out.push(Source {
@@ -187,6 +188,7 @@ fn sources(names: &Names<'_, '_>, context: &Context, simple: bool) -> Vec<Source
             ty: port.data,
             kind: SymbolKind::Port,
             definition: names.part(|c| Entity::Port(c, i as u32)),
+            ambiguous: false,
         });
     }
     for remote in &component.remotes {
@@ -197,9 +199,20 @@ fn sources(names: &Names<'_, '_>, context: &Context, simple: bool) -> Vec<Source
             ty: remote.ty,
             kind: SymbolKind::Remote,
             definition: names.definition_of(remote.ty),
+            ambiguous: false,
         });
     }
-    out.retain(known);
+    let mut times: FxHashMap<SmolStr, usize> = FxHashMap::default();
+    for it in &out {
+        *times.entry(it.name.clone()).or_default() += 1;
+    }
+    for it in &mut out {
+        it.ambiguous = times[&it.name] > 1;
+    }
+    match simple {
+        true => out.retain(|it| !matches!(it.source, "port" | "remote")),
+        false => out.retain(|it| it.source == "local" || names.is_known(it.definition)),
+    }
     out
 }
 
@@ -245,10 +258,9 @@ fn codel_param(
             return;
         }
         for it in all.iter().filter(matching) {
-            let ambiguous = all.iter().filter(|other| other.name == it.name).count() > 1;
             // Ports are usually named as such.
             let explicit =
-                source.is_none() && (ambiguous || matches!(it.source, "port" | "remote"));
+                source.is_none() && (it.ambiguous || matches!(it.source, "port" | "remote"));
             for (i, dir) in it.directions.iter().enumerate() {
                 let prefix = if explicit {
                     format!("{} ", it.source)
@@ -293,8 +305,7 @@ fn codel_param(
             for it in all.iter().filter(matching) {
                 let fits = it.directions.contains(&dir.text.as_str());
                 let rank = u8::from(!fits) * 2;
-                let ambiguous = source.is_none()
-                    && all.iter().filter(|other| other.name == it.name).count() > 1;
+                let ambiguous = source.is_none() && it.ambiguous;
                 if !(ambiguous || matches!(it.source, "port" | "remote") && !fits) {
                     push(names, it, it.name.to_string(), rank, out);
                 }

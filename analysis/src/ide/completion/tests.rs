@@ -110,6 +110,13 @@ fn what_was_given_already_is_not_offered_again() {
 }
 
 #[test]
+fn a_member_with_the_name_of_a_port_says_what_it_is_of() {
+    let text = "struct s { long x; };\ncomponent c { port in s goal; ids { s goal; s home; s rest; };\n\
+                \x20 attribute a(in rest) { validate v($0); }; };";
+    has(text, "in home | ids in goal | !in goal");
+}
+
+#[test]
 fn clauses_are_filled_in() {
     takes(
         "component c {\n  ta$0\n};",
