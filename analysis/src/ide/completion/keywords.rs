@@ -10,7 +10,7 @@ use super::{
 };
 use crate::{
     ide::context::{BodyKind, Context},
-    model::ComponentKind,
+    model::{ComponentKind, TypeKind},
 };
 
 /// A keyword, and what it inserts. Spellings are those most published components use.
@@ -150,7 +150,7 @@ const LOCAL: &[Statement] = &[("local", "local ${1:long} ${2:@variable};")];
 const DOC: &[Statement] = &[("doc", "doc \"$0\";")];
 const THROW: &[Statement] = &[("throw", "throw ${1:@exception};")];
 const CASES: &[Statement] = &[
-    ("case", "case ${1:0}: ${2:long} ${3:@member_name};$0"),
+    ("case", "case ${1:@case}: ${2:long} ${3:@member_name};$0"),
     ("default", "default: ${1:long} ${2:@member_name};$0"),
 ];
 
@@ -298,6 +298,7 @@ fn what(names: &Names<'_, '_>, context: &Context, body: BodyKind, wanted: &str) 
             let shared = names.ids().is_some() && !codel::has_async(component?);
             Some(if shared { "out ::ids" } else { "" }.to_owned())
         }
+        "case" => Some(case(names, context)),
         "next-state" => codel::next_state(names, context),
         "codel" => Some(match body {
             BodyKind::Task | BodyKind::Activity => {
@@ -319,6 +320,25 @@ fn what(names: &Names<'_, '_>, context: &Context, body: BodyKind, wanted: &str) 
             _ => "10 ms".to_owned(),
         }),
         base => Some(names.free(base)),
+    }
+}
+
+/// A value of what the union around the cursor switches on.
+fn case(names: &Names<'_, '_>, context: &Context) -> String {
+    let zero = || "0".to_owned();
+    let Some(ty) = names.switch_type(context) else {
+        return zero();
+    };
+    match &names.spec().ty(names.value_type(ty)).kind {
+        TypeKind::Boolean => "TRUE".to_owned(),
+        TypeKind::Char => "'a'".to_owned(),
+        TypeKind::Enum { .. } => {
+            let mut found = Completions::empty();
+            names.constants(&[], Some(ty), &mut found);
+            let first = found.finish().into_iter().next();
+            first.map_or_else(zero, |it| it.label)
+        }
+        _ => zero(),
     }
 }
 

@@ -462,8 +462,13 @@ fn walk(names: &Names<'_, '_>, mut ty: TypeId, steps: &[Word]) -> Option<TypeId>
 fn used_names(context: &Context) -> Vec<SmolStr> {
     let frame = context.top();
     let before = &context.tokens[frame.open + 1..frame.start];
+    // A parameter right behind the cursor, to which a comma is missing.
+    let next = context.after.next();
+    let joined = next.is_some_and(|it| it.is_any(DIRECTIONS) || it.is_any(SOURCES));
+    let joined = joined.then(|| context.after.list().split(|it| it.is(",")).next());
     let params = before
         .split(|it| it.is(","))
+        .chain(joined.flatten())
         .chain(context.elements_behind());
     params.filter_map(parameter_name).collect()
 }
@@ -516,6 +521,15 @@ pub(in crate::ide) fn parameter_type(
 
 impl Names<'_, '_> {
     /// The named type before the name of what is declared with it: `m::t name`.
+    /// What the union around the cursor switches on.
+    pub(super) fn switch_type(&self, context: &Context) -> Option<TypeId> {
+        let head = context.head(context.top());
+        let open = head.iter().position(|it| it.is("("))?;
+        let close = head.iter().rposition(|it| it.is(")"))?;
+        // The bracket stands where a name would.
+        self.type_before_name(head.get(open + 1..=close)?)
+    }
+
     pub(in crate::ide) fn type_before_name(&self, words: &[Word]) -> Option<TypeId> {
         let (name, path) = words.split_last()?;
         // The bound of a string does not matter to its values.

@@ -56,7 +56,9 @@ pub(super) fn complete(
             };
             out.snippet("switch", clause, 0);
         }
-        "case" if !rest.iter().any(|it| it.is(":")) => names.constants(rest, None, out),
+        "case" if !rest.iter().any(|it| it.is(":")) => {
+            names.constants(rest, names.switch_type(context), out);
+        }
         "case" | "default" => {
             let colon = rest.iter().rposition(|it| it.is(":"));
             let rest = &rest[colon.map_or(0, |it| it + 1)..];

@@ -117,6 +117,27 @@ fn a_member_with_the_name_of_a_port_says_what_it_is_of() {
 }
 
 #[test]
+fn a_case_is_a_value_of_what_the_union_switches_on() {
+    let text = "enum mode { IDLE, BUSY };\nconst long N = 3;\nunion u switch (mode) { $0 };";
+    takes(
+        text,
+        "case",
+        "enum mode { IDLE, BUSY };\nconst long N = 3;\nunion u switch (mode) { case IDLE: long member_name; };",
+    );
+    has(
+        "enum mode { IDLE, BUSY };\nconst long N = 3;\nunion u switch (mode) { case $0: long x; };",
+        "IDLE | BUSY | !N",
+    );
+}
+
+#[test]
+fn a_parameter_right_behind_the_cursor_is_not_offered_again() {
+    let text = "component c { ids { long a; long b; }; task t {\n\
+                codel<start> f(i$0 out a) yield ether; }; };";
+    has(text, "in b | !in a");
+}
+
+#[test]
 fn clauses_are_filled_in() {
     takes(
         "component c {\n  ta$0\n};",
