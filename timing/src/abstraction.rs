@@ -9,6 +9,8 @@
 //! been done are one, in whatever order it was done; its intervals are the hulls of theirs.
 //!
 //! * `model`: what of a system is looked at, and what is refused;
+//! * `activities`, `course`: what a task executes, requests at any time included;
+//! * `others`: who takes tickets beside, at any time;
 //! * `state`: a state, and when two are the same;
 //! * `steps`: the two kinds of steps, a core that is given and a codel that begins;
 //! * `starting`: what follows the end of a job, and how tasks are started;
@@ -17,8 +19,11 @@
 //!
 //! The bounds are never below the exact values. What they are about, and why that is so: `docs/explorer.md`.
 
+mod activities;
 mod batch;
+mod course;
 mod model;
+mod others;
 mod refusal;
 mod search;
 mod starting;
@@ -43,18 +48,19 @@ pub struct Budget {
 }
 
 /// States, times the tasks that each has an interval for, at most: they have to be kept in memory.
-const PLACES: usize = 1_000_000;
+const PLACES: usize = 2_000_000;
 
 impl Default for Budget {
     fn default() -> Self {
         Budget {
             before_batches: 5_000,
-            states: 100_000,
+            states: 250_000,
         }
     }
 }
 
-/// Bounds on the response times of all tasks, all of which meet their deadlines; or why there are none.
+/// Bounds on the response times of all tasks with a period, all of which meet their deadlines; or why there are
+/// none.
 ///
 /// # Errors
 ///
@@ -63,8 +69,8 @@ pub fn abstract_bounds(
     system: &TimedSystem,
     budget: Budget,
     cancel: &Cancel,
-) -> Result<Vec<Ticks>, Refusal> {
-    let mut out = vec![0; system.tasks.len()];
+) -> Result<Vec<Option<Ticks>>, Refusal> {
+    let mut out = vec![None; system.tasks.len()];
     for model in models(system)? {
         let budget = Budget {
             states: budget.states.min(PLACES / model.threads.len().max(1)),
@@ -79,7 +85,8 @@ pub fn abstract_bounds(
             },
         }?;
         for (thread, bound) in model.threads.iter().zip(found) {
-            out[thread.task] = Ticks::try_from(bound).map_err(|_| Refusal::Hyperperiod)?;
+            let bound = Ticks::try_from(bound).map_err(|_| Refusal::Hyperperiod)?;
+            out[thread.task] = Some(bound);
         }
     }
     Ok(out)

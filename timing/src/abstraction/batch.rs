@@ -11,9 +11,10 @@
 //! core that does not, and is under way. While it waits all cores work. The bounds are the least that follow
 //! from each other. Until the first job exceeds its own, all others have kept theirs; so no job is the first.
 
+use super::course::Then;
 use super::model::Model;
 use super::state::{Cycle, Out, Span, Stage, State};
-use crate::system::{Policy, Yield};
+use crate::system::Policy;
 
 /// Jobs of a window, at most.
 const JOBS: usize = 2_000;
@@ -26,16 +27,16 @@ const ROUNDS: usize = 200;
 pub(super) struct Batches<'m> {
     model: &'m Model<'m>,
     cores: i64,
-    /// By thread and state of its machine, the jobs that begin there, if all of them pause at the same state.
+    /// By thread and rest, the jobs that follow, if all of them end in the same rest.
     turns: Vec<Vec<Option<Turn>>>,
 }
 
-/// Jobs of a task that begin with the same state of its machine.
+/// Jobs of a task that begin after the same rest.
 #[derive(Debug, Clone, Copy)]
 struct Turn {
     /// The longest of them.
     work: i64,
-    /// With what the next one begins.
+    /// The rest after it.
     then: usize,
 }
 
@@ -54,10 +55,13 @@ impl<'m> Batches<'m> {
     /// `None` where some tasks share more, or never pause at a place that is known.
     pub(super) fn new(model: &'m Model<'m>) -> Option<Self> {
         let cores = i64::try_from(model.cores?).ok()?;
+        if model.lent > 0 {
+            return None;
+        }
         let mut all = Vec::new();
         for (thread, it) in model.threads.iter().enumerate() {
-            let states = 0..model.machine(thread)?.states.len();
-            let turns: Vec<Option<Turn>> = states.map(|at| turn(model, thread, at)).collect();
+            let rests = 0..model.course(thread)?.rests.len();
+            let turns: Vec<Option<Turn>> = rests.map(|at| turn(model, thread, at)).collect();
             if it.contends || turns.iter().all(Option::is_none) {
                 return None;
             }
@@ -249,24 +253,28 @@ fn backlog(jobs: &[Job], begin: i64, rest: i64) -> Vec<i64> {
     out
 }
 
-/// The jobs of a task that begin with a state of its machine; `None` if they can pause at several, or end.
+/// The jobs of a task that follow a rest; `None` if they need not come, can end in several rests, or end it.
 fn turn(model: &Model, thread: usize, from: usize) -> Option<Turn> {
-    let machine = model.machine(thread)?;
-    // Without cycles, a state is looked at once for each way to it; there are few.
-    let mut todo = vec![(from, 0i64)];
+    let course = model.course(thread)?;
+    let rest = &course.rests[from];
+    let (false, &[Then::Goes(first)]) = (rest.skips, &rest.begins[..]) else {
+        return None;
+    };
+    // Without cycles, a place is looked at once for each way to it; there are few.
+    let mut todo = vec![(first, 0i64)];
     let (mut work, mut then, mut looked_at) = (0, None, 0);
     while let Some((at, before)) = todo.pop() {
         looked_at += 1;
-        let state = &machine.states[at];
-        let codel = &model.system.codels[state.codel];
+        let place = &course.places[at];
+        let codel = &model.system.codels[place.codel];
         if looked_at > 1_000 || codel.throws {
             return None;
         }
         let until = before + i64::from(codel.upper);
-        for it in &state.yields {
+        for it in &place.then {
             match *it {
-                Yield::Next(next) => todo.push((next, until)),
-                Yield::Pause(next) if then.is_none_or(|it| it == next) => {
+                Then::Goes(next) => todo.push((next, until)),
+                Then::Rests(next) if then.is_none_or(|it| it == next) => {
                     then = Some(next);
                     work = until.max(work);
                 }

@@ -1,9 +1,12 @@
 //! What of a system the middle tier looks at, and what it refuses.
 
+use super::activities::activities;
+use super::course::{Activity, Course, course};
+use super::others::{Interference, Other, interference, others, waits};
 use super::refusal::Refusal;
 use crate::scn::semantics::Semantics;
 use crate::system::{
-    CodelSet, FOREVER, LockOrder, Machine, Policy, TimedSystem, Yield, pauseless_cycles,
+    CodelSet, FOREVER, LockOrder, Machine, Policy, Ticks, TimedSystem, Yield, pauseless_cycles,
 };
 
 /// Jobs in the time after which everything comes again, above which a system is refused.
@@ -19,6 +22,10 @@ pub(super) struct Model<'s> {
     pub(super) threads: Vec<Thread>,
     /// Cores, where there are fewer than tasks.
     pub(super) cores: Option<usize>,
+    /// How many of the cores may be held by others at any time.
+    pub(super) lent: usize,
+    /// By group, what others do to it.
+    pub(super) interference: Vec<Option<Interference>>,
     pub(super) policy: Policy,
     /// Whether codels wait in a queue, or any that waits may be next.
     pub(super) queue: bool,
@@ -38,13 +45,13 @@ pub(super) struct Thread {
     pub(super) period: i64,
     /// Its first tick.
     pub(super) first: i64,
-    /// Number of its machine; `None`: it has nothing to execute.
-    pub(super) machine: Option<usize>,
+    /// What it executes; `None`: nothing.
+    pub(super) course: Option<Course>,
     /// Its group.
     pub(super) group: usize,
     /// Whether it shares anything with the others of its group.
     pub(super) contends: bool,
-    /// Places of its machine in which it can be before its first tick; servers: none, it begins at `start`.
+    /// Rests in which it can be before its first tick; servers: none, it begins with the first one.
     pub(super) paused: Vec<usize>,
     /// Servers: the thread that is started when its first pass has ended.
     pub(super) successor: Option<usize>,
@@ -60,9 +67,8 @@ impl Thread {
 }
 
 impl Model<'_> {
-    pub(super) fn machine(&self, thread: usize) -> Option<&Machine> {
-        let number = self.threads[thread].machine?;
-        Some(&self.system.machines[number])
+    pub(super) fn course(&self, thread: usize) -> Option<&Course> {
+        self.threads[thread].course.as_ref()
     }
 }
 
@@ -73,31 +79,61 @@ pub(super) fn models(system: &TimedSystem) -> Result<Vec<Model<'_>>, Refusal> {
     if !servers && !platform.semantics.is_published() {
         return Err(Refusal::Semantics);
     }
-    if system.requested().contains(&true) {
+    let asked = system.requested().contains(&true);
+    if (asked && !servers) || system.has_builtin(|_| true) {
         return Err(Refusal::Requests);
     }
-    let threads = (0..system.tasks.len()).map(|task| thread(system, task, servers));
-    let mut threads: Vec<Thread> = threads.collect::<Result<_, _>>()?;
-    let enough = platform
-        .cores
-        .is_none_or(|cores| cores as usize >= threads.len());
+    let needing = (0..system.tasks.len()).filter(|&it| system.needs_core(it));
+    let needing = needing.count();
+    let enough = platform.cores.is_none_or(|it| it as usize >= needing);
     let tied = system.tasks.iter().any(|it| it.affinity.is_some());
-    if system.preempts() && (!enough || tied) {
+    // Where cores are taken away, control tasks take them too.
+    let controls = if asked { system.components.len() } else { 0 };
+    let all = system.tasks.len() + controls;
+    let alone = platform.cores.is_none_or(|it| it as usize >= all);
+    if system.preempts() && (!alone || tied) {
         return Err(Refusal::Preemption);
     }
-    let groups = group(system, &mut threads, servers);
+    let activities = activities(system)?;
+    let codels: Vec<CodelSet> = activities.iter().map(|it| codels(system, it)).collect();
+    let mut threads: Vec<Thread> = Vec::new();
+    for (task, it) in system.tasks.iter().enumerate() {
+        match it.period {
+            Some(period) => threads.push(thread(system, task, period, &activities[task], servers)?),
+            None if servers && system.runs_apart(task) => return Err(Refusal::Apart),
+            None if servers => {}
+            None => return Err(Refusal::Aperiodic),
+        }
+    }
+    let others = others(system, &codels);
+    let groups = group(system, &mut threads, (&codels, &others), servers);
     if !servers && platform.locks != LockOrder::Free && threads.iter().any(|it| it.contends) {
         return Err(Refusal::Semantics);
     }
     if servers {
-        chain(system, &mut threads);
+        chain(system, &mut threads)?;
     }
     let whole = |threads: Vec<Thread>, cores: Option<usize>, groups: usize| {
         let hyperperiod = hyperperiod(&threads)?;
+        let mut interference = Vec::new();
+        for group in 0..groups {
+            let own = |it: &&Thread| it.group == group && it.contends;
+            let component = threads.iter().find(own);
+            let component = component.map(|it| system.tasks[it.task].component);
+            let of_group = others.iter().filter(|it| Some(it.component) == component);
+            interference.push(self::interference(system, &of_group.collect::<Vec<_>>()));
+        }
+        let lent =
+            needing - needing.min(system.tasks.iter().filter(|it| it.period.is_some()).count());
+        if cores.is_some_and(|cores| cores <= lent) {
+            return Err(Refusal::Aperiodic);
+        }
         Ok(Model {
             system,
             threads,
             cores,
+            lent: cores.map_or(0, |_| lent),
+            interference,
             policy: platform.policy,
             queue: servers,
             waited_for: waited_for(system),
@@ -106,6 +142,11 @@ pub(super) fn models(system: &TimedSystem) -> Result<Vec<Model<'_>>, Refusal> {
         })
     };
     if !enough {
+        let tasks: Vec<usize> = threads.iter().map(|it| it.task).collect();
+        for it in &mut threads {
+            let number = |next: usize| tasks.iter().position(|&task| task == next);
+            it.successor = it.successor.and_then(number);
+        }
         let cores = platform.cores.map(|it| it as usize);
         return Ok(vec![whole(threads, cores, groups)?]);
     }
@@ -131,19 +172,34 @@ pub(super) fn models(system: &TimedSystem) -> Result<Vec<Model<'_>>, Refusal> {
     models.collect()
 }
 
-fn thread(system: &TimedSystem, task: usize, servers: bool) -> Result<Thread, Refusal> {
+/// The codels of some activities.
+fn codels(system: &TimedSystem, activities: &[Activity]) -> CodelSet {
+    let mut all = CodelSet::default();
+    for it in activities {
+        let states = system.machines[it.machine].states.iter();
+        states.for_each(|it| all.insert(it.codel));
+    }
+    all
+}
+
+fn thread(
+    system: &TimedSystem,
+    task: usize,
+    period: Ticks,
+    activities: &[Activity],
+    servers: bool,
+) -> Result<Thread, Refusal> {
     let it = &system.tasks[task];
-    let period = i64::from(it.period.ok_or(Refusal::Aperiodic)?);
-    if it.keep_idle_tick {
+    let period = i64::from(period);
+    if it.keep_idle_tick && !servers {
         return Err(Refusal::KeepsTicks);
     }
     if system.runs_apart(task) {
         return Err(Refusal::Apart);
     }
-    let machine = it.permanent.map(|a| system.automata[a].machine);
-    if let Some(machine) = machine {
-        let machine = &system.machines[machine];
-        if !pauseless_cycles(machine).is_empty() {
+    for activity in activities {
+        let machine = &system.machines[activity.machine];
+        if machine.loop_limit.is_none() && !pauseless_cycles(machine).is_empty() {
             return Err(Refusal::WithoutPause);
         }
         let upper = |state: &crate::system::State| system.codels[state.codel].upper;
@@ -151,22 +207,30 @@ fn thread(system: &TimedSystem, task: usize, servers: bool) -> Result<Thread, Re
             return Err(Refusal::Endless);
         }
     }
+    let course = match activities {
+        [] => None,
+        _ => Some(course(system, activities)?),
+    };
     let delay = i64::from(it.delay);
     let first = match (servers, delay) {
         (true, 0) => period,
         (true, delay) => delay,
         (false, delay) => period + delay,
     };
-    let paused = match (servers, machine) {
-        (true, _) => Vec::new(),
-        (false, Some(machine)) => after_start_up(system, &system.machines[machine])?,
-        (false, None) => return Err(Refusal::Ends),
+    let paused = match (servers, activities, &course) {
+        (true, ..) => Vec::new(),
+        (false, [only], Some(course)) => {
+            let paused = after_start_up(system, &system.machines[only.machine])?;
+            let paused = paused.into_iter().filter_map(|it| course.paused_at(it));
+            paused.collect()
+        }
+        (false, ..) => return Err(Refusal::Ends),
     };
     Ok(Thread {
         task,
         period,
         first,
-        machine,
+        course,
         group: 0,
         contends: false,
         paused,
@@ -215,19 +279,29 @@ fn waited_for(system: &TimedSystem) -> Vec<bool> {
 
 /// Puts tasks whose codels wait for each other into groups. With a queue, all tasks of a component in which
 /// anybody waits for anybody are one, as the queue is one.
-fn group(system: &TimedSystem, threads: &mut [Thread], servers: bool) -> usize {
-    let codels = |it: &Thread| {
-        let mut all = CodelSet::default();
-        let states = it.machine.map(|it| &system.machines[it].states);
-        for state in states.into_iter().flatten() {
-            all.insert(state.codel);
-        }
-        all
+fn group(
+    system: &TimedSystem,
+    threads: &mut [Thread],
+    (codels, others): (&[CodelSet], &[Other]),
+    servers: bool,
+) -> usize {
+    let component = |task: usize| system.tasks[task].component;
+    let tasks: Vec<usize> = threads.iter().map(|it| it.task).collect();
+    // Whether others of its component wait for a task, or it for them, or they for each other.
+    let disturbed = |thread: usize| {
+        let own = component(tasks[thread]);
+        let others: Vec<&Other> = others.iter().filter(|it| it.component == own).collect();
+        let mut all = others.iter().enumerate();
+        all.any(|(number, it)| {
+            it.meets(system, &codels[tasks[thread]])
+                || others[..number]
+                    .iter()
+                    .any(|other| it.meets(system, &other.codels))
+        })
     };
-    let sets: Vec<CodelSet> = threads.iter().map(codels).collect();
     let waits = |one: usize, other: usize| {
-        let mut own = sets[one].iter();
-        own.any(|it| system.codels[it].conflicts.intersects(&sets[other]))
+        (servers && component(tasks[one]) == component(tasks[other]) && disturbed(one))
+            || waits(system, &codels[tasks[one]], &codels[tasks[other]])
     };
     let mut of: Vec<usize> = (0..threads.len()).collect();
     for one in 0..threads.len() {
@@ -235,10 +309,8 @@ fn group(system: &TimedSystem, threads: &mut [Thread], servers: bool) -> usize {
             if !waits(one, other) {
                 continue;
             }
-            let component = |it: usize| system.tasks[threads[it].task].component;
-            let joined = |it: usize| {
-                it == one || it == other || (servers && component(it) == component(one))
-            };
+            let of_component = |it: usize| component(tasks[it]) == component(tasks[one]);
+            let joined = |it: usize| it == one || it == other || (servers && of_component(it));
             let joined: Vec<usize> = (0..threads.len()).filter(|&it| joined(it)).collect();
             let old: Vec<usize> = joined.iter().map(|&it| of[it]).collect();
             let into = of[one];
@@ -252,6 +324,9 @@ fn group(system: &TimedSystem, threads: &mut [Thread], servers: bool) -> usize {
             }
         }
     }
+    for (thread, it) in threads.iter_mut().enumerate() {
+        it.contends |= servers && disturbed(thread);
+    }
     let mut numbers = of.clone();
     numbers.sort_unstable();
     numbers.dedup();
@@ -261,15 +336,23 @@ fn group(system: &TimedSystem, threads: &mut [Thread], servers: bool) -> usize {
     numbers.len()
 }
 
-/// Servers: each task is started by the one before it. For now successors are numbers of threads, which are
-/// those of tasks.
-fn chain(system: &TimedSystem, threads: &mut [Thread]) {
+/// Servers: each task is started by the one before it. For now successors are numbers of tasks.
+fn chain(system: &TimedSystem, threads: &mut [Thread]) -> Result<(), Refusal> {
     for component in &system.components {
         for pair in component.tasks.windows(2) {
-            threads[pair[0]].successor = Some(pair[1]);
-            threads[pair[1]].started = true;
+            let number = |task: usize| threads.iter().position(|it| it.task == task);
+            match (number(pair[0]), number(pair[1])) {
+                (Some(one), Some(next)) => {
+                    threads[one].successor = Some(pair[1]);
+                    threads[next].started = true;
+                }
+                // When that one starts is not known.
+                (None, Some(_)) => return Err(Refusal::Aperiodic),
+                (_, None) => {}
+            }
         }
     }
+    Ok(())
 }
 
 /// Tasks that are connected by groups or by starting one another, as numbers in the system.
@@ -282,7 +365,9 @@ fn parts(threads: &[Thread]) -> Vec<Vec<usize>> {
             .for_each(|it| *it = to);
     };
     for (one, it) in threads.iter().enumerate() {
-        if let Some(next) = it.successor {
+        if let Some(next) = it.successor
+            && let Some(next) = threads.iter().position(|it| it.task == next)
+        {
             join(one, next);
         }
         let same = |other: &usize| threads[*other].group == it.group;

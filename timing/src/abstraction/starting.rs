@@ -1,6 +1,7 @@
 //! What follows the end of a codel: the end of a job, the ticks that came meanwhile, and the start of the
 //! next task.
 
+use super::course::Then;
 use super::model::Model;
 use super::refusal::Refusal;
 use super::state::{Cycle, Done, Out, Span, Stage, State, When};
@@ -8,14 +9,24 @@ use super::state::{Cycle, Done, Out, Span, Stage, State, When};
 /// How a codel ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum End {
-    /// Another one follows in the same job.
+    /// Another place follows in the same job.
     GoesOn(usize),
-    /// The job is done; the next one begins with this state.
+    /// The job is done; this rest comes before the next one.
     Pauses(usize),
-    /// The permanent activity has ended.
+    /// There is nothing more to execute.
     Ends,
     /// It has ended by an exception.
     Fails,
+}
+
+impl From<Then> for End {
+    fn from(it: Then) -> Self {
+        match it {
+            Then::Goes(place) => End::GoesOn(place),
+            Then::Rests(rest) => End::Pauses(rest),
+            Then::Ends => End::Ends,
+        }
+    }
 }
 
 impl Model<'_> {
@@ -56,7 +67,6 @@ impl Model<'_> {
                         Some(_) => Cycle::Measured,
                         None => Cycle::FirstPass,
                     };
-                    let at = at.or_else(|| self.machine(thread).map(|it| it.start));
                     let tick = Span::at(it.tick(0));
                     self.release(&mut s, thread, (tick, 1), cycle, at.unwrap_or(0));
                     all.push(s);
@@ -78,8 +88,14 @@ impl Model<'_> {
         cycle: Cycle,
         at: usize,
     ) {
+        // In its first pass it asks for a core whatever there is to do.
+        let skips =
+            cycle == Cycle::Measured && self.course(thread).is_some_and(|it| it.rests[at].skips);
         let it = &mut s.done[thread];
-        it.stage = Stage::Waiting;
+        it.stage = match skips {
+            true => Stage::Idle,
+            false => Stage::Waiting,
+        };
         it.cycle = cycle;
         it.at = at as u16;
         it.next = next as i32;
@@ -146,18 +162,7 @@ impl Model<'_> {
                 *worst = (*worst).max(end.to - s.when[thread].since);
             }
             match how {
-                End::Pauses(at) if cycle == Cycle::Measured => {
-                    let tick = Span::at(self.threads[thread].tick(next));
-                    self.release(&mut s, thread, (tick, next + 1), Cycle::Measured, at);
-                    all.push(s);
-                }
-                End::Pauses(at) => {
-                    for release in self.releases(thread, end, next) {
-                        let mut s = s.clone();
-                        self.release(&mut s, thread, release, Cycle::Measured, at);
-                        all.push(s);
-                    }
-                }
+                End::Pauses(at) => all.extend(self.rest(&s, thread, end, at)),
                 _ => {
                     self.leave(&mut s, thread);
                     all.push(s);
@@ -181,6 +186,38 @@ impl Model<'_> {
         Ok(())
     }
 
+    /// The next job of a task is released after a rest.
+    fn rest(&self, s: &State, thread: usize, end: Span, at: usize) -> Vec<State> {
+        let next = i64::from(s.done[thread].next);
+        let releases = match s.done[thread].cycle {
+            Cycle::Measured => vec![(Span::at(self.threads[thread].tick(next)), next + 1)],
+            _ => self.releases(thread, end, next),
+        };
+        let released = |release| {
+            let mut s = s.clone();
+            self.release(&mut s, thread, release, Cycle::Measured, at);
+            s
+        };
+        releases.into_iter().map(released).collect()
+    }
+
+    /// A tick of an idle task: there is nothing to do, or it asks for a core.
+    pub(super) fn tick(&self, s: &State, thread: usize, when: Span, out: &mut Out) {
+        let mut asks = s.clone();
+        asks.steps += 1;
+        let at = s.done[thread].at as usize;
+        let mut all = self.rest(&asks, thread, when, at);
+        asks.when[thread].ready = when;
+        asks.done[thread].stage = Stage::Waiting;
+        all.push(asks);
+        for s in all {
+            for mut s in self.settle(s) {
+                s.tidy(self);
+                out.states.push(s);
+            }
+        }
+    }
+
     /// A task has nothing to execute any more.
     fn leave(&self, s: &mut State, thread: usize) {
         let it = &mut s.done[thread];
@@ -197,11 +234,10 @@ impl Model<'_> {
             }
             return vec![s];
         }
-        let at = self.machine(thread).map_or(0, |it| it.start);
         let releases = self.releases(thread, end, 0).into_iter();
         let released = |release| {
             let mut s = s.clone();
-            self.release(&mut s, thread, release, Cycle::FirstPass, at);
+            self.release(&mut s, thread, release, Cycle::FirstPass, 0);
             s
         };
         releases.map(released).collect()
@@ -214,25 +250,58 @@ impl Model<'_> {
         }
         let mut todo = vec![s];
         let mut out = Vec::new();
-        'states: while let Some(mut s) = todo.pop() {
-            for thread in 0..self.threads.len() {
-                if !s.is(thread, Stage::Waiting) {
-                    continue;
-                }
-                if self.threads[thread].machine.is_some() {
-                    s.done[thread].stage = Stage::Active;
-                    continue;
-                }
-                let begin = s.when[thread].ready;
-                self.leave(&mut s, thread);
-                match self.threads[thread].successor {
-                    Some(next) => todo.extend(self.start(s, next, begin, End::Ends)),
-                    None => todo.push(s),
-                }
-                continue 'states;
+        while let Some(s) = todo.pop() {
+            let waiting = s.all(Stage::Waiting).next();
+            let Some(thread) = waiting else {
+                out.push(s);
+                continue;
+            };
+            let begin = s.when[thread].ready;
+            for how in self.begins(&s, thread) {
+                todo.extend(self.begin_job(s.clone(), thread, begin, how));
             }
-            out.push(s);
         }
         out
+    }
+
+    /// How a job can begin after a rest.
+    pub(super) fn begins(&self, s: &State, thread: usize) -> Vec<End> {
+        match self.course(thread) {
+            Some(it) => {
+                let begins = it.rests[s.done[thread].at as usize].begins.iter();
+                begins.map(|it| End::from(*it)).collect()
+            }
+            None => vec![End::Ends],
+        }
+    }
+
+    /// A job begins: with a codel, or with its end.
+    pub(super) fn begin_job(
+        &self,
+        mut s: State,
+        thread: usize,
+        when: Span,
+        how: End,
+    ) -> Vec<State> {
+        if let End::GoesOn(place) = how {
+            s.done[thread].stage = Stage::Active;
+            s.done[thread].at = place as u16;
+            return vec![s];
+        }
+        let first = s.done[thread].cycle == Cycle::FirstPass;
+        let all = match how {
+            End::Pauses(rest) => self.rest(&s, thread, when, rest),
+            _ => {
+                self.leave(&mut s, thread);
+                vec![s]
+            }
+        };
+        match self.threads[thread].successor.filter(|_| first) {
+            Some(next) => all
+                .into_iter()
+                .flat_map(|s| self.start(s, next, when, how))
+                .collect(),
+            None => all,
+        }
     }
 }

@@ -44,12 +44,21 @@ impl Span {
 pub(super) enum Stage {
     /// Servers: not started yet.
     Off,
+    /// Its next tick comes, and may find nothing to do.
+    Idle,
     /// Its next job has been released, or will be, and has no core yet.
     Waiting,
     /// In a job: its next codel takes a ticket (or waits for its locks) when the last one has ended.
     Active,
     /// It has nothing to execute any more.
     Gone,
+}
+
+impl Stage {
+    /// Whether something is still to be executed, as far as is known, by who has been started.
+    pub(super) fn is_live(self) -> bool {
+        matches!(self, Stage::Idle | Stage::Waiting | Stage::Active)
+    }
 }
 
 /// Which cycle of a task it is, under the semantics of the servers.
@@ -68,7 +77,7 @@ pub(super) enum Cycle {
 pub(super) struct Done {
     pub(super) stage: Stage,
     pub(super) cycle: Cycle,
-    /// State of the machine that comes next.
+    /// Active: the place that comes next. Before: the rest.
     pub(super) at: u16,
     /// Number of the tick that comes after the release of its job.
     pub(super) next: i32,
@@ -129,8 +138,7 @@ impl State {
 
     /// Threads that still have something to execute, and have been started.
     fn live(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.done.len())
-            .filter(|&it| matches!(self.done[it].stage, Stage::Waiting | Stage::Active))
+        (0..self.done.len()).filter(|&it| self.done[it].stage.is_live())
     }
 
     /// Widens the intervals so that they contain those of another state in which the same has been done;
@@ -184,7 +192,7 @@ impl State {
             if self.done[it].held == 0 {
                 self.when[it].held = Span::default();
             }
-            if !matches!(self.done[it].stage, Stage::Waiting | Stage::Active) {
+            if !self.done[it].stage.is_live() {
                 self.when[it].ready = Span::default();
                 self.when[it].since = 0;
             }
@@ -206,7 +214,7 @@ impl State {
             return;
         }
         for (it, thread) in model.threads.iter().enumerate() {
-            let live = matches!(self.done[it].stage, Stage::Waiting | Stage::Active);
+            let live = self.done[it].stage.is_live();
             if live {
                 self.done[it].next -= (by / thread.period) as i32;
                 self.when[it].ready.shift(by);

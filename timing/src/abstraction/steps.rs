@@ -8,7 +8,7 @@ use super::model::Model;
 use super::refusal::Refusal;
 use super::starting::End;
 use super::state::{Cycle, Out, Span, Stage, State};
-use crate::system::{Policy, Yield};
+use crate::system::{CodelSet, Policy};
 
 impl Model<'_> {
     /// The states that follow a state, in which each run that has come to it goes on.
@@ -24,12 +24,20 @@ impl Model<'_> {
         }
         // The next step of all, in the order of time, whatever it is: the others come no earlier.
         let active = s.all(Stage::Active).map(|it| self.latest(s, it));
-        let until = active.min().unwrap_or(i64::MAX);
+        let ticks = s.all(Stage::Idle).map(|it| s.when[it].ready.to);
+        let until = active.chain(ticks).min().unwrap_or(i64::MAX);
         let given = self.given_by(s).unwrap_or(i64::MAX).min(until);
         for thread in s.all(Stage::Active) {
             let earliest = self.earliest(s, thread);
             if earliest <= given {
                 self.begin_codel(&not_before(s, earliest), thread, given, out)?;
+            }
+        }
+        for thread in s.all(Stage::Idle) {
+            let mut when = s.when[thread].ready;
+            if when.from <= given {
+                when.to = when.to.min(given);
+                self.tick(&not_before(s, when.from), thread, when, out);
             }
         }
         for thread in s.all(Stage::Waiting) {
@@ -61,28 +69,41 @@ impl Model<'_> {
                 *group = i64::MAX;
             }
         }
+        for thread in s.all(Stage::Idle) {
+            let group = &mut until[self.threads[thread].group];
+            if s.when[thread].ready.from <= *group {
+                *group = i64::MAX;
+            }
+        }
         let (group, &until) = until.iter().enumerate().min_by_key(|it| it.1)?;
         (until != i64::MAX).then_some((group, until))
     }
 
     /// The codel that an active task executes next.
     fn codel(&self, s: &State, thread: usize) -> Option<usize> {
-        let state = self
-            .machine(thread)?
-            .states
+        let place = self
+            .course(thread)?
+            .places
             .get(s.done[thread].at as usize)?;
-        Some(state.codel)
+        Some(place.codel)
     }
 
     /// When everything has ended that the next codel of a task has to wait for, as far as it has begun.
     fn holders(&self, s: &State, thread: usize) -> Option<Span> {
+        let codel = self.codel(s, thread)?;
+        self.ends_of(s, thread, &self.system.codels[codel].conflicts)
+    }
+
+    /// When all of these have ended, as far as they have begun; those of the task itself have.
+    fn ends_of(&self, s: &State, thread: usize, codels: &CodelSet) -> Option<Span> {
         let it = &self.threads[thread];
-        let codel = self.codel(s, thread).filter(|_| it.contends)?;
-        let conflicts = &self.system.codels[codel].conflicts;
+        if !it.contends {
+            return None;
+        }
         let others = (0..self.threads.len()).filter(|&other| {
             other != thread && self.threads[other].group == it.group && s.done[other].held != 0
         });
-        let holders = others.filter(|&other| conflicts.contains(s.done[other].held as usize - 1));
+        let holders = others.filter(|&other| codels.contains(s.done[other].held as usize - 1));
         holders
             .map(|other| s.when[other].held)
             .reduce(|one, other| one.max(other))
@@ -116,9 +137,9 @@ impl Model<'_> {
         out: &mut Out,
     ) -> Result<(), Refusal> {
         let it = &self.threads[thread];
-        let Some(state) = self
-            .machine(thread)
-            .and_then(|machine| machine.states.get(s.done[thread].at as usize))
+        let Some(place) = self
+            .course(thread)
+            .and_then(|it| it.places.get(s.done[thread].at as usize))
         else {
             return Ok(());
         };
@@ -136,6 +157,13 @@ impl Model<'_> {
                 if let Some(holders) = self.holders(&s, thread) {
                     begin = begin.max(holders);
                 }
+                // Requests are taken, and tasks without period started, after the first passes of all tasks.
+                let first = s.done[thread].cycle == Cycle::FirstPass;
+                if let Some(others) = self.interference[it.group].as_ref().filter(|_| !first) {
+                    let awaited = self.ends_of(&s, thread, &others.waits_for);
+                    begin.to = begin.to.max(awaited.map_or(begin.to, |it| it.to));
+                    begin.to += others.longest[place.codel].ok_or(Refusal::Endless)?;
+                }
             }
             let others = |&other: &usize| other != thread && self.threads[other].group == it.group;
             let others: Vec<usize> = s.all(Stage::Active).filter(others).collect();
@@ -148,25 +176,23 @@ impl Model<'_> {
             }
             s.begun[it.group] = begin;
         }
-        let codel = &self.system.codels[state.codel];
+        let codel = &self.system.codels[place.codel];
         let end = Span {
             from: begin.from + i64::from(codel.lower),
             to: begin.to + i64::from(codel.upper),
         };
         (s.done[thread].held, s.when[thread].held) = (0, Span::default());
-        if it.contends && self.waited_for[state.codel] {
-            s.done[thread].held = state.codel as u32 + 1;
+        if it.contends && self.waited_for[place.codel] {
+            s.done[thread].held = place.codel as u32 + 1;
             s.when[thread].held = end;
         }
-        for it in &state.yields {
-            let how = match *it {
-                Yield::Next(next) => End::GoesOn(next),
-                Yield::Pause(next) => End::Pauses(next),
-                Yield::End => End::Ends,
-            };
-            self.end_codel(s.clone(), thread, end, how, out)?;
+        // Who fails in the first pass does so as a component that never starts.
+        let fails = !place.thrown.is_empty() && s.done[thread].cycle == Cycle::FirstPass;
+        let thrown = place.thrown.iter().filter(|_| !fails);
+        for &it in place.then.iter().chain(thrown) {
+            self.end_codel(s.clone(), thread, end, End::from(it), out)?;
         }
-        if codel.throws {
+        if fails {
             self.end_codel(s, thread, end, End::Fails, out)?;
         }
         Ok(())
@@ -175,14 +201,15 @@ impl Model<'_> {
     /// By when the next core is given, if somebody waits for it and one is known to be free by then.
     fn given_by(&self, s: &State) -> Option<i64> {
         let released = s.all(Stage::Waiting).map(|it| s.when[it].ready.to).min()?;
-        Some(released.max(*s.free_to.first()?))
+        // Others may hold the cores that are free first.
+        Some(released.max(*s.free_to.get(self.lent)?))
     }
 
     /// When a task can be the next that is given a core.
     fn gets_core(&self, s: &State, thread: usize) -> Option<Span> {
         let ready = s.when[thread].ready;
         let from = ready.from.max(*s.free_from.first()?).max(s.given);
-        let mut to = self.given_by(s)?;
+        let mut to = self.given_by(s).unwrap_or(i64::MAX);
         for other in s.all(Stage::Waiting).filter(|&other| other != thread) {
             let released = s.when[other].ready.to;
             match self.policy {
@@ -224,13 +251,17 @@ impl Model<'_> {
         s.free_from.remove(0);
         s.free_to.remove(0);
         s.when[thread].ready = when;
-        s.done[thread].stage = Stage::Active;
-        if self.threads[thread].machine.is_none() {
-            debug_assert_eq!(s.done[thread].cycle, Cycle::FirstPass);
-            return self.end_codel(s, thread, when, End::Ends, out);
+        for how in self.begins(&s, thread) {
+            match how {
+                End::GoesOn(_) => {
+                    for mut s in self.begin_job(s.clone(), thread, when, how) {
+                        s.tidy(self);
+                        out.states.push(s);
+                    }
+                }
+                _ => self.end_codel(s.clone(), thread, when, how, out)?,
+            }
         }
-        s.tidy(self);
-        out.states.push(s);
         Ok(())
     }
 }

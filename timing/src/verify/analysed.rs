@@ -38,7 +38,9 @@ impl<'b> Analysed<'b> {
         self.abstracted = true;
         for (task, found) in found.into_iter().enumerate() {
             let bound = &mut self.bounds[task];
-            if bound.is_none_or(|bound| found < bound) {
+            if let Some(found) = found
+                && bound.is_none_or(|bound| found < bound)
+            {
                 *bound = Some(found);
                 self.layers[task] = Layer::ScheduleAbstraction;
             }

@@ -205,6 +205,9 @@ fn abstracted(system: &TimedSystem, budget: Budget, expected: &Results) -> Resul
     };
     ABSTRACTED.fetch_add(1, Ordering::Relaxed);
     for (task, bound) in bounds.into_iter().enumerate() {
+        let Some(bound) = bound else {
+            continue;
+        };
         let exact = expected.response[task];
         if exact.is_some_and(|it| it > bound) {
             return Err(format!(

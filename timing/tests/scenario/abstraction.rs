@@ -50,7 +50,9 @@ fn bounds(specification: &str, scenario: &str) -> Result<String, Refusal> {
     let bounds = abstract_bounds(&built.system, Budget::default(), &Cancel::default())?;
     let mut out = String::new();
     for (task, bound) in bounds.iter().enumerate() {
-        let _ = writeln!(out, "{} {bound}", built.system.task_path(task));
+        if let Some(bound) = bound {
+            let _ = writeln!(out, "{} {bound}", built.system.task_path(task));
+        }
     }
     Ok(out)
 }
@@ -117,9 +119,12 @@ fn what_is_not_treated_is_refused_with_its_reason() {
     assert_eq!(preempted, Some(Refusal::Preemption));
     let points = refused(ARM, "cores 2; policy edf; turns pause;");
     assert_eq!(points, Some(Refusal::Semantics));
-    let aperiodic = ARM.replace("period 10 ms;", "");
-    let aperiodic = refused(&aperiodic, "cores 2; policy edf;");
+    // A task that is started after one without period.
+    let aperiodic = ARM.replace("period 4 ms;", "");
+    let aperiodic = refused(&aperiodic, "cores free;");
     assert_eq!(aperiodic, Some(Refusal::Aperiodic));
+    let builtin = refused(ARM, "cores free; client c { kill eye; }");
+    assert_eq!(builtin, Some(Refusal::Requests));
     let round = ARM.replace("yield act, pause::read", "yield act, read");
     let round = refused(&round, "cores 2; policy edf;");
     assert_eq!(round, Some(Refusal::WithoutPause));
@@ -128,6 +133,37 @@ fn what_is_not_treated_is_refused_with_its_reason() {
     assert_eq!(late, Some(Refusal::MayMiss { task: 0 }));
     let published = refused(ARM, "semantics published; cores 2;");
     assert_eq!(published, Some(Refusal::StartUp));
+}
+
+#[test]
+fn what_comes_at_any_time_is_counted_wherever_it_can_come() {
+    // `servo` waits for one codel of `plan`, and the control task holds `goal` for 0.3 ms before each of the two.
+    let asked = ARM.replace(
+        "  task servo {",
+        "  function aim() { codel aim(out goal) wcet 0.3 ms; };\n  task servo {",
+    );
+    let client = "client c { repeat * { send joint.aim; delay 1 ms; } }";
+    insta::assert_snapshot!(bounds(&asked, &format!("cores free; {client}")).unwrap(), @r"
+    joint.servo 21
+    joint.plan 71
+    eye.look 20
+    ");
+    // An activity is executed after the permanent one, in the same cycle.
+    let (rest, end) = ARM.trim_end().rsplit_once("};").unwrap();
+    let blink = "activity blink() { task look; codel<start> blink() yield ether wcet 0.7 ms; }; };";
+    let look = format!("{rest}{blink}{end}");
+    let client = "client c { send eye.blink; }";
+    insta::assert_snapshot!(bounds(&look, &format!("cores free; {client}")).unwrap(), @r"
+    joint.servo 15
+    joint.plan 65
+    eye.look 27
+    ");
+    // A task without period may hold one of the cores for ever.
+    let aperiodic = ARM.replace("period 10 ms;", "");
+    insta::assert_snapshot!(bounds(&aperiodic, "cores 3; policy fifo;").unwrap(), @r"
+    joint.servo 15
+    joint.plan 65
+    ");
 }
 
 /// With everything released at the same moment there are too many sets of jobs that can be done first.

@@ -53,7 +53,8 @@ impl Builder<'_> {
                     });
                     self.out.system.automata.len() - 1
                 });
-            let keep = self.idle_rule(c, t);
+            // The servers know no such rule.
+            let keep = self.idle_rule(c, t) && self.settings.semantics().is_published();
             self.out.tasks.insert((c, t), id);
             self.out.system.components[number].tasks.push(id);
             self.out.system.tasks.push(Task {

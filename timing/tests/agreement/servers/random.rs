@@ -24,6 +24,8 @@ struct Known {
     quiet: bool,
     /// Nothing is requested, cores are given and kept in any way, and all tasks have periods.
     periodic: bool,
+    /// Tasks without period come last, periods are long, and cores are given in any order.
+    occasional: bool,
     /// Clients ask for what all components understand, and how requests end.
     requests: bool,
     /// Data flow, through ports and through variables of activities.
@@ -119,6 +121,15 @@ pub(crate) fn periodic(dice: &mut Dice) -> Texts {
     draw(dice, periodic)
 }
 
+/// Tasks with periods, some without behind them, and requests.
+pub(crate) fn occasional(dice: &mut Dice) -> Texts {
+    let occasional = Known {
+        occasional: true,
+        ..Known::default()
+    };
+    draw(dice, occasional)
+}
+
 fn draw(dice: &mut Dice, mut known: Known) -> Texts {
     let count = if dice.in_ten(if known.quiet { 7 } else { 3 }) {
         2
@@ -186,11 +197,14 @@ fn component(dice: &mut Dice, c: usize, of: usize, known: &mut Known) -> String 
     let tasks = 1 + dice.below(if of == 1 { 3 } else { 2 });
     let mut periodic = Vec::new();
     for t in 0..tasks {
-        let has_period = known.periodic || dice.in_ten(7);
+        let has_period = match known.occasional {
+            true => periodic.last() != Some(&false) && (t == 0 || dice.in_ten(6)),
+            false => known.periodic || dice.in_ten(7),
+        };
         periodic.push(has_period);
         let _ = writeln!(out, " task t{t} {{");
         if has_period {
-            let period = match known.periodic {
+            let period = match known.periodic || known.occasional {
                 true => dice.pick(&[4, 6, 8, 12, 12, 16]),
                 false => dice.pick(&[3, 4, 6, 6, 8]),
             };
@@ -355,8 +369,8 @@ fn scenario(dice: &mut Dice, known: &Known) -> String {
         false => dice.pick(&["fifo", "fifo", "edf", "any"]),
         true => dice.pick(&["fifo", "edf", "any", "priority", "priority", "fair"]),
     };
-    let (cores, policy) = match known.quiet {
-        true if known.periodic => (
+    let (cores, policy) = match known.quiet || known.occasional {
+        true if known.periodic || known.occasional => (
             dice.pick(&["free", "1", "2", "2", "4"]),
             dice.pick(&["fifo", "fifo", "edf", "edf", "any"]),
         ),

@@ -1,0 +1,71 @@
+//! Which activities each task may execute, as far as the requests of clients tell.
+
+use super::course::Activity;
+use super::refusal::Refusal;
+use crate::system::TimedSystem;
+
+/// Instances of one activity, above which a system is refused.
+const INSTANCES: usize = 3;
+
+/// By task, its permanent activity and those that clients may request.
+pub(super) fn activities(system: &TimedSystem) -> Result<Vec<Vec<Activity>>, Refusal> {
+    let mut out: Vec<Vec<Activity>> = vec![Vec::new(); system.tasks.len()];
+    for (task, it) in system.tasks.iter().enumerate() {
+        let permanent = it.permanent.map(|it| Activity {
+            machine: system.automata[it].machine,
+            permanent: true,
+            again: false,
+            interrupted: false,
+        });
+        out[task].extend(permanent);
+    }
+    let requested = system.requested();
+    for (service, it) in system.services.iter().enumerate() {
+        if !requested[service] || !it.activity {
+            continue;
+        }
+        let interrupts =
+            |by: &usize| requested[*by] && system.services[*by].interrupts.contains(&service);
+        let often = requests(system, service);
+        // Of an activity that interrupts itself one instance at most has begun and not ended.
+        let (instances, again) = match (it.interrupts.contains(&service), often) {
+            (true, often) => (1, often != Some(1)),
+            (false, Some(often)) => (often, false),
+            (false, None) => return Err(Refusal::Requests),
+        };
+        let Some(&slot) = it.slots.first() else {
+            continue;
+        };
+        let automaton = &system.automata[slot];
+        let periodic = system.tasks[automaton.task].period.is_some();
+        if instances > INSTANCES && periodic {
+            return Err(Refusal::Requests);
+        }
+        let activity = Activity {
+            machine: automaton.machine,
+            permanent: false,
+            again,
+            interrupted: (0..system.services.len()).any(|by| interrupts(&by)),
+        };
+        let of_task = &mut out[automaton.task];
+        of_task.extend(std::iter::repeat_n(activity, instances.min(INSTANCES)));
+    }
+    Ok(out)
+}
+
+/// How often clients request a service at most; `None`: there is no limit.
+fn requests(system: &TimedSystem, service: usize) -> Option<usize> {
+    let mut often = 0;
+    for client in &system.clients {
+        for (step, it) in client.steps.iter().enumerate() {
+            if it.requests() != Some(service) {
+                continue;
+            }
+            if client.comes_again(step) {
+                return None;
+            }
+            often += 1;
+        }
+    }
+    Some(often)
+}

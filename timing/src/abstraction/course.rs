@@ -1,0 +1,332 @@
+//! What a task executes, one codel after the other: its permanent activity and the activities that are requested
+//! of it, put together pass by pass.
+//!
+//! When requests come is left open: an activity that may be requested can begin in each cycle in which it is not
+//! under way, and one that is interrupted by a service that may be requested can be interrupted before each pass.
+
+use rustc_hash::FxHashMap;
+
+use super::refusal::Refusal;
+use crate::system::loops::{Visited, beginning, followers};
+use crate::system::{Machine, State, TimedSystem, Yield};
+
+/// Places and rests together, above which a task is refused.
+const SITUATIONS: usize = 5_000;
+
+/// What a task executes.
+#[derive(Debug)]
+pub(super) struct Course {
+    pub(super) places: Vec<Place>,
+    /// The first one is that before the first cycle.
+    pub(super) rests: Vec<Rest>,
+    /// By rest, where the permanent activity, alone, has paused.
+    paused: Vec<Option<usize>>,
+}
+
+/// A codel that is executed.
+#[derive(Debug, Default)]
+pub(super) struct Place {
+    pub(super) codel: usize,
+    /// What can follow.
+    pub(super) then: Vec<Then>,
+    /// What can follow an exception, if there can be one.
+    pub(super) thrown: Vec<Then>,
+}
+
+/// What follows a codel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Then {
+    /// Another place in the same cycle.
+    Goes(usize),
+    /// The end of the cycle.
+    Rests(usize),
+    /// The end of the last cycle.
+    Ends,
+}
+
+/// A task between two cycles.
+#[derive(Debug, Default)]
+pub(super) struct Rest {
+    /// How the next cycle can begin: with a codel, or with its end.
+    pub(super) begins: Vec<Then>,
+    /// At a tick there may be nothing to do.
+    pub(super) skips: bool,
+}
+
+impl Course {
+    /// The rest in which the permanent activity, alone, has paused at a state.
+    pub(super) fn paused_at(&self, state: usize) -> Option<usize> {
+        self.paused.iter().position(|it| *it == Some(state))
+    }
+}
+
+/// An activity that a task may execute.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Activity {
+    /// Its machine.
+    pub(super) machine: usize,
+    pub(super) permanent: bool,
+    /// It can be requested again when it has ended.
+    pub(super) again: bool,
+    /// Some request interrupts it.
+    pub(super) interrupted: bool,
+}
+
+/// Where an activity is.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+enum At {
+    /// It has not begun.
+    Before,
+    /// It has ended for good.
+    Over,
+    /// It is to execute a codel in this pass.
+    Next(Visited, Stops),
+    /// It goes on in the next pass.
+    Goes(Visited, Stops),
+    /// It goes on in the next cycle.
+    Pauses(usize, Stops),
+}
+
+/// Whether an activity was interrupted.
+type Stops = bool;
+
+/// Where all of them are; the one that executes a codel.
+type Situation = (Vec<At>, Option<usize>);
+
+/// The course of a task; the permanent activity, if any, is the first.
+pub(super) fn course(system: &TimedSystem, activities: &[Activity]) -> Result<Course, Refusal> {
+    let mut builder = Builder {
+        system,
+        activities,
+        known: FxHashMap::default(),
+        todo: Vec::new(),
+        out: Course {
+            places: Vec::new(),
+            rests: Vec::new(),
+            paused: Vec::new(),
+        },
+    };
+    builder.first();
+    while let Some((situation, number)) = builder.todo.pop() {
+        if builder.known.len() > SITUATIONS {
+            return Err(Refusal::Requests);
+        }
+        match situation.1 {
+            Some(executes) => builder.place(&situation.0, executes, number),
+            None => builder.rest(&situation.0, number),
+        }
+    }
+    Ok(builder.out)
+}
+
+struct Builder<'b> {
+    system: &'b TimedSystem,
+    activities: &'b [Activity],
+    known: FxHashMap<Situation, Then>,
+    todo: Vec<(Situation, usize)>,
+    out: Course,
+}
+
+impl Builder<'_> {
+    fn machine(&self, activity: usize) -> &Machine {
+        &self.system.machines[self.activities[activity].machine]
+    }
+
+    fn begins(&self, activity: usize, state: usize) -> Visited {
+        let machine = self.machine(activity);
+        beginning(machine, machine.loop_limit, state)
+    }
+
+    /// Before the first cycle, in which only the permanent activity can begin.
+    fn first(&mut self) {
+        self.out.rests.push(Rest::default());
+        self.out.paused.push(None);
+        let mut at = vec![At::Before; self.activities.len()];
+        if self.activities.first().is_some_and(|it| it.permanent) {
+            at[0] = At::Next(self.begins(0, self.machine(0).start), false);
+        }
+        self.out.rests[0].begins = self.go_on(&at);
+    }
+
+    /// The number of a situation.
+    fn number(&mut self, situation: Situation) -> Then {
+        if let Some(&it) = self.known.get(&situation) {
+            return it;
+        }
+        let (it, number) = match situation.1 {
+            Some(_) => {
+                self.out.places.push(Place::default());
+                let number = self.out.places.len() - 1;
+                (Then::Goes(number), number)
+            }
+            None if situation.0.iter().all(|it| *it == At::Over) => return Then::Ends,
+            None => {
+                self.out.rests.push(Rest::default());
+                self.out.paused.push(match &situation.0[..] {
+                    [At::Pauses(at, false)] => Some(*at),
+                    _ => None,
+                });
+                let number = self.out.rests.len() - 1;
+                (Then::Rests(number), number)
+            }
+        };
+        self.known.insert(situation.clone(), it);
+        self.todo.push((situation, number));
+        it
+    }
+
+    fn place(&mut self, at: &[At], executes: usize, number: usize) {
+        let At::Next(visited, stops) = &at[executes] else {
+            return;
+        };
+        let machine = self.machine(executes);
+        let state = &machine.states[visited.0];
+        let codel = state.codel;
+        let over = self.over(executes);
+        let following = followers(machine, visited);
+        let mut next: Vec<At> = following
+            .into_iter()
+            .map(|it| At::Goes(it, *stops))
+            .collect();
+        next.extend(state.yields.iter().filter_map(|it| match *it {
+            Yield::Next(_) => None,
+            Yield::Pause(to) => Some(At::Pauses(to, *stops)),
+            Yield::End => Some(over.clone()),
+        }));
+        let throws = self.system.codels[codel].throws;
+        let with = |it: At| {
+            let mut at = at.to_vec();
+            at[executes] = it;
+            at
+        };
+        let all: Vec<Vec<At>> = next.into_iter().map(with).collect();
+        let thrown = throws.then(|| with(self.fades(executes, *stops).unwrap_or(over)));
+        let mut then: Vec<Then> = all.iter().flat_map(|it| self.go_on(it)).collect();
+        then.dedup();
+        let thrown = thrown.map_or(Vec::new(), |it| self.go_on(&it));
+        self.out.places[number] = Place {
+            codel,
+            then,
+            thrown,
+        };
+    }
+
+    fn rest(&mut self, at: &[At], number: usize) {
+        let mut begins = Vec::new();
+        for it in self.begin_pass(at, true) {
+            begins.extend(self.go_on_in_pass(&it));
+        }
+        // Nobody asks for a core in vain, unless what was to begin is interrupted.
+        if self.activities.iter().all(|it| !it.interrupted) {
+            begins.retain(|it| matches!(it, Then::Goes(_)));
+        }
+        let mut all = at.iter().enumerate();
+        let paused = all.any(|(activity, it)| match it {
+            At::Pauses(_, stops) => self.fades(activity, *stops).is_none(),
+            _ => false,
+        });
+        self.out.rests[number] = Rest {
+            begins,
+            skips: !paused,
+        };
+    }
+
+    /// Where an activity is that has ended.
+    fn over(&self, activity: usize) -> At {
+        match self.activities[activity].again {
+            true => At::Before,
+            false => At::Over,
+        }
+    }
+
+    /// Where an activity is that may have failed. Any other may fail as well in some runs, so that there would be
+    /// a rest for each set of those that have. Instead it is as if it were paused, and need not be resumed.
+    fn fades(&self, activity: usize, stops: Stops) -> Option<At> {
+        if self.activities[activity].again {
+            return None;
+        }
+        let states = &self.machine(activity).states;
+        let throws = |it: &&State| self.system.codels[it.codel].throws;
+        states.iter().find(throws)?;
+        let mut yields = states.iter().flat_map(|it| &it.yields);
+        yields.find_map(|it| match *it {
+            Yield::Pause(to) => Some(At::Pauses(to, stops)),
+            _ => None,
+        })
+    }
+
+    /// What can follow in a pass, or after it.
+    fn go_on(&mut self, at: &[At]) -> Vec<Then> {
+        let next = at.iter().any(|it| matches!(it, At::Next(..)));
+        let goes = at.iter().any(|it| matches!(it, At::Goes(..)));
+        if next || !goes {
+            return self.go_on_in_pass(at);
+        }
+        let mut out = Vec::new();
+        for it in self.begin_pass(at, false) {
+            out.extend(self.go_on_in_pass(&it));
+        }
+        out
+    }
+
+    /// What can follow in a pass. The permanent activity has the first slot; the slots of others are not known.
+    fn go_on_in_pass(&mut self, at: &[At]) -> Vec<Then> {
+        let next = (0..at.len()).filter(|&it| matches!(at[it], At::Next(..)));
+        let mut next: Vec<usize> = next.collect();
+        if next.first() == Some(&0) && self.activities[0].permanent {
+            next.truncate(1);
+        }
+        if next.is_empty() {
+            return vec![self.number((at.to_vec(), None))];
+        }
+        let all = next.into_iter().map(|it| (at.to_vec(), Some(it)));
+        all.collect::<Vec<_>>()
+            .into_iter()
+            .map(|it| self.number(it))
+            .collect()
+    }
+
+    /// How a pass can begin. Only the first one of a cycle begins and resumes activities.
+    fn begin_pass(&self, at: &[At], first: bool) -> Vec<Vec<At>> {
+        let mut out: Vec<Vec<At>> = vec![Vec::new()];
+        for (activity, it) in at.iter().enumerate() {
+            let mut ways = vec![match it {
+                At::Goes(visited, stops) => At::Next(visited.clone(), *stops),
+                At::Pauses(state, stops) if first => {
+                    At::Next(self.begins(activity, *state), *stops)
+                }
+                other => other.clone(),
+            }];
+            if let At::Pauses(_, stops) = it
+                && first
+                && self.fades(activity, *stops).is_some()
+            {
+                ways.push(it.clone());
+            }
+            match it {
+                At::Before if first && !self.activities[activity].permanent => {
+                    let start = self.machine(activity).start;
+                    ways.push(At::Next(self.begins(activity, start), false));
+                }
+                At::Goes(_, false) | At::Pauses(_, false)
+                    if self.activities[activity].interrupted =>
+                {
+                    ways.push(match self.machine(activity).stop {
+                        Some(stop) => At::Next(self.begins(activity, stop), true),
+                        None => self.over(activity),
+                    });
+                }
+                _ => {}
+            }
+            let before = std::mem::take(&mut out);
+            for begun in before {
+                for way in &ways {
+                    let mut begun = begun.clone();
+                    begun.push(way.clone());
+                    out.push(begun);
+                }
+            }
+        }
+        out
+    }
+}

@@ -1,0 +1,95 @@
+//! Who takes tickets beside the tasks that are followed: control tasks, and tasks without period.
+//!
+//! When they do is left open. Each of them has one ticket at a time, so a codel that has taken a ticket finds at
+//! most one codel of each of them before it: one that executes, or one that is ahead in the queue.
+
+use crate::system::{CodelSet, FOREVER, TimedSystem};
+
+/// The codels of a control task, or of a task without period.
+#[derive(Debug)]
+pub(super) struct Other {
+    pub(super) component: usize,
+    pub(super) codels: CodelSet,
+}
+
+impl Other {
+    /// Whether one of its codels waits for one of these, or the other way round.
+    pub(super) fn meets(&self, system: &TimedSystem, codels: &CodelSet) -> bool {
+        waits(system, &self.codels, codels) || waits(system, codels, &self.codels)
+    }
+}
+
+/// Whether one of the first waits for one of the second.
+pub(super) fn waits(system: &TimedSystem, first: &CodelSet, second: &CodelSet) -> bool {
+    let mut first = first.iter();
+    first.any(|it| system.codels[it].conflicts.intersects(second))
+}
+
+/// All of them. `codels`: by task, those that it may execute.
+pub(super) fn others(system: &TimedSystem, codels: &[CodelSet]) -> Vec<Other> {
+    let requested = system.requested();
+    let mut out: Vec<Other> = Vec::new();
+    for (component, it) in system.components.iter().enumerate() {
+        let mut handled = CodelSet::default();
+        for &service in it.services.iter().filter(|it| requested[**it]) {
+            let service = &system.services[service];
+            let own = service.validate.iter().chain(&service.simple);
+            own.for_each(|&it| handled.insert(it));
+        }
+        let aperiodic = it
+            .tasks
+            .iter()
+            .filter(|it| system.tasks[**it].period.is_none());
+        let all = aperiodic.map(|&it| codels[it].clone()).chain([handled]);
+        let all = all.filter(|it| !it.is_empty());
+        out.extend(all.map(|codels| Other { component, codels }));
+    }
+    out
+}
+
+/// What the others do to the tasks of a group.
+#[derive(Debug, Default)]
+pub(super) struct Interference {
+    /// One of theirs, at the head of the queue, may wait for these.
+    pub(super) waits_for: CodelSet,
+    /// By codel, how long it waits for theirs at most, when all else that is before it has begun or ended;
+    /// `None`: for ever.
+    pub(super) longest: Vec<Option<i64>>,
+}
+
+/// What the others of a component do to its tasks; nothing if there are none.
+pub(super) fn interference(system: &TimedSystem, others: &[&Other]) -> Option<Interference> {
+    if others.is_empty() {
+        return None;
+    }
+    let mut out = Interference {
+        waits_for: CodelSet::default(),
+        longest: vec![Some(0); system.codels.len()],
+    };
+    for it in others {
+        for codel in it.codels.iter() {
+            let conflicts = system.codels[codel].conflicts.iter();
+            conflicts.for_each(|it| out.waits_for.insert(it));
+        }
+    }
+    for (number, it) in others.iter().enumerate() {
+        let awaited = |codel: usize| {
+            let mut rest = others.iter().enumerate().filter(|it| it.0 != number);
+            let mut one = CodelSet::default();
+            one.insert(codel);
+            rest.any(|(_, other)| waits(system, &other.codels, &one))
+        };
+        let own: Vec<(usize, bool)> = it.codels.iter().map(|it| (it, awaited(it))).collect();
+        for (codel, longest) in out.longest.iter_mut().enumerate() {
+            let conflicts = &system.codels[codel].conflicts;
+            let waits = own
+                .iter()
+                .filter(|(it, awaited)| *awaited || conflicts.contains(*it));
+            let longest_of_it = waits.map(|it| system.codels[it.0].upper).max().unwrap_or(0);
+            *longest = longest
+                .filter(|_| longest_of_it != FOREVER)
+                .map(|it| it + i64::from(longest_of_it));
+        }
+    }
+    Some(out)
+}
