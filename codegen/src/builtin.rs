@@ -10,6 +10,7 @@ mod manifest;
 mod mappings;
 mod python;
 mod render;
+mod skeleton;
 mod words;
 
 use std::path::{Component, Path, PathBuf};
@@ -136,7 +137,7 @@ pub(crate) fn run(
     env: &mut Environment<'_>,
 ) -> Option<i32> {
     let result = if name == "mappings" {
-        mappings::run(args, compiler, env, false)
+        mappings::run(args, options, compiler, env, false)
     } else {
         let found = EMBEDDED.iter().find(|it| it.name == name)?;
         render::run(
@@ -157,14 +158,22 @@ pub(crate) fn run_known(
     dir: &Path,
     args: &[String],
     release: Release,
-    compiler: &mut Compiler,
+    options: &Options,
+    mut compiler: Compiler,
     env: &mut Environment<'_>,
 ) -> Option<i32> {
-    if known::template(&*env.disk, dir)? != ("mappings", release) || !mappings::is_plain(args) {
+    let (name, of_release) = known::template(&*env.disk, dir)?;
+    if of_release != release {
         return None;
     }
-    let result = mappings::run(args, compiler, env, true);
-    Some(finish("mappings", result, env))
+    let result = match name {
+        "mappings" if mappings::is_plain(args) => {
+            mappings::run(args, options, &mut compiler, env, true)
+        }
+        "skeleton" => skeleton::run(dir, args, release, options, compiler, env)?,
+        _ => return None,
+    };
+    Some(finish(name, result, env))
 }
 
 /// Runs the template of a folder.

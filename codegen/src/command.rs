@@ -291,14 +291,14 @@ fn template(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>
         Some((name, arguments)) => (name, arguments),
         None => return 1,
     };
-    let number = release.release;
-    let mut compiler = env.compiler(options, release);
     if let Some(dir) = search.find_manifest(&*env.disk, name) {
+        let mut compiler = env.compiler(options, release);
         return crate::builtin::run_folder(&dir, arguments, options, &mut compiler, env);
     }
     let dir = match search.find(&*env.disk, name) {
         Ok(dir) => dir,
         Err(FindError::NotFound(_)) if crate::builtin::names().contains(&name.as_str()) => {
+            let mut compiler = env.compiler(options, release);
             let status = crate::builtin::run(name, arguments, options, &mut compiler, env);
             return status.unwrap_or(2);
         }
@@ -314,10 +314,18 @@ fn template(options: &Options, release: ReleaseChoice, env: &mut Environment<'_>
     };
     if !options.verbose
         && !options.debug
-        && let Some(status) = crate::builtin::run_known(&dir, arguments, number, &mut compiler, env)
+        && let Some(status) = crate::builtin::run_known(
+            &dir,
+            arguments,
+            release.release,
+            options,
+            env.compiler(options, release.clone()),
+            env,
+        )
     {
         return status;
     }
+    let mut compiler = env.compiler(options, release);
     let mut search = search;
     if search.builtin.is_none() {
         search.builtin = env.support_dir();

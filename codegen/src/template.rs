@@ -6,7 +6,7 @@
 //!
 //! Rules: "Templates" chapter of the GenoM3 manual.
 
-mod api;
+pub(crate) mod api;
 mod blame;
 pub mod check;
 mod closure;
@@ -14,11 +14,11 @@ pub mod console;
 pub mod discover;
 pub mod files;
 pub(crate) mod host;
-mod marker;
+pub(crate) mod marker;
 pub mod merge;
 mod mutex;
 mod notice;
-mod object;
+pub(crate) mod object;
 pub(crate) mod output;
 pub(crate) mod reach;
 mod script;
@@ -41,6 +41,7 @@ use discover::SearchPath;
 pub(crate) use blame::place;
 pub use host::{Limits, find_tclsh};
 pub use notice::notice;
+pub(crate) use notice::notice_of;
 pub(crate) use output::Output;
 pub use output::{Modes, OutputSink, PreviewFile};
 

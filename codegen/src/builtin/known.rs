@@ -7,8 +7,8 @@ use md5::{Digest, Md5};
 
 use crate::disk::{Disk, Entry};
 
-/// Name, release, and the digest of the folder's files: for each, in order of names, its name, its text and a
-/// zero after either.
+/// Name, release, and the digest of the folder's files, as they are installed: for each, in order of names, its name,
+/// its text and a zero after either.
 const KNOWN: &[(&str, Release, &str)] = &[
     (
         "mappings",
@@ -20,7 +20,20 @@ const KNOWN: &[(&str, Release, &str)] = &[
         Release::V2_99_41,
         "3cb4154a274e20d5d7c0f5bbe9dee8e7",
     ),
+    (
+        "skeleton",
+        Release::V2_99_39,
+        "afa3ee302fe9efe0fb2fd9ffe5cb7933",
+    ),
+    (
+        "skeleton",
+        Release::V2_99_41,
+        "a31c58e10c829415f0838bc2eecef611",
+    ),
 ];
+
+/// What installs the folder of a source tree, and is not installed with it.
+const INSTALLER: &str = "Makefile.am";
 
 /// Which template of which release a folder holds, if it holds exactly that.
 pub(super) fn template(disk: &dyn Disk, dir: &Path) -> Option<(&'static str, Release)> {
@@ -29,7 +42,10 @@ pub(super) fn template(disk: &dyn Disk, dir: &Path) -> Option<(&'static str, Rel
         if is_dir || disk.is_link(&path) || !disk.is_file(&path) {
             return None;
         }
-        files.push((path.file_name()?.to_str()?.to_owned(), path));
+        let name = path.file_name()?.to_str()?.to_owned();
+        if name != INSTALLER {
+            files.push((name, path));
+        }
     }
     files.sort();
     // Those that are known have a dozen files at most.

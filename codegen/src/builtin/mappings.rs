@@ -5,12 +5,12 @@ use dotgen_analysis::release::Change;
 use dotgen_syntax::encoding;
 
 use super::words::{self, Next};
-use crate::command::Environment;
+use crate::command::{Environment, Options as General};
 use crate::compiler::Compiler;
 use crate::frontend::Frontend;
 use crate::lang::{Language, MapObject, Mapper, text};
 use crate::template::output::Staged;
-use crate::template::{OutputSink, notice, tcl};
+use crate::template::{OutputSink, notice_of, tcl};
 
 pub(super) const ABOUT: &str = "the types of a specification in C or C++, printed";
 
@@ -55,6 +55,7 @@ struct Options {
 /// `for_template`: in the place of the Tcl template of this name.
 pub(super) fn run(
     args: &[String],
+    general: &General,
     compiler: &mut Compiler,
     env: &mut Environment<'_>,
     for_template: bool,
@@ -117,10 +118,8 @@ pub(super) fn run(
         spec.release,
         tcl::list(&options.inputs)
     );
-    for input in &options.inputs {
-        let text = env.disk.read(&env.base.join(input)).unwrap_or_default();
-        header += &notice(&tcl::decode(&text)).unwrap_or_default();
-    }
+    let folder = env.base.join(&general.directory);
+    header += &notice_of(&*env.disk, &folder, &options.inputs).unwrap_or_default();
     let out = format!("{}\n{mapping}", text::c_comment(&header));
     if options.dependencies {
         let target = options.target.unwrap_or_else(|| "out".into());

@@ -25,7 +25,7 @@ use crate::frontend::Frontend;
 use crate::process::Processes;
 use crate::template::console::Console;
 use crate::template::output::Environment as Surroundings;
-use crate::template::{Failure, Output, OutputSink, notice, reach, tcl};
+use crate::template::{Failure, Output, OutputSink, notice_of, reach};
 
 /// Options that all these templates take.
 struct Options {
@@ -89,19 +89,27 @@ fn write(
         Some(directory) => directory.clone(),
         None => parent(&options.inputs[0]),
     };
-    let run = Data::new(&*env.disk, compiler, &options, &output.dir, &output.base)?;
+    let folder = env.base.join(&general.directory);
+    let notice = notice_of(&*env.disk, &folder, &options.inputs).unwrap_or_default();
+    let run = Data::new(
+        &*env.disk,
+        compiler,
+        &options,
+        notice,
+        &output.dir,
+        &output.base,
+    )?;
     let tmpdir = env
         .processes
         .folder(None)
         .map_err(|error| format!("cannot create a temporary directory: {error}"))?;
     let mut expander = expander(&run, texts, env)?;
-    let mut files = Files {
-        console: env.console,
-        tmpdir: tmpdir.path().to_owned(),
-        count: 0,
-        verbose: general.verbose.then(|| name.to_owned()),
-        processes: &*env.processes,
-    };
+    let mut files = Files::new(
+        env.console,
+        tmpdir.path().to_owned(),
+        general.verbose.then(|| name.to_owned()),
+        &*env.processes,
+    );
     let limit = env.limits.output.unwrap_or(u64::MAX);
     let mut written = 0;
     for rule in &manifest.files {
@@ -281,6 +289,7 @@ impl Data {
         disk: &dyn Disk,
         compiler: &Compiler,
         options: &Options,
+        notice: String,
         dir: &str,
         base: &Path,
     ) -> Result<Data, String> {
@@ -296,14 +305,9 @@ impl Data {
             .zip(&spec.components)
             .filter(|(_, it)| it.kind == ComponentKind::Component)
             .collect();
-        let mut all_notices = String::new();
-        for input in &options.inputs {
-            let text = disk.read(&base.join(input)).unwrap_or_default();
-            all_notices += &notice(&tcl::decode(&text)).unwrap_or_default();
-        }
         let stub_options = StubOptions {
             compile_as_cxx: options.language.as_deref() == Some("c++"),
-            notice: Some(all_notices.clone()).filter(|it| !it.is_empty()),
+            notice: Some(notice.clone()).filter(|it| !it.is_empty()),
             ..StubOptions::default()
         };
         let mut codel_files = Vec::new();
@@ -356,7 +360,7 @@ impl Data {
             codels_requires => unique(regular.iter().map(|(_, it)| &it.codels_requires).collect()),
             input => input.to_string_lossy(),
             inputs,
-            notice => all_notices,
+            notice => notice,
             language => options.language.as_deref().unwrap_or("c"),
             terse => options.terse,
             version => spec.release.to_string(),
@@ -398,13 +402,31 @@ impl Data {
 }
 
 /// The channels and temporary files of a run.
-struct Files<'a> {
+pub(super) struct Files<'a> {
     console: &'a mut dyn Console,
     tmpdir: PathBuf,
     count: u32,
     /// Name for messages, when they are wanted.
     verbose: Option<String>,
     processes: &'a dyn Processes,
+}
+
+impl<'a> Files<'a> {
+    /// Temporary files go below `tmpdir`; messages are given in the name of `verbose`, if at all.
+    pub(super) fn new(
+        console: &'a mut dyn Console,
+        tmpdir: PathBuf,
+        verbose: Option<String>,
+        processes: &'a dyn Processes,
+    ) -> Files<'a> {
+        Files {
+            console,
+            tmpdir,
+            count: 0,
+            verbose,
+            processes,
+        }
+    }
 }
 
 impl Surroundings for Files<'_> {

@@ -82,16 +82,23 @@ impl<'a> Stubs<'a> {
     /// Every file of the component with all its stubs: one for each task, then that of the control
     /// task.
     pub fn all_files(&self) -> Result<Vec<NewFile>, LangError> {
+        // A function is written once only over all files.
+        self.files(&mut FxHashMap::default())
+    }
+
+    /// The same with what has been written before: names of functions, and where they are.
+    pub(crate) fn files(
+        &self,
+        written: &mut FxHashMap<String, String>,
+    ) -> Result<Vec<NewFile>, LangError> {
         let component = self.expected.component();
         let tasks = (0..component.tasks.len() as u32).filter(|it| self.expected.has_file(*it));
         let tasks = tasks.map(Some).chain([None]);
-        // A function is written once only over all files.
-        let mut written = FxHashMap::default();
         tasks
             .map(|task| {
                 Ok(NewFile {
                     path: self.file(task),
-                    text: self.whole_file(task, &mut written)?,
+                    text: self.whole_file(task, written)?,
                 })
             })
             .collect()

@@ -27,7 +27,7 @@ pub(crate) struct Options {
     pub(crate) debug: bool,
     pub(super) mode: Mode,
     /// The options as `dotgen genom cmdline` shows them.
-    pub(super) cmdline: String,
+    pub(crate) cmdline: String,
     /// Directory where relative paths start.
     here: PathBuf,
     /// The template and everything after it, or the inputs.

@@ -1,5 +1,19 @@
 //! The notice: the text of a special comment that templates copy into what they write.
 
+use std::path::Path;
+
+use super::tcl;
+use crate::disk::Disk;
+
+/// The notices of inputs, one after the other; `None` when they have none.
+pub(crate) fn notice_of(disk: &dyn Disk, folder: &Path, inputs: &[String]) -> Option<String> {
+    let texts = inputs
+        .iter()
+        .filter_map(|it| disk.read(&folder.join(it)).ok());
+    let notices: Vec<String> = texts.filter_map(|it| notice(&tcl::decode(&it))).collect();
+    (!notices.is_empty()).then(|| notices.concat())
+}
+
 /// The first comment of a file that contains the mark `/*/`, up to its end, without the
 /// decoration at the start of its lines. `None` when there is none or it is not closed.
 pub fn notice(text: &str) -> Option<String> {

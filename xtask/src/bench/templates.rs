@@ -20,10 +20,16 @@ const RELEASES: [(&str, &str); 2] = [
 ];
 
 /// Templates that have a run without Tcl, with arguments that it takes.
-const CALLS: [(&str, &[&str]); 2] = [
+const CALLS: [(&str, &[&str]); 4] = [
     ("mappings", &["-l", "c"]),
     ("mappings", &["-l", "c++", "--signature"]),
+    ("skeleton", &["-f", "-C", OUTPUT]),
+    ("skeleton", &["-f", "-l", "c++", "-C", OUTPUT]),
 ];
+
+/// Where files go. They are there from the first call on, so that the others write nothing: what is compared is how they
+/// are made.
+const OUTPUT: &str = "target/bench-templates/output";
 
 /// How much faster a run without Tcl has to be.
 const FASTER: f64 = 5.0;

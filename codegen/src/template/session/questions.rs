@@ -1,6 +1,5 @@
 //! What templates ask about the model.
 
-use std::path::Path;
 use std::rc::Rc;
 
 use dotgen_analysis::release::Change;
@@ -10,7 +9,7 @@ use crate::frontend::ParseFailure;
 use crate::lang::{LangError, Language, MapObject, Mapper, NoPlaces, Passing, text};
 use crate::template::api::{self, Answer, Model};
 use crate::template::object::{Object, Registry};
-use crate::template::{Failure, notice, reach, tcl};
+use crate::template::{Failure, notice_of, reach, tcl};
 
 impl Session<'_> {
     pub(super) fn query(
@@ -315,15 +314,9 @@ impl Session<'_> {
         let console = &mut *self.console;
         let mut report = |line: &str| console.err(line);
         let result = if what == "file" {
-            for file in inputs {
-                if let Ok(bytes) = self
-                    .run
-                    .disk
-                    .read(&Path::new(&self.run.input_path).join(file))
-                    && let Some(notice) = notice(&String::from_utf8_lossy(&bytes))
-                {
-                    self.notice.get_or_insert_default().push_str(&notice);
-                }
+            let folder = self.run.base.join(&self.run.input_path);
+            if let Some(notice) = notice_of(&*self.run.disk, &folder, inputs) {
+                self.notice.get_or_insert_default().push_str(&notice);
             }
             self.frontend.parse_files(inputs, &mut report)
         } else {

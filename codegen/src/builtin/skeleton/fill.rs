@@ -1,0 +1,174 @@
+//! What is filled into a file of the template, and the walk over its texts.
+
+use std::path::Path;
+
+use dotgen_analysis::model::Spec;
+use dotgen_syntax::encoding;
+
+use crate::disk::Disk;
+use crate::frontend::Compiled;
+use crate::lang::Language;
+use crate::template::api::Model;
+use crate::template::marker::{self, PieceKind};
+use crate::template::object::{Object, Registry};
+use crate::template::{Failure, tcl};
+
+/// What the specification says, as templates are told.
+pub(super) struct Facts<'a> {
+    compiled: &'a Compiled,
+    registry: Registry,
+    /// Name of the template.
+    pub(super) template: &'a str,
+}
+
+impl<'a> Facts<'a> {
+    pub(super) fn new(compiled: &'a Compiled, template: &'a str) -> Facts<'a> {
+        let mut registry = Registry::default();
+        registry.update(&compiled.spec);
+        Facts {
+            compiled,
+            registry,
+            template,
+        }
+    }
+
+    pub(super) fn spec(&self) -> &'a Spec {
+        &self.compiled.spec
+    }
+
+    /// The answer to a question about an object; `None` where there is none.
+    pub(super) fn text(&self, object: &Object, question: &[&str]) -> Option<String> {
+        let model = Model {
+            spec: &self.compiled.spec,
+            places: &*self.compiled.places,
+            registry: &self.registry,
+            template: self.template,
+            language: Language::C,
+        };
+        let words: Vec<String> = question.iter().map(|it| (*it).to_owned()).collect();
+        let mut no_lambda = |_: &str, _: &str| Err(Failure::Error(String::new()));
+        let answer = model.call(object, &words, &mut no_lambda).ok()?;
+        Some(encoding::latin1(&answer.text).into_owned())
+    }
+
+    /// The same of a component.
+    pub(super) fn component(&self, component: u32, question: &[&str]) -> Option<String> {
+        self.text(&Object::Component(component), question)
+    }
+
+    /// An answer that is a list.
+    pub(super) fn list(&self, object: &Object, question: &[&str]) -> Option<Vec<String>> {
+        tcl::parse_list(&self.text(object, question)?).ok()
+    }
+
+    /// An answer that is a list of objects.
+    pub(super) fn objects(&self, object: &Object, question: &[&str]) -> Option<Vec<Object>> {
+        let handles = self.list(object, question)?;
+        handles.iter().map(|it| self.of_handle(it)).collect()
+    }
+
+    /// An answer that is an object.
+    pub(super) fn object(&self, object: &Object, question: &[&str]) -> Option<Object> {
+        self.of_handle(&self.text(object, question)?)
+    }
+
+    /// The object of a handle.
+    pub(super) fn of_handle(&self, handle: &str) -> Option<Object> {
+        self.registry.object(handle).cloned()
+    }
+}
+
+/// A file of the template: its texts, in order, with what is put between them.
+///
+/// A text lies between two markers. Which text comes next is known by counting, since the contents of the folder are
+/// known; so no text of the template needs to be here.
+pub(super) struct Walk {
+    texts: Vec<String>,
+    at: usize,
+    out: String,
+}
+
+impl Walk {
+    /// Reads a file; `None` if that cannot be done.
+    pub(super) fn read(disk: &dyn Disk, path: &Path) -> Option<Walk> {
+        let source = tcl::decode(&disk.read(path).ok()?);
+        let pieces = marker::translate(&source).ok()?.pieces;
+        let source: Vec<char> = source.chars().collect();
+        let mut texts: Vec<String> = Vec::new();
+        let mut end = None;
+        for piece in pieces.iter().filter(|it| it.kind == PieceKind::Literal) {
+            let text = source.get(piece.source.clone())?.iter();
+            // A long text is read in parts.
+            match texts.last_mut() {
+                Some(last) if end == Some(piece.source.start) => last.extend(text),
+                _ => texts.push(text.collect()),
+            }
+            end = Some(piece.source.end);
+        }
+        Some(Walk {
+            texts,
+            at: 0,
+            out: String::new(),
+        })
+    }
+
+    /// Writes the next text.
+    pub(super) fn next(&mut self) -> &mut Walk {
+        if let Some(text) = self.texts.get(self.at) {
+            self.out += text;
+        }
+        self.at += 1;
+        self
+    }
+
+    /// Writes a value.
+    pub(super) fn put(&mut self, value: &str) -> &mut Walk {
+        self.out += &encoding::latin1(value);
+        self
+    }
+
+    /// Writes the notice as a comment of lines that begin with `mark`.
+    pub(super) fn notice(&mut self, mark: &str, notice: Option<&str>) {
+        if let Some(notice) = notice {
+            let lines = notice.replace('\n', &format!("\n{mark}"));
+            self.put(&format!("{mark}{lines}\n"));
+        }
+    }
+
+    /// Writes the next `count` texts, with what is between them, once for each of some things.
+    pub(super) fn each<T>(
+        &mut self,
+        count: usize,
+        things: impl IntoIterator<Item = T>,
+        mut write: impl FnMut(&mut Walk, T) -> Option<()>,
+    ) -> Option<()> {
+        let start = self.at;
+        for thing in things {
+            self.at = start;
+            write(self, thing)?;
+        }
+        self.at = start + count;
+        Some(())
+    }
+
+    /// Writes the next `count` texts, with what is between them, or leaves them out.
+    pub(super) fn when(
+        &mut self,
+        count: usize,
+        wanted: bool,
+        mut write: impl FnMut(&mut Walk) -> Option<()>,
+    ) -> Option<()> {
+        self.each(count, wanted.then_some(()), |walk, ()| write(walk))
+    }
+
+    /// What was written; `None` unless that took all texts.
+    pub(super) fn done(self) -> Option<String> {
+        (self.at == self.texts.len()).then_some(self.out)
+    }
+
+    /// A file in which nothing is filled in.
+    pub(super) fn whole(mut self) -> Option<String> {
+        self.next();
+        self.done()
+    }
+}
