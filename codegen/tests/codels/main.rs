@@ -10,5 +10,6 @@ mod members;
 mod project;
 mod rename;
 mod repair;
+mod skeletons;
 mod support;
 mod sync;
