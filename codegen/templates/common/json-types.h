@@ -29,6 +29,9 @@ lang c
 # define JSON_UNUSED
 #endif
 
+/* A size that templates begin a text with. */
+#define JSON_MINBUF 128
+
 #define json_skip_whitespace(json) ((json) += strspn((json), " \t\r\n"))
 
 /* Appends LENGTH characters; the text always ends with a zero. */
