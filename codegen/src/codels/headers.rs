@@ -15,7 +15,7 @@ use super::{
 use crate::lang::{LangError, Language, MapObject, text};
 
 /// The `genom3` headers, by path below an include directory.
-const RUNTIME: [(&str, &str); 7] = [
+pub const RUNTIME: [(&str, &str); 7] = [
     ("genom3/c/event.h", include_str!("headers/genom3/c/event.h")),
     (
         "genom3/c/context.h",

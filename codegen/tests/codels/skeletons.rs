@@ -143,7 +143,12 @@ fn skeletons_of_published_specifications_have_no_finding() {
             if path.extension() != Some("gen") {
                 continue;
             }
-            for release in [Release::V2_99_39, Release::V2_99_41, Release::V2_99_42, Release::V3] {
+            for release in [
+                Release::V2_99_39,
+                Release::V2_99_41,
+                Release::V2_99_42,
+                Release::V3,
+            ] {
                 let Some(spec) = read(release, path.clone(), includes.clone()) else {
                     continue;
                 };
