@@ -87,7 +87,13 @@ fn call(
 ) -> Result<(Duration, Output)> {
     let file = example().join("maneuver.gen");
     let (folder, file) = (folder.to_string_lossy(), file.to_string_lossy());
-    let words = [&["genom3", "-t", &folder, template], arguments, &[&file]].concat();
+    let idl = format!("-I{}", example().join("idl").display());
+    let words = [
+        &["genom3", "-t", &folder, &idl, template],
+        arguments,
+        &[&file],
+    ]
+    .concat();
     let mut command = run::command(root(), &dotgen.to_string_lossy(), &words);
     command.env("DOTGEN_GENOM_RELEASE", release);
     let started = Instant::now();
