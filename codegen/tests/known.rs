@@ -91,7 +91,8 @@ impl Place<'_> {
         let status = generate(&all, &mut environment);
         let result = Result_ {
             status,
-            out: String::from_utf8_lossy(&console.out).into_owned(),
+            out: String::from_utf8_lossy(&console.out)
+                .replace(self.folder.path().to_str().expect("a name"), "FOLDER"),
             err: console.err.clone(),
             files: self.files(),
         };

@@ -204,9 +204,14 @@ fn make(
     let components = generated(&facts, call, release, &*env.disk, &env.base, &folder)?;
     let interface = language(&facts, &components, release)?;
     let notice = notice_of(&*env.disk, &folder, &call.inputs);
+    let expected = components
+        .iter()
+        .map(|it| Expected::new(&compiled.spec, *it));
+    let expected: Vec<Expected<'_>> = expected.collect();
     let job = build::Job {
         facts: &facts,
         components: &components,
+        expected: &expected,
         language: call.language.clone().unwrap_or(interface),
         terse: call.terse,
         newer: release.has(Change::PerComponentSkeletons),
@@ -230,12 +235,12 @@ fn make(
     };
     // A function is written once only over all components.
     let mut written = FxHashMap::default();
-    for &component in &components {
-        let expected = Expected::new(&compiled.spec, component);
-        if lacks_yields(&expected) {
+    for expected in &expected {
+        let component = expected.component;
+        if lacks_yields(expected) {
             return None;
         }
-        let stubs = Stubs::new(&expected, &options);
+        let stubs = Stubs::new(expected, &options);
         for NewFile { path, text } in stubs.files(&mut written).ok()? {
             add(path.into_string(), text);
         }

@@ -12,6 +12,8 @@ pub(super) struct Job<'a> {
     pub(super) facts: &'a Facts<'a>,
     /// Indexes into the components of the specification.
     pub(super) components: &'a [u32],
+    /// What they expect of their codels, in the same order.
+    pub(super) expected: &'a [Expected<'a>],
     /// The language the codels are compiled as.
     pub(super) language: String,
     pub(super) terse: bool,
@@ -194,7 +196,8 @@ impl Job<'_> {
         }
         let mut headers: Vec<(String, String)> = Vec::new();
         let count = if self.newer { 14 } else { 13 };
-        walk.each(count, self.components, |walk, &component| {
+        walk.each(count, self.expected, |walk, expected| {
+            let component = expected.component;
             let name = self.name(component);
             let language = self.facts.component(component, &["lang"])?;
             let header = format!("{name}_{language}_types.h");
@@ -204,7 +207,6 @@ impl Job<'_> {
             walk.next().put(name).next().put(name);
             walk.next().put(&header).next().put(name);
             walk.next().put(&format!("{name}_codels{extension}"));
-            let expected = Expected::new(self.facts.spec(), component);
             let tasks = (0u32..).zip(&expected.component().tasks);
             walk.each(
                 2,
