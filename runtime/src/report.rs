@@ -10,7 +10,7 @@ use crate::decide::Durations;
 use crate::engine::End;
 use crate::judge::{Moment, Verdict, Violation};
 use crate::simulation::{Outcome, Plan};
-use crate::tally::Times;
+use crate::tally::{Tally, Times};
 use crate::watch::Broken;
 
 /// Version of the JSON form: raised when a field changes its meaning or goes.
@@ -80,6 +80,8 @@ pub struct OfTask {
     pub period: Option<Value>,
     /// Ticks before the job of the one before had ended.
     pub missed: u64,
+    /// Share of the time in which a codel of its activities had its locks: it executed, or waited for a core.
+    pub load: f64,
 }
 
 /// A service.
@@ -244,18 +246,6 @@ impl Report {
     ) -> Report {
         let make = Maker { prepared, plan };
         let system = &prepared.built.system;
-        let tasks = system.tasks.iter().enumerate().map(|(task, it)| {
-            let counted = &outcome.tally.tasks[task];
-            OfTask {
-                task: system.task_path(task),
-                jobs: counted.jobs.count,
-                greatest: counted.greatest.map(|it| make.value(it)),
-                mean: make.mean(&counted.jobs),
-                bound: bounds.get(task).copied().flatten().map(|it| make.value(it)),
-                period: it.period.map(|it| make.value(it)),
-                missed: counted.missed,
-            }
-        });
         let services = (0..system.services.len()).map(|service| {
             let counted = &outcome.tally.services[service];
             OfService {
@@ -287,10 +277,10 @@ impl Report {
             runs: outcome.runs,
             time: Value::Time(prepared.time(outcome.time)),
             end: outcome.end,
-            tasks: tasks.collect(),
+            tasks: tasks(prepared, &outcome.tally, bounds, outcome.time),
             services: services.collect(),
             codels: codels.collect(),
-            machines: make.machines(outcome),
+            machines: machines(prepared, &outcome.tally),
             checks: make.checks(outcome),
             violations: make.violations(outcome),
             violation_count: outcome.judge.count,
@@ -303,6 +293,61 @@ impl Report {
     pub fn violated(&self) -> bool {
         self.violation_count > 0
     }
+}
+
+/// Tasks, after a time in base units.
+pub(crate) fn tasks(
+    prepared: &Prepared,
+    tally: &Tally,
+    bounds: &[Option<Ticks>],
+    time: u64,
+) -> Vec<OfTask> {
+    let system = &prepared.built.system;
+    let value = |ticks: Ticks| Value::Time(prepared.time(u64::from(ticks)));
+    let mean = |times: &Times| {
+        let all = prepared.time(times.total);
+        (times.count > 0).then(|| Value::Time(all / times.count as f64))
+    };
+    let tasks = system.tasks.iter().zip(&tally.tasks).enumerate();
+    let tasks = tasks.map(|(task, (it, counted))| OfTask {
+        task: system.task_path(task),
+        jobs: counted.jobs.count,
+        greatest: counted.greatest.map(value),
+        mean: mean(&counted.jobs),
+        bound: bounds.get(task).copied().flatten().map(value),
+        period: it.period.map(value),
+        missed: counted.missed,
+        load: counted.executed as f64 / time.max(1) as f64,
+    });
+    tasks.collect()
+}
+
+/// State machines, with their transitions.
+pub(crate) fn machines(prepared: &Prepared, tally: &Tally) -> Vec<OfMachine> {
+    let machines = prepared.built.system.machines.iter();
+    let machines = machines.zip(&tally.transitions);
+    let machines = machines.map(|(machine, counts)| {
+        let mut transitions = Vec::new();
+        for (state, counts) in machine.states.iter().zip(counts) {
+            for (outcome, &taken) in counts.iter().enumerate() {
+                let name = |it: usize| machine.states[it].name.clone();
+                let to = match state.yields.get(outcome) {
+                    Some(&Yield::Next(to)) => name(to),
+                    Some(&Yield::Pause(to)) => format!("pause::{}", name(to)),
+                    Some(Yield::End) => "ether".to_owned(),
+                    None if taken == 0 => continue,
+                    None => "exception".to_owned(),
+                };
+                let from = state.name.clone();
+                transitions.push(Transition { from, to, taken });
+            }
+        }
+        OfMachine {
+            machine: machine.name.clone(),
+            transitions,
+        }
+    });
+    machines.collect()
 }
 
 struct Maker<'r> {
@@ -320,44 +365,12 @@ impl Maker<'_> {
         Value::Time(nanos as f64 / 1e9 / unit)
     }
 
-    fn mean(&self, times: &Times) -> Option<Value> {
-        let all = self.prepared.time(times.total);
-        (times.count > 0).then(|| Value::Time(all / times.count as f64))
-    }
-
     fn at(&self, it: Moment) -> At {
         At {
             run: it.run + 1,
             seed: self.plan.seed.wrapping_add(it.run),
             time: Value::Time(self.prepared.time(it.time)),
         }
-    }
-
-    fn machines(&self, outcome: &Outcome) -> Vec<OfMachine> {
-        let machines = self.prepared.built.system.machines.iter();
-        let machines = machines.zip(&outcome.tally.transitions);
-        let machines = machines.map(|(machine, counts)| {
-            let mut transitions = Vec::new();
-            for (state, counts) in machine.states.iter().zip(counts) {
-                for (outcome, &taken) in counts.iter().enumerate() {
-                    let name = |it: usize| machine.states[it].name.clone();
-                    let to = match state.yields.get(outcome) {
-                        Some(&Yield::Next(to)) => name(to),
-                        Some(&Yield::Pause(to)) => format!("pause::{}", name(to)),
-                        Some(Yield::End) => "ether".to_owned(),
-                        None if taken == 0 => continue,
-                        None => "exception".to_owned(),
-                    };
-                    let from = state.name.clone();
-                    transitions.push(Transition { from, to, taken });
-                }
-            }
-            OfMachine {
-                machine: machine.name.clone(),
-                transitions,
-            }
-        });
-        machines.collect()
     }
 
     fn checks(&self, outcome: &Outcome) -> Vec<OfCheck> {

@@ -12,6 +12,7 @@ use crate::judge::Judge;
 use crate::live::Live;
 use crate::paced::{self, Pace};
 use crate::profile::Profile;
+use crate::progress::{Follow, States};
 use crate::tally::Tally;
 use crate::watch::{Broken, Published, Watch};
 
@@ -61,6 +62,8 @@ pub struct Execution<'l, 'p> {
     pub live: &'l mut Live<'p>,
     /// On the real clock; `None`: on the virtual one.
     pub pace: Option<Pace>,
+    /// Whoever looks on while it goes on.
+    pub follow: Option<&'l mut dyn Follow>,
 }
 
 /// Whoever records a run.
@@ -111,8 +114,12 @@ pub fn simulate_recorded<'p, W: Write>(
     let system = &prepared.built.system;
     let (watched, places) = prepared.watched();
     let mut stepper = Stepper::new(system, &watched);
+    let follow = execution.as_mut().and_then(|it| it.follow.take());
     let mut observer = Observer {
         system,
+        prepared,
+        bounds: bounds.clone(),
+        follow: follow.map(|it| (it, States::default())),
         tally: Tally::new(system),
         judge: Judge::new(prepared, places, bounds),
         profile,
@@ -135,6 +142,7 @@ pub fn simulate_recorded<'p, W: Write>(
             Some(Execution {
                 live,
                 pace: Some(pace),
+                ..
             }) => paced::run(
                 &mut stepper,
                 &mut dice,
@@ -193,8 +201,12 @@ pub fn simulate_recorded<'p, W: Write>(
     }
 }
 
-struct Observer<'o, 'r, 'p, W> {
+struct Observer<'o, 'r, 'f, 'p, W> {
     system: &'p TimedSystem,
+    prepared: &'p Prepared,
+    bounds: Vec<Option<Ticks>>,
+    /// Whoever looks on, and what is kept for that.
+    follow: Option<(&'f mut dyn Follow, States)>,
     tally: Tally,
     judge: Judge<'p>,
     profile: Option<&'o mut Profile<'p, W>>,
@@ -207,13 +219,16 @@ struct Observer<'o, 'r, 'p, W> {
     first: bool,
 }
 
-impl<W: Write> Watch for Observer<'_, '_, '_, W> {
+impl<W: Write> Watch for Observer<'_, '_, '_, '_, W> {
     fn see(&mut self, stepper: &Stepper, seen: &Seen) {
         if let Some(profile) = &mut self.profile {
             profile.see(&mut self.tally, stepper, seen, self.offset);
         }
         self.tally.see(self.system, stepper, seen);
         self.judge.see(stepper, seen);
+        if let Some((_, states)) = &mut self.follow {
+            states.see(self.system, seen);
+        }
     }
 
     fn act(&mut self, stepper: &Stepper, action: Action) {
@@ -243,6 +258,14 @@ impl<W: Write> Watch for Observer<'_, '_, '_, W> {
 
     fn moment(&mut self, stepper: &Stepper) {
         self.judge.moment(stepper);
+        if let Some((follow, states)) = &mut self.follow
+            && follow.wants()
+        {
+            let count = self.judge.count;
+            let progress =
+                states.progress(self.prepared, stepper, &self.tally, &self.bounds, count);
+            follow.hear(progress);
+        }
     }
 
     fn broke(&mut self, stepper: &Stepper, broken: Broken) {

@@ -40,6 +40,8 @@ pub struct OfTask {
     pub missed: u64,
     /// Jobs that waited for a core as long as their period.
     pub overdue: u64,
+    /// Base units in which codels of its activities that have ended had their locks.
+    pub executed: u64,
 }
 
 /// A service.
@@ -122,6 +124,9 @@ impl Tally {
                 let took = now - self.busy(executor).begun;
                 if let Some(codel) = work.codel() {
                     self.codels[codel].runs.add(ticks(took));
+                }
+                if let Work::State { task, .. } = work {
+                    self.tasks[task].executed += took;
                 }
                 self.ended(system, &work, outcome);
             }

@@ -30,11 +30,11 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
   const it = server;
   const tree = new SyntaxTreeView(it);
   const macros = new MacroExpansion(it);
-  const preview = new DiagramPreview(it, context.extensionUri, context.workspaceState);
+  const runs = new RunPanel(it, context.extensionUri);
+  const preview = new DiagramPreview(it, context.extensionUri, context.workspaceState, runs.onDidChange);
   const inline = new InlineDiagrams(it, context.globalState);
   const verification = new VerificationPanel(it, context.extensionUri);
   const traces = new TraceViewer(it, context.extensionUri);
-  const runs = new RunPanel(it, context.extensionUri);
   const headers = new CodelHeaders(it, context.workspaceState);
   const generate = new GenerateCommands(it);
   context.subscriptions.push(

@@ -1,27 +1,96 @@
-//! JSON Schema of types: what [`Values`](super::value::Values) writes fits it.
+//! JSON Schema of types: what [`Values`] writes fits it.
 
-use dotgen_analysis::model::{Spec, TypeId, TypeKind};
+use dotgen_analysis::model::{InitValue, Initializer, Param, PathElement, Spec, TypeId, TypeKind};
 use serde_json::{Map, Value, json};
+
+use super::value::Values;
 
 /// Levels of types within types before anything fits.
 const DEPTH: usize = 64;
 
-/// The schema of the values of a type.
+/// The schema of the values of a type. Anything fits where a type is in itself.
 pub fn of_type(spec: &Spec, ty: TypeId) -> Value {
-    schema(spec, ty, DEPTH)
+    schema(spec, ty, &mut Vec::new())
 }
 
-fn schema(spec: &Spec, ty: TypeId, depth: usize) -> Value {
-    let Some(depth) = depth.checked_sub(1) else {
-        return json!({});
+/// The schema of a parameter of a service: that of its type, with `description`, `unit` and `default`, of its members as
+/// well, as far as the specification has them. The unit is what ends a doc text in brackets: `Level to reach (m)`.
+pub fn of_param(spec: &Spec, param: &Param) -> Value {
+    let mut out = of_type(spec, param.ty);
+    if let Some(init) = &param.init {
+        annotate(&mut out, init, Values::new(spec));
+    }
+    out
+}
+
+fn annotate(schema: &mut Value, init: &Initializer, values: Values<'_>) {
+    let Some(of) = schema.as_object_mut() else {
+        return;
     };
+    if let Some(doc) = &init.doc {
+        let (text, unit) = with_unit(doc);
+        if !text.is_empty() {
+            of.insert("description".to_owned(), text.into());
+        }
+        if let Some(unit) = unit {
+            of.insert("unit".to_owned(), unit.into());
+        }
+    }
+    if let Some(default) = values.initial(init) {
+        of.insert("default".to_owned(), default);
+    }
+    let InitValue::Compound(members) = &init.value else {
+        return;
+    };
+    for it in members {
+        let Some(PathElement::Member(name)) = &it.member else {
+            continue;
+        };
+        let properties = schema.get_mut("properties");
+        if let Some(member) = properties.and_then(|all| all.get_mut(name.as_str())) {
+            annotate(member, it, values);
+        }
+    }
+}
+
+/// A doc text, and the unit that it ends with: in brackets, and without blanks, which remarks have.
+fn with_unit(doc: &str) -> (&str, Option<&str>) {
+    let doc = doc.trim();
+    let close = match doc.chars().last() {
+        Some(')') => '(',
+        Some(']') => '[',
+        _ => return (doc, None),
+    };
+    let split = doc
+        .rfind(close)
+        .map(|at| (&doc[..at], &doc[at + 1..doc.len() - 1]));
+    match split {
+        Some((text, unit)) if !unit.is_empty() && !unit.contains(char::is_whitespace) => {
+            (text.trim_end(), Some(unit))
+        }
+        _ => (doc, None),
+    }
+}
+
+fn schema(spec: &Spec, ty: TypeId, around: &mut Vec<TypeId>) -> Value {
+    let ty = spec.resolve_alias(ty);
+    if around.contains(&ty) || around.len() >= DEPTH {
+        return json!({});
+    }
+    around.push(ty);
+    let out = of_kind(spec, ty, around);
+    around.pop();
+    out
+}
+
+fn of_kind(spec: &Spec, ty: TypeId, around: &mut Vec<TypeId>) -> Value {
     let name = |it: TypeId| {
         let name = spec.ty(it).name.as_ref();
         name.map(|it| it.to_string()).unwrap_or_default()
     };
     let whole = |least: i64, greatest: u64| json!({"type": "integer", "minimum": least, "maximum": greatest});
     let signed = |bits: u32| whole(-(1i64 << (bits - 1)), (1u64 << (bits - 1)) - 1);
-    match &spec.ty(spec.resolve_alias(ty)).kind {
+    match &spec.ty(ty).kind {
         TypeKind::Boolean => json!({"type": "boolean"}),
         TypeKind::Octet => whole(0, u8::MAX.into()),
         TypeKind::Char => signed(8),
@@ -40,24 +109,24 @@ fn schema(spec: &Spec, ty: TypeId, depth: usize) -> Value {
         }
         TypeKind::String { .. } => json!({"type": "string"}),
         TypeKind::Array { element, length } => {
-            let items = schema(spec, *element, depth);
+            let items = schema(spec, *element, around);
             json!({"type": "array", "items": items, "minItems": length, "maxItems": length})
         }
         TypeKind::Sequence { element, bound } => {
-            let mut out = json!({"type": "array", "items": schema(spec, *element, depth)});
+            let mut out = json!({"type": "array", "items": schema(spec, *element, around)});
             if let Some(bound) = bound {
                 out["maxItems"] = (*bound).into();
             }
             out
         }
         TypeKind::Optional { element } => {
-            json!({"anyOf": [schema(spec, *element, depth), {"type": "null"}]})
+            json!({"anyOf": [schema(spec, *element, around), {"type": "null"}]})
         }
         TypeKind::Struct { members } | TypeKind::Exception { members } => {
             let names: Vec<String> = members.iter().map(|&it| name(it)).collect();
             let all = members
                 .iter()
-                .map(|&it| (name(it), schema(spec, it, depth)));
+                .map(|&it| (name(it), schema(spec, it, around)));
             let all: Map<String, Value> = all.collect();
             json!({
                 "type": "object",
@@ -68,10 +137,10 @@ fn schema(spec: &Spec, ty: TypeId, depth: usize) -> Value {
         }
         TypeKind::Union { switch, members } => {
             // `_d` says which of the others is there.
-            let switch = ("_d".to_owned(), schema(spec, *switch, depth));
+            let switch = ("_d".to_owned(), schema(spec, *switch, around));
             let all = members
                 .iter()
-                .map(|&it| (name(it), schema(spec, it, depth)));
+                .map(|&it| (name(it), schema(spec, it, around)));
             let all: Map<String, Value> = std::iter::once(switch).chain(all).collect();
             json!({
                 "type": "object",

@@ -186,7 +186,8 @@ impl<'s> Values<'s> {
         self.initial(init)
     }
 
-    fn initial(&self, init: &Initializer) -> Option<Value> {
+    /// The value that an initializer writes down.
+    pub(super) fn initial(&self, init: &Initializer) -> Option<Value> {
         match &init.value {
             InitValue::Void => None,
             InitValue::Scalar(value) => Some(self.constant(value)),

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use dotgen_analysis::model::{Component, PortDir, ServiceKind, Spec, TypeId, TypeKind};
+use dotgen_codegen::codels::schema;
 use dotgen_codegen::codels::value::{Values, goes_in, goes_out};
 use serde_json::{Value, json};
 
@@ -31,9 +32,15 @@ pub(super) fn describe(known: &Known) -> Value {
     let component = known.component();
     let services = component.services.iter().map(|service| {
         let inputs = service.params.iter().filter(|it| goes_in(it));
-        let inputs = inputs.map(|it| match values.default_of(it) {
-            Some(default) => json!({"name": it.name.as_str(), "default": default}),
-            None => json!({"name": it.name.as_str()}),
+        let inputs = inputs.map(|it| {
+            let mut out = json!({
+                "name": it.name.as_str(),
+                "schema": schema::of_param(&known.spec, it),
+            });
+            if let Some(default) = values.default_of(it) {
+                out["default"] = default;
+            }
+            out
         });
         let outputs = service.params.iter().filter(|it| goes_out(it));
         json!({
@@ -54,7 +61,10 @@ pub(super) fn describe(known: &Known) -> Value {
             "name": CONNECT,
             "kind": "function",
             "doc": "Connect two ports",
-            "inputs": [{"name": "local"}, {"name": "remote"}],
+            "inputs": [
+                {"name": "local", "schema": {"type": "string", "description": "Input port"}},
+                {"name": "remote", "schema": {"type": "string", "description": "COMPONENT/PORT that it reads"}},
+            ],
             "outputs": [],
         }));
     }

@@ -7,10 +7,12 @@ use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard};
+use std::time::{Duration, Instant};
 
 use dotgen_analysis::model::PortDir;
 use dotgen_codegen::codels::value::Values;
 use dotgen_runtime::hosts::{Answer, Connection, Message, Wanted};
+use dotgen_runtime::progress::{Follow, Progress};
 use rustix::fs::Mode;
 use rustix::process::umask;
 use serde_json::{Map, Value, json};
@@ -25,6 +27,9 @@ const LONGEST: u64 = 16 << 20;
 
 /// Lines that a client may be behind; whoever reads more slowly misses data of ports.
 const BEHIND: usize = 1024;
+
+/// Whoever looks at how far the run has come is told at most so often: eyes see no more, and telling takes time.
+const LOOK_EVERY: Duration = Duration::from_millis(100);
 
 /// Listens until it is dropped; then its socket is gone.
 pub(crate) struct Server {
@@ -53,9 +58,46 @@ impl Server {
         Ok(taken)
     }
 
+    /// Tells how far the run has come, to whoever looks on.
+    pub(crate) fn lookers(&self) -> Lookers {
+        Lookers {
+            shared: self.shared.clone(),
+            told: None,
+        }
+    }
+
     /// Takes the lines of the profile, one at a time, for whoever follows the run.
     pub(crate) fn followers(&self) -> Followers {
         Followers(self.shared.clone())
+    }
+}
+
+/// See [`Server::lookers`].
+pub(crate) struct Lookers {
+    shared: Arc<Shared>,
+    /// When they were told last.
+    told: Option<Instant>,
+}
+
+impl Follow for Lookers {
+    fn wants(&mut self) -> bool {
+        let due = self.told.is_none_or(|it| it.elapsed() >= LOOK_EVERY);
+        if !due {
+            return false;
+        }
+        self.told = Some(Instant::now());
+        !self.shared.state().lookers.is_empty()
+    }
+
+    fn hear(&mut self, progress: Progress) {
+        let Ok(mut told) = serde_json::to_value(&progress) else {
+            return;
+        };
+        told["event"] = "progress".into();
+        for (client, id) in &self.shared.state().lookers {
+            // What was missed is in the next one.
+            client.offer(told.clone(), id);
+        }
     }
 }
 
@@ -97,6 +139,8 @@ struct State {
     watchers: Vec<Watcher>,
     /// Who follows the runs of codels, with their numbers of that request.
     followers: Vec<(Client, Value)>,
+    /// Who looks at how far the run has come, likewise.
+    lookers: Vec<(Client, Value)>,
     /// The newest data of output ports.
     data: HashMap<(usize, u32, String), Vec<u8>>,
     /// Components that are gone, and how they ended.
@@ -245,6 +289,7 @@ fn serve(shared: &Shared, stream: Stream, number: u64) {
     let mut state = shared.state();
     state.watchers.retain(|it| it.client.number != number);
     state.followers.retain(|it| it.0.number != number);
+    state.lookers.retain(|it| it.0.number != number);
     // Its requests go on, but nobody hears of them.
     state.requests.retain(|_, it| it.client.number != number);
 }
@@ -317,11 +362,18 @@ fn answer(
         state.followers.push((client.clone(), id.clone()));
         return Ok(None);
     }
+    if request.get("progress").is_some() {
+        let mut state = shared.state();
+        client.say(json!({"event": "following"}), id);
+        state.lookers.push((client.clone(), id.clone()));
+        return Ok(None);
+    }
     if request.get("describe").is_some() {
         let all: Vec<Value> = shared.known.values().map(describe).collect();
         return Ok(Some(json!({"event": "description", "components": all})));
     }
-    Err("a request has `call`, `abort`, `watch`, `read`, `profile` or `describe`".to_owned())
+    let known = "`call`, `abort`, `watch`, `read`, `profile`, `progress` or `describe`";
+    Err(format!("a request has {known}"))
 }
 
 /// What whoever watches a component is told when nothing comes from it any more.

@@ -25,7 +25,17 @@ export interface Shown {
   arranged: boolean;
 }
 
+/** What a run does in the machine that is shown. */
+export interface Live {
+  /** How often each was taken; `to` may begin with `pause::`. */
+  transitions: { from: string; to: string; taken: number }[];
+  /** The states that activities are in. One that does not execute pauses before its state. */
+  activities: { state: string; executes: boolean }[];
+}
+
 export type ToPage =
+  /** Undefined: nothing of the machine has run. */
+  | { type: 'live'; live: Live | undefined }
   | { type: 'picture'; shown: Shown }
   /** Undefined: all is well. */
   | { type: 'notice'; text: string | undefined }

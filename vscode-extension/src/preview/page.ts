@@ -27,6 +27,11 @@ button[aria-pressed=true] { color: var(--vscode-button-foreground); background: 
 #legend .missing { border-color: var(--vscode-editorError-foreground); }
 #legend .pause { height: 0; border-width: 0 0 2px; border-style: dashed; border-color: var(--vscode-charts-blue, var(--vscode-textLink-foreground)); border-radius: 0; vertical-align: 3px; }
 #legend .faint { opacity: .5; }
+.here .shape { stroke: var(--vscode-charts-green, currentColor) !important; stroke-width: 2.6px !important; }
+.executes .shape { fill: color-mix(in srgb, var(--vscode-charts-green, currentColor) 28%, transparent) !important; }
+.never .line, .never .head { opacity: .35; }
+.taken { font-size: 11px; font-weight: 600; fill: var(--vscode-charts-green, currentColor); paint-order: stroke; stroke: var(--vscode-editor-background); stroke-width: 4px; stroke-linejoin: round; }
+#ran i { border-color: var(--vscode-charts-green, currentColor); border-width: 2px; }
 #details { max-height: 35vh; overflow: auto; padding: 8px 12px; border-top: 1px solid var(--vscode-panel-border, var(--vscode-contrastBorder, transparent)); }
 #details h2 { font-size: 1em; margin: 0 0 4px; }
 #details dl { display: grid; grid-template-columns: max-content 1fr; gap: 1px 12px; margin: 0; }
@@ -51,7 +56,7 @@ const BODY = `<header aria-label="Diagram"><h1 class="unseen">Diagram</h1>
 <div id="notice" role="status" aria-live="polite" hidden></div>
 <div id="told" role="status" aria-live="polite" hidden></div>
 <main id="view" aria-label="Picture"></main>
-<footer id="legend" aria-label="Legend"><span><i class="disc"></i>begins</span><span><i class="ring"></i>goes on here when interrupted</span><span><i class="end"></i>ether, the end</span><span><i class="pause"></i>in the next period</span><span><i class="async"></i>async</span><span><i class="missing"></i>no codel</span><span><i class="faint"></i>never reached</span><span>warm colour: share of the period</span></footer>
+<footer id="legend" aria-label="Legend"><span><i class="disc"></i>begins</span><span><i class="ring"></i>goes on here when interrupted</span><span><i class="end"></i>ether, the end</span><span><i class="pause"></i>in the next period</span><span><i class="async"></i>async</span><span><i class="missing"></i>no codel</span><span><i class="faint"></i>never reached</span><span>warm colour: share of the period</span><span id="ran" hidden><i></i>a run is here; numbers: how often it went so</span></footer>
 <section id="details" aria-live="polite" aria-label="Details" hidden></section>`;
 
 export function page(webview: vscode.Webview, extension: vscode.Uri): string {

@@ -6,7 +6,8 @@ import { diagram, LANGUAGE, type Arrangement, type DiagramAnswer, type DiagramKi
 import { isDark } from './inline';
 import { SidePanel } from '../panel/panel';
 import { range, reveal } from '../panel/reveal';
-import type { FromPage, Subject, ToPage } from './messages';
+import type { Ran } from '../run/messages';
+import type { FromPage, Live, Subject, ToPage } from './messages';
 import { page } from './page';
 
 const TYPING_PAUSE_MS = 120;
@@ -22,6 +23,7 @@ export interface Target {
 
 export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
   private nodes: DiagramNode[] = [];
+  private ran: Ran | undefined;
   private selected: string | undefined;
   private timer: NodeJS.Timeout | undefined;
   // Where the picture is wanted, until it has been drawn: the page may ask before the first answer is there.
@@ -34,6 +36,8 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
     private readonly server: Server,
     extension: vscode.Uri,
     private readonly memory: vscode.Memento,
+    /** What runs, whenever that has come further. */
+    runs: vscode.Event<Ran | undefined>,
   ) {
     super({ type: 'dotgen.diagram', title: 'Diagram', find: false, page }, extension);
     this.subscriptions = vscode.Disposable.from(
@@ -46,6 +50,10 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
       vscode.window.onDidChangeActiveTextEditor((editor) => editor !== undefined && this.follow(editor)),
       vscode.languages.onDidChangeDiagnostics(() => this.sendDiagnostics()),
       server.onDidChange(() => this.refresh(0)),
+      runs((it) => {
+        this.ran = it;
+        this.sendLive();
+      }),
     );
   }
 
@@ -207,6 +215,7 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
     const stale = answer.stale === null ? undefined : `The text has an error (${answer.stale}); this is the last good picture.`;
     const incomplete = answer.incomplete === null ? undefined : `The text has an error (${answer.incomplete}); something may be missing.`;
     this.send({ type: 'notice', text: stale ?? incomplete });
+    this.sendLive();
     const active = vscode.window.activeTextEditor;
     const of = vscode.window.visibleTextEditors.find((it) => it.document.uri.toString() === subject.uri);
     const editor = active !== undefined && this.shows(active) ? active : of;
@@ -260,6 +269,17 @@ export class DiagramPreview extends SidePanel<Subject, FromPage, ToPage> {
       return;
     }
     await reveal(place.uri, place.selectionRange);
+  }
+
+  /** What a run does in the machine that is shown. */
+  private sendLive(): void {
+    const { ran, subject } = this;
+    if (subject === undefined || this.panel === undefined) return;
+    const name = subject.kind === 'fsm' ? `${subject.component ?? ''}.${subject.owner ?? ''}` : undefined;
+    const machine = ran?.machines.find((it) => it.machine === name);
+    const activities = ran?.activities.filter((it) => it.machine === name) ?? [];
+    const live: Live | undefined = machine === undefined ? undefined : { transitions: machine.transitions, activities };
+    this.send({ type: 'live', live });
   }
 
   private sendDiagnostics(): void {

@@ -1,5 +1,42 @@
 // What the panel of runs and its page say to each other. The page draws a `RunView` and knows nothing else.
 
+import type { Schema } from './values';
+
+export interface OfTask {
+  task: string;
+  jobs: number;
+  greatest?: number;
+  mean?: number;
+  bound?: number;
+  period?: number;
+  missed: number;
+  /** Share of the time in which its codels had their locks. */
+  load: number;
+}
+
+export interface Machine {
+  machine: string;
+  transitions: { from: string; to: string; taken: number }[];
+}
+
+/** What pictures of state machines show of a run. */
+export interface Ran {
+  machines: Machine[];
+  /** Nothing where the run is over. */
+  activities: Progress['activities'];
+}
+
+/** How far a run has come (docs/socket.md). */
+export interface Progress {
+  unit: string;
+  time: number;
+  tasks: OfTask[];
+  machines: Machine[];
+  /** Where activities are. One that does not execute pauses before its state. */
+  activities: { machine: string; state: string; executes: boolean }[];
+  'violation-count': number;
+}
+
 /** The report of `dotgen run --format json` (docs/run.md), as far as it is shown. */
 export interface Report {
   scenario: string;
@@ -7,9 +44,9 @@ export interface Report {
   seed: number;
   time: number;
   end: string;
-  tasks: { task: string; jobs: number; greatest?: number; mean?: number; bound?: number; period?: number; missed: number }[];
+  tasks: OfTask[];
   services: { service: string; requests: number; refused: number; ended: number }[];
-  machines: { machine: string; transitions: { from: string; to: string; taken: number }[] }[];
+  machines: Machine[];
   checks: { name?: string; check: string; of: string; verdict: string; greatest?: number; limit?: number; at?: { time: number }; violations: number }[];
   violations: Violation[];
   'violation-count': number;
@@ -36,6 +73,7 @@ export interface Violation {
 export interface Input {
   name: string;
   default?: unknown;
+  schema: Schema;
 }
 
 export interface Service {
@@ -75,6 +113,8 @@ export interface RunView {
   state: RunState;
   /** Of the run that has ended. */
   report: Report | null;
+  /** While it goes on, on the real clock. */
+  progress: Progress | null;
   /** The first run can be stepped through. */
   hasTrace: boolean;
   services: Service[];
@@ -89,6 +129,6 @@ export type FromPage =
   | { type: 'stop' }
   | { type: 'again' }
   | { type: 'trace' }
-  /** Inputs by name, as JSON texts; those left empty are not sent. */
-  | { type: 'call'; service: string; inputs: Record<string, string> }
+  /** Inputs by name; those left empty are not sent. */
+  | { type: 'call'; service: string; inputs: Record<string, unknown> }
   | { type: 'abort'; service: string };

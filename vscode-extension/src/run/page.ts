@@ -17,10 +17,23 @@ code, #log, .value { font-family: var(--vscode-editor-font-family); }
 .violated { color: var(--vscode-editorError-foreground); }
 .faint { color: var(--vscode-descriptionForeground); }
 .tables { overflow-x: auto; }
-form { display: flex; flex-wrap: wrap; gap: 4px 10px; align-items: center; padding: 4px 0; }
-form .name { font-weight: 600; }
-form .doc { flex-basis: 100%; color: var(--vscode-descriptionForeground); }
-form input { width: 8em; }
+form { padding: 6px 0 8px; border-bottom: 1px solid var(--vscode-panel-border, transparent); }
+form .name { font-weight: 600; font-family: var(--vscode-editor-font-family); }
+form .head { display: flex; flex-wrap: wrap; gap: 2px 12px; align-items: baseline; }
+form .doc, form .about, form .unit { color: var(--vscode-descriptionForeground); }
+form .fields { display: flex; flex-direction: column; gap: 4px; margin: 4px 0; }
+form .fields:empty { display: none; }
+form .field { display: flex; flex-wrap: wrap; gap: 2px 8px; align-items: center; }
+form .label { min-width: 6em; overflow-wrap: anywhere; }
+form .about { flex: 1 1 12em; }
+form fieldset { border: 0; border-left: 2px solid var(--vscode-panel-border, currentColor); margin: 0; padding: 2px 0 2px 10px; }
+form legend { padding: 0; float: left; width: 100%; }
+form fieldset > *, form .elements > * { clear: both; }
+form fieldset > .field, form .elements > * { margin-top: 3px; }
+form input[type='text'], form input[type='number'] { width: 9em; }
+form .foot { display: flex; flex-wrap: wrap; gap: 4px 10px; align-items: center; margin-top: 4px; }
+form .more, form .less { margin: 4px 6px 0 0; padding: 0 8px; }
+[hidden] { display: none !important; }
 .answer { overflow-wrap: anywhere; }
 .port { display: flex; flex-wrap: wrap; gap: 2px 12px; align-items: center; padding: 3px 0; }
 .port .value { overflow-wrap: anywhere; flex: 1 1 12em; }

@@ -6,7 +6,7 @@ import { notRunning } from '../commands/server';
 import { explicitSettings, serverSettings } from '../config';
 import { SidePanel } from '../panel/panel';
 import { LANGUAGE, SCENARIO } from '../protocol';
-import type { FromPage, RunView, ToPage } from './messages';
+import type { FromPage, Ran, RunView, ToPage } from './messages';
 import { page } from './page';
 import { Run, type Reading } from './process';
 
@@ -26,6 +26,9 @@ interface Subject {
 export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
   private run: Run | undefined;
   private later: NodeJS.Timeout | undefined;
+  private readonly changed = new vscode.EventEmitter<Ran | undefined>();
+  /** What runs has come further; undefined: nothing has run. */
+  readonly onDidChange = this.changed.event;
 
   constructor(
     private readonly server: Server,
@@ -36,6 +39,7 @@ export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
 
   override dispose(): void {
     this.end();
+    this.changed.dispose();
     super.dispose();
   }
 
@@ -82,7 +86,10 @@ export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
     const { run } = this;
     // `dotgen.runs`: the command Stop is shown while something runs.
     void vscode.commands.executeCommand('setContext', 'dotgen.runs', run?.isOver === false);
-    if (run !== undefined) this.send({ type: 'run', view: run.view });
+    const view = run?.view;
+    const machines = view?.report?.machines ?? view?.progress?.machines;
+    this.changed.fire(machines === undefined ? undefined : { machines, activities: run?.isOver === true ? [] : (view?.progress?.activities ?? []) });
+    if (view !== undefined) this.send({ type: 'run', view });
   }
 
   protected closed(): void {

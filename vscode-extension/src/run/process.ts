@@ -73,6 +73,7 @@ export class Run {
       clock: this.options.clock,
       state: this.state,
       report: this.report,
+      progress: talk?.progress ?? null,
       hasTrace: this.isOver && existsSync(this.trace),
       services: talk?.services ?? [],
       ports: talk?.ports ?? [],
@@ -87,7 +88,7 @@ export class Run {
     this.become('stopping');
   }
 
-  call(service: string, inputs: Record<string, string>): void {
+  call(service: string, inputs: Record<string, unknown>): void {
     this.talk?.call(service, inputs);
   }
 

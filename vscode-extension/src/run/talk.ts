@@ -1,7 +1,8 @@
 // A run, talked to at its socket: docs/socket.md has the protocol.
 import { createConnection, type Socket } from 'node:net';
 import { createInterface } from 'node:readline';
-import type { Input, Port, Service } from './messages';
+import type { Input, Port, Progress, Service } from './messages';
+import { numbers, value } from './values';
 
 /** Values of a series that are kept. */
 const KEPT = 120;
@@ -29,6 +30,8 @@ interface Told {
 export class Talk {
   readonly services: Service[] = [];
   readonly ports: Port[] = [];
+  /** How far the run has come. */
+  progress: Progress | null = null;
   private socket: Socket | undefined;
   private retry: NodeJS.Timeout | undefined;
   private ended = false;
@@ -43,15 +46,10 @@ export class Talk {
     this.connect();
   }
 
-  /** Sends a request. Throws what is wrong with an input, in words. */
-  call(service: string, texts: Record<string, string>): void {
+  /** Sends a request, with inputs by name. */
+  call(service: string, input: Record<string, unknown>): void {
     const it = this.services.find(({ name }) => name === service);
     if (it === undefined) return;
-    const input: Record<string, unknown> = {};
-    for (const { name } of it.inputs) {
-      const text = texts[name]?.trim() ?? '';
-      if (text !== '') input[name] = value(text);
-    }
     const id = `call ${++this.sent}`;
     this.requests.set(service, id);
     it.active = it.kind === 'activity';
@@ -76,7 +74,10 @@ export class Talk {
   private connect(): void {
     const socket = createConnection(this.path);
     this.socket = socket;
-    socket.on('connect', () => this.say({ id: 'describe', describe: null }));
+    socket.on('connect', () => {
+      this.say({ id: 'describe', describe: null });
+      this.say({ id: 'progress', progress: null });
+    });
     socket.on('error', () => {
       if (!this.ended) this.retry = setTimeout(() => this.connect(), RETRY_MS);
     });
@@ -94,6 +95,7 @@ export class Talk {
   private hear(told: Told): void {
     if (told.id === 'describe') this.described(told.components ?? []);
     else if (told.event === 'data') this.data(told);
+    else if (told.event === 'progress') this.progress = told as unknown as Progress;
     else this.answered(told);
     this.changed();
   }
@@ -138,20 +140,3 @@ function parsed(line: string): Told | undefined {
   const it = value(line);
   return typeof it === 'object' && it !== null ? (it as Told) : undefined;
 }
-
-/** What somebody has typed: JSON, or else a text. */
-export function value(text: string): unknown {
-  try {
-    return JSON.parse(text);
-  } catch {
-    return text;
-  }
-}
-
-/** The numbers in a value, with the members on the way to them. */
-export function numbers(value: unknown, name = ''): [string, number][] {
-  if (typeof value === 'number') return [[name, value]];
-  if (typeof value !== 'object' || value === null) return [];
-  return Object.entries(value).flatMap(([member, it]) => numbers(it, name === '' ? member : `${name}.${member}`));
-}
-

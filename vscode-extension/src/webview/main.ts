@@ -1,7 +1,8 @@
 // The page of the preview: shows what it is sent, and tells what is done to it. It lays out nothing.
-import type { FromPage, Shown, Subject, ToPage } from '../preview/messages';
+import type { FromPage, Live, Shown, Subject, ToPage } from '../preview/messages';
 import { Canvas } from './canvas';
 import { draggable } from './drag';
+import { overlay } from './live';
 
 declare function acquireVsCodeApi(): { postMessage(message: FromPage): void; setState(state: Subject): void };
 
@@ -19,6 +20,7 @@ const STEP = 20;
 const canvas = new Canvas(view, 'g.node');
 
 let shown: Shown | undefined;
+let live: Live | undefined;
 let selected: string | undefined;
 let current: string | undefined;
 /** Clicks choose the states of a way. */
@@ -70,6 +72,12 @@ function draw(next: Shown): void {
   element('legend').hidden = next.subject.kind !== 'fsm';
   mark();
   find();
+  showLive();
+}
+
+function showLive(): void {
+  overlay(view, live);
+  element('ran').hidden = live === undefined;
 }
 
 function byId(id: string | undefined): SVGGElement | undefined {
@@ -264,6 +272,9 @@ window.addEventListener('message', ({ data }: MessageEvent<ToPage>) => {
       notice.textContent = data.text ?? '';
       return;
     }
+    case 'live':
+      live = data.live;
+      return showLive();
     case 'highlight':
       current = data.id;
       mark();

@@ -1,5 +1,6 @@
 // The page of a run: draws what it is sent, and tells what is done to it.
-import type { FromPage, Port, Report, RunView, Service, ToPage, Violation } from '../run/messages';
+import type { FromPage, Port, Progress, Report, RunView, Service, ToPage, Violation } from '../run/messages';
+import { field } from './form';
 import { update } from './update';
 
 declare function acquireVsCodeApi(): { postMessage(message: FromPage): void };
@@ -18,6 +19,8 @@ function node<K extends keyof HTMLElementTagNameMap>(tag: K, content: (Node | st
 
 /** A number of a report, to what can be read. */
 const number = (it: number | undefined) => (it === undefined ? '–' : String(Number(it.toPrecision(4))));
+
+const percent = (share: number) => `${(100 * share).toFixed(share < 0.0995 ? 1 : 0)} %`;
 
 /** A column is of numbers where its name begins with `#`. */
 function table(id: string, names: string[], rows: (Node | string)[][]): void {
@@ -59,15 +62,15 @@ function violation(it: Violation, { unit, checks }: Report): string {
   }
 }
 
-function showHead({ name, clock, state, report, hasTrace }: RunView): void {
+function showHead({ name, clock, state, report, progress, hasTrace }: RunView): void {
   element('title').textContent = `${clock === 'real' ? 'Run' : 'Simulation'} of ${name}`;
   const badge = element('state');
-  const violated = (report?.['violation-count'] ?? 0) > 0;
+  const violated = ((report ?? progress)?.['violation-count'] ?? 0) > 0;
   const word = violated ? 'violated' : STATES[state];
   // Screen readers tell every change of a live region, also to the same.
   if (badge.textContent !== word) badge.textContent = word;
   badge.className = `state ${violated || state === 'failed' ? 'violated' : state === 'ended' ? 'kept' : 'faint'}`;
-  const facts = report === null ? [] : [`${number(report.time)} ${report.unit}`, ENDS[report.end] ?? report.end, `seed ${report.seed}`];
+  const facts = report === null ? (progress === null ? [] : [`${number(progress.time)} ${progress.unit}`]) : [`${number(report.time)} ${report.unit}`, ENDS[report.end] ?? report.end, `seed ${report.seed}`];
   element('facts').textContent = facts.filter((it) => it !== '').join(' · ');
   const over = state === 'ended' || state === 'failed';
   element('stop').hidden = over;
@@ -75,15 +78,16 @@ function showHead({ name, clock, state, report, hasTrace }: RunView): void {
   element('trace').hidden = !hasTrace;
 }
 
-function showReport(report: Report | null): void {
-  const unit = report?.unit ?? '';
+function showReport(report: Report | null, progress: Progress | null): void {
+  const known = report ?? progress;
+  const unit = known?.unit ?? '';
   list('violations', (report?.violations ?? []).map((it) => violation(it, report as Report)));
   // The unit once, over all of its columns.
   for (const [id, title] of [['tasks', 'Tasks'], ['checks', 'Checks']] as const) (element(id).querySelector('h2') as Element).textContent = `${title}, times in ${unit}`;
-  table('tasks', ['task', '#jobs', '#mean', '#greatest', '#bound', '#period', '#missed'], (report?.tasks ?? []).map((it) => {
+  table('tasks', ['task', '#load', '#jobs', '#mean', '#greatest', '#bound', '#period', '#missed'], (known?.tasks ?? []).map((it) => {
     const beyond = it.greatest !== undefined && it.bound !== undefined && it.greatest > it.bound;
     const greatest = node('span', number(it.greatest), beyond ? 'violated' : '');
-    return [it.task, String(it.jobs), number(it.mean), greatest, number(it.bound), number(it.period), node('span', String(it.missed), it.missed > 0 ? 'violated' : '')];
+    return [it.task, percent(it.load), String(it.jobs), number(it.mean), greatest, number(it.bound), number(it.period), node('span', String(it.missed), it.missed > 0 ? 'violated' : '')];
   }));
   table('checks', ['check', 'of', 'verdict', '#greatest', '#limit'], (report?.checks ?? []).map((it) => [
     it.name === undefined ? it.check : `${it.name}: ${it.check}`,
@@ -93,7 +97,7 @@ function showReport(report: Report | null): void {
     number(it.limit),
   ]));
   table('requests', ['service', '#requests', '#refused', '#ended'], (report?.services ?? []).map((it) => [it.service, String(it.requests), String(it.refused), String(it.ended)]));
-  table('machines', ['machine', 'from', 'to', '#taken'], (report?.machines ?? []).flatMap(({ machine, transitions }) =>
+  table('machines', ['machine', 'from', 'to', '#taken'], (known?.machines ?? []).flatMap(({ machine, transitions }) =>
     transitions.map((it) => [machine, it.from, it.to, it.taken === 0 ? node('span', 'never', 'faint') : String(it.taken)]),
   ));
   list('assumptions', [...(report?.assumptions ?? []), ...(report?.notes ?? [])]);
@@ -113,7 +117,7 @@ function showServices(services: Service[], over: boolean): void {
     const made = all.children[i];
     const answer = made?.querySelector('.answer');
     if (answer && answer.textContent !== it.answer) answer.textContent = it.answer;
-    const [send, abort] = made?.querySelectorAll('button') ?? [];
+    const [send, abort] = made?.querySelectorAll<HTMLButtonElement>('.foot button') ?? [];
     if (send !== undefined) send.disabled = over;
     if (abort !== undefined) abort.hidden = over || !it.active;
   });
@@ -127,23 +131,17 @@ function form({ name, doc, inputs }: Service): HTMLElement {
   abort.hidden = true;
   abort.setAttribute('aria-label', `Interrupt ${name}`);
   abort.addEventListener('click', () => host.postMessage({ type: 'abort', service: name }));
-  const fields = inputs.map((it) => {
-    const field = node('input');
-    field.type = 'text';
-    field.name = it.name;
-    field.placeholder = it.default === undefined ? 'zero' : JSON.stringify(it.default);
-    field.title = 'A value as JSON; its default if nothing is written';
-    return node('label', [it.name, field]);
-  });
+  const fields = inputs.map((it) => [it.name, field(it.name, it.schema)] as const);
   const answer = node('span', '', 'answer');
   answer.setAttribute('role', 'status');
-  const made = node('form', [node('span', name, 'name'), ...fields, send, abort, answer]);
+  const head = node('div', [node('span', name, 'name'), ...(doc ? [node('span', doc, 'doc')] : [])], 'head');
+  const inside = node('div', fields.map(([, it]) => it.node), 'fields');
+  const made = node('form', [head, inside, node('div', [send, abort, answer], 'foot')]);
   made.setAttribute('aria-label', name);
-  if (doc) made.append(node('span', doc, 'doc'));
   made.addEventListener('submit', (event) => {
     event.preventDefault();
-    const texts = [...made.querySelectorAll('input')].map((it) => [it.name, it.value]);
-    host.postMessage({ type: 'call', service: name, inputs: Object.fromEntries(texts) });
+    const given = fields.map(([name, it]) => [name, it.read()] as const).filter(([, it]) => it !== undefined);
+    host.postMessage({ type: 'call', service: name, inputs: Object.fromEntries(given) });
   });
   return made;
 }
@@ -186,7 +184,7 @@ for (const type of ['stop', 'again', 'trace'] as const) element(type).addEventLi
 window.addEventListener('message', ({ data }: MessageEvent<ToPage>) => {
   const { view } = data;
   showHead(view);
-  showReport(view.report);
+  showReport(view.report, view.progress);
   showServices(view.services, view.state === 'ended' || view.state === 'failed');
   showPorts(view.ports);
   showLog(view.log);

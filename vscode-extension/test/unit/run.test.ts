@@ -5,7 +5,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { test } from 'node:test';
 import { Run, argumentsOf, reportOf, type RunOptions } from '../../src/run/process';
-import { numbers, value } from '../../src/run/talk';
+import { numbers, value } from '../../src/run/values';
 
 // Listens as `dotgen run --clock real` does, tells of a port, answers a request, and ends with a report when it is stopped.
 const PROGRAM = `#!${process.execPath}
@@ -17,8 +17,9 @@ require('node:net').createServer((it) => {
   const say = (told) => it.write(JSON.stringify(told) + '\\n');
   it.write('{"id": "half\\n');
   require('node:readline').createInterface({ input: it }).on('line', (line) => {
-    const { id, describe, watch, call, input, abort } = JSON.parse(line);
-    if (describe === null) say({ id, event: 'description', components: [{ name: 'pump', services: [{ name: 'fill', kind: 'activity', doc: 'Pumps.', inputs: [{ name: 'height', default: 1 }], outputs: [] }], ports: [{ name: 'level', direction: 'out', doc: null }, { name: 'flow', direction: 'in', doc: null }] }] });
+    const { id, describe, progress, watch, call, input } = JSON.parse(line);
+    if (progress === null) say({ id, event: 'progress', time: 5, unit: 'ms', tasks: [], machines: [], activities: [], 'violation-count': 0 });
+    if (describe === null) say({ id, event: 'description', components: [{ name: 'pump', services: [{ name: 'fill', kind: 'activity', doc: 'Pumps.', inputs: [{ name: 'height', default: 1, schema: { type: ['number', 'null'] } }], outputs: [] }], ports: [{ name: 'level', direction: 'out', doc: null }, { name: 'flow', direction: 'in', doc: null }] }] });
     if (watch) for (const z of [1, 2]) say({ id, event: 'data', value: { z, name: 'a' } });
     if (call) say({ id, event: 'accepted' }), say({ id, event: 'done', output: input });
   });
@@ -55,7 +56,8 @@ test('a run on the real clock is seen, asked and stopped', { skip: process.platf
   assert.deepEqual(run.view.ports, [{ name: 'pump/level', doc: null, value: '{"z":2,"name":"a"}', series: [{ name: 'z', values: [1, 2] }] }]);
   assert.deepEqual(run.view.log, ['note: it begins']);
   assert.equal(run.view.state, 'running');
-  run.call('pump.fill', { height: ' 2.5 ' });
+  await shown(it, () => run.view.progress?.time === 5);
+  run.call('pump.fill', { height: 2.5 });
   await shown(it, () => run.view.services[0]?.answer.startsWith('done') === true);
   assert.equal(run.view.services[0]?.answer, 'done: {"height":2.5}');
   run.stop();

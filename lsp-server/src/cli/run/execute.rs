@@ -152,9 +152,11 @@ impl Context<'_, '_> {
         use super::hosted;
         use crate::hosting::children::Children;
         use crate::hosting::realtime;
+        use crate::hosting::server::Server;
         use dotgen_runtime::engine::End;
         use dotgen_runtime::live::Live;
         use dotgen_runtime::paced::Pace;
+        use dotgen_runtime::progress::Follow;
         use dotgen_runtime::simulation::Execution;
         use dotgen_timing::verify::settings;
 
@@ -216,6 +218,7 @@ impl Context<'_, '_> {
         let followers = server
             .as_ref()
             .map(|it| Box::new(it.followers()) as Box<dyn Write>);
+        let mut lookers = server.as_ref().map(Server::lookers);
         let mut profile = self.profile(&opened, stream, followers);
         let interrupted = || self.interrupt.is_raised();
         let stops_activities = arguments.on_violation == super::OnViolation::StopActivity;
@@ -223,6 +226,7 @@ impl Context<'_, '_> {
         let execution = Execution {
             live: &mut live,
             pace,
+            follow: lookers.as_mut().map(|it| it as &mut dyn Follow),
         };
         let mut recording = self.recording(arguments, &opened, real)?;
         let outcome = simulate_recorded(

@@ -49,6 +49,31 @@ for (const theme of Object.keys(THEMES)) {
   });
 }
 
+test('a run is shown in its machine: the state it is in, and what was taken how often', async () => {
+  const it = await pages.open({ width: 700, height: 900 });
+  await it.send(picture('fsm', 'goto'));
+  assert.equal(await it.page.locator('#ran').isVisible(), false);
+  const transitions = [
+    { from: 'start', to: 'plan', taken: 1 },
+    { from: 'exec', to: 'pause::exec', taken: 12345 },
+    { from: 'exec', to: 'wait', taken: 0 },
+  ];
+  await it.send({ type: 'live', live: { transitions, activities: [{ state: 'exec', executes: true }] } });
+  const taken = () => it.page.locator('.taken').allTextContents();
+  assert.deepEqual(await taken(), ['1', '12\u202f345']);
+  assert.deepEqual(await it.page.locator('.node.here').evaluateAll((all) => all.map((each) => each.dataset.id)), ['exec']);
+  assert.deepEqual(await it.page.locator('.edge.never').evaluateAll((all) => all.map((each) => each.dataset.to)), ['wait']);
+  assert.equal(await it.page.locator('#ran').isVisible(), true);
+  if (process.env.SHOTS) await it.page.screenshot({ path: `${process.env.SHOTS}/diagram-live.png` });
+  // A picture that is drawn anew shows it as well; another machine does not.
+  await it.send(picture('fsm', 'goto'));
+  assert.deepEqual(await taken(), ['1', '12\u202f345']);
+  await it.send({ type: 'live' });
+  assert.deepEqual(await taken(), []);
+  assert.equal(await it.page.locator('.here, .executes, .never').count(), 0);
+  await it.page.close();
+});
+
 test('a component opens by its sign and by the space bar, and the text is led to by all else', async () => {
   const it = await pages.open({ width: 900, height: 700 });
   await it.send(picture('system', 'quadcopter'));

@@ -9,16 +9,16 @@ after(() => pages.close());
 
 const report = {
   scenario: 'tank', unit: 'ms', seed: 7, time: 10_000, end: 'done',
-  tasks: [{ task: 'pump.control', jobs: 999, greatest: 9, mean: 2.111611612, bound: 8, period: 10, missed: 0 }, { task: 'pump.listen', jobs: 0, missed: 0 }],
+  tasks: [{ task: 'pump.control', jobs: 999, greatest: 9, mean: 2.111611612, bound: 8, period: 10, missed: 0, load: 0.2094 }, { task: 'pump.listen', jobs: 0, missed: 0, load: 0.004 }],
   services: [{ service: 'pump.fill', requests: 1, refused: 0, ended: 1 }],
   machines: [{ machine: 'pump.fill', transitions: [{ from: 'start', to: 'wait', taken: 1 }, { from: 'wait', to: 'ether', taken: 0 }] }],
   checks: [{ name: 'control', check: 'response', of: 'pump.control', verdict: 'violated', greatest: 9, limit: 8.5, at: { time: 20 }, violations: 1 }],
   violations: [{ at: { time: 20 }, kind: 'check', check: 0 }, { at: { time: 30.5 }, kind: 'overrun', codel: 'pump.control.main', took: 5, limit: 3 }],
   'violation-count': 2, assumptions: ['cores: 1'], notes: ['a note'],
 };
-const service = { name: 'pump.fill', kind: 'activity', doc: 'Pumps.', inputs: [{ name: 'height', default: 1 }, { name: 'how' }], answer: '', active: false };
+const service = { name: 'pump.fill', kind: 'activity', doc: 'Pumps.', inputs: [{ name: 'height', default: 1, schema: { type: ['number', 'null'], default: 1, description: 'Level to reach', unit: 'm' } }, { name: 'how', schema: { type: 'string' } }], answer: '', active: false };
 const port = { name: 'pump/level', doc: 'of the tank', value: '{"z":3}', series: [{ name: 'z', values: [1, 2, 3] }] };
-const view = (more) => ({ type: 'run', view: { name: 'pump.scn', clock: 'real', state: 'running', report: null, hasTrace: false, services: [service], ports: [port], log: ['note: one', 'two'], ...more } });
+const view = (more) => ({ type: 'run', view: { name: 'pump.scn', clock: 'real', state: 'running', report: null, progress: null, hasTrace: false, services: [service], ports: [port], log: ['note: one', 'two'], ...more } });
 const ended = view({ state: 'ended', report, hasTrace: true, clock: 'virtual' });
 
 for (const theme of Object.keys(THEMES)) {
@@ -44,7 +44,7 @@ test('what runs is told: violations by name, times beside their bounds, transiti
     '20 ms: response pump.control is violated',
     '30.5 ms: pump.control.main took 5 ms, and its wcet is 3 ms: what is proved assumes that',
   ]);
-  assert.deepEqual(await it.page.locator('#tasks tbody tr').first().locator('td').allInnerTexts(), ['pump.control', '999', '2.112', '9', '8', '10', '0']);
+  assert.deepEqual(await it.page.locator('#tasks tbody tr').first().locator('td').allInnerTexts(), ['pump.control', '21 %', '999', '2.112', '9', '8', '10', '0']);
   assert.equal(await it.page.locator('#tasks .violated').innerText(), '9');
   await it.page.locator('#machines summary').click();
   assert.equal(await it.page.locator('#machines .faint').innerText(), 'never');
@@ -57,12 +57,14 @@ test('what is typed into a form stays while values come, and is sent', async () 
   const it = await pages.open({ width: 700, height: 700 });
   await it.send(view({}));
   const field = it.page.getByLabel('height');
+  assert.equal(await field.inputValue(), '1');
+  assert.equal(await it.page.locator('form .field').first().innerText(), 'height\nm\nLevel to reach');
   await field.fill('2.5');
   await it.send(view({ ports: [{ ...port, value: '{"z":9}', series: [{ name: 'z', values: [1, 2, 3, 9] }] }] }));
   assert.equal(await field.inputValue(), '2.5');
   assert.equal(await it.page.locator('.port svg').getAttribute('aria-label'), 'z from 1 to 9, now 9');
   await field.press('Enter');
-  assert.deepEqual((await it.said()).at(-1), { type: 'call', service: 'pump.fill', inputs: { height: '2.5', how: '' } });
+  assert.deepEqual((await it.said()).at(-1), { type: 'call', service: 'pump.fill', inputs: { height: 2.5 } });
   await it.send(view({ services: [{ ...service, answer: 'accepted', active: true }] }));
   assert.equal(await it.page.locator('.answer').innerText(), 'accepted');
   await it.page.getByRole('button', { name: 'Interrupt pump.fill' }).click();
@@ -71,6 +73,65 @@ test('what is typed into a form stays while values come, and is sent', async () 
   assert.deepEqual((await it.said()).at(-1), { type: 'stop' });
   await it.send(view({ state: 'ended', report }));
   assert.equal(await it.page.getByRole('button', { name: 'Send pump.fill' }).isDisabled(), true);
+  await it.page.close();
+});
+
+const OCTET = { type: 'integer', minimum: 0, maximum: 255 };
+const MODES = { anyOf: [{ type: 'string', enum: ['SLOW', 'FAST'] }, { type: 'integer' }] };
+const POINT = { type: 'object', properties: { y: { type: ['number', 'null'] }, x: { type: ['number', 'null'] } }, required: ['x', 'y'] };
+const INPUTS = {
+  count: { ...OCTET, default: 3 },
+  hard: { type: 'boolean', default: true },
+  mode: { ...MODES, default: 'FAST' },
+  to: { ...POINT, default: { x: 1.5 } },
+  by: { type: 'array', items: POINT, maxItems: 2 },
+  gain: { type: 'array', items: { type: ['number', 'null'] }, minItems: 2, maxItems: 2 },
+  until: { anyOf: [{ type: ['number', 'null'] }, { type: 'null' }] },
+  what: { type: 'object', properties: { _d: MODES, near: OCTET }, required: ['_d'] },
+};
+
+test('forms are made from types: what they hold at first, and what is sent', async () => {
+  const it = await pages.open({ width: 700, height: 900 });
+  const inputs = Object.entries(INPUTS).map(([name, schema]) => ({ name, schema }));
+  await it.send(view({ services: [{ ...service, inputs }] }));
+  const send = async () => {
+    await it.page.getByRole('button', { name: 'Send pump.fill' }).click();
+    return (await it.said()).at(-1).inputs;
+  };
+  assert.deepEqual(await send(), { count: 3, hard: true, mode: 'FAST', to: { x: 1.5 }, by: [], gain: [null, null], until: null });
+  const label = (name) => it.page.getByLabel(name, { exact: true });
+  await label('count').fill('255');
+  await label('hard').uncheck();
+  await label('mode').selectOption('SLOW');
+  await it.page.getByRole('group', { name: 'to' }).getByLabel('y').fill('-2e3');
+  const more = it.page.getByRole('button', { name: 'Add an element of by' });
+  await more.click();
+  await more.click();
+  assert.equal(await more.isDisabled(), true);
+  await it.page.getByRole('button', { name: 'Remove an element of by' }).click();
+  await it.page.getByRole('group', { name: 'by[0]' }).getByLabel('x').fill('4');
+  await label('gain[1]').fill('7');
+  await label('until is given').check();
+  await label('until').fill('0.5');
+  await label('what').fill('{"_d": "FAST", "near": 1}');
+  if (process.env.SHOTS) await it.page.screenshot({ path: `${process.env.SHOTS}/run-form.png`, fullPage: true });
+  assert.deepEqual(await violations(it.page), []);
+  assert.deepEqual(await send(), { count: 255, hard: false, mode: 'SLOW', to: { x: 1.5, y: -2000 }, by: [{ x: 4 }], gain: [null, 7], until: 0.5, what: { _d: 'FAST', near: 1 } });
+  // What does not fit is told beside the field, and not sent.
+  await label('count').fill('256');
+  const before = (await it.said()).length;
+  await it.page.getByRole('button', { name: 'Send pump.fill' }).click();
+  assert.equal((await it.said()).length, before);
+  await it.page.close();
+});
+
+test('a run that goes on shows how far it has come', async () => {
+  const it = await pages.open({ width: 700, height: 900 });
+  const { tasks, machines, unit } = report;
+  await it.send(view({ progress: { unit, time: 1500, tasks, machines, activities: [], 'violation-count': 1 } }));
+  assert.equal(await it.page.locator('#state').innerText(), 'violated');
+  assert.equal(await it.page.locator('#facts').innerText(), '1500 ms');
+  assert.deepEqual(await it.page.locator('#tasks tbody tr').first().locator('td').allInnerTexts(), ['pump.control', '21 %', '999', '2.112', '9', '8', '10', '0']);
   await it.page.close();
 });
 

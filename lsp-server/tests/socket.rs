@@ -1,0 +1,132 @@
+//! What a run tells of itself at its socket: the types of what it takes, and how far it has come.
+#![cfg(target_os = "linux")]
+
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::os::unix::net::UnixStream;
+
+use serde_json::{Value, json};
+
+#[path = "support/directory.rs"]
+mod directory;
+#[path = "support/running.rs"]
+mod running;
+
+use directory::Directory;
+use running::Listening;
+
+const SPECIFICATION: &str = r#"
+enum mode { SLOW, FAST };
+struct point { double y, x; };
+struct tree;
+struct tree { sequence<tree> left, right; };
+component arm {
+  version "1"; lang "c";
+  ids { point at; mode m; tree t; boolean hard; };
+  task main {
+    period 10 ms;
+    codel<start> first(out at) yield pause::go wcet 1 ms;
+    codel<go> again(inout at) yield pause::go wcet 2 ms;
+  };
+  function go(in point at = { .x = 1.5 : "To the right (m)", .y = 2. : "Ahead [m]" } : "Where to (see the map)",
+              in mode m = FAST, in boolean hard, in sequence<octet, 4> few = { 1, 2 } : "(s)") {};
+  function plant(in tree t) {};
+};
+"#;
+
+/// The answers to a request: the first, and those that follow.
+fn ask(directory: &Directory, request: &Value) -> impl Iterator<Item = Value> + use<> {
+    let socket = directory.path().join("s");
+    let mut client = UnixStream::connect(socket).expect("it listens");
+    writeln!(client, "{request}").expect("it reads");
+    let lines = BufReader::new(client).lines();
+    lines.map(|it| serde_json::from_str(&it.expect("text")).expect("JSON"))
+}
+
+fn run() -> (Directory, Listening) {
+    let directory = Directory::new(&[]);
+    directory.write("arm.gen", SPECIFICATION.as_bytes());
+    let arguments = "run arm.gen --clock real --simulate all --bounds analysed --socket s";
+    let arguments: Vec<&str> = arguments.split(' ').collect();
+    let run = Listening::start(&directory, &arguments);
+    (directory, run)
+}
+
+#[test]
+fn a_run_describes_the_types_of_what_its_services_take() {
+    let (directory, _run) = run();
+    let mut answers = ask(&directory, &json!({"id": 1, "describe": null}));
+    let description = answers.next().expect("an answer");
+    let services = description["components"][0]["services"].as_array();
+    let service = |name: &str| {
+        let mut all = services.expect("services").iter();
+        all.find(|it| it["name"] == name).expect("the service")
+    };
+    let number = json!(["number", "null"]);
+    let given = &service("go")["inputs"];
+    assert_eq!(given[0]["name"], "at");
+    assert_eq!(
+        given[0]["schema"],
+        json!({
+            "type": "object",
+            "description": "Where to (see the map)",
+            "default": {"x": 1.5, "y": 2.0},
+            "properties": {
+                "y": {"type": number, "description": "Ahead", "unit": "m", "default": 2.0},
+                "x": {"type": number, "description": "To the right", "unit": "m", "default": 1.5},
+            },
+            "required": ["y", "x"],
+            "additionalProperties": false,
+        })
+    );
+    let mode = &given[1]["schema"];
+    assert_eq!(mode["anyOf"][0]["enum"], json!(["SLOW", "FAST"]));
+    assert_eq!(mode["default"], "FAST");
+    assert_eq!(
+        given[2],
+        json!({"name": "hard", "schema": {"type": "boolean"}})
+    );
+    let few = &given[3]["schema"];
+    assert_eq!(few["maxItems"], 4);
+    assert_eq!(
+        (&few["unit"], &few["description"]),
+        (&json!("s"), &Value::Null)
+    );
+    assert_eq!(few["default"], json!([1, 2]));
+    // A type that holds itself is not unrolled.
+    let tree = &service("plant")["inputs"][0]["schema"];
+    assert_eq!(tree["properties"]["left"]["items"], json!({}));
+    let connect = &service("connect_port")["inputs"];
+    assert_eq!(connect[1]["schema"]["type"], "string");
+}
+
+#[test]
+fn a_run_tells_how_far_it_has_come() {
+    let (directory, _run) = run();
+    let mut answers = ask(&directory, &json!({"id": 2, "progress": null}));
+    assert_eq!(answers.next().expect("an answer")["event"], "following");
+    let taken = |it: &Value, to: &str| {
+        let all = it["machines"][0]["transitions"].as_array();
+        let mut all = all.expect("transitions").iter();
+        let found = all.find(|it| it["to"] == to && it["from"] == "go");
+        found.expect("the transition")["taken"].as_u64()
+    };
+    let moved = |it: &Value| taken(it, "pause::go") > Some(0);
+    let first = answers.find(moved).expect("it goes on");
+    assert_eq!(
+        (&first["id"], &first["event"]),
+        (&json!(2), &json!("progress"))
+    );
+    assert_eq!(first["machines"][0]["machine"], "arm.main");
+    assert_eq!(first["activities"][0]["machine"], "arm.main");
+    assert_eq!(first["activities"][0]["state"], "go");
+    let task = &first["tasks"][0];
+    assert_eq!(
+        (&task["task"], &task["bound"]),
+        (&json!("arm.main"), &json!(2))
+    );
+    let load = task["load"].as_f64().expect("a number");
+    assert!(load > 0.0 && load < 0.5, "{load}");
+    let second = answers.next().expect("it goes on");
+    assert!(second["time"].as_f64() > first["time"].as_f64());
+    assert!(taken(&second, "pause::go") >= taken(&first, "pause::go"));
+}
