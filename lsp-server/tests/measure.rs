@@ -130,6 +130,23 @@ fn import(directory: &Directory, arguments: &[&str]) -> Value {
     json(&output)
 }
 
+/// The offset of a position of the protocol, in a text without wide characters.
+fn offset(text: &str, position: &Value) -> usize {
+    let number = |key: &str| position[key].as_u64().expect("a number") as usize;
+    let before = text.split_inclusive('\n').take(number("line"));
+    before.map(str::len).sum::<usize>() + number("character")
+}
+
+/// A text with edits of a report.
+fn edited(text: &str, edits: &Value) -> String {
+    let mut out = text.to_owned();
+    for it in edits.as_array().expect("a list").iter().rev() {
+        let range = offset(text, &it["range"]["start"])..offset(text, &it["range"]["end"]);
+        out.replace_range(range, it["text"].as_str().expect("a text"));
+    }
+    out
+}
+
 #[test]
 fn measured_times_become_clauses() {
     let directory = files();
@@ -152,6 +169,7 @@ fn measured_times_become_clauses() {
             "go_start(in x) yield ether wcet 24 us;",
         );
     assert_eq!(directory.read("cell.gen"), expected);
+    assert_eq!(edited(SPEC, &report["edits"]), expected);
     let of = |path: &str, key: &str| -> Value {
         let codels = report["codels"].as_array().expect("a list");
         let codel = codels.iter().find(|it| it["codel"] == path);
@@ -163,6 +181,14 @@ fn measured_times_become_clauses() {
     assert_eq!(of("cell.beat.again", "decision"), "raised");
     assert_eq!(of("cell.beat.again", "line"), 3);
     assert_eq!(of("cell.beat.start", "decision"), "new");
+    let place = of("cell.beat.start", "place");
+    assert!(
+        place["file"]
+            .as_str()
+            .is_some_and(|it| it.ends_with("cell.gen"))
+    );
+    let start = offset(SPEC, &place["range"]["start"]);
+    assert!(SPEC[start..].starts_with("<start> beat_start("), "{place}");
     assert_eq!(report["never-seen"], serde_json::json!(["cell.go.stop"]));
     let left = serde_json::json!({
         "recorder": 1, "overloads": 1, "clock-steps": 1, "cut": 1, "garbage": 1,

@@ -16,6 +16,7 @@ import { createComponent } from './newComponent';
 import { InlineDiagrams } from './preview/inline';
 import { DiagramPreview, type Target } from './preview/panel';
 import { ReleaseStatus } from './commands/release';
+import { MeasuredTimes } from './run/measured';
 import { RunPanel, type RunTarget } from './run/panel';
 import { statusItem } from './status';
 import { TraceViewer, type TraceTarget } from './trace/panel';
@@ -30,7 +31,8 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
   const it = server;
   const tree = new SyntaxTreeView(it);
   const macros = new MacroExpansion(it);
-  const runs = new RunPanel(it, context.extensionUri);
+  const measured = new MeasuredTimes(it);
+  const runs = new RunPanel(it, measured, context.extensionUri);
   const preview = new DiagramPreview(it, context.extensionUri, context.workspaceState, runs.onDidChange);
   const inline = new InlineDiagrams(it, context.globalState);
   const verification = new VerificationPanel(it, context.extensionUri);
@@ -52,6 +54,8 @@ export async function activate(context: vscode.ExtensionContext): Promise<void> 
     verification,
     vscode.commands.registerCommand('dotgen.showVerification', (target?: VerificationTarget) => verification.show(target)),
     runs,
+    measured,
+    vscode.commands.registerCommand('dotgen.importTimes', () => measured.write()),
     vscode.commands.registerCommand('dotgen.simulate', (target?: RunTarget) => runs.start('virtual', target)),
     vscode.commands.registerCommand('dotgen.run', (target?: RunTarget) => runs.start('real', target)),
     vscode.commands.registerCommand('dotgen.stopRun', () => runs.stop()),

@@ -115,6 +115,8 @@ export interface RunView {
   report: Report | null;
   /** While it goes on, on the real clock. */
   progress: Progress | null;
+  /** Execution times that it took and that are not in the specification. */
+  times: number;
   /** The first run can be stepped through. */
   hasTrace: boolean;
   services: Service[];
@@ -129,6 +131,8 @@ export type FromPage =
   | { type: 'stop' }
   | { type: 'again' }
   | { type: 'trace' }
+  /** Writes what was measured into the specification. */
+  | { type: 'import' }
   /** Inputs by name; those left empty are not sent. */
   | { type: 'call'; service: string; inputs: Record<string, unknown> }
   | { type: 'abort'; service: string };

@@ -7,6 +7,7 @@ import { explicitSettings, serverSettings } from '../config';
 import { SidePanel } from '../panel/panel';
 import { LANGUAGE, SCENARIO } from '../protocol';
 import type { FromPage, Ran, RunView, ToPage } from './messages';
+import { MeasuredTimes } from './measured';
 import { page } from './page';
 import { Run, type Reading } from './process';
 
@@ -25,6 +26,8 @@ interface Subject {
 
 export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
   private run: Run | undefined;
+  /** The run that has ended and whose times were read. */
+  private read: Run | undefined;
   private later: NodeJS.Timeout | undefined;
   private readonly changed = new vscode.EventEmitter<Ran | undefined>();
   /** What runs has come further; undefined: nothing has run. */
@@ -32,6 +35,7 @@ export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
 
   constructor(
     private readonly server: Server,
+    private readonly measured: MeasuredTimes,
     extension: vscode.Uri,
   ) {
     super({ type: 'dotgen.run', title: 'Run', find: true, page }, extension);
@@ -89,7 +93,11 @@ export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
     const view = run?.view;
     const machines = view?.report?.machines ?? view?.progress?.machines;
     this.changed.fire(machines === undefined ? undefined : { machines, activities: run?.isOver === true ? [] : (view?.progress?.activities ?? []) });
-    if (view !== undefined) this.send({ type: 'run', view });
+    if (run !== undefined && run !== this.read && run.isOver) {
+      this.read = run;
+      await this.measured.ask(run.question);
+    }
+    if (view !== undefined) this.send({ type: 'run', view: { ...view, times: this.measured.count } });
   }
 
   protected closed(): void {
@@ -109,6 +117,9 @@ export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
       case 'trace':
         if (run !== undefined) await vscode.commands.executeCommand('dotgen.openTrace', vscode.Uri.file(run.trace));
         return;
+      case 'import':
+        await vscode.commands.executeCommand('dotgen.importTimes');
+        return this.update();
       case 'call':
         return run?.call(message.service, message.inputs);
       case 'abort':
@@ -125,5 +136,6 @@ export class RunPanel extends SidePanel<Subject, FromPage, ToPage> {
     this.later = undefined;
     this.run?.dispose();
     this.run = undefined;
+    void this.measured.ask(undefined);
   }
 }

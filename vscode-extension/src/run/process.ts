@@ -5,6 +5,7 @@ import { tmpdir } from 'node:os';
 import { isAbsolute, join } from 'node:path';
 import { createInterface } from 'node:readline';
 import type { Report, RunState, RunView } from './messages';
+import type { Question } from './measured';
 import { Talk } from './talk';
 
 /** Lines of the log that are kept. */
@@ -45,7 +46,7 @@ export class Run {
     private readonly changed: () => void,
   ) {
     const socket = join(this.folder, 'run.sock');
-    this.child = spawn(options.command, [...argumentsOf(options, this.trace, socket)], { cwd: options.cwd, env: options.env, stdio: ['ignore', 'pipe', 'pipe'] });
+    this.child = spawn(options.command, argumentsOf(options, this.trace, socket, this.profile), { cwd: options.cwd, env: options.env, stdio: ['ignore', 'pipe', 'pipe'] });
     const { stdout, stderr } = this.child;
     stdout?.setEncoding('utf8').on('data', (text: string) => (this.said += text));
     if (stderr !== null) createInterface({ input: stderr, crlfDelay: Infinity }).on('line', (line) => this.tell(line));
@@ -62,6 +63,18 @@ export class Run {
     return join(this.folder, 'run.json');
   }
 
+  /** Every run of a codel, in the format of GenoM3's profiler. */
+  private get profile(): string {
+    return join(this.folder, 'run.out');
+  }
+
+  /** How execution times are read from this run; undefined before it has ended. */
+  get question(): Question | undefined {
+    if (!this.isOver || !existsSync(this.profile)) return undefined;
+    const { command, env, cwd, file, reading } = this.options;
+    return { command, env, cwd, arguments: [this.profile, file, ...readingOf(reading, cwd)] };
+  }
+
   get isOver(): boolean {
     return this.state === 'ended' || this.state === 'failed';
   }
@@ -74,6 +87,7 @@ export class Run {
       state: this.state,
       report: this.report,
       progress: talk?.progress ?? null,
+      times: 0,
       hasTrace: this.isOver && existsSync(this.trace),
       services: talk?.services ?? [],
       ports: talk?.ports ?? [],
@@ -123,14 +137,18 @@ export class Run {
 }
 
 /** Of `dotgen run`. */
-export function argumentsOf({ file, clock, cwd, reading = {} }: RunOptions, trace: string, socket: string): string[] {
+export function argumentsOf({ file, clock, cwd, reading }: RunOptions, trace: string, socket: string, profile: string): string[] {
   // A robot does not wait for a search; what is verified is in the verification panel.
   const how = clock === 'real' ? ['--clock', 'real', '--bounds', 'analysed', '--socket', socket] : ['--simulate', 'all', '--trace', trace];
-  const { includePaths = [], defines = {}, release = '' } = reading;
+  return ['run', file, ...how, '--profile', profile, ...readingOf(reading, cwd), '--format', 'json'];
+}
+
+/** How specifications are read, as arguments. */
+function readingOf({ includePaths = [], defines = {}, release = '' }: Reading = {}, cwd: string): string[] {
   const include = includePaths.flatMap((it) => ['-I', isAbsolute(it) ? it : join(cwd, it)]);
   const defined = Object.entries(defines).filter(([, body]) => body !== false);
   const define = defined.flatMap(([name, body]) => ['-D', body === true ? name : `${name}=${body}`]);
-  return ['run', file, ...how, ...include, ...define, ...(release === '' ? [] : ['--release', release]), '--format', 'json'];
+  return [...include, ...define, ...(release === '' ? [] : ['--release', release])];
 }
 
 /** What the program wrote; null if that is no report of one run. */

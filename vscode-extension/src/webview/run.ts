@@ -62,7 +62,7 @@ function violation(it: Violation, { unit, checks }: Report): string {
   }
 }
 
-function showHead({ name, clock, state, report, progress, hasTrace }: RunView): void {
+function showHead({ name, clock, state, report, progress, hasTrace, times }: RunView): void {
   element('title').textContent = `${clock === 'real' ? 'Run' : 'Simulation'} of ${name}`;
   const badge = element('state');
   const violated = ((report ?? progress)?.['violation-count'] ?? 0) > 0;
@@ -76,6 +76,9 @@ function showHead({ name, clock, state, report, progress, hasTrace }: RunView): 
   element('stop').hidden = over;
   element('again').hidden = !over;
   element('trace').hidden = !hasTrace;
+  const take = element('import');
+  take.hidden = times === 0;
+  take.textContent = times === 1 ? 'Import 1 Time' : `Import ${times} Times`;
 }
 
 function showReport(report: Report | null, progress: Progress | null): void {
@@ -180,7 +183,7 @@ function showLog(lines: string[]): void {
   if (atEnd) log.scrollTop = log.scrollHeight;
 }
 
-for (const type of ['stop', 'again', 'trace'] as const) element(type).addEventListener('click', () => host.postMessage({ type }));
+for (const type of ['stop', 'again', 'trace', 'import'] as const) element(type).addEventListener('click', () => host.postMessage({ type }));
 window.addEventListener('message', ({ data }: MessageEvent<ToPage>) => {
   const { view } = data;
   showHead(view);

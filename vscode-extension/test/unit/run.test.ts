@@ -29,7 +29,7 @@ require('node:net').createServer((it) => {
 test('specifications are read as in the editor', () => {
   const reading = { includePaths: ['idl', '/opt/idl'], defines: { SIM: true, OLD: false, N: 3 }, release: '2.99.39' };
   const options: RunOptions = { command: 'dotgen', env: {}, file: '/r/a.gen', cwd: '/r', clock: 'virtual', reading };
-  const given = argumentsOf(options, '/t/run.json', '').join(' ');
+  const given = argumentsOf(options, '/t/run.json', '', 'p').join(' ');
   assert.match(given, / -I \/r\/idl -I \/opt\/idl -D SIM -D N=3 --release 2\.99\.39 /);
 });
 
@@ -83,7 +83,7 @@ test('a program that writes no report, or is not there, says why', { skip: proce
 
 test('what is simulated needs no sources and no socket', () => {
   const options = { command: 'dotgen', env: {}, file: 'a.scn', cwd: '/', clock: 'virtual' } as const;
-  assert.deepEqual(argumentsOf(options, 't.json', 's'), ['run', 'a.scn', '--simulate', 'all', '--trace', 't.json', '--format', 'json']);
+  assert.deepEqual(argumentsOf(options, 't.json', 's', 'p'), ['run', 'a.scn', '--simulate', 'all', '--trace', 't.json', '--profile', 'p', '--format', 'json']);
 });
 
 test('inputs are JSON, or else texts; numbers are found in what ports have', () => {

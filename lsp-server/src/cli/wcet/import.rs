@@ -11,7 +11,7 @@ use clap::{Args, ValueEnum};
 use dotgen_analysis::diagnostic::{FileEdit, Severity};
 use dotgen_analysis::host::{Change, FileContent, UnitResult};
 use dotgen_analysis::model::{CodelRef, Seconds};
-use dotgen_analysis::source_map::Locations;
+use dotgen_analysis::source_map::{Location, Locations};
 use dotgen_recording::edits::{self, Form, Refusal, Wanted};
 use dotgen_recording::log::{Kind, Left};
 use dotgen_recording::matching::{Site, Stray, path};
@@ -91,6 +91,8 @@ enum Format {
 /// A codel in one of its states.
 struct Row {
     path: String,
+    /// Where its codel is declared.
+    place: Option<Location>,
     function: String,
     measure: Measure,
     declared: Option<Seconds>,
@@ -105,6 +107,7 @@ struct Answer {
     strays: Vec<(Kind, Stray, u64)>,
     left: Left,
     refused: Vec<(String, Refusal)>,
+    edits: Vec<FileEdit>,
     /// Texts before and after, by file.
     changed: BTreeMap<Utf8PathBuf, (String, String)>,
 }
@@ -209,7 +212,9 @@ fn answer(
         if let (true, Some(micros)) = (decision.writes(), proposed) {
             wanted.push((site.clone(), micros));
         }
+        let unit = problem.units.get(member.spec_index);
         rows.push(Row {
+            place: unit.and_then(|it| it.locations.locate(codel.node)),
             path,
             function: codel.name.to_string(),
             measure,
@@ -233,6 +238,7 @@ fn answer(
         strays: found.strays,
         left: measured.left,
         refused: Vec::new(),
+        edits: Vec::new(),
         changed: BTreeMap::new(),
     };
     if sidecar {
@@ -386,6 +392,7 @@ fn change(answer: &mut Answer, path: &Utf8Path, old: &str, edits: &[FileEdit]) {
         return;
     }
     let new = edits::applied(old, edits);
+    answer.edits.extend(edits.iter().cloned());
     let entry = answer.changed.entry(path.to_owned());
     entry.or_insert_with(|| (old.to_owned(), new));
 }

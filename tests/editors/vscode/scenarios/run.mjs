@@ -1,13 +1,31 @@
-// A scenario is simulated and run where it is written.
+// A scenario is simulated and run where it is written: from the run back into the specification, and to the proof.
 import assert from 'node:assert/strict';
+import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
 
 export const workspace = 'pump';
-export const settings = { 'workbench.colorTheme': 'Default Dark Modern' };
+export const settings = { 'workbench.colorTheme': 'Default Dark Modern', 'dotgen.run.margin': 1.1 };
+
+/** A codel that takes longer than it states. */
+const SLOW = `#include "acpump.h"
+#include <unistd.h>
+#include "pump_c_types.h"
+genom_event report_start(double level, const genom_context self) { usleep(9000); return pump_pause_start; }
+`;
 
 export function checks(wb) {
   const { page } = wb;
   const frame = page.frameLocator('iframe.webview.ready:visible').first().frameLocator('iframe#active-frame');
   const state = (word) => frame.locator('#state', { hasText: word });
+
+  /** Writes another time for the codel of `report`. */
+  const time = async (text) => {
+    await wb.endOf('pump.gen', 'yield pause::start wcet');
+    const [, old] = readFileSync(join(wb.folder, 'pump.gen'), 'utf8').match(/yield pause::start wcet (.*)/);
+    for (let i = 0; i < old.length; i++) await page.keyboard.press('Backspace');
+    await wb.type(`${text};`);
+    await wb.save();
+  };
 
   const more = [
     ['a scenario is simulated: tasks are beside their bounds', async () => {
@@ -27,13 +45,35 @@ export function checks(wb) {
       await wb.shot('91-simulation-trace.png');
       await wb.command('View: Hide Panel');
     }],
-    ['a time is broken, and the run violates what was proved', async () => {
+    ['what it took stands beside what is declared, and is imported as one edit', async () => {
       // Beside the panel, not over it.
       await wb.command('View: Focus First Editor Group');
       await wb.open('pump.gen');
-      await wb.endOf('pump.gen', 'yield pause::start wcet');
-      for (let i = 0; i < '4 ms;'.length; i++) await page.keyboard.press('Backspace');
-      await wb.type('9 ms;');
+      await page.locator('.view-line', { hasText: 'took 3 ms' }).first().waitFor();
+      const lens = page.locator('.contentWidgets .codelens-decoration a', { hasText: 'import 4 measured times' }).first();
+      await lens.waitFor();
+      await wb.shot('96-measured.png');
+      const imported = page.locator('.view-line', { hasText: '3300' }).first();
+      await wb.click(lens, imported);
+      await page.locator('.view-line', { hasText: '4400' }).first().waitFor();
+      // The log of this run has nothing more to import.
+      await lens.waitFor({ state: 'detached' });
+      await page.keyboard.press('Control+Z');
+      await imported.waitFor({ state: 'detached' });
+      await page.locator('.view-line', { hasText: '4400' }).first().waitFor({ state: 'detached' });
+      await page.keyboard.press('Control+Shift+Z');
+      await imported.waitFor();
+      await wb.save();
+      assert.match(readFileSync(join(wb.folder, 'pump.gen'), 'utf8'), /pause::start wcet 4400 us;/);
+    }],
+    ['with the times that were imported it is proved', async () => {
+      await wb.open('pump.scn');
+      await page.locator('.contentWidgets .codelens-decoration a', { hasText: '8.8 ms · proved' }).first().waitFor();
+      await wb.shot('97-proved.png');
+    }],
+    ['a time is broken, and the run violates what was proved', async () => {
+      await wb.open('pump.gen');
+      await time('9 ms');
       await frame.locator('#again').click();
       await state('violated').waitFor();
       await frame.locator('#violations li', { hasText: 'schedulable pump.control is violated' }).first().waitFor();
@@ -69,6 +109,20 @@ export function checks(wb) {
       await frame.locator('#stop').click();
       await frame.locator('#facts', { hasText: 'stopped' }).waitFor();
       await wb.shot('93-stopped.png');
+    }],
+    ['a codel that takes longer than it states: the run names the assumption that it breaks', async () => {
+      await wb.command('View: Focus First Editor Group');
+      await wb.open('pump.gen');
+      await time('4400 us');
+      mkdirSync(join(wb.folder, 'codels'));
+      writeFileSync(join(wb.folder, 'codels/report.c'), SLOW);
+      await wb.command('dotgen: Run');
+      // It is told while the run goes on.
+      await frame.locator('#state.violated').waitFor();
+      await frame.locator('#stop').click();
+      const broken = frame.locator('#violations li', { hasText: 'its wcet is 4.4 ms: what is proved assumes that' });
+      await broken.filter({ hasText: 'pump.report.start took' }).waitFor();
+      await wb.shot('98-overrun.png');
     }],
   ];
   return { more };

@@ -18,8 +18,8 @@ const report = {
 };
 const service = { name: 'pump.fill', kind: 'activity', doc: 'Pumps.', inputs: [{ name: 'height', default: 1, schema: { type: ['number', 'null'], default: 1, description: 'Level to reach', unit: 'm' } }, { name: 'how', schema: { type: 'string' } }], answer: '', active: false };
 const port = { name: 'pump/level', doc: 'of the tank', value: '{"z":3}', series: [{ name: 'z', values: [1, 2, 3] }] };
-const view = (more) => ({ type: 'run', view: { name: 'pump.scn', clock: 'real', state: 'running', report: null, progress: null, hasTrace: false, services: [service], ports: [port], log: ['note: one', 'two'], ...more } });
-const ended = view({ state: 'ended', report, hasTrace: true, clock: 'virtual' });
+const view = (more) => ({ type: 'run', view: { name: 'pump.scn', clock: 'real', state: 'running', report: null, progress: null, times: 0, hasTrace: false, services: [service], ports: [port], log: ['note: one', 'two'], ...more } });
+const ended = view({ state: 'ended', report, hasTrace: true, times: 2, clock: 'virtual' });
 
 for (const theme of Object.keys(THEMES)) {
   test(`names and roles for screen readers: ${theme}`, async () => {
@@ -48,8 +48,9 @@ test('what runs is told: violations by name, times beside their bounds, transiti
   assert.equal(await it.page.locator('#tasks .violated').innerText(), '9');
   await it.page.locator('#machines summary').click();
   assert.equal(await it.page.locator('#machines .faint').innerText(), 'never');
-  for (const name of ['trace', 'again']) await it.page.locator(`#${name}`).click();
-  assert.deepEqual((await it.said()).slice(-2), [{ type: 'trace' }, { type: 'again' }]);
+  assert.equal(await it.page.locator('#import').innerText(), 'Import 2 Times');
+  for (const name of ['import', 'trace', 'again']) await it.page.locator(`#${name}`).click();
+  assert.deepEqual((await it.said()).slice(-3), [{ type: 'import' }, { type: 'trace' }, { type: 'again' }]);
   await it.page.close();
 });
 

@@ -1,13 +1,16 @@
 //! What an import has found, for people and for programs.
 
 use std::io::Write;
+use std::ops::Range;
 
+use camino::Utf8Path;
 use clap::builder::styling::{AnsiColor, Style};
 use dotgen_analysis::model::Seconds;
 use dotgen_analysis::terminal;
 use dotgen_recording::edits::Refusal;
 use dotgen_recording::matching::Stray;
 use dotgen_recording::propose::{Decision, written};
+use dotgen_syntax::line_index::{LineIndex, PositionEncoding};
 use num_rational::Ratio;
 use serde_json::{Value, json};
 
@@ -143,6 +146,20 @@ fn in_nanos(time: Seconds) -> i64 {
     i64::try_from(nanos.to_integer()).unwrap_or(i64::MAX)
 }
 
+/// A range of a file, as the Language Server Protocol has it.
+fn place(path: &Utf8Path, range: &Range<usize>) -> Value {
+    let text = super::text(path).unwrap_or_default();
+    let lines = LineIndex::new(&text);
+    let position = |offset: usize| {
+        let offset = u32::try_from(offset)
+            .unwrap_or(u32::MAX)
+            .min(lines.text_len().into());
+        let at = lines.line_col(offset.into(), PositionEncoding::Utf16);
+        json!({"line": at.line, "character": at.col})
+    };
+    json!({"file": path, "range": {"start": position(range.start), "end": position(range.end)}})
+}
+
 pub(super) fn print_json(answer: &Answer) -> anyhow::Result<()> {
     let codels = answer.rows.iter().filter(|it| it.measure.runs > 0);
     let codels = codels.map(|it| {
@@ -159,6 +176,7 @@ pub(super) fn print_json(answer: &Answer) -> anyhow::Result<()> {
             "declared": it.declared.map(in_nanos),
             "proposed": it.proposed.map(|it| it.saturating_mul(1_000)),
             "decision": it.decision,
+            "place": it.place.as_ref().map(|it| place(&it.path, &it.range)),
         })
     });
     let never = answer.rows.iter().filter(|it| it.measure.runs == 0);
@@ -176,6 +194,11 @@ pub(super) fn print_json(answer: &Answer) -> anyhow::Result<()> {
     });
     let refused = answer.refused.iter();
     let refused = refused.map(|(function, why)| json!({ "function": function, "why": why }));
+    let edits = answer.edits.iter().map(|it| {
+        let mut edit = place(&it.path, &it.range);
+        edit["text"] = it.new_text.as_str().into();
+        edit
+    });
     let document = json!({
         "format": 1,
         "codels": codels.collect::<Vec<Value>>(),
@@ -183,6 +206,7 @@ pub(super) fn print_json(answer: &Answer) -> anyhow::Result<()> {
         "unknown": strays.collect::<Vec<Value>>(),
         "left": answer.left,
         "refused": refused.collect::<Vec<Value>>(),
+        "edits": edits.collect::<Vec<_>>(),
         "changed": answer.changed.keys().map(|it| display(it)).collect::<Vec<_>>(),
     });
     let text = serde_json::to_string_pretty(&document)? + "\n";
