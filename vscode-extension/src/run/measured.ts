@@ -109,7 +109,7 @@ export class MeasuredTimes implements vscode.InlayHintsProvider, vscode.CodeLens
     const own = this.times?.edits.filter((it) => it.file === document.uri.fsPath) ?? [];
     if (own.length === 0 || this.server.running === undefined) return [];
     const symbols = await vscode.commands.executeCommand<vscode.DocumentSymbol[] | undefined>('vscode.executeDocumentSymbolProvider', document.uri);
-    const title = own.length === 1 ? 'import 1 measured time' : `import ${own.length} measured times`;
+    const title = own.length === 1 ? 'Import 1 measured time' : `Import ${own.length} measured times`;
     const tooltip = 'Writes what the last run took, with the margin of dotgen.run.margin, where it is more than what is declared';
     // Over what has them: an edit that stands in an included file has no component there.
     const around = (symbols ?? []).filter(({ range }) => own.some((it) => range.contains(rangeOf(it.range))));
@@ -160,7 +160,7 @@ async function placed(times: Times | undefined): Promise<Map<string, { offset: n
     const document = await vscode.workspace.openTextDocument(place.file);
     const greatest = Math.max(...all.map((it) => it.greatest));
     const tooltip = all.map((it) => `${it.codel}: at most ${time(it.greatest)}, ${time(it.mean)} on average, in ${it.runs} ${it.runs === 1 ? 'run' : 'runs'}`).join('\n');
-    const hint = { offset: document.offsetAt(rangeOf(place.range).end), label: `took ${time(greatest)}`, tooltip };
+    const hint = { offset: document.offsetAt(rangeOf(place.range).end), label: `‹took ${time(greatest)}›`, tooltip };
     const path = document.uri.fsPath;
     out.set(path, [...(out.get(path) ?? []), hint]);
   }
