@@ -149,8 +149,11 @@ impl Using {
             Using::StateTwice { .. } => {
                 here.remove_part().map(TextFix::plain).into_iter().collect()
             }
-            Using::UnknownMember { name } | Using::Unknown { name, .. } => {
-                here.declare_ids_member(name).into_iter().collect()
+            Using::UnknownMember { name } => here.declare_ids_member(name).into_iter().collect(),
+            Using::UnknownPort { name } => here.declare_port(name).into_iter().collect(),
+            Using::Unknown { name, .. } => {
+                let ways = [here.declare_ids_member(name), here.declare_port(name)];
+                ways.into_iter().flatten().collect()
             }
             Using::Undefined { state, .. } => here.declare_state(state),
             Using::UndeclaredThrow { exception, .. } => here.declare_throw(exception),

@@ -130,6 +130,10 @@ impl Naming {
                 noun: Noun::Exception,
                 name,
             } => here.declare_exception(name).into_iter().collect(),
+            Naming::Unknown {
+                noun: Noun::Type,
+                name,
+            } => here.declare_type(name).into_iter().collect(),
             _ => Vec::new(),
         }
     }

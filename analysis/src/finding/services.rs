@@ -141,6 +141,7 @@ impl Declaring {
             Declaring::ListedTwice { .. } => here.remove_part().map(TextFix::plain),
             Declaring::ActivityWithoutTask { task, .. } => here.add_task(task),
             Declaring::UnknownTask { name } => here.declare_task(name),
+            Declaring::UnknownService { name, .. } => here.declare_service(name),
             Declaring::CodelWithoutState | Declaring::TaskCodelWithoutState { .. } => {
                 here.add_first_state()
             }

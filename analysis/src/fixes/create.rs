@@ -1,7 +1,7 @@
 //! Declarations of what is used and declared nowhere, each at the place that the order of the file suggests.
 
 use dotgen_syntax::{
-    SyntaxKind, SyntaxNode, TextRange,
+    SyntaxKind, SyntaxNode, SyntaxToken, TextRange, TextSize,
     ast::{self, AstNode},
 };
 
@@ -25,6 +25,82 @@ impl Place<'_> {
                 format!("task {name} {{ }};"),
                 format!("Declare the task `{name}`"),
             )
+        })
+    }
+
+    /// `Declare port …`, in the direction in which it is used. The type is a guess.
+    pub(crate) fn declare_port(&self, name: &str) -> Option<TextFix> {
+        let param: ast::PathParam = self.node(self.range)?;
+        // A word of the language is a slip.
+        if is_word(name) {
+            return None;
+        }
+        let direction = match param.in_token().is_some() {
+            true => "in",
+            false => "out",
+        };
+        self.declare(name, SyntaxKind::PORT, |name| {
+            (
+                format!("port {direction} long {name};"),
+                format!("Declare the {direction}put port `{name}`"),
+            )
+        })
+    }
+
+    /// `Declare activity …`, in the last task before it, or `Declare function …`, where there is no task.
+    pub(crate) fn declare_service(&self, name: &str) -> Option<TextFix> {
+        let item = self.item_of_component()?;
+        let mut before = std::iter::successors(item.prev_sibling(), SyntaxNode::prev_sibling);
+        let task = before.find_map(ast::Task::cast).and_then(|it| it.name());
+        self.declare(name, SyntaxKind::SERVICE, |name| match &task {
+            Some(task) => (
+                format!(
+                    "activity {name}() {{ task {}; codel<start> {name}_start() yield ether; }};",
+                    task.syntax().text().to_string().trim()
+                ),
+                format!("Declare the activity `{name}`"),
+            ),
+            None => (
+                format!("function {name}() {{ }};"),
+                format!("Declare the function `{name}`"),
+            ),
+        })
+    }
+
+    /// `Declare struct …`, with the members that are used of what has that type, in front of the component. Their types
+    /// are a guess.
+    pub(crate) fn declare_type(&self, name: &str) -> Option<TextFix> {
+        let token = self.token_at(self.range)?;
+        if !is_name(name) || is_word(name) {
+            return None;
+        }
+        // Half a path leads elsewhere.
+        let next = std::iter::successors(token.next_token(), SyntaxToken::next_token);
+        let next = next.into_iter().find(|it| !it.kind().is_trivia());
+        if next.is_some_and(|it| it.text().starts_with(':')) {
+            return None;
+        }
+        // Types that several components share stand outside of them; what is in a module stays there.
+        let item = token.parent_ancestors().find(|it| {
+            let around = it.parent().filter(|it| ast::Body::can_cast(it.kind()));
+            let owner = around.and_then(|it| it.parent());
+            let is_inside = owner.map(|it| ast::Module::can_cast(it.kind()));
+            let is_outermost = it.parent().is_some_and(|it| it.parent().is_none());
+            ast::Item::can_cast(it.kind()) && is_inside.unwrap_or(is_outermost)
+        })?;
+        let mut members = members_of(&item, name);
+        if members.is_empty() {
+            members.push("value".to_owned());
+        }
+        let indent = indent_of(&item);
+        let members = members.iter().map(|it| format!("{indent}  double {it};\n"));
+        let members: String = members.collect();
+        let text = format!("struct {name} {{\n{members}{indent}}};");
+        let at = before_comments(&item)?;
+        Some(TextFix {
+            plain: false,
+            title: format!("Declare the struct `{name}`"),
+            edits: vec![(TextRange::empty(at), format!("{text}\n\n{indent}"))],
         })
     }
 
@@ -91,6 +167,62 @@ impl Place<'_> {
                 && owner.is_some_and(|it| ast::Component::can_cast(it.kind()))
         })
     }
+}
+
+/// Members of a type that an item uses, in order: of all that is declared with it there.
+fn members_of(item: &SyntaxNode, ty: &str) -> Vec<String> {
+    let text = |it: &SyntaxNode| it.text().to_string().trim().to_owned();
+    let is_ty = |it: &Option<ast::TypeSpec>| it.as_ref().is_some_and(|it| text(it.syntax()) == ty);
+    let mut names: Vec<String> = Vec::new();
+    for node in item.descendants() {
+        if let Some(port) = ast::Port::cast(node.clone()).filter(|it| is_ty(&it.type_spec())) {
+            names.extend(port.name().map(|it| text(it.syntax())));
+        } else if let Some(member) = ast::Member::cast(node).filter(|it| is_ty(&it.type_spec())) {
+            let all = member.declarators().filter_map(|it| it.name());
+            names.extend(all.map(|it| text(it.syntax())));
+        }
+    }
+    let mut out: Vec<String> = Vec::new();
+    for path in item.descendants().filter_map(ast::ParamPath::cast) {
+        let mut steps = path.steps().filter_map(|it| match it {
+            ast::PathStep::MemberStep(it) => it.name_ref().map(|it| text(it.syntax())),
+            ast::PathStep::IndexStep(_) => None,
+        });
+        if steps.next().is_some_and(|it| names.contains(&it))
+            && let Some(member) = steps.next().filter(|it| !out.contains(it))
+        {
+            out.push(member);
+        }
+    }
+    out
+}
+
+/// Where an item begins with the comments that stand right in front of it.
+fn before_comments(item: &SyntaxNode) -> Option<TextSize> {
+    let tokens = item.descendants_with_tokens();
+    let mut tokens = tokens.filter_map(|it| it.into_token());
+    let first = tokens.find(|it| !it.kind().is_trivia())?;
+    let mut at = first.text_range().start();
+    let mut ends = 0;
+    let mut before = first.prev_token();
+    while let Some(it) = before.filter(|it| it.kind().is_trivia()) {
+        match it.kind() {
+            SyntaxKind::WHITESPACE | SyntaxKind::NEWLINE => {
+                ends += it.text().matches('\n').count();
+                if ends > 1 {
+                    break;
+                }
+            }
+            _ => (at, ends) = (it.text_range().start(), 0),
+        }
+        before = it.prev_token();
+    }
+    Some(at)
+}
+
+/// Whether the language has it as a word.
+fn is_word(text: &str) -> bool {
+    SyntaxKind::spellings().iter().any(|it| it.1 == text)
 }
 
 fn is_name(text: &str) -> bool {

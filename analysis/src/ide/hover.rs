@@ -7,6 +7,7 @@ use dotgen_syntax::{SyntaxKind, SyntaxNode, TextRange, preproc::MacroSite};
 
 use super::{
     FileView, Hover, RangeInfo, SymbolKind,
+    document_links::missing_includes,
     goto::value_type,
     render::{self, normalized, one_line},
     resolve::{Target, container_name, meanings_at},
@@ -21,7 +22,9 @@ use crate::{
 };
 
 pub(crate) fn hover(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> {
-    let (range, targets) = meanings_at(view, at)?;
+    let Some((range, targets)) = meanings_at(view, at) else {
+        return missing_include(view, at);
+    };
     let mut parts: Vec<String> = Vec::new();
     let mut codels: Vec<(String, String)> = Vec::new();
     for target in &targets {
@@ -51,6 +54,28 @@ pub(crate) fn hover(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> 
         info: Hover {
             markdown: text,
             codels,
+        },
+    })
+}
+
+/// Where a file was looked for that is included and not found.
+fn missing_include(view: &FileView<'_>, at: usize) -> Option<RangeInfo<Hover>> {
+    let mut all = missing_includes(view).into_iter();
+    let it = all.find(|it| it.range.contains(&at))?;
+    // One that is not read was not looked for.
+    if it.searched.is_empty() {
+        return None;
+    }
+    let path = markdown::code(&it.path);
+    let mut text = format!("{path} is not found. Looked for in, in order:\n");
+    for directory in &it.searched {
+        text += &format!("\n- {}", markdown::code(directory.as_str()));
+    }
+    Some(RangeInfo {
+        range: it.range,
+        info: Hover {
+            markdown: text,
+            codels: Vec::new(),
         },
     })
 }

@@ -348,6 +348,13 @@ fn fixes_remove_what_they_mend() {
           ids { long speed; long sped; };
           task t { codel<start> f(in sped) yield ether; };
         };
+        --- Declare the input port `sped`
+        component c {
+          ids { long speed; };
+          port in long sped;
+
+          task t { codel<start> f(in sped) yield ether; };
+        };
         --- Change to `speed_t`
         module m { typedef long speed_t; };
         component c {
@@ -462,6 +469,40 @@ fn what_is_used_and_declared_nowhere_can_be_declared() {
             "component c {\n  ids {\n    long x;\n  };\n  function f() { codel g(ids in total); };\n};\n",
             "--- Add `long total` to the ids\ncomponent c {\n  ids {\n    long x;\n    long total;\n  };\n  \
              function f() { codel g(ids in total); };\n};\n",
+        ),
+        (
+            "param-unknown-port",
+            "component c {\n  port in long a;\n\n  function f() {\n    codel g(port in b);\n  };\n};\n",
+            "--- Declare the input port `b`\ncomponent c {\n  port in long a;\n  port in long b;\n\n  function f() {\n    \
+             codel g(port in b);\n  };\n};\n",
+        ),
+        // In the task that there is.
+        (
+            "service-unknown",
+            "component c {\n  task t { };\n\n  function stop() {\n    interrupts go;\n  };\n};\n",
+            "--- Declare the activity `go`\ncomponent c {\n  task t { };\n\n  activity go() { task t; \
+             codel<start> go_start() yield ether; };\n\n  function stop() {\n    interrupts go;\n  };\n};\n",
+        ),
+        (
+            "service-unknown",
+            "component c {\n  function a() { };\n  function stop() { before go; };\n};\n",
+            "--- Declare the function `go`\ncomponent c {\n  function a() { };\n  function go() { };\n  \
+             function stop() { before go; };\n};\n",
+        ),
+        // With the members as used, before what the comment is about.
+        (
+            "unknown-type",
+            "const long n = 1;\n\n// Moves.\ncomponent c {\n  ids { pose at; long x; };\n  port out pose state;\n  function f() {\n    \
+             codel g(in at.x, port out state.y, ids in at.x, in x);\n  };\n};\n",
+            "--- Declare the struct `pose`\nconst long n = 1;\n\nstruct pose {\n  double x;\n  double y;\n};\n\n// Moves.\n\
+             component c {\n  ids { pose at; long x; };\n  port out pose state;\n  function f() {\n    \
+             codel g(in at.x, port out state.y, ids in at.x, in x);\n  };\n};\n",
+        ),
+        // What is in a module stays there.
+        (
+            "unknown-type",
+            "module m {\n  struct s { part p; };\n};\n",
+            "--- Declare the struct `part`\nmodule m {\n  struct part {\n    double value;\n  };\n\n  struct s { part p; };\n};\n",
         ),
     ] {
         assert_eq!(fixed(source, code), expected);

@@ -327,6 +327,19 @@ fn macros_and_includes() {
             `/t.idl`
         "#]],
     );
+    check(
+        "//- /a/main.gen\n#include \"b/t$0.idl\"\n",
+        expect![[r#"
+            [b/t.idl]
+            `b/t.idl` is not found. Looked for in, in order:
+
+            - `/a`
+        "#]],
+    );
+    check(
+        "//- /main.gen\n#if 0\n#include \"t$0.idl\"\n#endif\n",
+        expect![""],
+    );
 }
 
 #[test]
