@@ -67,8 +67,8 @@ impl Place<'_> {
         })
     }
 
-    /// `Declare struct …`, with the members that are used of what has that type, in front of the component. Their types
-    /// are a guess.
+    /// `Declare struct …`, with the members that are used of what has that type, in front of the component.
+    /// Their types are a guess.
     pub(crate) fn declare_type(&self, name: &str) -> Option<TextFix> {
         let token = self.token_at(self.range)?;
         if !is_name(name) || is_word(name) {

@@ -13,8 +13,9 @@ pub fn of_type(spec: &Spec, ty: TypeId) -> Value {
     schema(spec, ty, &mut Vec::new())
 }
 
-/// The schema of a parameter of a service: that of its type, with `description`, `unit` and `default`, of its members as
-/// well, as far as the specification has them. The unit is what ends a doc text in brackets: `Level to reach (m)`.
+/// The schema of a parameter of a service: that of its type, with `description`, `unit` and `default`, of its
+/// members as well, as far as the specification has them. The unit is what ends a doc text in brackets:
+/// `Level to reach (m)`.
 pub fn of_param(spec: &Spec, param: &Param) -> Value {
     let mut out = of_type(spec, param.ty);
     if let Some(init) = &param.init {
