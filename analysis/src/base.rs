@@ -194,8 +194,8 @@ impl RootDatabase {
         db
     }
 
-    /// Forgets the results that take much memory and are seldom asked for again, but for those asked for last.
-    /// Cancels the snapshots that are working and waits until they are dropped.
+    /// Forgets the results that take much memory and are seldom asked for again, but for those asked for
+    /// last. Cancels the snapshots that are working and waits until they are dropped.
     pub(crate) fn shrink(&mut self) {
         self.trigger_lru_eviction();
     }
@@ -226,8 +226,8 @@ impl RootDatabase {
         db
     }
 
-    /// Changes how large a file may be. The texts of files that were given and are small enough now have to be given
-    /// again.
+    /// Changes how large a file may be. The texts of files that were given and are small enough now have to
+    /// be given again.
     pub(crate) fn set_max_bytes(&mut self, limit: u64) {
         if self.tables.max_bytes.swap(limit, Ordering::Relaxed) == limit {
             return;
@@ -296,8 +296,8 @@ impl RootDatabase {
             file
         });
         let changed = *file.text(self) != text;
-        // What becomes less durable makes all run again that depends on it: opening a document does not, the first
-        // edit does.
+        // What becomes less durable makes all run again that depends on it: opening a document does not, the
+        // first edit does.
         let (durability, moved) = match given {
             true if changed => {
                 lock(&self.tables.edited).insert(file);

@@ -35,8 +35,8 @@ pub struct Code {
 /// What the codes begin with that come from a comparison with sources in C and C++.
 pub const CODEL: &str = "codel/";
 
-/// Whether a finding is about this machine and not about the text: a package that is not installed, a file that is
-/// not found. GenoM3 refuses such a specification; where it is installed, nothing is wrong with it.
+/// Whether a finding is about this machine and not about the text: a package that is not installed, a file
+/// that is not found. GenoM3 refuses such a specification; where it is installed, nothing is wrong with it.
 pub fn is_environment(code: &str) -> bool {
     matches!(code, "pp-requires-unresolved" | "pp-include-not-found")
 }

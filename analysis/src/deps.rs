@@ -112,7 +112,8 @@ impl Dependencies {
             && self.unknown.is_empty()
     }
 
-    /// Packages that are missing and that the specification itself requires: what is not found may be in them.
+    /// Packages that are missing and that the specification itself requires: what is not found may be in
+    /// them.
     pub fn missing_packages(&self) -> impl Iterator<Item = &Package> {
         let wanted = |it: &&Package| it.required_by == RequiredBy::Specification;
         self.packages

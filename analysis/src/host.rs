@@ -111,7 +111,8 @@ pub struct Config {
 /// Files of more bytes are no specifications that somebody wrote.
 pub const MAX_FILE_BYTES: u64 = 4 << 20;
 
-/// How the specifications below a directory are read, instead of what [`Config`] says for all. The innermost counts.
+/// How the specifications below a directory are read, instead of what [`Config`] says for all. The innermost
+/// counts.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Project {
     /// Absolute.
@@ -331,7 +332,8 @@ impl AnalysisHost {
         }
     }
 
-    /// From now on [`AnalysisHost::shrink`] forgets nearly everything: for a host whose files are asked about once.
+    /// From now on [`AnalysisHost::shrink`] forgets nearly everything: for a host whose files are asked about
+    /// once.
     pub fn keep_little(&mut self) {
         const FEW: usize = 64;
         unit::keep(&mut self.db, FEW);
@@ -339,8 +341,8 @@ impl AnalysisHost {
         report::keep(&mut self.db, FEW);
     }
 
-    /// Forgets results that take much memory and are seldom asked for again, but for those asked for last. Cancels
-    /// the snapshots that are working and waits until they are dropped.
+    /// Forgets results that take much memory and are seldom asked for again, but for those asked for last.
+    /// Cancels the snapshots that are working and waits until they are dropped.
     pub fn shrink(&mut self) {
         self.db.shrink();
     }

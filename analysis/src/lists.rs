@@ -5,9 +5,9 @@ use std::ops::Range;
 /// A line of a list that is longer than this is broken where other lines of the list are.
 const LONG: usize = 80;
 
-/// The insertions that put an item behind the last of a list: with the separator, the line break and the indentation
-/// that stand between the others, and with a comment left at the item that it is about. `items` are the ranges of the
-/// items in text order; nothing for an empty list.
+/// The insertions that put an item behind the last of a list: with the separator, the line break and the
+/// indentation that stand between the others, and with a comment left at the item that it is about. `items`
+/// are the ranges of the items in text order; nothing for an empty list.
 pub fn appended(text: &str, items: &[Range<usize>], item: &str) -> Vec<(Range<usize>, String)> {
     let Some(last) = items.last() else {
         return Vec::new();

@@ -24,8 +24,9 @@ pub fn cores() -> usize {
 
 /// Applies `own` or `other` to every item; the results are in the order of the items.
 ///
-/// This thread applies `own`. Every other one makes a handle with `fork` and applies `other`, which has to be the
-/// same but for the handle. A panic or a cancellation in one of them ends all of them and goes on in this thread.
+/// This thread applies `own`. Every other one makes a handle with `fork` and applies `other`, which has to be
+/// the same but for the handle. A panic or a cancellation in one of them ends all of them and goes on in this
+/// thread.
 pub fn map<H: Send, T: Sync, R: Send>(
     items: &[T],
     fork: impl Fn() -> H,

@@ -2,7 +2,8 @@
 
 use crate::model::Seconds;
 
-/// A time in the unit that gives a short text: `6.38 ms`, `500 µs`, `2 s`, at most three digits after the point.
+/// A time in the unit that gives a short text: `6.38 ms`, `500 µs`, `2 s`, at most three digits after the
+/// point.
 pub fn time(seconds: Seconds) -> String {
     let exact = |per_second: i128| seconds * Seconds::from_integer(per_second);
     // A fraction of milliseconds is easier to compare than thousands of microseconds.
@@ -34,7 +35,8 @@ fn decimal(number: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// A share of a processor core or of a limit, as a percentage: `45 %`, `0.4 %`; never `0 %` for what is not nothing.
+/// A share of a processor core or of a limit, as a percentage: `45 %`, `0.4 %`; never `0 %` for what is not
+/// nothing.
 pub fn load(share: Seconds) -> String {
     percent(*share.numer() as f64 / *share.denom() as f64 * 100.0)
 }

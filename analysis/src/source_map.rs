@@ -134,8 +134,8 @@ impl UnitLocations {
         }
     }
 
-    /// The same places in the present texts of the files, as far as they are still there. `text` gives the text that
-    /// a file had and the one that it has.
+    /// The same places in the present texts of the files, as far as they are still there. `text` gives the
+    /// text that a file had and the one that it has.
     pub fn moved(&self, text: impl Fn(&Utf8Path) -> Option<(Arc<str>, Arc<str>)>) -> UnitLocations {
         let mut out = self.clone();
         for places in out.visits.iter_mut().flatten() {

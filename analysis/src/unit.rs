@@ -1,8 +1,8 @@
 //! Translation units: which files a root includes, each with the macros defined at its entry.
 //!
-//! The [`walk`] follows the includes. Every visit then gets a [`FileKey`]: the file, what it is parsed as, its entry environment and what its includes
-//! did to it, both cut down to the macros the file mentions. Units in which a file looks the same
-//! share its key, and with it tree and item tree.
+//! The [`walk`] follows the includes. Every visit then gets a [`FileKey`]: the file, what it is parsed as,
+//! its entry environment and what its includes did to it, both cut down to the macros the file mentions.
+//! Units in which a file looks the same share its key, and with it tree and item tree.
 
 pub(crate) mod walk;
 
@@ -293,8 +293,8 @@ pub(crate) fn parsed<'db>(db: &'db dyn Db, key: FileKey<'db>) -> &'db Parse {
     &front(db, key).parse
 }
 
-/// The item tree of a file together with the places of its nodes. What is asked for again stands in the queries
-/// below, so that neither it nor the syntax tree is kept for files that nobody works in.
+/// The item tree of a file together with the places of its nodes. What is asked for again stands in the
+/// queries below, so that neither it nor the syntax tree is kept for files that nobody works in.
 #[salsa::tracked(lru = 24)]
 pub(crate) fn lowered<'db>(db: &'db dyn Db, key: FileKey<'db>) -> Lowered {
     lower::lower(

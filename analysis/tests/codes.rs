@@ -146,7 +146,8 @@ fn consequences_are_quiet() {
         ("struct s; typedef long s; typedef sequence<s> t;", &["name-clash"]),
         // A property that is wrong is given all the same.
         (
-            "component c { clock-rate TRUE; task t { period -1; delay 1; codel<start> f() yields ether; }; };",
+            "component c { clock-rate TRUE; task t { period -1; delay 1; codel<start> f() yields ether; }; \
+                };",
             &["const-numeric", "clock-rate-value"],
         ),
         // An interface imported twice.

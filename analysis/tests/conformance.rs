@@ -366,8 +366,8 @@ fn compare(want: &Json, ours: &Json, at: &str) -> Result<(), String> {
     }
 }
 
-/// Every published specification is accepted, without a warning about the language, with the stand-ins for what it
-/// includes. Its packages are taken to be installed.
+/// Every published specification is accepted, without a warning about the language, with the stand-ins for
+/// what it includes. Its packages are taken to be installed.
 #[test]
 fn published_specifications_are_accepted() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/corpus");

@@ -89,7 +89,8 @@ fn whatever_has_a_name_is_a_type() {
             "union-switch-type",
         ),
         (
-            "component c { function f(in start x) { codel g(in x); }; task t { codel<start> g() yields ether; }; };",
+            "component c { function f(in start x) { codel g(in x); }; task t { codel<start> g() yields \
+                ether; }; };",
             "codel-conflict",
         ),
     ]);
@@ -134,7 +135,8 @@ fn empty_braces_give_no_value() {
 #[test]
 fn a_codel_for_ether_keeps_machines_from_ending() {
     taken(&[
-        "component c { task t; activity a() { task t; codel<start> f() yields ether; codel<ether> g() yields ether; }; };",
+        "component c { task t; activity a() { task t; codel<start> f() yields ether; codel<ether> g() \
+            yields ether; }; };",
     ]);
     refused(&[(
         "component c { task t; activity a() { task t; codel<start> f() yields ether; codel<stop> h() yields ether;
@@ -148,7 +150,8 @@ fn the_ids_of_a_component_take_their_name_when_it_begins() {
     taken(&[
         "component c { typedef long ids; };",
         "module c { module ids { }; }; component c { };",
-        "component c { task ids { period 1; }; task t; activity ids() { task ids; codel<start> f() yields ether; }; };",
+        "component c { task ids { period 1; }; task t; activity ids() { task ids; codel<start> f() yields \
+            ether; }; };",
     ]);
     refused(&[
         (
@@ -182,7 +185,8 @@ fn the_ids_are_a_type_once_there_are_some() {
 fn misplaced_codels_are_read() {
     for (text, code) in [
         (
-            "component c { task t; activity a() { task t; codel<start> f() yields ether; codel g(in nope); }; };",
+            "component c { task t; activity a() { task t; codel<start> f() yields ether; codel g(in nope); \
+                }; };",
             "service-simple-codel",
         ),
         (
@@ -246,18 +250,22 @@ fn an_interface_that_names_itself_imports_itself() {
 #[test]
 fn what_an_interface_imports_by_the_same_property_comes_twice() {
     taken(&[
-        "interface i { typedef long t; port in t p; }; interface j { extends i; }; component c { provides j; };",
+        "interface i { typedef long t; port in t p; }; interface j { extends i; }; component c { provides \
+            j; };",
         "interface i { typedef long t; port in t p; }; interface j { provides i; }; interface e { };
          component c { provides e; provides j; };",
-        "interface i { function f(); ids { long x; }; }; interface j { provides i; }; component c { provides j; };",
+        "interface i { function f(); ids { long x; }; }; interface j { provides i; }; component c { \
+            provides j; };",
     ]);
     refused(&[
         (
-            "interface i { typedef long t; port in t p; }; interface j { provides i; }; component c { provides j; };",
+            "interface i { typedef long t; port in t p; }; interface j { provides i; }; component c { \
+                provides j; };",
             "name-clash",
         ),
         (
-            "interface i { typedef long t; port in t p; }; interface j { extends i; }; interface k { extends j; };",
+            "interface i { typedef long t; port in t p; }; interface j { extends i; }; interface k { \
+                extends j; };",
             "name-clash",
         ),
         (

@@ -79,8 +79,8 @@ impl Texts {
             .map_err(|error| format!("template.toml: {}", error.message()))
     }
 
-    /// A text. That of a folder is in the folder, whatever links there are: a template may be anybody's, and what it
-    /// reads is shown.
+    /// A text. That of a folder is in the folder, whatever links there are: a template may be anybody's, and
+    /// what it reads is shown.
     fn read(&self, disk: &dyn Disk, name: &str) -> Result<String, String> {
         match self {
             Texts::Embedded(files) => files

@@ -166,8 +166,8 @@ impl Environment<'_> {
         Utf8PathBuf::from_path_buf(self.disk.current_dir()).unwrap_or_default()
     }
 
-    /// The release of GenoM3 to stand in for: what the command line says, the environment, the project; that of the
-    /// templates in use, the installed one; what the inputs require; or the newest that was verified.
+    /// The release of GenoM3 to stand in for: what the command line says, the environment, the project; that
+    /// of the templates in use, the installed one; what the inputs require; or the newest that was verified.
     fn release(&self, options: &Options) -> Result<ReleaseChoice, String> {
         if let Some(release) = options.release {
             let origin = ReleaseOrigin::CommandLine;

@@ -38,8 +38,8 @@ pub struct Compiler {
 }
 
 impl Compiler {
-    /// A compiler without input. `include_dirs` and `defines` as given by `-I` and `-D`; everything is read as the
-    /// release does.
+    /// A compiler without input. `include_dirs` and `defines` as given by `-I` and `-D`; everything is read
+    /// as the release does.
     pub fn new(
         disk: Arc<dyn Disk>,
         loader: Arc<dyn Loader>,

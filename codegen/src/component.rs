@@ -1,8 +1,8 @@
 //! A new component from a few answers: its specification and a scenario that verifies it, as text.
 //!
-//! Both come out of one template each and go through the formatter afterwards; the sources of the codels are stubs like
-//! all others ([`crate::codels::command::stub`]). Execution times are written as `#pragma wcet`, which every release
-//! of GenoM3 accepts.
+//! Both come out of one template each and go through the formatter afterwards; the sources of the codels are
+//! stubs like all others ([`crate::codels::command::stub`]). Execution times are written as `#pragma wcet`,
+//! which every release of GenoM3 accepts.
 
 use std::fmt;
 

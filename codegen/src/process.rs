@@ -185,8 +185,8 @@ impl Process {
         Ok((self.child.wait()?, printed))
     }
 
-    /// Waits for the end of the program, with nothing to read for it. What it has printed on its output, if there are
-    /// pipes; what it has printed on its error output is dropped.
+    /// Waits for the end of the program, with nothing to read for it. What it has printed on its output, if
+    /// there are pipes; what it has printed on its error output is dropped.
     ///
     /// # Errors
     /// As the system tells them.

@@ -108,8 +108,8 @@ pub struct Run<'a> {
     pub confined: Option<&'a Confined>,
 }
 
-/// What a confined run may do. It starts no program, has no network, reads its template and its inputs, and writes
-/// nothing itself: its results are kept.
+/// What a confined run may do. It starts no program, has no network, reads its template and its inputs, and
+/// writes nothing itself: its results are kept.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Confined {
     /// Folders in which its results may be.

@@ -1,6 +1,7 @@
 //! Templates of GenoM3 that are known by their contents: ours, which need no Tcl, against the Tcl ones.
 //!
-//! GenoM3's templates and the specifications are not part of this repository: without them the tests are skipped.
+//! GenoM3's templates and the specifications are not part of this repository: without them the tests are
+//! skipped.
 
 use std::collections::BTreeMap;
 use std::io;

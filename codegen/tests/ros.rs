@@ -1,6 +1,7 @@
 //! What the public template of ROS servers writes without an installation of GenoM3 compiles.
 //!
-//! The template is not part of this repository, and ROS 1 is not everywhere: without them the test is skipped.
+//! The template is not part of this repository, and ROS 1 is not everywhere: without them the test is
+//! skipped.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -177,16 +177,17 @@ impl Exclusions<'_> {
         graph
     }
 
-    /// The column of each of the holders, which stand in order of their tasks. Columns with even numbers are of
-    /// holders, those between of what they share; there are more of them the more holders there are, so that the
-    /// picture stays about as wide as high.
+    /// The column of each of the holders, which stand in order of their tasks. Columns with even numbers are
+    /// of holders, those between of what they share; there are more of them the more holders there are, so
+    /// that the picture stays about as wide as high.
     fn columns(&self, holders: &[Holder]) -> Vec<usize> {
         /// Holders that two columns have room for.
         const TWO_COLUMNS: usize = 30;
         let component = self.component;
         let sides = match holders.len() {
             0..=TWO_COLUMNS => 2,
-            // Where a column of holders is about four times as wide as one of them is high, with what is shared.
+            // Where a column of holders is about four times as wide as one of them is high, with what is
+            // shared.
             many => (many as f64 / 4.0).sqrt().ceil() as usize,
         };
         let room = match sides {

@@ -28,16 +28,16 @@ pub struct Options {
     /// Components that were opened (all of their ports, tasks and services are listed) or closed (they are
     /// counted). Of the others there is a summary, or in large systems the counts.
     pub opened: BTreeMap<String, bool>,
-    /// Chains of data that are of interest, each with the ports on its way as `component.port`, and what is known
-    /// of it.
+    /// Chains of data that are of interest, each with the ports on its way as `component.port`, and what is
+    /// known of it.
     pub chains: Vec<Chain>,
 }
 
 /// A chain of data through a system.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Chain {
-    /// Ports that it passes, from the first to the last, as component and port. Between them it takes the shortest
-    /// way there is.
+    /// Ports that it passes, from the first to the last, as component and port. Between them it takes the
+    /// shortest way there is.
     pub ports: Vec<(String, String)>,
     /// What is known of it, in a line.
     pub says: String,

@@ -288,8 +288,8 @@ fn axis(start: u64, end: u64) -> Vec<u64> {
         .collect()
 }
 
-/// The unit for the numbers of an axis, and how many of the timeline's units it has: a greater one where all instants
-/// are whole in it.
+/// The unit for the numbers of an axis, and how many of the timeline's units it has: a greater one where all
+/// instants are whole in it.
 fn shown_in<'u>(unit: &'u str, instants: &[u64]) -> (&'u str, u64) {
     let (mut unit, mut per) = (unit, 1);
     for (small, large) in [("us", "ms"), ("ms", "s")] {

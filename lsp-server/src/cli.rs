@@ -110,8 +110,8 @@ struct Reading {
     #[arg(short = 'D', value_name = "NAME[=VALUE]", action = clap::ArgAction::Append, value_parser = definition)]
     defines: Vec<String>,
 
-    /// Read specifications as this release of GenoM3 does, for example 2.99.41; by default as dotgen.toml says, else as
-    /// the installed one, else as the greatest that they require
+    /// Read specifications as this release of GenoM3 does, for example 2.99.41; by default as dotgen.toml
+    /// says, else as the installed one, else as the greatest that they require
     #[arg(long, value_name = "RELEASE")]
     release: Option<Release>,
 }

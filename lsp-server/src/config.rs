@@ -141,8 +141,8 @@ impl Config {
         }
     }
 
-    /// Takes the configuration of a directory in. Files below it are read as it says; the rest holds for all, as far
-    /// as nobody said it before.
+    /// Takes the configuration of a directory in. Files below it are read as it says; the rest holds for all,
+    /// as far as nobody said it before.
     pub fn with_project(mut self, directory: &Utf8Path, mut own: Config) -> Config {
         self.projects.push(Project {
             directory: directory.to_owned(),
@@ -249,7 +249,8 @@ pub fn release_of_environment() -> Result<Option<ReleaseChoice>, String> {
     }
 }
 
-/// The release that the command line, the environment, the editor or a configuration file says, in this order.
+/// The release that the command line, the environment, the editor or a configuration file says, in this
+/// order.
 fn release(settings: &Settings, base: &Utf8Path) -> Option<ReleaseChoice> {
     let said = settings.release.map(|release| ReleaseChoice {
         release,

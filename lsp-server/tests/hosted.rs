@@ -335,7 +335,8 @@ fn the_examples_run_with_their_stubs_on_both_clocks() {
                 "{example}: {report:#}"
             );
             assert_eq!(report["simulated-codels"], 0, "{example}");
-            // What stubs yield is declared, and no component ends; whether they are in time is another matter.
+            // What stubs yield is declared, and no component ends; whether they are in time is another
+            // matter.
             for it in report["violations"].as_array().expect("a list") {
                 assert!(
                     it["kind"] != "lost" && it["kind"] != "undeclared",

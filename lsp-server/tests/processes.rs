@@ -332,7 +332,8 @@ fn memory_and_time_end() {
         return;
     }
     let directory = Directory::new(&[("write/x", "")]);
-    let write = "set f [open [file dirname [file dirname [info script]]]/write/big w]; fconfigure $f -buffering none;";
+    let write = "set f [open [file dirname [file dirname [info script]]]/write/big w]; fconfigure $f \
+        -buffering none;";
     for script in [
         "set x y; while 1 { append x $x }",
         &format!("{write} puts $f [string repeat x 200000]"),
@@ -453,7 +454,8 @@ fn a_confined_template_that_fills_its_folder_is_stopped() {
 
 #[test]
 fn texts_end_at_their_memory_and_stay_in_their_folders() {
-    let double = "{% set ns = namespace(x='xxxxxxxxxxxxxxxx') %}{% for i in range(40) %}{% set ns.x = ns.x ~ ns.x %}{% endfor %}{{ ns.x }}";
+    let double = "{% set ns = namespace(x='xxxxxxxxxxxxxxxx') %}{% for i in range(40) %}{% set ns.x = ns.x \
+        ~ ns.x %}{% endfor %}{{ ns.x }}";
     let rule = |path: &str, source: &str| {
         format!("about = \"x\"\n[[files]]\npath = \"{path}\"\nsource = \"{source}\"\n")
     };
@@ -568,7 +570,8 @@ fn a_server_outlives_a_text_that_eats_memory() {
         ),
         (
             "templates/eats/t",
-            "{% set ns = namespace(x='xx') %}{% for i in range(40) %}{% set ns.x = ns.x ~ ns.x %}{% endfor %}",
+            "{% set ns = namespace(x='xx') %}{% for i in range(40) %}{% set ns.x = ns.x ~ ns.x %}{% endfor \
+                %}",
         ),
         (
             "templates/out/template.toml",

@@ -1,5 +1,5 @@
-//! What Python's tools say: mypy of the client and of the stubs of components, the packages of MCAP and Perfetto of
-//! recordings and traces.
+//! What Python's tools say: mypy of the client and of the stubs of components, the packages of MCAP and
+//! Perfetto of recordings and traces.
 
 use std::path::Path;
 use std::process::Command;

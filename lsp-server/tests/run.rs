@@ -316,7 +316,8 @@ fn chains_that_are_not_followed_are_named() {
              codel<start> go(port in raw, port out clean) yield pause::start wcet 1 ms;
            };
          };";
-    let scenario = "scenario s { use \"c.gen\"; check reaction c.raw -> c.clean <= 1 ms; check schedulable *; }";
+    let scenario = "scenario s { use \"c.gen\"; check reaction c.raw -> c.clean <= 1 ms; check schedulable \
+        *; }";
     let directory = Directory::new(&[("c.gen", specification), ("s.scn", scenario)]);
     let output = directory.run(&["run", "s.scn", "--until", "1s", "--format", "json"]);
     assert_eq!(status(&output), 0, "{}", stderr(&output));

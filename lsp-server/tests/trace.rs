@@ -1,5 +1,5 @@
-//! `--trace` of `dotgen verify` and `dotgen run`: runs for the trace viewer, and what the JSON of a verification says of
-//! causes and remedies.
+//! `--trace` of `dotgen verify` and `dotgen run`: runs for the trace viewer, and what the JSON of a
+//! verification says of causes and remedies.
 
 use serde_json::{Value, json};
 

@@ -1,5 +1,5 @@
-//! What commands write: bytes and line ends that are not theirs stay, all files or none, and one that cannot be used
-//! keeps no other from being done.
+//! What commands write: bytes and line ends that are not theirs stay, all files or none, and one that cannot
+//! be used keeps no other from being done.
 
 #[path = "support/directory.rs"]
 mod directory;

@@ -106,8 +106,8 @@ impl<'l> Line<'l> {
     }
 }
 
-/// The times, where they stand as the recorder writes them: seconds, a point, nine digits and a blank. Most lines are so,
-/// and this is fast. `None` says nothing about any other line.
+/// The times, where they stand as the recorder writes them: seconds, a point, nine digits and a blank. Most
+/// lines are so, and this is fast. `None` says nothing about any other line.
 fn recorded(text: &[u8]) -> Option<([i64; 3], &[u8])> {
     let mut rest = text;
     let mut times = [0; 3];

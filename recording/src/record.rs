@@ -1,8 +1,8 @@
 //! Recordings of whole runs, as files in the [MCAP](https://mcap.dev) format.
 //!
 //! Each output port is a channel of JSON messages with the JSON Schema of its type, so
-//! [Foxglove](https://foxglove.dev) opens the file. One more channel, [`STEPS`], has the steps of the run, from
-//! which it can be [followed](crate::replay). What the run was is in the metadata [`RUN`].
+//! [Foxglove](https://foxglove.dev) opens the file. One more channel, [`STEPS`], has the steps of the run,
+//! from which it can be [followed](crate::replay). What the run was is in the metadata [`RUN`].
 
 use std::collections::BTreeMap;
 use std::io::Write;

@@ -1,13 +1,13 @@
 //! A recorded run step by step beside the model that is verified.
 //!
-//! The rules are those of the explorer: a [`Stepper`] is led along the recorded steps, and each of them has to
-//! be among what is possible there; between two steps time has to be free to pass. So a run without a difference
-//! is a run of the model. Where a codel took another time than the model allows, or threw what it does not
-//! declare, that is told and the run is followed further; any other difference ends it, because from there on
-//! nobody knows the state that the run was in.
+//! The rules are those of the explorer: a [`Stepper`] is led along the recorded steps, and each of them has
+//! to be among what is possible there; between two steps time has to be free to pass. So a run without a
+//! difference is a run of the model. Where a codel took another time than the model allows, or threw what it
+//! does not declare, that is told and the run is followed further; any other difference ends it, because from
+//! there on nobody knows the state that the run was in.
 //!
-//! What is recorded are steps by names ([`Step`]): numbers of the model appear only where several activities of
-//! one service have to be told apart.
+//! What is recorded are steps by names ([`Step`]): numbers of the model appear only where several activities
+//! of one service have to be told apart.
 
 mod step;
 
@@ -68,7 +68,8 @@ pub struct Report {
     pub followed: u64,
     /// Units of the system from the start to the last moment that was followed.
     pub time: u64,
-    /// Requests that somebody outside sent, and activities that he interrupted: nothing of the model does that.
+    /// Requests that somebody outside sent, and activities that he interrupted: nothing of the model does
+    /// that.
     pub from_outside: u64,
     /// The first differences.
     pub differences: Vec<Difference>,
@@ -107,8 +108,8 @@ pub fn opened(system: &TimedSystem) -> TimedSystem {
 }
 
 impl<'s> Replay<'s> {
-    /// For a run of a system. `system` is the [opened](opened) form of the `verified` one; clients from `outside`
-    /// on stand for somebody outside.
+    /// For a run of a system. `system` is the [opened](opened) form of the `verified` one; clients from
+    /// `outside` on stand for somebody outside.
     pub fn new(system: &'s TimedSystem, verified: &TimedSystem, outside: Option<usize>) -> Self {
         let mut stepper = Stepper::new(system, &Watched::default());
         let mut seen = Vec::new();
@@ -200,8 +201,8 @@ impl<'s> Replay<'s> {
         actions.find(|&it| Step::new(self.system, &self.stepper, it) == *step)
     }
 
-    /// The action by which an executor ends that may not: it took less time than it must; or it has executed all it
-    /// wanted to when it lost its core, and needs none any more.
+    /// The action by which an executor ends that may not: it took less time than it must; or it has executed
+    /// all it wanted to when it lost its core, and needs none any more.
     fn find_end(&mut self, executor: usize, step: &Step) -> Option<Action> {
         let (least, _) = self.stepper.window(executor)?;
         if least == 0 && self.waited[executor] {

@@ -1,7 +1,7 @@
 //! The loop of a run on the real clock.
 //!
-//! The rules decide what may run, as on the virtual clock; but time is that of the hosts, and a codel ends when
-//! it ends. The model is never ahead of the clock, and goes through every moment that it has missed.
+//! The rules decide what may run, as on the virtual clock; but time is that of the hosts, and a codel ends
+//! when it ends. The model is never ahead of the clock, and goes through every moment that it has missed.
 
 use dotgen_timing::explore::{Action, Possible, Seen, Stepper, Work};
 
@@ -98,8 +98,8 @@ pub fn run(
         let due = next.map_or(u64::MAX, u64::from).min(left);
         let now = ticks(live.hosts().now());
         let late = now.saturating_sub(stepper.now()) >= due;
-        // What has come already comes first: time never leaves it behind. Else nothing happens until something is due,
-        // and the processor is for others.
+        // What has come already comes first: time never leaves it behind. Else nothing happens until
+        // something is due, and the processor is for others.
         let message = match live.hosts().wait(0) {
             None if !late => {
                 let deadline = stepper.now().saturating_add(due);
@@ -129,7 +129,8 @@ fn only_drawn(actions: &[Action]) -> bool {
         .all(|it| matches!(it, Action::Preempt { .. }))
 }
 
-/// Whether something that is possible has come: a codel that is executed has ended, somebody outside wants something.
+/// Whether something that is possible has come: a codel that is executed has ended, somebody outside wants
+/// something.
 fn may_happen(action: &Action, works: &[Option<Work>], live: &Live<'_>) -> bool {
     let Action::Finish { executor, outcome } = *action else {
         return true;

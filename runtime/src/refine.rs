@@ -7,8 +7,8 @@ use num_rational::Ratio;
 /// Nanoseconds of the unit in which a run on the real clock is counted, where times are not too long for it.
 const UNIT: i128 = 1_000;
 
-/// Any codel that is executed may throw: what it yields and must not ends its activity as an exception does. There is no limit
-/// on how often a state is entered in a turn.
+/// Any codel that is executed may throw: what it yields and must not ends its activity as an exception does.
+/// There is no limit on how often a state is entered in a turn.
 pub fn open(prepared: &mut Prepared, is_real: &dyn Fn(usize) -> bool) {
     let system = &mut prepared.built.system;
     for (at, codel) in system.codels.iter_mut().enumerate() {
@@ -20,8 +20,8 @@ pub fn open(prepared: &mut Prepared, is_real: &dyn Fn(usize) -> bool) {
     }
 }
 
-/// For the real clock: times in units of a microsecond or finer, as far as they stay small enough; how many of the new
-/// units an old one has.
+/// For the real clock: times in units of a microsecond or finer, as far as they stay small enough; how many
+/// of the new units an old one has.
 pub fn scale(prepared: &mut Prepared) -> Ticks {
     let system = &mut prepared.built.system;
     let nanos = (system.unit * Ratio::from_integer(1_000_000_000)).ceil();
@@ -78,8 +78,8 @@ pub fn release(prepared: &mut Prepared, is_real: &dyn Fn(usize) -> bool) {
     }
 }
 
-/// One client more for each component, which may send any of its requests at any time: it stands for whoever is
-/// outside. Returns the first of them.
+/// One client more for each component, which may send any of its requests at any time: it stands for whoever
+/// is outside. Returns the first of them.
 pub fn add_outside(prepared: &mut Prepared) -> usize {
     let system = &mut prepared.built.system;
     let first = system.clients.len();

@@ -51,8 +51,8 @@ pub struct Outcome<'p> {
     pub time: u64,
     /// Services of which a request was refused because no activity more could be taken.
     pub refused: Vec<usize>,
-    /// The first run, if it was to be recorded. Its beginning, if it has too many actions: then it is marked as
-    /// [left out](Run::left_out).
+    /// The first run, if it was to be recorded. Its beginning, if it has too many actions: then it is marked
+    /// as [left out](Run::left_out).
     pub recorded: Option<Run>,
 }
 
@@ -101,7 +101,8 @@ pub fn simulate<'p, W: Write>(
     )
 }
 
-/// Runs a system. The first run is told to whoever records it. `bounds` are those on the response times of its tasks, where they are known.
+/// Runs a system. The first run is told to whoever records it. `bounds` are those on the response times of
+/// its tasks, where they are known.
 pub fn simulate_recorded<'p, W: Write>(
     prepared: &'p Prepared,
     bounds: Vec<Option<Ticks>>,

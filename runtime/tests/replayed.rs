@@ -1,4 +1,5 @@
-//! Recorded runs followed step by step: every run is one of the model, and a rule that was another one is named.
+//! Recorded runs followed step by step: every run is one of the model, and a rule that was another one is
+//! named.
 
 use dotgen_analysis::host::UnitResult;
 use dotgen_recording::replay::{Replay, Report, Rule, Step, What, opened};

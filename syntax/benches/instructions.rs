@@ -1,4 +1,5 @@
-//! One thing done a number of times, for whoever counts instructions: `cargo xtask bench` runs this in valgrind.
+//! One thing done a number of times, for whoever counts instructions: `cargo xtask bench` runs this in
+//! valgrind.
 //!
 //! Arguments: `lex` or `parse`, and the number of rounds. Prints the tokens of one round.
 

@@ -83,8 +83,8 @@ pub fn encode(text: &str) -> Cow<'_, [u8]> {
     out.into()
 }
 
-/// The text as people and other programs may see it: without escapes, with U+FFFD for what is no UTF-8. Never to be
-/// written to a file.
+/// The text as people and other programs may see it: without escapes, with U+FFFD for what is no UTF-8. Never
+/// to be written to a file.
 pub fn shown(text: &str) -> Cow<'_, str> {
     match encode(text) {
         Cow::Borrowed(_) => text.into(),

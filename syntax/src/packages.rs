@@ -1,7 +1,8 @@
 //! Packages that specifications require: their names, and what brings them.
 //!
-//! Components, interfaces and GenoM3 itself come from [robotpkg](http://robotpkg.openrobots.org), whose binary packages
-//! for Debian and Ubuntu have its names behind `robotpkg-`. Other packages come from the system.
+//! Components, interfaces and GenoM3 itself come from [robotpkg](http://robotpkg.openrobots.org), whose
+//! binary packages for Debian and Ubuntu have its names behind `robotpkg-`. Other packages come from the
+//! system.
 
 /// Debian's names where they do not follow from those of pkg-config.
 const DEBIAN: [(&str, &str); 4] = [

@@ -1,5 +1,5 @@
-//! What must hold for any input whatever, as functions from bytes: fuzzing calls them with coverage (`fuzz/`), the tests
-//! with the kept corpus and with random changes of it (`tests/fuzz.rs`).
+//! What must hold for any input whatever, as functions from bytes: fuzzing calls them with coverage
+//! (`fuzz/`), the tests with the kept corpus and with random changes of it (`tests/fuzz.rs`).
 //!
 //! A function returns when all is well, and panics with what is wrong.
 

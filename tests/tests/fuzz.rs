@@ -1,7 +1,8 @@
-//! The kept corpus, and random changes of it: no input makes anything panic, hang, or write outside of a text.
+//! The kept corpus, and random changes of it: no input makes anything panic, hang, or write outside of a
+//! text.
 //!
-//! `FUZZ_INPUTS` says how many changed inputs of each kind there are, `FUZZ_SEED` where the random numbers begin. With
-//! coverage: `cargo xtask fuzz`.
+//! `FUZZ_INPUTS` says how many changed inputs of each kind there are, `FUZZ_SEED` where the random numbers
+//! begin. With coverage: `cargo xtask fuzz`.
 
 use dotgen_tests::fuzz::Target;
 use dotgen_tests::fuzz::mutate::{Random, mutated};

@@ -89,3 +89,41 @@ fn nothing_below_the_server_reaches_the_system() {
         "see docs/architecture.md: files come by a trait"
     );
 }
+
+/// Columns of a line of prose.
+const COLUMNS: usize = 110;
+
+/// Comments in Rust and paragraphs in Markdown are read beside other text. Tables, examples and pictures are as wide as
+/// they are; pages of diagnostics are made from texts.
+#[test]
+fn lines_of_prose_have_at_most_110_columns() {
+    let mut wide = Vec::new();
+    let of_project = |it: &walkdir::DirEntry| {
+        let name = it.file_name().to_string_lossy();
+        // The extension's copy of the manual is made when it is packaged.
+        !matches!(&*name, "target" | "node_modules" | "diagnostics")
+            && !it.path().ends_with("vscode-extension/docs")
+            && (it.depth() == 0 || !name.starts_with('.'))
+    };
+    let all = walkdir::WalkDir::new(workspace_root()).sort_by_file_name();
+    for entry in all.into_iter().filter_entry(of_project).flatten() {
+        let path = entry.path();
+        let is_prose = match path.extension().and_then(|it| it.to_str()) {
+            Some("rs") => |line: &str| line.starts_with("//") && !line.starts_with("//! |"),
+            Some("md") => |line: &str| !line.starts_with(['|', '!']),
+            _ => continue,
+        };
+        let Ok(text) = std::fs::read_to_string(path) else {
+            continue;
+        };
+        let mut example = false;
+        for (number, line) in text.lines().enumerate() {
+            let content = line.trim_start();
+            example ^= content.starts_with("```");
+            if !example && is_prose(content) && line.chars().count() > COLUMNS {
+                wide.push(format!("{}:{}", path.display(), number + 1));
+            }
+        }
+    }
+    assert!(wide.is_empty(), "wider than {COLUMNS} columns: {wide:#?}");
+}

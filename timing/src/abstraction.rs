@@ -59,8 +59,8 @@ impl Default for Budget {
     }
 }
 
-/// Bounds on the response times of all tasks with a period, all of which meet their deadlines; or why there are
-/// none.
+/// Bounds on the response times of all tasks with a period, all of which meet their deadlines; or why there
+/// are none.
 ///
 /// # Errors
 ///

@@ -2,26 +2,27 @@
 //!
 //! Never below the exact value, and there at once. It counts what others can do at most in a window of time:
 //!
-//! * while a codel waits for its locks, some codel that excludes it is executing; this is looked at codel by codel, and for all
-//!   codels of a job together, and the lower bound counts;
-//! * while a task waits for a core, all cores are held by other jobs, each for at most its own bound
-//!   counted from the grant; under FIFO only by jobs released before, at most one of each task, and under EDF only by jobs that
-//!   were there before or have an earlier deadline. Who holds a core for ever is counted as one core less.
+//! * while a codel waits for its locks, some codel that excludes it is executing; this is looked at codel by
+//!   codel, and for all codels of a job together, and the lower bound counts;
+//! * while a task waits for a core, all cores are held by other jobs, each for at most its own bound counted
+//!   from the grant; under FIFO only by jobs released before, at most one of each task, and under EDF only by
+//!   jobs that were there before or have an earlier deadline. Who holds a core for ever is counted as one
+//!   core less.
 //!
 //! What a periodic task can do in a window of length *w*:
 //!
-//! * if it ends its jobs at most *R* after their release, and *R* is less than its period *P*: what it can still do of one
-//!   job when the window begins, at most *R* after its release, and of those released since, *P* apart (the workload with
-//!   carry-in of M. Bertogna, M. Cirinei, *Response-time analysis for globally scheduled symmetric multiprocessor
-//!   platforms*, RTSS 2007);
+//! * if it ends its jobs at most *R* after their release, and *R* is less than its period *P*: what it can
+//!   still do of one job when the window begins, at most *R* after its release, and of those released since,
+//!   *P* apart (the workload with carry-in of M. Bertogna, M. Cirinei, *Response-time analysis for globally
+//!   scheduled symmetric multiprocessor platforms*, RTSS 2007);
 //! * otherwise ⌊w/P⌋ + 1 jobs that are released, one carried in, and one on a pending tick;
 //! * its start-up, if that is not over for sure.
 //!
-//! The bounds *R* are the least that follow from each other. No job can be the first to exceed its own: until it does, all others have kept
-//! theirs, and what they did before is all it waits for.
+//! The bounds *R* are the least that follow from each other. No job can be the first to exceed its own: until
+//! it does, all others have kept theirs, and what they did before is all it waits for.
 //!
-//! An aperiodic task that works for ever is counted by its stretches of work. Breaks of a known length in between only go unnoticed while
-//! somebody else is at work.
+//! An aperiodic task that works for ever is counted by its stretches of work. Breaks of a known length in
+//! between only go unnoticed while somebody else is at work.
 
 mod cores;
 mod demand;
@@ -41,9 +42,9 @@ use self::ways::{Ways, resumed};
 use crate::scn::semantics::Semantics;
 use crate::system::{CodelSet, FOREVER, Ticks, TimedSystem};
 
-/// A bound on the response time of every task; `None` where this method finds none. Under the semantics of the
-/// servers it has a method of its own (see `queue`), as other things delay a job there; with single points of the
-/// semantics changed it finds none.
+/// A bound on the response time of every task; `None` where this method finds none. Under the semantics of
+/// the servers it has a method of its own (see `queue`), as other things delay a job there; with single
+/// points of the semantics changed it finds none.
 pub fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
     if !system.platform.semantics.is_published() {
         // Who asks for `abort`, `kill` or `connect` executes `stop` codels, and stops the queue, at any time.
@@ -73,8 +74,8 @@ pub fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
     analysis.bounds
 }
 
-/// Whether a bound on the response time of a task proves that it meets its deadlines. Where a tick is kept it may
-/// be taken any time before the next one, so that nothing follows.
+/// Whether a bound on the response time of a task proves that it meets its deadlines. Where a tick is kept it
+/// may be taken any time before the next one, so that nothing follows.
 pub fn meets_deadlines(system: &TimedSystem, task: usize, bound: Option<Ticks>) -> bool {
     let it = &system.tasks[task];
     bound.is_some_and(|bound| !it.keep_idle_tick && Some(bound) < it.period)
@@ -144,8 +145,8 @@ impl<'s> Analysis<'s> {
         analysis
     }
 
-    /// When the start-up of a task is over at the latest: it comes after that of earlier tasks of the component, and waits for
-    /// others in their start-up and in their first jobs.
+    /// When the start-up of a task is over at the latest: it comes after that of earlier tasks of the
+    /// component, and waits for others in their start-up and in their first jobs.
     fn started(&self, task: usize, excluded: &[CodelSet]) -> Option<u64> {
         let system = self.system;
         let it = &system.tasks[task];
@@ -264,8 +265,8 @@ impl<'s> Analysis<'s> {
         Ways::turns(machine, [machine.start]).costliest(&cost)
     }
 
-    /// How long a job of a task that has so much work can be kept busy by it and by rivals. `alone`: no job of another
-    /// periodic task can be under way.
+    /// How long a job of a task that has so much work can be kept busy by it and by rivals. `alone`: no job
+    /// of another periodic task can be under way.
     fn longest_busy(&self, task: usize, rivals: &Rivals, work: u64, alone: bool) -> Option<u64> {
         let mut demand = Demand {
             jobs: Vec::new(),
@@ -290,7 +291,8 @@ impl<'s> Analysis<'s> {
         demand.longest_busy(1)
     }
 
-    /// So much work in each job of a task, if it is periodic. Each takes at most as long as the bound says, or `over`.
+    /// So much work in each job of a task, if it is periodic. Each takes at most as long as the bound says,
+    /// or `over`.
     fn jobs(&self, task: usize, work: u64, over: u64) -> Option<Jobs> {
         let period = self.system.tasks[task].period?;
         let bound = self.bounds[task].map(|it| over.max(work).max(u64::from(it)));

@@ -40,8 +40,8 @@ struct Deadline {
     at: Option<Instant>,
 }
 
-/// When the search is over, the runs that show what was found are looked for so long at most; and not longer than a
-/// quarter of the time there was.
+/// When the search is over, the runs that show what was found are looked for so long at most; and not longer
+/// than a quarter of the time there was.
 const GRACE: Duration = Duration::from_secs(2);
 
 /// How far a verification is.
@@ -67,7 +67,8 @@ impl Cancel {
         self.abandoned.store(true, Ordering::Release);
     }
 
-    /// One that also ends when an interrupt is raised: what was found until then counts, with the runs that show it.
+    /// One that also ends when an interrupt is raised: what was found until then counts, with the runs that
+    /// show it.
     pub fn interrupted_by(interrupt: &Interrupt) -> Self {
         Cancel {
             interrupt: interrupt.clone(),
@@ -80,8 +81,8 @@ impl Cancel {
         self.interrupt.is_raised()
     }
 
-    /// Time is up so long from now on: what was found until then counts, with the runs that show it. Only the first
-    /// limit counts.
+    /// Time is up so long from now on: what was found until then counts, with the runs that show it. Only the
+    /// first limit counts.
     pub fn limit(&self, time: Duration) {
         self.deadline.get_or_init(|| Deadline {
             after: time,

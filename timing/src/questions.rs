@@ -5,9 +5,10 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use crate::cancel::Cancel;
 
-/// Asks all of them, `together` at the same time. What is begun is said with the number of answers there are; answers are told in
-/// the order of the questions, each as soon as those before it are there, so that what is told does not depend on the number of
-/// threads. Once it is cancelled nothing more is begun; what was answered until then is told.
+/// Asks all of them, `together` at the same time. What is begun is said with the number of answers there are;
+/// answers are told in the order of the questions, each as soon as those before it are there, so that what is
+/// told does not depend on the number of threads. Once it is cancelled nothing more is begun; what was
+/// answered until then is told.
 pub(crate) fn all<Q: Sync, A: Send + Sync>(
     questions: &[Q],
     together: usize,

@@ -39,7 +39,8 @@ pub enum Remark {
         /// Its period.
         period: Seconds,
     },
-    /// A request that can only ever be refused: nobody requests what has to succeed before, or that is refused itself.
+    /// A request that can only ever be refused: nobody requests what has to succeed before, or that is
+    /// refused itself.
     OnlyRefused {
         /// `component.service`
         service: String,
@@ -140,8 +141,8 @@ impl Remark {
     }
 }
 
-/// Joins what can be said in one sentence: the codels of a specification that have no execution time, the state
-/// cycles of one machine. The rest stays as it is, and so does the order.
+/// Joins what can be said in one sentence: the codels of a specification that have no execution time, the
+/// state cycles of one machine. The rest stays as it is, and so does the order.
 pub fn together(all: &[Diagnostic]) -> Vec<Diagnostic> {
     let mut groups: Vec<Vec<&Diagnostic>> = Vec::new();
     for it in all {

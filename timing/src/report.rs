@@ -11,7 +11,8 @@ use crate::explore::Stop;
 use crate::property::PropertyKind;
 use crate::scn::{Diagnostic, Severity};
 
-/// Version of the JSON form: raised when a field changes its meaning or goes. `docs/verify.schema.json` is its schema.
+/// Version of the JSON form: raised when a field changes its meaning or goes. `docs/verify.schema.json` is
+/// its schema.
 pub const FORMAT: u32 = 1;
 
 /// What a verification found.
@@ -75,8 +76,8 @@ pub enum Soundness {
     Neither,
     /// The verdict is exact, the value an upper bound of the exact one.
     UpperBound,
-    /// A failure is real. What holds was shown for codels that end at whole units of time, and a value is the greatest of these:
-    /// under preemption others may end later.
+    /// A failure is real. What holds was shown for codels that end at whole units of time, and a value is the
+    /// greatest of these: under preemption others may end later.
     WholeUnits,
 }
 
@@ -184,7 +185,8 @@ pub struct CheckReport {
     /// There is a run, but there was no time to find its steps.
     #[serde(skip)]
     pub left_out: bool,
-    /// Durations of what it is about were rounded: its value is an upper bound, and a failure may be a false alarm.
+    /// Durations of what it is about were rounded: its value is an upper bound, and a failure may be a false
+    /// alarm.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub rounded: bool,
 }
@@ -462,8 +464,8 @@ impl CheckReport {
             .map_or(&[], |it| it)
     }
 
-    /// How much of its limit is left, in percent of it; below 0 if it is exceeded. Only of a value that is known, or
-    /// bounded.
+    /// How much of its limit is left, in percent of it; below 0 if it is exceeded. Only of a value that is
+    /// known, or bounded.
     pub fn slack(&self) -> Option<f64> {
         let known = matches!(self.verdict, Verdict::Proved | Verdict::Refuted);
         match (self.value, self.limit) {

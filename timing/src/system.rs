@@ -124,8 +124,8 @@ pub struct Task {
     pub keep_idle_tick: bool,
     /// The automaton of the permanent activity (one that has a `start` codel).
     pub permanent: Option<usize>,
-    /// Automata of its slots, in slot order. (Under the semantics of the servers: one per activity, whatever the number of
-    /// instances.)
+    /// Automata of its slots, in slot order. (Under the semantics of the servers: one per activity, whatever
+    /// the number of instances.)
     pub slots: Vec<usize>,
     /// How many activities it can have at the same time, the permanent one included (servers).
     pub places: u32,
@@ -208,8 +208,9 @@ pub struct Codel {
     pub lower: Ticks,
     /// Greatest such time, or [`FOREVER`].
     pub upper: Ticks,
-    /// Codels that must not be executing when this one begins. May hold the codel itself. Symmetric in the published
-    /// models; in the servers a codel does not wait for those of an activity that interrupts its own.
+    /// Codels that must not be executing when this one begins. May hold the codel itself. Symmetric in the
+    /// published models; in the servers a codel does not wait for those of an activity that interrupts its
+    /// own.
     pub conflicts: CodelSet,
     /// It may throw an exception instead of each of its yields.
     pub throws: bool,
@@ -395,7 +396,8 @@ pub enum ClientAction {
     AwaitAccepted,
     /// Waits until the tracked request has ended or was refused; at once if there was none.
     AwaitEnded(usize),
-    /// Waits until one of the steps that follow, all of them [`AwaitOutcome`](Self::AwaitOutcome), has nothing to wait for.
+    /// Waits until one of the steps that follow, all of them [`AwaitOutcome`](Self::AwaitOutcome), has
+    /// nothing to wait for.
     AwaitAny,
     /// Waits until the tracked request has succeeded, or (`false`) has not.
     AwaitOutcome(usize, bool),
@@ -436,8 +438,8 @@ impl TimedSystem {
         self.platform.cores.is_some() && preempts
     }
 
-    /// The priority of every task, then of every control task; the lower number goes first. Where no task states one,
-    /// the shorter period goes first, and what has none last.
+    /// The priority of every task, then of every control task; the lower number goes first. Where no task
+    /// states one, the shorter period goes first, and what has none last.
     pub fn priorities(&self) -> Vec<u64> {
         let stated = self.tasks.iter().any(|it| it.priority.is_some());
         let of_task = |it: &Task| match stated {
@@ -470,7 +472,8 @@ impl TimedSystem {
         out
     }
 
-    /// Codels that are executed at some time: those of permanent activities, and of services that are requested.
+    /// Codels that are executed at some time: those of permanent activities, and of services that are
+    /// requested.
     pub fn executed(&self) -> Vec<bool> {
         let mut out = vec![false; self.codels.len()];
         let requested = self.requested();
@@ -494,7 +497,8 @@ impl TimedSystem {
             .any(|it| it.builtin.is_some_and(&which))
     }
 
-    /// Whether activities are requested. They have a limited number of slots, so that requests can be refused.
+    /// Whether activities are requested. They have a limited number of slots, so that requests can be
+    /// refused.
     pub(crate) fn may_refuse(&self) -> bool {
         let mut services = self.services.iter().zip(self.requested());
         services.any(|(it, requested)| requested && it.activity)

@@ -72,8 +72,9 @@ pub fn verify(
 
 /// Verifies a scenario, and tells what is known as soon as there is more of it.
 ///
-/// What is told is the report as it stands: checks without an answer are [open](crate::report::Verdict::Open), every other answer is
-/// the one of the final report. Once nobody wants it any more, nothing is told.
+/// What is told is the report as it stands: checks without an answer are
+/// [open](crate::report::Verdict::Open), every other answer is the one of the final report. Once nobody wants
+/// it any more, nothing is told.
 pub fn verify_telling(
     input: &SystemInput,
     scenario: &Scenario,
@@ -266,7 +267,8 @@ impl Group<'_> {
         }
     }
 
-    /// The effort for some checks. Where each of them has a bound that answers it, looking for exact values is worth less.
+    /// The effort for some checks. Where each of them has a bound that answers it, looking for exact values
+    /// is worth less.
     fn limits_for(&self, checks: &[Single], part: &[usize], analysed: &Analysed) -> Limits {
         let settled = |&i: &usize| match checks[i].what {
             What::Response(_, limit) => analysed.settles(&checks[i], self.ticks(limit)),

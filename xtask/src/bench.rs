@@ -1,7 +1,8 @@
 //! Measurements that no benchmark inside a crate can make: whole processes, and instruction counts.
 //!
-//! Times are medians of alternating runs, so that what disturbs the machine disturbs all alike. Those of verification are
-//! processor time. Instructions are counted by valgrind, which gives the same number on any day.
+//! Times are medians of alternating runs, so that what disturbs the machine disturbs all alike. Those of
+//! verification are processor time. Instructions are counted by valgrind, which gives the same number on any
+//! day.
 
 mod client;
 mod endurance;
@@ -76,10 +77,11 @@ enum What {
     Endurance,
     /// Verification with and without each reduction.
     Reductions,
-    /// GenoM3's own templates, run without Tcl and by Tcl. DOTGEN_TEST_TEMPLATES and DOTGEN_TEST_TEMPLATES_2_99_41 name
-    /// the folders of templates of 2.99.39 and 2.99.41.
+    /// GenoM3's own templates, run without Tcl and by Tcl. DOTGEN_TEST_TEMPLATES and
+    /// DOTGEN_TEST_TEMPLATES_2_99_41 name the folders of templates of 2.99.39 and 2.99.41.
     Templates,
-    /// Answers under the semantics of the servers and under the published one, and the point that makes the difference.
+    /// Answers under the semantics of the servers and under the published one, and the point that makes the
+    /// difference.
     Semantics,
 }
 
@@ -200,7 +202,8 @@ fn milliseconds(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }
 
-/// Runs a benchmark program of the syntax crate once and eleven times; the tenth of the difference is one round.
+/// Runs a benchmark program of the syntax crate once and eleven times; the tenth of the difference is one
+/// round.
 fn instructions() -> Result<()> {
     tools::ensure(tools::VALGRIND)?;
     let program = instruction_program()?;

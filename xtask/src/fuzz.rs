@@ -1,8 +1,8 @@
 //! `cargo xtask fuzz`: libFuzzer looks for inputs that break something, led by coverage.
 //!
-//! The program is built with the counters that libFuzzer reads; the compiler needs no nightly for them. What is found to
-//! reach something new stays in `target/fuzz`, and with `--keep` the least of it that reaches as much goes to
-//! `fuzz/corpus`, which the tests run.
+//! The program is built with the counters that libFuzzer reads; the compiler needs no nightly for them. What
+//! is found to reach something new stays in `target/fuzz`, and with `--keep` the least of it that reaches as
+//! much goes to `fuzz/corpus`, which the tests run.
 
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,8 @@ use crate::target;
 /// Options of `cargo xtask fuzz`.
 #[derive(Args)]
 pub(crate) struct Options {
-    /// What is fuzzed: specification, format, codels, scenario, messages. All of them, one after the other, by default.
+    /// What is fuzzed: specification, format, codels, scenario, messages. All of them, one after the other,
+    /// by default.
     targets: Vec<String>,
     /// Seconds for each target.
     #[arg(long, default_value_t = 60)]

@@ -1,8 +1,9 @@
 //! `cargo xtask notices`: the licences of what the program and the extension contain, as one file.
 //!
-//! The crates are those that `cargo metadata` reaches from the program by normal dependencies, on any system; the npm
-//! packages are those that the lock file reaches from the language client, which is bundled. Each must be under a
-//! licence of [`ACCEPTED`]: texts of licences travel with what is distributed, and nothing may ask for more than that.
+//! The crates are those that `cargo metadata` reaches from the program by normal dependencies, on any system;
+//! the npm packages are those that the lock file reaches from the language client, which is bundled. Each
+//! must be under a licence of [`ACCEPTED`]: texts of licences travel with what is distributed, and nothing
+//! may ask for more than that.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -33,8 +34,8 @@ const PROGRAM: &str = "dotgen-lsp-server";
 /// The npm packages that are bundled with the extension; the others are tools.
 const BUNDLED: &[&str] = &["vscode-languageclient"];
 
-/// SPDX identifiers. They ask for their text and for the names of the authors, and for nothing else of a program that
-/// is passed on unchanged.
+/// SPDX identifiers. They ask for their text and for the names of the authors, and for nothing else of a
+/// program that is passed on unchanged.
 const ACCEPTED: &[&str] = &[
     "0BSD",
     "Apache-2.0",
@@ -243,8 +244,8 @@ fn render(parts: &[Part]) -> Result<String> {
     Ok(out)
 }
 
-/// The texts of the licences that lie in a package, without blanks at the ends of lines. Fonts have theirs in a folder
-/// of their own.
+/// The texts of the licences that lie in a package, without blanks at the ends of lines. Fonts have theirs in
+/// a folder of their own.
 fn licence_texts(directory: &Path) -> Result<BTreeSet<String>> {
     const WORDS: &[&str] = &["license", "licence", "copying", "copyright", "notice"];
     const FONTS: &[&str] = &["ofl.txt", "ufl.txt", "hack-regular.txt"];

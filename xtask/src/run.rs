@@ -67,8 +67,8 @@ pub(crate) fn capture(mut command: Command) -> Result<String> {
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// Runs a command to its end, shows its output as it comes, and hands every line of standard output to `line` as well.
-/// Returns whether it succeeded.
+/// Runs a command to its end, shows its output as it comes, and hands every line of standard output to `line`
+/// as well. Returns whether it succeeded.
 pub(crate) fn watch(mut command: Command, mut line: impl FnMut(&str)) -> Result<bool> {
     let shown = show(&command);
     eprintln!("    {shown}");

@@ -1,7 +1,7 @@
 //! `cargo xtask test`: every test there is, as a list of suites.
 //!
-//! A suite that cannot run for lack of a tool fails, with one line that says what to install: a test that silently did not
-//! run proves nothing.
+//! A suite that cannot run for lack of a tool fails, with one line that says what to install: a test that
+//! silently did not run proves nothing.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -104,8 +104,8 @@ pub(crate) fn test(options: &Options) -> Result<bool> {
         bail!("no such suite; there are: {}", names.join(", "));
     }
     if suites.iter().any(|suite| suite.editor) && options.suites.is_empty() {
-        // All at once, first: apt is slow to start, and what cannot be installed is known before the long builds.
-        // Each suite asks again for what it needs, and fails with a line of its own.
+        // All at once, first: apt is slow to start, and what cannot be installed is known before the long
+        // builds. Each suite asks again for what it needs, and fails with a line of its own.
         for tools in [
             tools::CHROMIUM,
             tools::NEOVIM,
@@ -346,7 +346,8 @@ fn editor(name: &str, program: &str, arguments: &[&str]) -> Result<Outcome> {
     // Not below the root of this repository: editors take that for the project.
     let workspace = std::env::temp_dir().join(format!("dotgen-{name}-{}", std::process::id()));
     copy(&crate::example(), &workspace)?;
-    // Both say what they have to say on either stream; a limit, since an editor that waits for a key never ends.
+    // Both say what they have to say on either stream; a limit, since an editor that waits for a key never
+    // ends.
     let mut command = run::command(&workspace, "timeout", &["--kill-after=5", "120", program]);
     command
         .args(arguments)

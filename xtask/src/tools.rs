@@ -1,5 +1,5 @@
-//! What has to be installed on the machine: asked for by the program that must be there, installed with apt where
-//! that is possible (root on Debian), and otherwise named in one line.
+//! What has to be installed on the machine: asked for by the program that must be there, installed with apt
+//! where that is possible (root on Debian), and otherwise named in one line.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,5 @@
-//! The VS Code that is served to a browser (code-server), set up from the npm registry, and what is needed to drive it.
+//! The VS Code that is served to a browser (code-server), set up from the npm registry, and what is needed to
+//! drive it.
 
 use std::path::{Path, PathBuf};
 

@@ -50,7 +50,8 @@ pub const CODES: &[LintCode] = &[
         "a check of a scenario that does not hold",
         "There is a run that contradicts it (for `reachable`: no run that shows it).",
         "scenario s {\n  use \"c.gen\";\n  check always not c.t.start;\n}\n",
-        "Look at the run in the timeline; change the specification, or the check if it asks for the wrong thing.",
+        "Look at the run in the timeline; change the specification, or the check if it asks for the wrong \
+            thing.",
     ),
     LintCode {
         severity: Severity::Information,
@@ -78,7 +79,8 @@ pub const CODES: &[LintCode] = &[
         "Every turn may go round it any number of times, so response times have no bound. It stands in the scenario, and is told by \
          `dotgen verify`; `fsm/busy-loop` says it in the specification.",
         "component c {\n  task t { period 5 ms;\n    codel<start> f() yield main;\n    codel<main> g() yield main, ether;\n  };\n};\n",
-        "Yield `pause::main` where each round may wait for the next period, or limit the rounds with `loop` in the scenario.",
+        "Yield `pause::main` where each round may wait for the next period, or limit the rounds with `loop` \
+            in the scenario.",
     ),
     code(
         "timing-lock-queue",

@@ -1,8 +1,8 @@
-//! Stand-ins for files that are not found: the least that makes the names resolve that a specification uses, as it
-//! uses them.
+//! Stand-ins for files that are not found: the least that makes the names resolve that a specification uses,
+//! as it uses them.
 //!
-//! A stand-in says of itself that it is none of the real files. It lies outside of the sources, where every unit of
-//! the folder looks last (`.dotgen/standins`); the real file comes first as soon as it is installed.
+//! A stand-in says of itself that it is none of the real files. It lies outside of the sources, where every
+//! unit of the folder looks last (`.dotgen/standins`); the real file comes first as soon as it is installed.
 
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -45,8 +45,8 @@ pub fn is_standin(path: &Utf8Path) -> bool {
     path.ancestors().any(|it| it.ends_with(STANDINS))
 }
 
-/// Stand-ins for all included files that are not found. Each name goes to the file that it seems to be of, the others
-/// to the first one.
+/// Stand-ins for all included files that are not found. Each name goes to the file that it seems to be of,
+/// the others to the first one.
 pub fn stand_ins(root: &Utf8Path, needs: &Dependencies, spec: &Spec) -> Vec<StandIn> {
     let missing: Vec<&Include> = needs
         .includes
@@ -214,7 +214,8 @@ fn params(spec: &Spec, service: &Service) -> Option<Vec<String>> {
     declared.map(one).collect()
 }
 
-/// How much a name looks like one of a file: the number of words of the path in it; `None` unless it has the last one.
+/// How much a name looks like one of a file: the number of words of the path in it; `None` unless it has the
+/// last one.
 fn likeness(name: &str, path: &str) -> Option<usize> {
     let path = Utf8Path::new(path);
     let stem = path.file_stem()?;

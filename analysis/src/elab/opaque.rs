@@ -43,8 +43,8 @@ impl<'a> Elaborator<'a> {
         id
     }
 
-    /// What stands for a parameter of a codel that does not resolve: the function has one there all the same. Its
-    /// type is named as those of ports and remote services are, which it may be.
+    /// What stands for a parameter of a codel that does not resolve: the function has one there all the same.
+    /// Its type is named as those of ports and remote services are, which it may be.
     pub(super) fn opaque_param(
         &mut self,
         index: u32,
@@ -111,7 +111,8 @@ impl<'a> Elaborator<'a> {
         })
     }
 
-    /// Whether a component or service has a member of the ids, parameter, port or remote service of that name.
+    /// Whether a component or service has a member of the ids, parameter, port or remote service of that
+    /// name.
     fn is_source(&self, index: u32, service: Option<u32>, name: &Text) -> bool {
         let state = &self.components[index as usize];
         self.ids_member(index, name).is_some()

@@ -100,8 +100,8 @@ impl<'a> Elaborator<'a> {
         Some(NewParam { param, name_src })
     }
 
-    /// The type of a parameter or local variable, unless it is something that holds no data: a port, remote or event
-    /// itself.
+    /// The type of a parameter or local variable, unless it is something that holds no data: a port, remote
+    /// or event itself.
     fn data_type(&mut self, ty: TypeId, name: &str, at: Src) -> TypeId {
         let special = matches!(
             self.spec.ty(ty).kind,

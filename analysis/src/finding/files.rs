@@ -14,7 +14,8 @@ findings! {
         "pp-input" Directory => "this is a directory, not a specification";
         "pp-input" Unreadable { why: Name } => "this file cannot be read: {why}";
         "pp-input" TooLarge { size: u64, limit: u64 }
-            => "this file is not read: it has {size} kB, more than the {limit} kB of the setting `max-file-size`",
+            => "this file is not read: it has {size} kB, more than the {limit} kB of the setting \
+                `max-file-size`",
                "raise the setting, or split the file";
         "not-utf8" NotUtf8 => "this file is not UTF-8 from here on", "save it as UTF-8";
         "pp-include-place" MisplacedInclude

@@ -43,7 +43,8 @@ findings! {
                "it belongs {home} (GenoM3 accepts it from release {since} on: to use that, require \
                 \"genom3 >= {since}\", or set `release`)";
         "newer-release" NewerThanRequired { what: &'static str, since: Release, bound: Release }
-            => "{what}: releases of GenoM3 before {since} refuse it, but the specification requires only {bound}",
+            => "{what}: releases of GenoM3 before {since} refuse it, but the specification requires only \
+                {bound}",
                "write `require \"genom3 >= {since}\"`";
         "newer-release" NewerThanAny { what: &'static str, since: Release }
             => "{what}: releases of GenoM3 before {since} refuse it, but the specification does not say that it \

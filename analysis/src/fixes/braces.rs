@@ -45,8 +45,8 @@ fn starts_name(root: &SyntaxNode, at: TextSize) -> bool {
     token.is_some_and(|it| it.kind() == SyntaxKind::IDENT)
 }
 
-/// `};` on a line of its own, under the beginning of the declaration, behind the comment of the line before; or
-/// on that line, when the body is on one.
+/// `};` on a line of its own, under the beginning of the declaration, behind the comment of the line before;
+/// or on that line, when the body is on one.
 fn end_of_body(
     root: &SyntaxNode,
     error: &SyntaxError,

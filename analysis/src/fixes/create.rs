@@ -119,7 +119,8 @@ impl Place<'_> {
         )
     }
 
-    /// A declaration behind the last of its kind before the use in the same body, else in front of what uses it.
+    /// A declaration behind the last of its kind before the use in the same body, else in front of what uses
+    /// it.
     fn declare(
         &self,
         name: &str,

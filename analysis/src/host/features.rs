@@ -287,7 +287,8 @@ impl Analysis {
             .flatten())
     }
 
-    /// The edit with which the task around a place has another period or delay; `None` where nothing plain can be changed.
+    /// The edit with which the task around a place has another period or delay; `None` where nothing plain
+    /// can be changed.
     pub fn with_task_time(
         &self,
         path: &Utf8Path,

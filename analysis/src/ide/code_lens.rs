@@ -1,7 +1,8 @@
-//! Lines above declarations: the state machine of tasks and activities, and who reads and writes a port or a member of
-//! the ids.
+//! Lines above declarations: the state machine of tasks and activities, and who reads and writes a port or a
+//! member of the ids.
 //!
-//! Where the lenses are is cheap; the places that they lead to are worked out one by one when they become visible.
+//! Where the lenses are is cheap; the places that they lead to are worked out one by one when they become
+//! visible.
 
 use std::ops::Range;
 

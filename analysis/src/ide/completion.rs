@@ -82,8 +82,8 @@ pub struct CompletionDoc {
     pub markdown: String,
 }
 
-/// A snippet without its placeholders, for clients that have none. A placeholder that stands in several places has the
-/// text of the first one in all of them.
+/// A snippet without its placeholders, for clients that have none. A placeholder that stands in several
+/// places has the text of the first one in all of them.
 pub fn plain_snippet(snippet: &str) -> String {
     let mut out = String::with_capacity(snippet.len());
     let mut chars = snippet.chars().peekable();
@@ -225,7 +225,8 @@ impl Completions {
         }
     }
 
-    /// What is behind the cursor and belongs to what is being written is replaced with it: the rest of a path, say.
+    /// What is behind the cursor and belongs to what is being written is replaced with it: the rest of a
+    /// path, say.
     fn replaces_too(&mut self, words: &[Word]) {
         for it in words {
             if it.range.start != self.replace.end {
@@ -319,7 +320,8 @@ impl Completions {
     }
 }
 
-/// The other spelling of a keyword, if it is the longer one: both begin alike, so typed letters of either find it.
+/// The other spelling of a keyword, if it is the longer one: both begin alike, so typed letters of either
+/// find it.
 fn longer_spelling(word: &str) -> Option<String> {
     use dotgen_syntax::SyntaxKind;
     let longer = format!("{word}s");

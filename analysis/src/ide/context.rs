@@ -184,8 +184,8 @@ impl Context {
         &self.tokens[self.top().start.min(self.tokens.len())..]
     }
 
-    /// The elements behind the cursor in its list. The first of them is the one that the cursor is in, but where it
-    /// stands in front of another element.
+    /// The elements behind the cursor in its list. The first of them is the one that the cursor is in, but
+    /// where it stands in front of another element.
     pub(crate) fn elements_behind(&self) -> impl Iterator<Item = &[Word]> {
         let next = self.after.next();
         let in_front = self.word.is_empty() && next.is_some_and(|it| it.kind == SyntaxKind::IDENT);

@@ -37,26 +37,33 @@ fn told(token: SyntaxToken) -> Option<(SyntaxToken, &'static str)> {
 fn meaning(word: SyntaxKind) -> Option<&'static str> {
     Some(match word {
         COMPONENT_KW => {
-            "a program of the robot with its data (`ids`), ports, tasks and services. Opened again, it is added to."
+            "a program of the robot with its data (`ids`), ports, tasks and services. Opened again, it is \
+                added to."
         }
         INTERFACE_KW => {
-            "ports, services, data and tasks that components share: they `provides` it, `extends` it, or `uses` it."
+            "ports, services, data and tasks that components share: they `provides` it, `extends` it, or \
+                `uses` it."
         }
         MODULE_KW => "a scope for types and constants, `name::type`.",
         IDS_KW => {
-            "the internal data structure of a component: what its codels share. Those that use the same members exclude each other, unless all only read."
+            "the internal data structure of a component: what its codels share. Those that use the same \
+                members exclude each other, unless all only read."
         }
         PORT_KW => {
-            "data that components exchange: an `out` port is written here and read elsewhere, an `in` port the other way round. Its type must have a name."
+            "data that components exchange: an `out` port is written here and read elsewhere, an `in` port \
+                the other way round. Its type must have a name."
         }
         MULTIPLE_KW => {
             "a port that stands for any number of ports of its type, told apart by a name at run time."
         }
         TASK_KW => {
-            "a thread of the component. In the braces of the component it is declared: with a `period` or without, and with codels of its own, if it always has something to do. In an activity it says which task runs it."
+            "a thread of the component. In the braces of the component it is declared: with a `period` or \
+                without, and with codels of its own, if it always has something to do. In an activity it \
+                says which task runs it."
         }
         PERIOD_KW => {
-            "how often a task runs; in seconds, or in `ms` or `us`. A task without one is aperiodic: it runs when there is something to do."
+            "how often a task runs; in seconds, or in `ms` or `us`. A task without one is aperiodic: it \
+                runs when there is something to do."
         }
         DELAY_KW => {
             "how long after the beginning of its period a task runs; shorter than the period."
@@ -67,47 +74,57 @@ fn meaning(word: SyntaxKind) -> Option<&'static str> {
         }
         STACK_KW => "size of the stack of a task, in bytes, or in `k` or `M`.",
         CLOCK_RATE_KW => {
-            "the tick of a component, of which every `period` and `delay` is a multiple. By default the greatest common divisor of them and of one second."
+            "the tick of a component, of which every `period` and `delay` is a multiple. By default the \
+                greatest common divisor of them and of one second."
         }
         ATTRIBUTE_KW => {
-            "a service that reads (`out`) or sets (`in`) members of the `ids`, without any code but `validate`."
+            "a service that reads (`out`) or sets (`in`) members of the `ids`, without any code but \
+                `validate`."
         }
         FUNCTION_KW => {
             "a short service that the control task executes itself; meanwhile no other request is answered."
         }
         ACTIVITY_KW => {
-            "a service that takes time: a state machine, executed by a task, from `start` until `ether`. It can be interrupted, and then goes on at `stop`."
+            "a service that takes time: a state machine, executed by a task, from `start` until `ether`. It \
+                can be interrupted, and then goes on at `stop`."
         }
         REMOTE_KW => "a service of another component that a codel may call.",
         CODEL_KW => {
-            "a function in C or C++: `codel<states> name(parameters) yield states`. It implements these states of a machine, and its return value chooses the next one. In a function it has no states."
+            "a function in C or C++: `codel<states> name(parameters) yield states`. It implements these \
+                states of a machine, and its return value chooses the next one. In a function it has no \
+                states."
         }
         ASYNC_KW => {
-            "the codel runs beside its task, as long as it likes. So it must not share data with codels and attributes that may run meanwhile."
+            "the codel runs beside its task, as long as it likes. So it must not share data with codels and \
+                attributes that may run meanwhile."
         }
         VALIDATE_KW => {
             "a codel that accepts or refuses the parameters of a request before anything is done."
         }
         YIELDS_KW => {
-            "the states that may follow a codel, of which it returns one. `pause::x` goes on at `x`, but in the next period; `ether` is the end."
+            "the states that may follow a codel, of which it returns one. `pause::x` goes on at `x`, but in \
+                the next period; `ether` is the end."
         }
         PAUSE_KW => {
             "`pause::x` goes on at the state `x`, but waits first: in a periodic task for the next period."
         }
         WCET_KW => {
-            "worst-case execution time of a codel, in seconds, or in `ms` or `us`. An extension: GenoM3 2.99 does not accept it, but ignores `#pragma wcet CODEL TIME`."
+            "worst-case execution time of a codel, in seconds, or in `ms` or `us`. An extension: GenoM3 \
+                2.99 does not accept it, but ignores `#pragma wcet CODEL TIME`."
         }
         THROWS_KW => {
             "exceptions with which codels may end a task's machine or a service, from any state."
         }
         EXCEPTION_KW => "a type that `throw` may name, with data or without.",
         INTERRUPTS_KW => {
-            "services that end when this one starts: their machines go on at `stop`. `all` stands for all services; a service may name itself."
+            "services that end when this one starts: their machines go on at `stop`. `all` stands for all \
+                services; a service may name itself."
         }
         BEFORE_KW => "services that this one has to run before.",
         AFTER_KW => "services that have to run before this one.",
         LOCAL_KW => {
-            "data of one running service: `local type name;` declares a variable, `local in x` gives one, or a parameter, to a codel."
+            "data of one running service: `local type name;` declares a variable, `local in x` gives one, \
+                or a parameter, to a codel."
         }
         IN_KW => {
             "read: by the codel, by the service from its request, or by the component from a port."
@@ -119,7 +136,8 @@ fn meaning(word: SyntaxKind) -> Option<&'static str> {
         PROVIDES_KW => "the component has the ports, services, data and tasks of an interface.",
         EXTENDS_KW => "has everything that another interface has; the same as `provides`.",
         USES_KW => {
-            "the other side of an interface: its ports with the direction turned round, and its services as `remote`."
+            "the other side of an interface: its ports with the direction turned round, and its services as \
+                `remote`."
         }
         REQUIRES_KW => {
             "packages, by their names for `pkg-config`, that the component needs to be built."
@@ -132,7 +150,8 @@ fn meaning(word: SyntaxKind) -> Option<&'static str> {
         LANG_KW => "language of the codels, `\"c\"` (the default) or `\"c++\"`.",
         EMAIL_KW => "whom to write to about the component.",
         NATIVE_KW => {
-            "a type of the implementation, of which the specification knows the name only; it cannot leave the component."
+            "a type of the implementation, of which the specification knows the name only; it cannot leave \
+                the component."
         }
         SEQUENCE_KW => {
             "any number of elements, `sequence<type>`, or up to a bound, `sequence<type, 8>`."

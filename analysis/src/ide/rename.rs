@@ -126,7 +126,8 @@ pub(crate) fn rename(
             let name = file.path(db).file_name().unwrap_or_default().to_owned();
             let line = 1 + file.text(db)[..range.start].matches('\n').count();
             return refuse(format!(
-                "`{old}` also comes out of the macro call `{written}` ({name}, line {line}): change that by hand first"
+                "`{old}` also comes out of the macro call `{written}` ({name}, line {line}): change that by \
+                    hand first"
             ));
         }
         edits.push(FileEdit {

@@ -52,8 +52,8 @@ pub(crate) fn apply<'e>(text: &str, edits: impl IntoIterator<Item = &'e FileEdit
 /// Units that are compiled in one database, which is dropped then: they share what they include.
 const BATCH: usize = 16;
 
-/// Compiles the units of the edited files before and after, on all cores, and gives what `differs` finds in each,
-/// by path of the root.
+/// Compiles the units of the edited files before and after, on all cores, and gives what `differs` finds in
+/// each, by path of the root.
 pub(crate) fn compare<R: Send>(
     db: &dyn Db,
     edits: &[FileEdit],

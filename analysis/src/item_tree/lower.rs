@@ -89,7 +89,8 @@ pub fn lower(parse: &Parse, fragment: Fragment, raw: &RawTokens, pre: &Preproces
     }
 }
 
-/// Lists without room for more: item trees of all files are kept, and most of their lists have one or two elements.
+/// Lists without room for more: item trees of all files are kept, and most of their lists have one or two
+/// elements.
 trait Tight: Iterator + Sized {
     fn tight(self) -> Vec<Self::Item> {
         let mut all: Vec<Self::Item> = self.collect();
@@ -142,8 +143,8 @@ fn directives<'a>(
         });
         return at.collect();
     }
-    // One that comes out of a macro has no place of its own, and many are found in one walk. The tree builder makes one node for each
-    // directive element, in order.
+    // One that comes out of a macro has no place of its own, and many are found in one walk. The tree builder
+    // makes one node for each directive element, in order.
     root.descendants()
         .filter(|it| it.kind() == SyntaxKind::DIRECTIVE)
         .zip(elements)

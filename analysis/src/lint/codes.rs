@@ -116,7 +116,8 @@ pub const CODES: &[LintCode] = &[
         absence: false,
         unnecessary: false,
         meaning: "an output port written by codels of different tasks",
-        why: "Which of the two values readers see depends on scheduling. (Codels of a task that only start or stop it do not count.)",
+        why: "Which of the two values readers see depends on scheduling. (Codels of a task that only start \
+            or stop it do not count.)",
         example: "struct s { long x; };\ncomponent c {\n  port out s p;\n  task t { period 5 ms; codel<start> f(out p) yield pause::main; codel<main> h(out p) yield pause::main; };\n  task u { period 5 ms; codel<start> g(out p) yield pause::main; codel<main> k(out p) yield pause::main; };\n};\n",
         fix: "Let one task write the port, or declare a port for each.",
     },
@@ -171,7 +172,8 @@ pub const CODES: &[LintCode] = &[
         absence: true,
         unnecessary: false,
         meaning: "a permanent activity reads what only requests write",
-        why: "Permanent activities run from the start of the component. Until the first request the value is undefined.",
+        why: "Permanent activities run from the start of the component. Until the first request the value \
+            is undefined.",
         example: "component c {\n  ids { long x; };\n  task t { period 5 ms; codel<start> f(in x) yield pause::start; };\n  attribute set(in x);\n};\n",
         fix: "Give it an initial value in the `start` codel of a task.",
     },
@@ -185,7 +187,8 @@ pub const CODES: &[LintCode] = &[
         why: "GenoM3 locks the ids members and ports a codel names while it runs. A task with a shorter period then waits, \
               and misses ticks, however many cores there are.",
         example: "component c {\n  ids { long x; };\n  task slow { period 1 s; codel<start> f(out x) yield pause::start wcet 100 ms; };\n  task fast { period 10 ms; codel<start> g(in x) yield pause::start wcet 1 ms; };\n};\n",
-        fix: "Split the codel so that the long part works on a copy, or name a smaller part of the data (`x.y` instead of `x`).",
+        fix: "Split the codel so that the long part works on a copy, or name a smaller part of the data \
+            (`x.y` instead of `x`).",
     },
     LintCode {
         id: "lock/self-blocking",
@@ -261,7 +264,8 @@ pub const CODES: &[LintCode] = &[
         absence: true,
         unnecessary: false,
         meaning: "an activity that changes data and does not interrupt itself",
-        why: "Each request starts another instance. Two instances of a motion, say, take turns in writing the reference.",
+        why: "Each request starts another instance. Two instances of a motion, say, take turns in writing \
+            the reference.",
         example: "component c {\n  ids { long x; };\n  task t { period 5 ms; };\n  activity go() { task t; codel<start> f(out x) yield pause::start, ether; };\n};\n",
         fix: "Add `interrupts` with the name of the activity itself.",
     },
@@ -272,7 +276,8 @@ pub const CODES: &[LintCode] = &[
         absence: true,
         unnecessary: false,
         meaning: "a setter whose `validate` codel does not get the new value",
-        why: "`ids in x` is the value before the request: the new one is checked only when it is named with `local in x`.",
+        why: "`ids in x` is the value before the request: the new one is checked only when it is named with \
+            `local in x`.",
         example: "component c {\n  ids { long x; };\n  attribute set(in x) { validate check(ids in x); };\n};\n",
         fix: "Write `local in x`.",
     },

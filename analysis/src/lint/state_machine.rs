@@ -28,8 +28,8 @@ pub(super) fn check(lint: &mut Lint) {
     names_of_events(lint);
 }
 
-/// `fsm/codel-named-as-event`: in C the mapping defines `COMPONENT_state` and `COMPONENT_pause_state`, so no function
-/// can have that name. In C++ they are in the component's name space.
+/// `fsm/codel-named-as-event`: in C the mapping defines `COMPONENT_state` and `COMPONENT_pause_state`, so no
+/// function can have that name. In C++ they are in the component's name space.
 fn names_of_events(lint: &mut Lint) {
     let component = lint.component;
     if component.lang.as_deref().is_some_and(|it| it != "c") {
@@ -132,8 +132,8 @@ fn loops(lint: &mut Lint, owner: Owner, machine: &Machine) {
     }
 }
 
-/// `fsm/pause-in-aperiodic-task`: once for each task, where nothing ever ends the pause. What does is an internal event: a
-/// request for a service, or a transition of another task.
+/// `fsm/pause-in-aperiodic-task`: once for each task, where nothing ever ends the pause. What does is an
+/// internal event: a request for a service, or a transition of another task.
 fn pause_in_aperiodic_task(lint: &mut Lint) {
     let with_codels = lint.component.tasks.iter();
     let with_codels = with_codels.filter(|it| !it.codels.is_empty()).count();

@@ -1,8 +1,8 @@
 //! What a specification lacks because a name in it could not be resolved.
 //!
-//! A fresh clone has not the packages that it requires: interfaces, types and exceptions that come from there are
-//! unknown. What does not depend on them goes on; who draws a conclusion from the absence of something asks here
-//! first whether it may be in a gap.
+//! A fresh clone has not the packages that it requires: interfaces, types and exceptions that come from there
+//! are unknown. What does not depend on them goes on; who draws a conclusion from the absence of something
+//! asks here first whether it may be in a gap.
 
 use rustc_hash::FxHashSet;
 use serde::{Deserialize, Serialize};
@@ -113,7 +113,8 @@ impl Spec {
         out
     }
 
-    /// Whether tasks, services, codels or properties of a component may come from an interface that is not known.
+    /// Whether tasks, services, codels or properties of a component may come from an interface that is not
+    /// known.
     pub fn lacks_declarations(&self, component: u32) -> bool {
         let brings = |it: &Missing| matches!(it, Missing::Interface { used: false, .. });
         self.gaps_of(component).any(brings)
@@ -140,8 +141,9 @@ impl Spec {
         })
     }
 
-    /// The unknown type that decides how values of a type are written, if there is one: behind aliases, and as the
-    /// element of an array, sequence or optional. Members do not count: a struct has a name of its own.
+    /// The unknown type that decides how values of a type are written, if there is one: behind aliases, and
+    /// as the element of an array, sequence or optional. Members do not count: a struct has a name of its
+    /// own.
     pub fn opaque(&self, ty: TypeId) -> Option<TypeId> {
         let mut seen = FxHashSet::default();
         let mut ty = ty;

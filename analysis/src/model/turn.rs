@@ -70,8 +70,8 @@ impl<'m> Machine<'m> {
             .filter_map(|s| self.position(&s.name))
     }
 
-    /// Whether one of some states is reached from a state without a pause, or is that state: a transition from there
-    /// to `from` that does not pause would close a cycle.
+    /// Whether one of some states is reached from a state without a pause, or is that state: a transition
+    /// from there to `from` that does not pause would close a cycle.
     pub fn reaches_without_pause(&self, from: &str, is_wanted: impl Fn(&str) -> bool) -> bool {
         let mut seen = vec![false; self.codels.len()];
         let mut pending: Vec<usize> = self.position(from).into_iter().collect();

@@ -51,8 +51,8 @@ type Leg = Vec<(String, bool)>;
 
 impl Machine<'_> {
     /// The way that executes longest from the first of these states through the others to the last. Where a
-    /// transition leads from one of them to the next it is taken; otherwise any states may lie between. `ether` can
-    /// be the last. None for less than two states.
+    /// transition leads from one of them to the next it is taken; otherwise any states may lie between.
+    /// `ether` can be the last. None for less than two states.
     pub fn way(&self, states: &[&str]) -> Option<Way> {
         let (&first, rest) = states.split_first()?;
         if rest.is_empty() {

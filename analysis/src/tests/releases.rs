@@ -119,8 +119,8 @@ fn what_older_releases_refuse_is_hinted_at_until_it_is_required() {
     assert!(!fixture.all_diagnostics().contains("newer-release"));
 }
 
-/// A port that comes through `provides` keeps the type of the interface, and its name in the component is an alias of
-/// that; before, it has a type of its own.
+/// A port that comes through `provides` keeps the type of the interface, and its name in the component is an
+/// alias of that; before, it has a type of its own.
 #[test]
 fn provided_ports_have_the_type_of_the_interface() {
     let text = "interface i { port out double p; };\ncomponent c { provides i; };\n"

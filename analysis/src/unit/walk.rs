@@ -38,8 +38,8 @@ pub(crate) struct Walk {
 }
 
 impl Walk {
-    /// The directories in which the file of an active include was looked for, in order. The folder of stand-ins, which
-    /// comes last, is not among them.
+    /// The directories in which the file of an active include was looked for, in order. The folder of
+    /// stand-ins, which comes last, is not among them.
     pub(crate) fn places(
         &self,
         db: &dyn Db,

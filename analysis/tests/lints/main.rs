@@ -71,8 +71,10 @@ fn codels_without_execution_time_are_counted() {
             .find(|it| it.code == "timing/missing-wcet");
         missing.map(|it| it.message).unwrap_or_default()
     };
-    expect!["`g` of task `t` has no execution time and counts as taking none; add `wcet` with the measured worst case"].assert_eq(&found("codel<a> g() yield pause::a;"));
-    expect!["`g` and `h` of task `t` have no execution time and count as taking none; add `wcet` with the measured worst case"].assert_eq(&found("codel<a> g() yield pause::b; codel<b> h() yield pause::a;"));
+    expect!["`g` of task `t` has no execution time and counts as taking none; add `wcet` with the measured \
+        worst case"].assert_eq(&found("codel<a> g() yield pause::a;"));
+    expect!["`g` and `h` of task `t` have no execution time and count as taking none; add `wcet` with the \
+        measured worst case"].assert_eq(&found("codel<a> g() yield pause::b; codel<b> h() yield pause::a;"));
 }
 
 #[test]
@@ -92,11 +94,13 @@ fn every_example_triggers_its_code() {
 const NEAR_MISSES: &[(&str, &str)] = &[
     (
         "fsm/busy-loop",
-        "component c { task t { period 5 ms; codel<start> f() yield main; codel<main> g() yield pause::main, ether; }; };",
+        "component c { task t { period 5 ms; codel<start> f() yield main; codel<main> g() yield \
+            pause::main, ether; }; };",
     ),
     (
         "fsm/no-termination",
-        "component c { exception e; task t { period 5 ms; }; activity a() { task t; throw e; codel<start> f() yield run; codel<run> g() yield run; }; };",
+        "component c { exception e; task t { period 5 ms; }; activity a() { task t; throw e; codel<start> \
+            f() yield run; codel<run> g() yield run; }; };",
     ),
     (
         "fsm/pause-in-aperiodic-task",
@@ -104,7 +108,8 @@ const NEAR_MISSES: &[(&str, &str)] = &[
     ),
     (
         "fsm/dead-end",
-        "component c { task t { period 1 s; codel<start> f() yield a, b; codel<a> g() yield ether; codel<b> h() yield ether; }; };",
+        "component c { task t { period 1 s; codel<start> f() yield a, b; codel<a> g() yield ether; codel<b> \
+            h() yield ether; }; };",
     ),
     (
         "fsm/codel-named-as-event",
@@ -112,11 +117,14 @@ const NEAR_MISSES: &[(&str, &str)] = &[
     ),
     (
         "fsm/missing-stop",
-        "component c { ids { long speed; }; task t { period 5 ms; }; activity go() { task t; interrupts go; codel<start> f(out speed) yield pause::start, ether; codel<stop> g(out speed) yield ether; }; };",
+        "component c { ids { long speed; }; task t { period 5 ms; }; activity go() { task t; interrupts go; \
+            codel<start> f(out speed) yield pause::start, ether; codel<stop> g(out speed) yield ether; }; };",
     ),
     (
         "port/write-race",
-        "struct s { long x; }; component c { port out s p; task t { period 5 ms; codel<start> f(out p) yield pause::main; codel<main> h(out p) yield pause::main; }; task u { period 5 ms; codel<start> g(out p) yield ether; }; };",
+        "struct s { long x; }; component c { port out s p; task t { period 5 ms; codel<start> f(out p) \
+            yield pause::main; codel<main> h(out p) yield pause::main; }; task u { period 5 ms; \
+            codel<start> g(out p) yield ether; }; };",
     ),
     (
         "port/never-written",
@@ -128,35 +136,45 @@ const NEAR_MISSES: &[(&str, &str)] = &[
     ),
     (
         "ids/never-written",
-        "component c { ids { long x; }; task t { codel<start> f(in x) yield ether; }; attribute set(in x); };",
+        "component c { ids { long x; }; task t { codel<start> f(in x) yield ether; }; attribute set(in x); \
+            };",
     ),
     (
         "ids/never-read",
-        "component c { ids { long x; }; task t { codel<start> f(out ::ids) yield ether; }; attribute get(out x); };",
+        "component c { ids { long x; }; task t { codel<start> f(out ::ids) yield ether; }; attribute \
+            get(out x); };",
     ),
     (
         "ids/read-before-write",
-        "component c { ids { long x; }; task t { period 5 ms; codel<start> i(out x) yield main; codel<main> f(in x) yield pause::main; }; attribute set(in x); };",
+        "component c { ids { long x; }; task t { period 5 ms; codel<start> i(out x) yield main; codel<main> \
+            f(in x) yield pause::main; }; attribute set(in x); };",
     ),
     (
         "lock/long-hold",
-        "component c { ids { long x; long y; }; task slow { period 1 s; codel<start> f(out x) yield pause::start wcet 100 ms; }; task fast { period 10 ms; codel<start> g(in y) yield pause::start wcet 1 ms; }; };",
+        "component c { ids { long x; long y; }; task slow { period 1 s; codel<start> f(out x) yield \
+            pause::start wcet 100 ms; }; task fast { period 10 ms; codel<start> g(in y) yield pause::start \
+            wcet 1 ms; }; };",
     ),
     (
         "lock/self-blocking",
-        "component c { ids { long x; }; task t { period 5 ms; }; activity a() { task t; local long z; async codel<start> f(out z) yield copy; codel<copy> k(in z, out x) yield ether; }; activity b() { task t; codel<start> g(in x) yield ether; }; };",
+        "component c { ids { long x; }; task t { period 5 ms; }; activity a() { task t; local long z; async \
+            codel<start> f(out z) yield copy; codel<copy> k(in z, out x) yield ether; }; activity b() { \
+            task t; codel<start> g(in x) yield ether; }; };",
     ),
     (
         "timing/missing-wcet",
-        "component c { task t { period 5 ms; codel<start> f() yield main; codel<main> g() yield pause::main; }; };",
+        "component c { task t { period 5 ms; codel<start> f() yield main; codel<main> g() yield \
+            pause::main; }; };",
     ),
     (
         "timing/wcet-exceeds-period",
-        "component c { task t { period 5 ms; codel<start> f() yield pause::main wcet 3 ms; codel<main> g() yield pause::main wcet 4 ms; }; };",
+        "component c { task t { period 5 ms; codel<start> f() yield pause::main wcet 3 ms; codel<main> g() \
+            yield pause::main wcet 4 ms; }; };",
     ),
     (
         "timing/overutilised",
-        "component c { task t { period 10 ms; codel<start> f() yield pause::start wcet 4 ms; }; task u { period 10 ms; codel<start> g() yield pause::start wcet 4 ms; }; };",
+        "component c { task t { period 10 ms; codel<start> f() yield pause::start wcet 4 ms; }; task u { \
+            period 10 ms; codel<start> g() yield pause::start wcet 4 ms; }; };",
     ),
     (
         "timing/no-period",
@@ -168,7 +186,8 @@ const NEAR_MISSES: &[(&str, &str)] = &[
     ),
     (
         "service/concurrent-instances",
-        "component c { ids { long x; }; task t { period 5 ms; }; activity go() { task t; interrupts go; codel<start> f(out x) yield pause::start, ether; }; };",
+        "component c { ids { long x; }; task t { period 5 ms; }; activity go() { task t; interrupts go; \
+            codel<start> f(out x) yield pause::start, ether; }; };",
     ),
     (
         "service/blind-validate",
@@ -192,7 +211,8 @@ const NEAR_MISSES: &[(&str, &str)] = &[
     ),
     (
         "unused/local",
-        "component c { task t { period 1 s; }; activity a() { task t; local long x; codel<start> f(out x) yield ether; }; };",
+        "component c { task t { period 1 s; }; activity a() { task t; local long x; codel<start> f(out x) \
+            yield ether; }; };",
     ),
     (
         "style/missing-doc",

@@ -1,9 +1,9 @@
 //! What completion offers is legal: taking an item brings no error that was not there.
 //!
-//! A place is a boundary of tokens of a right text: in front of a token, or inside a word of which a few letters are
-//! typed. An item is illegal if the text has new errors with it however it goes on: with what follows, without the next
-//! tokens, without the rest of the element or statement, or with one more item behind it where the item is only the
-//! beginning of something (`port`, `in`, `pause::`).
+//! A place is a boundary of tokens of a right text: in front of a token, or inside a word of which a few
+//! letters are typed. An item is illegal if the text has new errors with it however it goes on: with what
+//! follows, without the next tokens, without the rest of the element or statement, or with one more item
+//! behind it where the item is only the beginning of something (`port`, `in`, `pause::`).
 //!
 //! `COMPLETIONS=400` tries so many places with all their items, `COMPLETIONS=all` every place.
 
@@ -133,8 +133,9 @@ fn ends(tokens: &[(std::ops::Range<usize>, String)], from: usize) -> Vec<usize> 
     out
 }
 
-/// Errors that say how two declarations fit together. Another type for a variable that two services share, or a service
-/// of an interface that a component of the file has yet to implement, is no wrong offer: what is left to do is elsewhere.
+/// Errors that say how two declarations fit together. Another type for a variable that two services share, or
+/// a service of an interface that a component of the file has yet to implement, is no wrong offer: what is
+/// left to do is elsewhere.
 const OF_TWO: [&str; 10] = [
     "codel-conflict",
     "async/shared-attribute",
@@ -164,7 +165,8 @@ fn is_beside(code: &str, place: &Place) -> bool {
     let line = place.before.rsplit('\n').next().unwrap_or_default();
     match line.trim_start().starts_with('#') {
         true => OF_DIRECTIVES.contains(&code),
-        // In an interface, all that its component may lack or have as well; elsewhere, what two uses disagree about.
+        // In an interface, all that its component may lack or have as well; elsewhere, what two uses disagree
+        // about.
         false => OF_TWO[..if place.in_interface { 10 } else { 6 }].contains(&code),
     }
 }

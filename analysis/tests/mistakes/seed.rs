@@ -167,7 +167,8 @@ fn the_first_fix_restores_what_was_meant() {
             score.alone += usize::from(errors.len() == 1);
             if !(restored && on_line && errors.len() == 1) {
                 notes.push(format!(
-                    "{name} in {} line {}: restored {restored}, on its line {on_line}, {} errors {:?}, fix {:?}",
+                    "{name} in {} line {}: restored {restored}, on its line {on_line}, {} errors {:?}, fix \
+                        {:?}",
                     component.path.file_name().unwrap_or_default(),
                     line(*at) + 1,
                     errors.len(),

@@ -7,8 +7,8 @@ use md5::{Digest, Md5};
 
 use crate::disk::{Disk, Entry};
 
-/// Name, release, and the digest of the folder's files, as they are installed: for each, in order of names, its name,
-/// its text and a zero after either.
+/// Name, release, and the digest of the folder's files, as they are installed: for each, in order of names,
+/// its name, its text and a zero after either.
 const KNOWN: &[(&str, Release, &str)] = &[
     (
         "mappings",

@@ -1,5 +1,5 @@
-//! Type stubs of a component for the Python client (`clients/python`): what `load("NAME")` returns, in the JSON of
-//! docs/socket.md.
+//! Type stubs of a component for the Python client (`clients/python`): what `load("NAME")` returns, in the
+//! JSON of docs/socket.md.
 
 use std::collections::{HashMap, HashSet};
 

@@ -1,7 +1,7 @@
 //! `skeleton` of GenoM3, in the place of its Tcl: the same files with the same bytes.
 //!
-//! Stubs are those of [`Stubs`]. What the other files say is read from the folder of the template, as [`Walk`]
-//! tells; what there is to fill in, and how often, is decided here.
+//! Stubs are those of [`Stubs`]. What the other files say is read from the folder of the template, as
+//! [`Walk`] tells; what there is to fill in, and how often, is decided here.
 
 mod build;
 mod fill;
@@ -52,8 +52,8 @@ fn is_plain_path(path: &str) -> bool {
 }
 
 impl Call {
-    /// Reads the words of a call. `None` where the Tcl template is needed: it asks how to merge, and has words of its
-    /// own for help, for options with `=`, for names of components and for what is wrong.
+    /// Reads the words of a call. `None` where the Tcl template is needed: it asks how to merge, and has
+    /// words of its own for help, for options with `=`, for names of components and for what is wrong.
     fn read(args: &[String], is_file: impl Fn(&str) -> bool) -> Option<Call> {
         let mut call = Call::default();
         let mut words = args.iter();
@@ -289,7 +289,8 @@ fn make(
     Some(made)
 }
 
-/// The components that files are written for: all, or those, with interfaces, that the inputs themselves define.
+/// The components that files are written for: all, or those, with interfaces, that the inputs themselves
+/// define.
 fn generated(
     facts: &Facts<'_>,
     call: &Call,

@@ -28,7 +28,8 @@ pub const CODES: &[CodelCode] = &[
         why: "The component does not link, or the dynamic loader refuses it at run time.",
         specification: "component c {\n  function f() { codel c_f(); };\n  function g() { codel c_g(); };\n};\n",
         source: "genom_event c_f(const genom_context self)\n{\n  return genom_ok;\n}\n",
-        fix: "Let dotgen write a stub (quick fix, or `dotgen codels stub`), or take the codel out of the specification.",
+        fix: "Let dotgen write a stub (quick fix, or `dotgen codels stub`), or take the codel out of the \
+            specification.",
     },
     CodelCode {
         code: DriftCode::SignatureMismatch,
@@ -42,7 +43,8 @@ pub const CODES: &[CodelCode] = &[
     CodelCode {
         code: DriftCode::UndeclaredYield,
         meaning: "a codel that returns an event its specification does not yield",
-        why: "The state machine that the specification shows, checks and computes times from is not the one that runs.",
+        why: "The state machine that the specification shows, checks and computes times from is not the one \
+            that runs.",
         specification: "component c {\n  task t {\n    period 10 ms;\n    codel<start> c_start() yield run;\n    codel<run> c_run() yield pause::run;\n  };\n};\n",
         source: "genom_event c_start(const genom_context self)\n{\n  if (ready()) return c_run;\n  return c_ether;\n}\ngenom_event c_run(const genom_context self)\n{\n  return c_pause_run;\n}\n",
         fix: "Add the state to the `yield` list, or return one that is in it.",

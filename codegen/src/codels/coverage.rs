@@ -13,8 +13,8 @@ use super::trust::Trust;
 pub struct Coverage {
     /// Functions that the specification names.
     pub codels: usize,
-    /// Of these, the ones of which something was compared: whether they are there, what they return and raise, the
-    /// number of their parameters and the types that are known.
+    /// Of these, the ones of which something was compared: whether they are there, what they return and
+    /// raise, the number of their parameters and the types that are known.
     pub judged: usize,
     /// Of these, the ones of which it is known what each parameter is. Unknown types agree with any.
     pub compared: usize,

@@ -188,8 +188,8 @@ pub enum Repair {
         /// The exception.
         exception: TypeId,
     },
-    /// Add a state to the `yield` list of a codel, with a pause that the code does not make yet: without it, the codel
-    /// would be in a cycle without `pause::`.
+    /// Add a state to the `yield` list of a codel, with a pause that the code does not make yet: without it,
+    /// the codel would be in a cycle without `pause::`.
     AddPausedYield {
         /// The codel.
         at: CodelRef,
@@ -202,8 +202,8 @@ pub enum Repair {
     ReturnDeclared(Respelling),
     /// Let a function raise an exception that is declared, where it raises one that is not.
     RaiseDeclared(Respelling),
-    /// Give a member the name that the specification has for it now, everywhere in the sources, and the parameters of
-    /// codels that are called after it.
+    /// Give a member the name that the specification has for it now, everywhere in the sources, and the
+    /// parameters of codels that are called after it.
     FollowMember {
         /// The mapped structure.
         structure: Name,

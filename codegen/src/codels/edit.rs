@@ -104,7 +104,8 @@ fn overlap(a: &TextEdit, b: &TextEdit) -> bool {
     a.range.start < b.range.end && b.range.start < a.range.end
 }
 
-/// Applies edits to a text, with its line ends. Edits that do not fit the text or overlap an earlier one are left out.
+/// Applies edits to a text, with its line ends. Edits that do not fit the text or overlap an earlier one are
+/// left out.
 pub fn apply(text: &str, edits: &[TextEdit]) -> String {
     let mut out = String::with_capacity(text.len());
     let mut at = 0;

@@ -307,8 +307,8 @@ impl<'a> Expected<'a> {
         }
     }
 
-    /// A port that comes through `provides` has two right spellings of its type, whatever the release: that of the
-    /// interface, and that of the component. Newer releases declare one an alias of the other.
+    /// A port that comes through `provides` has two right spellings of its type, whatever the release: that
+    /// of the interface, and that of the component. Newer releases declare one an alias of the other.
     fn collect_ports(&mut self) {
         for port in &self.component().ports {
             let Some(interface) = port.imported_from else {

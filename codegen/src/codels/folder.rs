@@ -112,8 +112,8 @@ impl Folder {
     }
 }
 
-/// The folders of codels of all components that a unit declares. `sources` reads the folder of a `.gen`. Of a unit
-/// with errors, what they leave alone is compared: see [`Trust`].
+/// The folders of codels of all components that a unit declares. `sources` reads the folder of a `.gen`. Of a
+/// unit with errors, what they leave alone is compared: see [`Trust`].
 pub fn folders(unit: &UnitResult, sources: &mut dyn FnMut(&Utf8Path) -> Sources) -> Vec<Folder> {
     let trust = Arc::new(Trust::of(unit));
     let mut by_file: BTreeMap<Utf8PathBuf, Vec<u32>> = BTreeMap::new();

@@ -26,8 +26,8 @@ const PRELUDE_C: &str = include_str!("glue/prelude_c.h");
 ///   when the bytes are not such inputs;
 /// - `void run(codel, instance, struct { bytes, size, room } *)`: runs a codel and adds what came of it;
 /// - `void end(service, instance, buffer)`: adds the outputs, and forgets them;
-/// - `board *share(port, id, board *)`: where the data of an input port is from now on (`struct glue_board`); returns
-///   where it was;
+/// - `board *share(port, id, board *)`: where the data of an input port is from now on (`struct glue_board`);
+///   returns where it was;
 /// - `void drop(buffer)`: forgets the bytes of a buffer;
 /// - `void asks(function)`: what calls services of other components (`glue_asks`).
 ///

@@ -134,7 +134,8 @@ pub fn types(expected: &Expected<'_>) -> Result<String, LangError> {
     Ok(out)
 }
 
-/// Declarations of the types of which only the name is known. They have a body, since others have members of them.
+/// Declarations of the types of which only the name is known. They have a body, since others have members of
+/// them.
 fn opaque_types(expected: &Expected<'_>) -> String {
     let spec = expected.spec;
     let mapper = expected.mapper();

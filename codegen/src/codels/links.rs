@@ -40,8 +40,8 @@ pub fn references(sources: &Sources, codel: &str) -> Vec<SourcePlace> {
         .collect()
 }
 
-/// Where to write in the function of a codel in the text of a file: the first line between its braces, without the
-/// blanks around it; behind the opening brace if there is none.
+/// Where to write in the function of a codel in the text of a file: the first line between its braces,
+/// without the blanks around it; behind the opening brace if there is none.
 pub fn body_start(path: &Utf8Path, text: &str, codel: &str) -> Option<Range<usize>> {
     let index = SourceIndex::new(text, Grammar::of_path(path.as_str())?);
     let function = index.definitions(codel).next()?;

@@ -133,8 +133,8 @@ impl Repairs<'_> {
         }
     }
 
-    /// The repairs of a finding, the best first. Where some change what the specification allows and others what the code
-    /// does, the side that was changed last is meant: the other one follows it.
+    /// The repairs of a finding, the best first. Where some change what the specification allows and others
+    /// what the code does, the side that was changed last is meant: the other one follows it.
     pub fn ordered<'d>(&self, drift: &'d Drift) -> Vec<&'d Repair> {
         let mut out: Vec<&Repair> = drift.repairs.iter().collect();
         let code = out.iter().filter(|it| it.changes_code()).count();

@@ -1,7 +1,7 @@
 //! Functions that have to be written: prototype, comment, and a body that returns a legal event.
 //!
-//! Layout, comments and file names are those of the `skeleton` template of the release of GenoM3 in use, so that
-//! its merge mode finds nothing to change.
+//! Layout, comments and file names are those of the `skeleton` template of the release of GenoM3 in use, so
+//! that its merge mode finds nothing to change.
 
 use camino::Utf8PathBuf;
 use dotgen_analysis::model::{CodelKind, CodelRef, Owner, Param, State};

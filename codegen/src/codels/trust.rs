@@ -1,8 +1,8 @@
 //! What of a specification with errors can be relied on when it is compared with its codels.
 //!
-//! An error leaves out what it is about: the codel in whose declaration it stands, or the exceptions of the task or
-//! service in which text was lost. What this machine lacks (packages, files) is no error of the text: see
-//! [`dotgen_analysis::model::gaps`].
+//! An error leaves out what it is about: the codel in whose declaration it stands, or the exceptions of the
+//! task or service in which text was lost. What this machine lacks (packages, files) is no error of the text:
+//! see [`dotgen_analysis::model::gaps`].
 
 use camino::Utf8PathBuf;
 use dotgen_analysis::codes::is_environment;
@@ -120,8 +120,8 @@ impl Trust {
         trust
     }
 
-    /// Leaves out the codels in whose declaration something was changed since: what they are to be is not known yet.
-    /// `changed` tells it of a place as of the unit.
+    /// Leaves out the codels in whose declaration something was changed since: what they are to be is not
+    /// known yet. `changed` tells it of a place as of the unit.
     pub fn leave_out(&mut self, unit: &UnitResult, changed: &dyn Fn(&Location) -> bool) {
         for (index, component) in (0u32..).zip(&unit.spec.components) {
             for at in component.all_codels() {

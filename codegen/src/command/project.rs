@@ -16,7 +16,8 @@ pub struct Project {
 }
 
 impl Project {
-    /// The arguments with what the project adds. `find` gives the project for what follows the general options.
+    /// The arguments with what the project adds. `find` gives the project for what follows the general
+    /// options.
     pub fn complete(args: &[String], find: impl FnOnce(&[String]) -> Project) -> Vec<String> {
         let Ok(given) = options::parse(args, Path::new("")) else {
             // They will be refused, with the reason.

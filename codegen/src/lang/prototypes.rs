@@ -4,8 +4,8 @@ use dotgen_analysis::model::{Codel, Spec};
 
 use super::{Language, Mapper, NoPlaces};
 
-/// Words for the languages, and the prototype in each; a language that has none is left out. `component` is an
-/// index into [`Spec::components`].
+/// Words for the languages, and the prototype in each; a language that has none is left out. `component` is
+/// an index into [`Spec::components`].
 pub fn prototypes(spec: &Spec, component: u32, codel: &Codel) -> Vec<(&'static str, String)> {
     [("c", Language::C), ("c++", Language::Cxx)]
         .into_iter()

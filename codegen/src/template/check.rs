@@ -23,7 +23,8 @@ pub const CODES: &[Code] = &[
         id: MARKER,
         severity: Severity::Error,
         on: true,
-        meaning: "a marker of a template source that is not closed, not opened, or closed with the other quote",
+        meaning: "a marker of a template source that is not closed, not opened, or closed with the other \
+            quote",
         why: Some(
             "The engine refuses the source. `<'` ends at the first `'>` or `\">` after it, and so does `<\"`: markers \
              cannot be nested, and no tag can be quoted.",
@@ -38,7 +39,8 @@ pub const CODES: &[Code] = &[
         id: TCL,
         severity: Severity::Error,
         on: true,
-        meaning: "Tcl in a template that cannot be complete: a brace, bracket or quote without its other half",
+        meaning: "Tcl in a template that cannot be complete: a brace, bracket or quote without its other \
+            half",
         why: Some(
             "The code of all markers of a source is one Tcl program, with the text between them as commands that print \
              it. A brace may be opened in one marker and closed in another, but the whole has to be complete.",
@@ -189,7 +191,8 @@ impl Places<'_> {
             Fault::Unopened { close } => {
                 let quote = close.quote;
                 let message = format!(
-                    "`{quote}>` closes no marker: write `<{quote}` where the marker begins, or take this tag out"
+                    "`{quote}>` closes no marker: write `<{quote}` where the marker begins, or take this \
+                        tag out"
                 );
                 self.diagnostic(MARKER, self.tag(close), message)
             }
@@ -209,7 +212,8 @@ impl Places<'_> {
                 let line = self.line(first.start);
                 let (open, close) = (open.quote, close.quote);
                 let message = format!(
-                    "the marker that `<{open}` opens in line {line} is closed with `{close}>`: write `{open}>`"
+                    "the marker that `<{open}` opens in line {line} is closed with `{close}>`: write \
+                        `{open}>`"
                 );
                 let mut it = self.diagnostic(MARKER, last, message);
                 it.related
@@ -227,7 +231,8 @@ impl Places<'_> {
     fn nested_at(&self, open: Range<usize>, quote: char, inner: usize) -> Diagnostic {
         let line = self.line(inner);
         let message = format!(
-            "this marker is not closed before the next one begins in line {line}: write `{quote}>` where it ends"
+            "this marker is not closed before the next one begins in line {line}: write `{quote}>` where it \
+                ends"
         );
         let mut it = self.diagnostic(MARKER, open, message);
         let next = self.related(inner..inner + 2, "the next marker begins here");
@@ -265,7 +270,8 @@ impl Places<'_> {
             FlawKind::Detached => {
                 let word = &self.text[range.clone()];
                 let message = format!(
-                    "`{word}` begins a command of its own: write it behind the `}}` of its `if`, in the same marker"
+                    "`{word}` begins a command of its own: write it behind the `}}` of its `if`, in the \
+                        same marker"
                 );
                 (TCL, message)
             }
@@ -316,7 +322,8 @@ mod tests {
         assert_eq!(
             check("é\n  x '>\n"),
             [
-                "2:5 \"'>\" template/marker: `'>` closes no marker: write `<'` where the marker begins, or take this tag out"
+                "2:5 \"'>\" template/marker: `'>` closes no marker: write `<'` where the marker begins, or \
+                    take this tag out"
             ]
         );
         assert_eq!(
@@ -326,7 +333,8 @@ mod tests {
         assert_eq!(
             check("a\n<' x\n \">\n"),
             [
-                "3:2 \"\\\">\" template/marker: the marker that `<'` opens in line 2 is closed with `\">`: write `'>`"
+                "3:2 \"\\\">\" template/marker: the marker that `<'` opens in line 2 is closed with `\">`: \
+                    write `'>`"
             ]
         );
         let line = "1:1 \"<'\" template/marker: this marker is not closed before the next one begins in line 2: write `'>` \

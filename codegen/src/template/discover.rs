@@ -107,8 +107,8 @@ impl SearchPath {
     }
 }
 
-/// The release of the GenoM3 that one of these directories of templates belongs to, and the file that says so: the
-/// version file of the template engine, which is installed beside them.
+/// The release of the GenoM3 that one of these directories of templates belongs to, and the file that says
+/// so: the version file of the template engine, which is installed beside them.
 pub fn release_of(disk: &dyn Disk, dirs: &[PathBuf]) -> Option<(Release, PathBuf)> {
     dirs.iter().find_map(|dir| {
         let file = dir.parent()?.join("engines/tcl/version.tcl");

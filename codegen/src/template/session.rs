@@ -116,7 +116,8 @@ pub(super) fn run(
         files: 0,
     };
     let ended = session.serve();
-    // What a template wrote before it failed stays, as with GenoM3. Where dotgen ended it, nothing is written.
+    // What a template wrote before it failed stays, as with GenoM3. Where dotgen ended it, nothing is
+    // written.
     let ended_by_us = ended.is_err();
     let mut place = None;
     let (status, error) = match ended {

@@ -1,4 +1,5 @@
-//! Whole components with codels that the tests write for them: what published components have no copy of here.
+//! Whole components with codels that the tests write for them: what published components have no copy of
+//! here.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

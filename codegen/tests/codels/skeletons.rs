@@ -14,7 +14,8 @@ use dotgen_codegen::codels::stub::{StubOptions, Stubs};
 
 use crate::support::{Memory, host_of, shared, temporary};
 
-/// What releases write differently: ports, tasks and codels through interfaces, details of exceptions, bounded sequences.
+/// What releases write differently: ports, tasks and codels through interfaces, details of exceptions,
+/// bounded sequences.
 const SPECIFICATION: &str = "
 interface pose {
   struct at { double x, y; };

@@ -1,5 +1,5 @@
-//! Random edits of specifications, as people make them, whose codels compile after one `sync`, or whose lines that do not
-//! are named.
+//! Random edits of specifications, as people make them, whose codels compile after one `sync`, or whose lines
+//! that do not are named.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;

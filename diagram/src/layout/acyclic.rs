@@ -2,8 +2,8 @@
 
 /// For each edge, whether it has to be turned round: the back edges of a depth-first walk.
 ///
-/// When the graph has a beginning (`begins`), the walk starts where no edge enters, so that what people read as
-/// "back" is turned round. Otherwise (data that flows in circles) it starts at the node that leaves the
+/// When the graph has a beginning (`begins`), the walk starts where no edge enters, so that what people read
+/// as "back" is turned round. Otherwise (data that flows in circles) it starts at the node that leaves the
 /// fewest edges to turn, the first of them in the declared order.
 pub(super) fn back_edges(
     nodes: usize,

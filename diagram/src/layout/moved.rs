@@ -6,8 +6,8 @@ use crate::text;
 use super::{EdgePath, Layout, Point, Rect, finish};
 
 /// Moves nodes, each by so much from where it was laid out (nothing for those beyond the end of `by`). Edges
-/// between nodes that were moved alike go along; those of which one end was moved are drawn anew, straight out of
-/// the sides that face each other.
+/// between nodes that were moved alike go along; those of which one end was moved are drawn anew, straight
+/// out of the sides that face each other.
 pub fn moved(graph: &Graph, mut layout: Layout, by: &[Point]) -> Layout {
     let of = |node: usize| by.get(node).copied().unwrap_or_default();
     let still = Point::default();

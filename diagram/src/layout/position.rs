@@ -245,7 +245,8 @@ pub(super) fn pack_groups(graph: &Ranked, gap: f64, x: &mut [f64]) {
     // Many columns are there to be less high: all of them are packed, and none stands lower than another.
     let wrapped = graph.columns && graph.layers.len() > 3;
     for layer in &graph.layers {
-        // What belongs to no group are pieces of edges that pass; they stay together where they are neighbours.
+        // What belongs to no group are pieces of edges that pass; they stay together where they are
+        // neighbours.
         if !wrapped && layer.iter().all(|&it| graph.group_of(it).is_none()) {
             continue;
         }

@@ -136,7 +136,8 @@ impl Svg {
             Shape::Pill => {
                 let r = (height / 2.0).min(17.0);
                 self.line(&format!(
-                    "<rect class=\"shape\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" rx=\"{r}\"/>"
+                    "<rect class=\"shape\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" \
+                        rx=\"{r}\"/>"
                 ));
             }
             Shape::Octagon => {
@@ -152,12 +153,14 @@ impl Svg {
             Shape::Final => {
                 let r = height / 2.0;
                 self.line(&format!(
-                    "<rect class=\"shape\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" rx=\"{r}\"/>"
+                    "<rect class=\"shape\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" \
+                        rx=\"{r}\"/>"
                 ));
                 let (x, y, width, height, r) =
                     (x + 3.0, y + 3.0, width - 6.0, height - 6.0, r - 3.0);
                 self.line(&format!(
-                    "<rect class=\"shape\" x=\"{}\" y=\"{}\" width=\"{width}\" height=\"{height}\" rx=\"{r}\"/>",
+                    "<rect class=\"shape\" x=\"{}\" y=\"{}\" width=\"{width}\" height=\"{height}\" \
+                        rx=\"{r}\"/>",
                     number(x),
                     number(y)
                 ));
@@ -165,11 +168,13 @@ impl Svg {
             Shape::Box | Shape::Card => {
                 let r = if node.shape == Shape::Box { 6.0 } else { 3.0 };
                 self.line(&format!(
-                    "<rect class=\"shape\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" rx=\"{r}\"/>"
+                    "<rect class=\"shape\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" \
+                        rx=\"{r}\"/>"
                 ));
                 if heated {
                     self.line(&format!(
-                        "<rect class=\"heat\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" rx=\"{r}\"/>"
+                        "<rect class=\"heat\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" \
+                            rx=\"{r}\"/>"
                     ));
                 }
             }

@@ -41,8 +41,8 @@ pub(super) struct Call {
 ///
 /// Ends with the run, with its component, or with Ctrl-C.
 ///
-/// Exit status: 0 when the run has ended or all values came, 1 when the component is gone, 2 if nothing could be
-/// watched.
+/// Exit status: 0 when the run has ended or all values came, 1 when the component is gone, 2 if nothing could
+/// be watched.
 #[derive(Debug, Args)]
 pub(super) struct Watch {
     /// COMPONENT/PORT

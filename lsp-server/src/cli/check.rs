@@ -18,8 +18,8 @@ use crate::verification::Problem;
 
 /// Report what is wrong with specifications
 ///
-/// Exit status: 0 without errors (warnings do not count), 1 with errors, with --diff if there is something to fix, 2 if a
-/// file cannot be read or written.
+/// Exit status: 0 without errors (warnings do not count), 1 with errors, with --diff if there is something to
+/// fix, 2 if a file cannot be read or written.
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// Specifications, scenarios (.scn), directories to search for .gen files, or - for standard input

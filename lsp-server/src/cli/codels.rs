@@ -46,8 +46,8 @@ enum Command {
 
 /// Report codels that do not fit their specification
 ///
-/// Exit status: 0 when they do (hints do not count), 1 when not or when a specification has errors in its text, 2 if
-/// something cannot be read.
+/// Exit status: 0 when they do (hints do not count), 1 when not or when a specification has errors in its
+/// text, 2 if something cannot be read.
 #[derive(Debug, Args)]
 struct Check {
     /// Specifications, directories to search for .gen files, or - for standard input
@@ -262,7 +262,8 @@ fn nothing_there(folder: &Folder) {
     let path = session::display(&folder.specification);
     let sources = session::display(&folder.sources.folder);
     report::note(&format!(
-        "`{path}` has no sources in `{sources}`, so nothing was compared; `dotgen codels stub {path}` writes them"
+        "`{path}` has no sources in `{sources}`, so nothing was compared; `dotgen codels stub {path}` \
+            writes them"
     ));
 }
 

@@ -14,8 +14,8 @@ use serde_json::json;
 use super::{Outcome, Reading, report, session};
 use crate::features::codels::standins;
 
-/// Say what specifications need: packages, included files and interfaces, from where they come, and what would bring
-/// those that are missing
+/// Say what specifications need: packages, included files and interfaces, from where they come, and what
+/// would bring those that are missing
 ///
 /// Exit status: 0 when nothing is missing, 1 when something is, 2 if a file cannot be read.
 #[derive(Debug, Args)]

@@ -81,8 +81,8 @@ fn in_project(arguments: &[String]) -> ExitCode {
     run("dotgen generate", &arguments, packages, config.release)
 }
 
-/// The nearest configuration around the last of the words that is a file, or around the current directory. What is
-/// wrong with it, `dotgen check` tells.
+/// The nearest configuration around the last of the words that is a file, or around the current directory.
+/// What is wrong with it, `dotgen check` tells.
 fn configuration(words: &[String]) -> Config {
     let Ok(here) = camino::absolute_utf8(".") else {
         return Config::default();

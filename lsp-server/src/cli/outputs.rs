@@ -24,8 +24,8 @@ pub(super) struct Output<'f> {
 ///
 /// # Errors
 ///
-/// One of them is a directory, has another ending, is among those that the command has `read`, is some other source
-/// that is there already, or is given twice.
+/// One of them is a directory, has another ending, is among those that the command has `read`, is some other
+/// source that is there already, or is given twice.
 pub(super) fn check<'f>(
     outputs: &[Output<'_>],
     read: impl IntoIterator<Item = &'f Utf8Path>,
@@ -59,8 +59,8 @@ pub(super) fn check<'f>(
     Ok(())
 }
 
-/// Whether a name is that of something that people write: codels and settings are not among the files that are read
-/// before a run.
+/// Whether a name is that of something that people write: codels and settings are not among the files that
+/// are read before a run.
 fn is_source(path: &Utf8Path) -> bool {
     let other = matches!(path.extension(), Some("gen" | "idl" | "scn" | "toml"));
     other || Grammar::of_path(path.as_str()).is_some()

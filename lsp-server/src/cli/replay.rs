@@ -20,10 +20,10 @@ use super::{Outcome, Reading};
 
 /// Follow a recorded run step by step beside the model that is verified
 ///
-/// FILE.mcap is a recording that `dotgen run --record` wrote; the others are its scenario, or its specifications. Every
-/// step has to be possible in the model at that moment; where one is not, the rule that differs is named. Codels
-/// that took another time than they declare, or threw what they do not declare, are told, and the run is followed
-/// further.
+/// FILE.mcap is a recording that `dotgen run --record` wrote; the others are its scenario, or its
+/// specifications. Every step has to be possible in the model at that moment; where one is not, the rule that
+/// differs is named. Codels that took another time than they declare, or threw what they do not declare, are
+/// told, and the run is followed further.
 ///
 /// Exit status: 0 if the recording is a run of the model, 1 if not, 2 if nothing could be compared.
 #[derive(Debug, Args)]
@@ -95,7 +95,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     let verified = &prepared.built.system;
     if verified.unit.to_string() != recorded.about.unit {
         bail!(
-            "`{path}` counts time in units of {} s, the model in units of {} s: it is a run of another scenario",
+            "`{path}` counts time in units of {} s, the model in units of {} s: it is a run of another \
+                scenario",
             recorded.about.unit,
             verified.unit
         );
@@ -128,8 +129,8 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
     })
 }
 
-/// Gives a model what was around the recorded run: units of the real clock, and whoever sent requests from outside.
-/// The first of the clients that stand for him.
+/// Gives a model what was around the recorded run: units of the real clock, and whoever sent requests from
+/// outside. The first of the clients that stand for him.
 fn surrounded(
     prepared: &mut Prepared,
     about: &record::About,

@@ -121,13 +121,13 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE")]
     profile: Option<Utf8PathBuf>,
 
-    /// Write the run to this file: a FILE.pftrace (tasks, cores, locks, requests) for https://ui.perfetto.dev, a
-    /// FILE.json (the first run) for the trace viewer
+    /// Write the run to this file: a FILE.pftrace (tasks, cores, locks, requests) for
+    /// https://ui.perfetto.dev, a FILE.json (the first run) for the trace viewer
     #[arg(long, value_name = "FILE")]
     trace: Option<Utf8PathBuf>,
 
-    /// Write the run to this file (.mcap): what is written to ports, for https://foxglove.dev, and its steps, for
-    /// `dotgen replay`
+    /// Write the run to this file (.mcap): what is written to ports, for https://foxglove.dev, and its steps,
+    /// for `dotgen replay`
     #[arg(long, value_name = "FILE")]
     record: Option<Utf8PathBuf>,
 

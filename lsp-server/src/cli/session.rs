@@ -155,7 +155,8 @@ impl Found {
     }
 }
 
-/// Files below a directory whose names are no UTF-8, as errors: nobody could name them in a message or an include.
+/// Files below a directory whose names are no UTF-8, as errors: nobody could name them in a message or an
+/// include.
 fn unusable_names(directory: &Utf8Path, extensions: &[&str]) -> Vec<anyhow::Error> {
     let entries = walkdir::WalkDir::new(directory)
         .into_iter()

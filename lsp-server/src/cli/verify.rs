@@ -45,8 +45,8 @@ use crate::verification::why::{self, Why};
 /// send any request at any time. Options override what the scenario says.
 ///
 /// Exit status: 0 if all checks hold, 1 if one fails, 3 if none fails but one was given up or had nothing to
-/// verify (execution times are missing), 2 if nothing could be verified (wrong usage, a file that cannot be read
-/// or has errors).
+/// verify (execution times are missing), 2 if nothing could be verified (wrong usage, a file that cannot be
+/// read or has errors).
 #[derive(Debug, Args)]
 pub(super) struct Arguments {
     /// Scenarios (.scn) and specifications (.gen)
@@ -89,8 +89,9 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     timeout: Option<Duration>,
 
-    /// Find what repairs a system that misses something; the smallest number of cores, the largest WCET of each codel
-    /// and the smallest period of each task with which every deadline is met; and what breaks first
+    /// Find what repairs a system that misses something; the smallest number of cores, the largest WCET of
+    /// each codel and the smallest period of each task with which every deadline is met; and what breaks
+    /// first
     #[arg(long)]
     sensitivity: bool,
 
@@ -179,8 +180,8 @@ enum DurationsName {
     Open,
 }
 
-/// States for a specification without a scenario: with a client that may send anything, most that is not found soon
-/// is not found at all, and nobody said that it matters.
+/// States for a specification without a scenario: with a client that may send anything, most that is not
+/// found soon is not found at all, and nobody said that it matters.
 const UNASKED_STATES: usize = 2_000_000;
 
 /// What `--sensitivity` finds.
@@ -343,7 +344,8 @@ fn write_trace(path: &Utf8Path, answers: &[Answer]) -> anyhow::Result<()> {
     trace::write(path, recorded, &answer.problem, &answer.options).map(drop)
 }
 
-/// One per scenario, and one for all specifications named. What cannot be used is told, and the others are there.
+/// One per scenario, and one for all specifications named. What cannot be used is told, and the others are
+/// there.
 pub(super) fn problems(
     files: &[Utf8PathBuf],
     reading: &Reading,

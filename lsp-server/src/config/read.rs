@@ -179,7 +179,8 @@ fn camel(key: &str) -> String {
     out + rest
 }
 
-/// The settings of an object, and the problems with the JSON pointers they are at. `name` is how a key is told.
+/// The settings of an object, and the problems with the JSON pointers they are at. `name` is how a key is
+/// told.
 fn read_object(
     object: &Map<String, Value>,
     ignored: &[&str],

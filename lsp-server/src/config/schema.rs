@@ -60,8 +60,8 @@ mod tests {
         }
     }
 
-    /// The extension offers every setting, and none that the server does not know. The entries of tables are settings
-    /// of their own there; what commands write is not set by hand.
+    /// The extension offers every setting, and none that the server does not know. The entries of tables are
+    /// settings of their own there; what commands write is not set by hand.
     #[test]
     fn extension_offers_the_same_settings() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../vscode-extension/package.json");

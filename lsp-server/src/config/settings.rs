@@ -20,8 +20,8 @@ use serde::{Deserialize, Serialize};
 #[serde(rename_all = "kebab-case", default)]
 #[schemars(title = "dotgen settings")]
 pub struct Settings {
-    /// Directories searched for `#include`, in order, after the directory of the including file
-    /// (for the quoted form). Relative paths start at the directory of dotgen.toml, in the editor's settings at the
+    /// Directories searched for `#include`, in order, after the directory of the including file (for the
+    /// quoted form). Relative paths start at the directory of dotgen.toml, in the editor's settings at the
     /// workspace folder.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub include_paths: Vec<String>,
@@ -157,13 +157,13 @@ pub struct Verification {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = 1024))]
     pub max_memory: Option<u32>,
-    /// Who gets a core when no scenario says it: `priority` (the default), `fair`, `fifo`, `edf` or `any`. The number
-    /// of cores is `timing.cores`.
+    /// Who gets a core when no scenario says it: `priority` (the default), `fair`, `fifo`, `edf` or `any`.
+    /// The number of cores is `timing.cores`.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = "priority"))]
     pub policy: Option<CorePolicy>,
-    /// What the model follows when no scenario says it: the `servers` that run on robots (the default), or the `published`
-    /// formal models.
+    /// What the model follows when no scenario says it: the `servers` that run on robots (the default), or
+    /// the `published` formal models.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("default" = "servers"))]
     pub semantics: Option<VerificationSemantics>,

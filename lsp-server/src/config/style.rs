@@ -1,7 +1,7 @@
 //! The style of the formatter for a file: who says what.
 //!
-//! Strongest first: the settings of dotgen, `.editorconfig`, the file itself, the editor. The editor comes last
-//! because most send their own default whatever the file looks like.
+//! Strongest first: the settings of dotgen, `.editorconfig`, the file itself, the editor. The editor comes
+//! last because most send their own default whatever the file looks like.
 
 use camino::Utf8Path;
 use dotgen_syntax::format::{Align, DEFAULT_UNIT, Options, TAB, Unit};

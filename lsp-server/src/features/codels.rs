@@ -205,7 +205,8 @@ fn of_unit(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<Arc<Compared>> {
     Ok(fresh)
 }
 
-/// What differs in a folder. An earlier text of the specification tells nothing about how to edit the present one.
+/// What differs in a folder. An earlier text of the specification tells nothing about how to edit the present
+/// one.
 fn differences(folder: &Folder) -> Vec<Drift> {
     let mut found = folder.check(&folder.expected());
     if folder.is_earlier {
@@ -224,7 +225,8 @@ fn differences(folder: &Folder) -> Vec<Drift> {
     found
 }
 
-/// The unit of a root as codels are compared with it, and the texts that it was read from if these are earlier ones.
+/// The unit of a root as codels are compared with it, and the texts that it was read from if these are
+/// earlier ones.
 fn serving(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<(UnitResult, Option<Good>)> {
     let unit = snapshot.analysis.root_unit(root)?;
     if unit.has_syntax_errors() {
@@ -248,8 +250,8 @@ fn serving(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<(UnitResult, Opt
     Ok((unit, None))
 }
 
-/// Makes folders of an earlier unit speak of the present texts: places are where they are now, and codels in which
-/// something was changed are left out.
+/// Makes folders of an earlier unit speak of the present texts: places are where they are now, and codels in
+/// which something was changed are left out.
 fn bring_up(snapshot: &Snapshot, folders: &mut [Folder], earlier: &Good) -> Cancellable<()> {
     let mut now: BTreeMap<Utf8PathBuf, Arc<str>> = BTreeMap::new();
     for path in earlier.texts.keys() {
@@ -281,8 +283,8 @@ fn bring_up(snapshot: &Snapshot, folders: &mut [Folder], earlier: &Good) -> Canc
     Ok(())
 }
 
-/// Whether something can be said of a specification and its codels: a folder for them is there, or a comment allows
-/// findings. Told without asking what the specification means.
+/// Whether something can be said of a specification and its codels: a folder for them is there, or a comment
+/// allows findings. Told without asking what the specification means.
 fn is_concerned(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<bool> {
     let text = snapshot.analysis.text(path)?;
     if snapshot.config.codels.is_some() && text.is_some_and(|it| it.contains("allow(")) {
@@ -291,8 +293,8 @@ fn is_concerned(snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<bool> {
     may_have_sources(snapshot, &snapshot.analysis.root_of(path)?)
 }
 
-/// Whether there is a folder of codels for a file of the unit of a root, on the disk or in the editor. Told without
-/// asking what the specification means.
+/// Whether there is a folder of codels for a file of the unit of a root, on the disk or in the editor. Told
+/// without asking what the specification means.
 pub(crate) fn may_have_sources(snapshot: &Snapshot, root: &Utf8Path) -> Cancellable<bool> {
     let Some(config) = &snapshot.config.codels else {
         return Ok(false);

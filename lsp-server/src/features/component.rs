@@ -1,5 +1,5 @@
-//! A new component: `dotgen/interfaces`, `dotgen/newComponent` and `dotgen new`. The files are made here; the editor, or the
-//! command line, writes them.
+//! A new component: `dotgen/interfaces`, `dotgen/newComponent` and `dotgen new`. The files are made here; the
+//! editor, or the command line, writes them.
 
 use camino::{Utf8Path, Utf8PathBuf};
 use dotgen_analysis::diagnostic::Severity;
@@ -32,8 +32,8 @@ pub(crate) struct Answers {
     pub(crate) uses: Vec<(String, Utf8PathBuf)>,
 }
 
-/// The files of a component in a folder: specification, scenario, sources of the codels. `texts` has all that is there.
-/// The error is a message for the user.
+/// The files of a component in a folder: specification, scenario, sources of the codels. `texts` has all that
+/// is there. The error is a message for the user.
 pub(crate) fn files(
     host: &mut AnalysisHost,
     texts: &dyn Files,

@@ -17,8 +17,8 @@ macro_rules! language {
             /// What is wrong with a file.
             fn diagnostics(&self, snapshot: &Snapshot, path: &Utf8Path) -> Cancellable<Vec<Diagnostic>>;
 
-            /// Whether its documents are this server's alone. About those of others the client asks other servers
-            /// too: what is wrong is told unasked, and nothing beyond the protocol is served.
+            /// Whether its documents are this server's alone. About those of others the client asks other
+            /// servers too: what is wrong is told unasked, and nothing beyond the protocol is served.
             fn is_own(&self) -> bool {
                 false
             }

@@ -1,4 +1,5 @@
-//! Lenses that run what is written: over the components of a specification, and over a scenario. The client runs it.
+//! Lenses that run what is written: over the components of a specification, and over a scenario. The client
+//! runs it.
 
 use std::ops::Range;
 
@@ -12,7 +13,8 @@ use crate::features::commands::{RUN, SIMULATE};
 use crate::protocol::types::{CodeLens, CodeLensParams, Command};
 use crate::workspace::snapshot::{Snapshot, Subject};
 
-/// `Simulate` and `Run` over every component, with the place of its name; nothing for clients that do not run components.
+/// `Simulate` and `Run` over every component, with the place of its name; nothing for clients that do not run
+/// components.
 pub(crate) fn lenses(
     snapshot: &Snapshot,
     subject: &Subject,

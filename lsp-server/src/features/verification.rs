@@ -106,8 +106,8 @@ pub(crate) fn actions(
     Ok(out)
 }
 
-/// The default scenario as a file beside the specification, offered on the heading of a component, and where something
-/// was given up for want of one.
+/// The default scenario as a file beside the specification, offered on the heading of a component, and where
+/// something was given up for want of one.
 fn write_out(
     snapshot: &Snapshot,
     subject: &Subject,

@@ -1,4 +1,5 @@
-//! When files got the text that they have: from git where a file is as it was committed, else from its time stamp.
+//! When files got the text that they have: from git where a file is as it was committed, else from its time
+//! stamp.
 
 use std::ffi::OsString;
 use std::time::{Duration, SystemTime};
@@ -9,9 +10,9 @@ use crate::process;
 
 /// When a file on disk got its text; `None` when nobody knows.
 ///
-/// A time stamp tells little in a fresh clone, where every file is as old as the clone: a file that is as git has it got
-/// its text with the last commit that changed it. Git is asked for objects only. It refreshes no index, runs no hook
-/// and no filter, and reaches no network, whatever the settings of the repository are.
+/// A time stamp tells little in a fresh clone, where every file is as old as the clone: a file that is as git
+/// has it got its text with the last commit that changed it. Git is asked for objects only. It refreshes no
+/// index, runs no hook and no filter, and reaches no network, whatever the settings of the repository are.
 pub(crate) fn changed(path: &Utf8Path) -> Option<SystemTime> {
     committed(path).or_else(|| std::fs::metadata(path).ok()?.modified().ok())
 }

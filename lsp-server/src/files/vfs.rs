@@ -68,8 +68,9 @@ impl Vfs {
         }
     }
 
-    /// For a server: what is no UTF-8 is read with U+FFFD, as editors show it, so that positions agree. Such a text is
-    /// never written: edits of the file are refused unless it is open, and then the text of the client counts.
+    /// For a server: what is no UTF-8 is read with U+FFFD, as editors show it, so that positions agree. Such
+    /// a text is never written: edits of the file are refused unless it is open, and then the text of the
+    /// client counts.
     pub fn for_editor() -> Vfs {
         Vfs {
             for_editor: true,

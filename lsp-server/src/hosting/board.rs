@@ -1,9 +1,10 @@
 //! The newest data of an output port, in memory that the engine shares with the hosts that read it.
 //!
-//! Two places take turns: the writer fills the one that nobody is led to, then leads there. So it never waits, and
-//! readers never wait for it; they look again only if it came round while they read. Readers map the memory without the
-//! right to write, so a codel that runs wild spoils nothing but its own component. The memory has no name where the
-//! system has such: then it goes with the last process that has it, however that ends.
+//! Two places take turns: the writer fills the one that nobody is led to, then leads there. So it never
+//! waits, and readers never wait for it; they look again only if it came round while they read. Readers map
+//! the memory without the right to write, so a codel that runs wild spoils nothing but its own component. The
+//! memory has no name where the system has such: then it goes with the last process that has it, however that
+//! ends.
 //!
 //! The other side is `glue_look` in `codegen/src/codels/glue/prelude.h`.
 #![allow(
@@ -97,8 +98,8 @@ impl Board {
         let place = (self.turn % 2) as usize;
         let head = self.head();
         head.sizes[place].store(data.len() as u64, Ordering::Relaxed);
-        // SAFETY: the place lies within the mapping, and nobody else writes. Who still reads it sees then that
-        // another turn has begun, and looks again.
+        // SAFETY: the place lies within the mapping, and nobody else writes. Who still reads it sees then
+        // that another turn has begun, and looks again.
         unsafe {
             let to = self.memory.as_ptr().cast::<u8>();
             let to = to.add(HEAD + place * self.room);
@@ -198,7 +199,8 @@ fn nameless(length: usize) -> io::Result<File> {
     rustix::fs::ftruncate(&file, length as u64)?;
     rustix::fs::fallocate(&file, FallocateFlags::empty(), 0, length as u64)?;
     rustix::fs::fcntl_add_seals(&file, SealFlags::SHRINK | SealFlags::GROW)?;
-    // A program with capabilities of its own (for real-time scheduling) hides its descriptors from hosts otherwise.
+    // A program with capabilities of its own (for real-time scheduling) hides its descriptors from hosts
+    // otherwise.
     let _ = set_dumpable_behavior(DumpableBehavior::Dumpable);
     Ok(File::from(file))
 }

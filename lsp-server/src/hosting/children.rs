@@ -97,7 +97,8 @@ struct Boards {
     /// To which one an input port is led, by component, port and name of the source.
     shown: HashMap<(usize, u32, String), u64>,
     made: u64,
-    /// Those that have become too small. A host may still be on its way to one, by a path that no other may have.
+    /// Those that have become too small. A host may still be on its way to one, by a path that no other may
+    /// have.
     small: Vec<Board>,
 }
 
@@ -201,7 +202,8 @@ impl Children {
             (Ok(bytes), Some(input)) => send(input, &bytes),
             _ => Ok(()),
         };
-        // Where it cannot be written the host has ended, and its output tells; one that does not read ends so.
+        // Where it cannot be written the host has ended, and its output tells; one that does not read ends
+        // so.
         if sent.is_err_and(|it| it.kind() == io::ErrorKind::TimedOut) {
             process.kill();
         }

@@ -145,7 +145,8 @@ fn tell(output: &Output, reply: &Reply) -> io::Result<()> {
     reply.send(&mut *output)
 }
 
-/// A thread that runs the codels of a task, one after the other; `real` for real time, with the core it is tied to.
+/// A thread that runs the codels of a task, one after the other; `real` for real time, with the core it is
+/// tied to.
 fn start(
     component: &Arc<Component>,
     output: &Output,

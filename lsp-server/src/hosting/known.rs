@@ -63,7 +63,8 @@ pub(super) fn describe(known: &Known) -> Value {
             "doc": "Connect two ports",
             "inputs": [
                 {"name": "local", "schema": {"type": "string", "description": "Input port"}},
-                {"name": "remote", "schema": {"type": "string", "description": "COMPONENT/PORT that it reads"}},
+                {"name": "remote", "schema": {"type": "string", "description": "COMPONENT/PORT that it \
+                    reads"}},
             ],
             "outputs": [],
         }));

@@ -33,7 +33,8 @@ type Ask = unsafe extern "C" fn(u32, *const c_void, usize, Put, *mut c_void) -> 
 type Asks = unsafe extern "C" fn(Ask);
 type Forget = unsafe extern "C" fn(*mut Buffer);
 
-/// Brings what a codel asks for (a remote and its inputs) to another component: the outputs, or an error of the system.
+/// Brings what a codel asks for (a remote and its inputs) to another component: the outputs, or an error of
+/// the system.
 pub(super) type Bring = Box<dyn Fn(u32, &[u8]) -> Result<Vec<u8>, c_int> + Send + Sync>;
 
 /// Set once, before codels run.
@@ -128,7 +129,8 @@ impl Component {
         let address = view.address();
         let mut views = self.views.lock().unwrap_or_else(|it| it.into_inner());
         views.push(view);
-        // SAFETY: the name ends with a zero and is only read; the view stays where it is until the glue returns it.
+        // SAFETY: the name ends with a zero and is only read; the view stays where it is until the glue
+        // returns it.
         let before = unsafe { (self.share)(port, id.as_ptr(), address) };
         views.retain(|it| it.address() != before);
         Ok(())

@@ -28,7 +28,8 @@ const LONGEST: u64 = 16 << 20;
 /// Lines that a client may be behind; whoever reads more slowly misses data of ports.
 const BEHIND: usize = 1024;
 
-/// Whoever looks at how far the run has come is told at most so often: eyes see no more, and telling takes time.
+/// Whoever looks at how far the run has come is told at most so often: eyes see no more, and telling takes
+/// time.
 const LOOK_EVERY: Duration = Duration::from_millis(100);
 
 /// Listens until it is dropped; then its socket is gone.
@@ -38,8 +39,8 @@ pub(crate) struct Server {
 }
 
 impl Server {
-    /// Listens at a TCP port as well, on loopback: every user of this machine may connect there. Port 0 is any; the
-    /// result is the one that was taken.
+    /// Listens at a TCP port as well, on loopback: every user of this machine may connect there. Port 0 is
+    /// any; the result is the one that was taken.
     ///
     /// # Errors
     /// In words: where somebody else listens there, or nobody may.
@@ -479,8 +480,8 @@ fn call(
     }
 }
 
-/// Connects an input port of a component, as the service of that name does in servers: `local` is the port, with its
-/// instance after a slash if it is `multiple`, `remote` is `COMPONENT/PORT`, likewise.
+/// Connects an input port of a component, as the service of that name does in servers: `local` is the port,
+/// with its instance after a slash if it is `multiple`, `remote` is `COMPONENT/PORT`, likewise.
 fn connect(shared: &Shared, at: usize, input: Option<&Value>) -> Result<Value, String> {
     let text = |key: &str| {
         let given = input.and_then(|it| it.get(key)).and_then(Value::as_str);

@@ -60,8 +60,8 @@ pub(super) fn create(parent: Option<&Path>) -> io::Result<Box<dyn Folder>> {
     }))
 }
 
-/// The space that a folder takes, in bytes. Every entry counts as a block at least, so that a flood of empty files
-/// counts too.
+/// The space that a folder takes, in bytes. Every entry counts as a block at least, so that a flood of empty
+/// files counts too.
 pub(super) fn size(folder: &Path) -> u64 {
     let entries = walkdir::WalkDir::new(folder).into_iter().flatten();
     let space = |it: walkdir::DirEntry| {

@@ -181,8 +181,8 @@ impl Dispatcher {
         });
     }
 
-    /// A request beyond the protocol, or for diagnostics: about a document of our own languages. Any other has
-    /// nothing to show, nor has one that is unknown.
+    /// A request beyond the protocol, or for diagnostics: about a document of our own languages. Any other
+    /// has nothing to show, nor has one that is unknown.
     pub(crate) async fn document<P, R>(
         &self,
         uri: Uri,
@@ -225,9 +225,9 @@ impl Dispatcher {
             .await
     }
 
-    /// A request whose answer is wrong when a part of the workspace is not known yet: an edit of every place. It waits
-    /// until all files are listed, which the client is shown as progress. When the answer takes long, so is that, by
-    /// its title, and the user may stop it.
+    /// A request whose answer is wrong when a part of the workspace is not known yet: an edit of every place.
+    /// It waits until all files are listed, which the client is shown as progress. When the answer takes
+    /// long, so is that, by its title, and the user may stop it.
     pub(crate) async fn everywhere<P, R>(
         &self,
         title: &str,

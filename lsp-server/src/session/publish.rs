@@ -207,8 +207,8 @@ impl Publisher {
     }
 }
 
-/// Files whose diagnostics are computed in one go. In between changes and requests have their turn, and what analysis
-/// remembers of the files is forgotten.
+/// Files whose diagnostics are computed in one go. In between changes and requests have their turn, and what
+/// analysis remembers of the files is forgotten.
 const BATCH: usize = 32;
 
 /// The computation of everything that is to be said about a revision, in parts: open documents first.

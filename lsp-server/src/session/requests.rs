@@ -1,8 +1,8 @@
 //! The table of requests: which method has which parameters and answer, and who answers it.
 //!
-//! Rows of the protocol name a feature of [`Language`](crate::features::language::Language): the language of the
-//! document answers. Rows beyond the protocol name a handler, or a method of [`Backend`] for those that talk to
-//! the client meanwhile.
+//! Rows of the protocol name a feature of [`Language`](crate::features::language::Language): the language of
+//! the document answers. Rows beyond the protocol name a handler, or a method of [`Backend`] for those that
+//! talk to the client meanwhile.
 
 use std::sync::atomic::Ordering;
 

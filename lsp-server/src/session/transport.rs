@@ -334,8 +334,9 @@ async fn write(
         tokio::select! {
             answer = answers.recv() => {
                 let Some(answer) = answer else { break };
-                // Parts of an answer (`$/progress`) are handed over before the answer is, but come another way. The
-                // client drops parts that arrive after their answer, so what has been handed over goes first.
+                // Parts of an answer (`$/progress`) are handed over before the answer is, but come another
+                // way. The client drops parts that arrive after their answer, so what has been handed over
+                // goes first.
                 let mut earlier = Vec::new();
                 while let Some(Some(request)) = requests.next().now_or_never() {
                     earlier.push(json!(request));

@@ -1,4 +1,5 @@
-//! Edits that would do harm: of a part of the places, or of a file that the client cannot write back as it is.
+//! Edits that would do harm: of a part of the places, or of a file that the client cannot write back as it
+//! is.
 
 use serde_json::{Value, json};
 
@@ -33,7 +34,8 @@ async fn a_rename_waits_until_all_files_are_known() {
     let mut client = Client::start_answering(folder.params(capabilities), asked).await;
     let uri = folder.uri("pose.idl");
     client.open(&uri, POSE).await;
-    // The server lists the files when its question for a progress has an answer, which comes after these requests.
+    // The server lists the files when its question for a progress has an answer, which comes after these
+    // requests.
     let rename = client.begin("textDocument/rename", at_pose(&uri)).await;
     let files = json!({ "files": [{ "oldUri": uri, "newUri": folder.uri("types.idl") }] });
     let moved = client.begin("workspace/willRenameFiles", files).await;

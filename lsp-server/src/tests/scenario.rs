@@ -85,18 +85,21 @@ async fn completion_knows_the_place() {
         ("$0", "scenario"),
         (
             "scenario a {\n $0",
-            "use unit semantics cores policy affinity durations duration loop idle ticks turns locks ports pause exceptions order async aperiodic connect slots client check",
+            "use unit semantics cores policy affinity durations duration loop idle ticks turns locks ports \
+                pause exceptions order async aperiodic connect slots client check",
         ),
         ("scenario a { policy $0", "fifo edf any priority fair"),
         ("scenario a { policy f$0", "fifo edf any priority fair"),
         ("scenario a { use \"$0\"; }", "other.gen pump.gen"),
         (
             "scenario a { use \"pump.gen\"; check $0",
-            "schedulable no-overdue response within reaction age leadsto eventually always reachable deadlock",
+            "schedulable no-overdue response within reaction age leadsto eventually always reachable \
+                deadlock",
         ),
         (
             "scenario a { use \"pump.gen\"; check x: $0 }",
-            "schedulable no-overdue response within reaction age leadsto eventually always reachable deadlock",
+            "schedulable no-overdue response within reaction age leadsto eventually always reachable \
+                deadlock",
         ),
         (
             "scenario a { use \"pump.gen\"; check schedulable $0; }",

@@ -217,8 +217,8 @@ async fn a_verification_is_cancelled_by_an_edit_and_limited_by_the_settings() {
         .notify("$/cancelRequest", json!({ "id": search }))
         .await;
     assert!(client.end(search).await.is_err());
-    // The next does not wait for the end of the first, which is far away. It holds, but only exploration can tell: of
-    // tasks without a period the tiers before it say nothing.
+    // The next does not wait for the end of the first, which is far away. It holds, but only exploration can
+    // tell: of tasks without a period the tiers before it say nothing.
     let third = "  task rest { codel<start> r() yield pause::start wcet 1 ms; };\n  task w { period 10 ms;\n    codel<start> a(inout level) yield b, pause::start wcet 2 ms;\n    codel<b> b(inout level) yield pause::start wcet 1 ms;\n  };\n  task t {";
     let text = pump("6 ms").replace("  task t {", third);
     client.change(&uri, 2, json!([{ "text": text }])).await;
@@ -620,7 +620,10 @@ async fn what_was_given_up_names_the_setting_to_raise() {
     let message = gave_up.next().expect("one of them")["message"].clone();
     let message = message.as_str().expect("text");
     assert!(
-        message.contains(" is not settled within the limit of states; raise `verification.max-states` in the settings, or "),
+        message.contains(
+            " is not settled within the limit of states; raise `verification.max-states` in \
+            the settings, or "
+        ),
         "{message}"
     );
     let answer = client.ok("dotgen/verification", document(&scn)).await;

@@ -43,8 +43,8 @@ async fn start() -> (Client, Folder, String) {
     (client, folder, uri)
 }
 
-/// The problem of `control`, once it says what helps: that is found after the answer. It is asked for until it is there,
-/// as what announces it may come before the answer to the question before.
+/// The problem of `control`, once it says what helps: that is found after the answer. It is asked for until
+/// it is there, as what announces it may come before the answer to the question before.
 async fn problem(client: &mut Client, uri: &str) -> Value {
     for _ in 0..100_000 {
         let report = client.ok("textDocument/diagnostic", document(uri)).await;

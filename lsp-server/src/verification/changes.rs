@@ -128,8 +128,8 @@ pub(crate) fn title(change: &Change) -> Option<String> {
     })
 }
 
-/// The edit of a specification or of the scenario that makes a change. None where nothing plain can be changed: two codels
-/// that are to be separated, a time that a macro writes, a scenario that is in no file.
+/// The edit of a specification or of the scenario that makes a change. None where nothing plain can be
+/// changed: two codels that are to be separated, a time that a macro writes, a scenario that is in no file.
 pub(crate) fn edit(
     analysis: &Analysis,
     problem: &Problem,

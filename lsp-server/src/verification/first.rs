@@ -1,5 +1,6 @@
-//! The first answers for a specification without a scenario: about its permanent activities, then about each activity
-//! alone. They are exact and soon there, and each says what it assumes; any client at any time comes after them.
+//! The first answers for a specification without a scenario: about its permanent activities, then about each
+//! activity alone. They are exact and soon there, and each says what it assumes; any client at any time comes
+//! after them.
 
 use dotgen_analysis::model::ServiceKind;
 use dotgen_timing::report::Report;
@@ -27,7 +28,8 @@ pub(crate) struct FirstAnswer {
     pub(crate) open: Vec<String>,
 }
 
-/// The first answers, in the order in which they are asked; none where a scenario is written or nothing can be requested.
+/// The first answers, in the order in which they are asked; none where a scenario is written or nothing can
+/// be requested.
 pub(crate) fn answers(problem: &Problem, options: &Options, cancel: &Cancel) -> Vec<FirstAnswer> {
     if problem.is_written() {
         return Vec::new();
@@ -90,8 +92,9 @@ fn activities(problem: &Problem) -> Vec<String> {
     all.collect()
 }
 
-/// The problem with a client that requests one activity again and again, each time when the one before has ended, or with
-/// none. (Any number of instances at the same time is what any client may ask for: it is seldom answered soon.)
+/// The problem with a client that requests one activity again and again, each time when the one before has
+/// ended, or with none. (Any number of instances at the same time is what any client may ask for: it is
+/// seldom answered soon.)
 fn requesting(problem: &Problem, activity: Option<&str>) -> Problem {
     let mut out = problem.clone();
     let items = &mut out.scenario.items;

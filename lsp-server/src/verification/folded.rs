@@ -26,8 +26,8 @@ const LONGEST: usize = 32;
 /// Shorter repetitions are as soon read.
 const LEAST: usize = 8;
 
-/// A run in parts. Only the order of steps counts for what repeats itself, not the times. What goes on for ever begins with
-/// a part of its own.
+/// A run in parts. Only the order of steps counts for what repeats itself, not the times. What goes on for
+/// ever begins with a part of its own.
 pub(crate) fn folded(events: &[Event], cycle: Option<usize>) -> Vec<Part> {
     let mut ids = HashMap::new();
     let steps: Vec<usize> = events

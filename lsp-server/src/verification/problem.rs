@@ -219,8 +219,8 @@ impl Problem {
         self.units.iter().map(|it| &*it.spec).collect()
     }
 
-    /// What the verifier says: at its place in the scenario if it has one there, else in the specification it is
-    /// about, else at the name of the scenario.
+    /// What the verifier says: at its place in the scenario if it has one there, else in the specification it
+    /// is about, else at the name of the scenario.
     pub fn diagnostic(&self, it: &scn::Diagnostic) -> Diagnostic {
         let mut out = diagnostic(it, &self.path);
         let places = it.places.iter();

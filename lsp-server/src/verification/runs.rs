@@ -5,7 +5,8 @@ use dotgen_timing::report::{CheckReport, Report, Verdict};
 
 use super::timeline::Ending;
 
-/// The check whose run is shown: the one that is wanted, else the first that is refuted, else the first that has a run.
+/// The check whose run is shown: the one that is wanted, else the first that is refuted, else the first that
+/// has a run.
 pub(crate) fn chosen(report: &Report, wanted: Option<usize>) -> Option<usize> {
     let has_run = |it: &CheckReport| !it.run().is_empty();
     let refuted = |it: &CheckReport| it.verdict == Verdict::Refuted && has_run(it);

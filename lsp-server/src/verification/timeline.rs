@@ -97,7 +97,8 @@ pub(crate) fn of_run(title: String, unit: &str, events: &[Event], ending: Ending
     }
 }
 
-/// Longer runs are shown from a moment on: nobody looks at thousands of bars, and drawing them takes its time.
+/// Longer runs are shown from a moment on: nobody looks at thousands of bars, and drawing them takes its
+/// time.
 const LONGEST: usize = 800;
 /// So many events are shown of them, and whatever else happens at the first moment.
 const LAST: usize = 500;

@@ -1,5 +1,6 @@
-//! A run as data for whoever draws it: lanes, what goes on in them, who waits for whom, and the steps. A counterexample
-//! and a recorded run have this one form. `docs/trace.md` describes it, `docs/trace.schema.json` is its schema.
+//! A run as data for whoever draws it: lanes, what goes on in them, who waits for whom, and the steps. A
+//! counterexample and a recorded run have this one form. `docs/trace.md` describes it,
+//! `docs/trace.schema.json` is its schema.
 
 mod lanes;
 mod make;

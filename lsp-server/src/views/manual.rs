@@ -7,8 +7,8 @@ use rustc_hash::FxHashMap;
 
 use crate::protocol::types::Uri;
 
-/// The pages by code, `async/shared-attribute` in a directory. In a package `docs` is beside the program or one above, in a build tree two
-/// above `target/debug`.
+/// The pages by code, `async/shared-attribute` in a directory. In a package `docs` is beside the program or
+/// one above, in a build tree two above `target/debug`.
 static PAGES: LazyLock<FxHashMap<String, Uri>> = LazyLock::new(|| {
     let directory = || -> Option<PathBuf> {
         let program = std::env::current_exe().ok()?.canonicalize().ok()?;

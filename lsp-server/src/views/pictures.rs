@@ -74,8 +74,8 @@ pub struct Wish {
     pub chains: bool,
     /// Systems: components that were opened or closed.
     pub opened: BTreeMap<String, bool>,
-    /// Systems: how far nodes were moved from where they are laid out, to the right and down, in pixels. A port
-    /// goes with its component.
+    /// Systems: how far nodes were moved from where they are laid out, to the right and down, in pixels. A
+    /// port goes with its component.
     pub moved: BTreeMap<String, (i32, i32)>,
 }
 
@@ -358,7 +358,8 @@ fn excluded(spec: &Spec, component: &Component, codel: CodelRef) -> Vec<String> 
         .collect()
 }
 
-/// The state machine of a task or activity as a template asks for it; see [`dotgen_codegen::command::Pictures`].
+/// The state machine of a task or activity as a template asks for it; see
+/// [`dotgen_codegen::command::Pictures`].
 pub(crate) fn machine(
     spec: &Spec,
     component: &str,

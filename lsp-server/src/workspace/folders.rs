@@ -177,8 +177,9 @@ impl Workspace {
         true
     }
 
-    /// The nearest directory around an open file that has a `dotgen.toml` configures how it is read. Without workspace
-    /// folders, that of the first one is taken for all; its files are not listed. Whether the configuration may differ.
+    /// The nearest directory around an open file that has a `dotgen.toml` configures how it is read. Without
+    /// workspace folders, that of the first one is taken for all; its files are not listed. Whether the
+    /// configuration may differ.
     pub(crate) fn adopt(&mut self, file: &Utf8Path) -> bool {
         if uri::is_virtual(file) {
             return false;

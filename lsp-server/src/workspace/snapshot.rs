@@ -239,8 +239,8 @@ impl Snapshot {
         self.kind_of(path) == DocumentKind::Code
     }
 
-    /// The units of the system that a file belongs to: what lies in the same workspace folder and, in there, below the
-    /// same `dotgen.toml`; and what is open below that, or likewise below none, in whatever folder.
+    /// The units of the system that a file belongs to: what lies in the same workspace folder and, in there,
+    /// below the same `dotgen.toml`; and what is open below that, or likewise below none, in whatever folder.
     pub fn system_units(&self, path: &Utf8Path) -> Cancellable<Vec<UnitResult>> {
         let folder = self.folders.iter().find(|it| path.starts_with(it));
         let project = self.config.project(path);

@@ -24,7 +24,8 @@ pub(super) struct Executing {
     pub(super) thread: Option<usize>,
     /// Whether it takes a core, and which if that is fixed.
     pub(super) core: Option<Option<u32>>,
-    /// Where threads lose their core to others: the one it is tied to, and its priority; the lower number goes first.
+    /// Where threads lose their core to others: the one it is tied to, and its priority; the lower number
+    /// goes first.
     pub(super) tied: Option<(u32, u64)>,
 }
 

@@ -219,8 +219,8 @@ impl<'s> Parts<'s> {
     }
 }
 
-/// The component, and its service, that a remote stands for: the only other one that is the interface, or provides it.
-/// `None` too where the parameters hold something else.
+/// The component, and its service, that a remote stands for: the only other one that is the interface, or
+/// provides it. `None` too where the parameters hold something else.
 fn provider(names: &Names<'_>, asking: usize, remote: &Remote) -> Option<(usize, u32)> {
     let own = &names.components[asking];
     let interface = &own.spec.components.get(remote.interface as usize)?.name;

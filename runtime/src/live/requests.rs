@@ -31,7 +31,8 @@ impl Live<'_> {
         for component in 0..self.pending.len() {
             match stepper.handling(component) {
                 Some((service, refused)) => {
-                    // An activity may have its place before it is accepted; it is the youngest of its service.
+                    // An activity may have its place before it is accepted; it is the youngest of its
+                    // service.
                     let places = self.places.iter_mut().flatten();
                     let youngest = places
                         .filter(|it| {
@@ -153,7 +154,8 @@ impl Live<'_> {
         matches!(work, Work::Delay { client } if self.parts.outside(*client).is_some())
     }
 
-    /// Whether a client may go on to a step after a delay: one that stands for somebody outside waits for him.
+    /// Whether a client may go on to a step after a delay: one that stands for somebody outside waits for
+    /// him.
     pub fn may_proceed(&self, client: usize, step: usize) -> bool {
         let Some(component) = self.parts.outside(client) else {
             return true;

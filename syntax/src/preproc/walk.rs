@@ -22,8 +22,8 @@ use crate::{
 
 /// Preprocesses one file.
 ///
-/// `file` is the path as the host names it (for `__FILE__` and [`MacroSite`](super::MacroSite)), `raw` the tokens of
-/// `text`, `env` the environment at its start.
+/// `file` is the path as the host names it (for `__FILE__` and [`MacroSite`](super::MacroSite)), `raw` the
+/// tokens of `text`, `env` the environment at its start.
 pub fn preprocess(
     file: &SmolStr,
     text: &str,

@@ -42,7 +42,8 @@ impl Files for Memory {
     }
 }
 
-/// Compares an input with the specification, then repairs what can be repaired; the repaired text is compared again.
+/// Compares an input with the specification, then repairs what can be repaired; the repaired text is compared
+/// again.
 pub(super) fn compare(input: &[u8]) {
     let root = Utf8PathBuf::from("/tank.gen");
     let texts = BTreeMap::from([

@@ -21,8 +21,8 @@ pub(super) const SESSION: &str = r#"{"jsonrpc":"2.0","method":"initialized","par
 /// A session that takes longer has lost a message.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A server is initialised and gets each line as one message; then its input ends. It must end too, and what it wrote
-/// must be frames of JSON.
+/// A server is initialised and gets each line as one message; then its input ends. It must end too, and what
+/// it wrote must be frames of JSON.
 pub(super) fn serve(input: &[u8]) {
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(1)

@@ -1,8 +1,9 @@
-//! What a task executes, one codel after the other: its permanent activity and the activities that are requested
-//! of it, put together pass by pass.
+//! What a task executes, one codel after the other: its permanent activity and the activities that are
+//! requested of it, put together pass by pass.
 //!
-//! When requests come is left open: an activity that may be requested can begin in each cycle in which it is not
-//! under way, and one that is interrupted by a service that may be requested can be interrupted before each pass.
+//! When requests come is left open: an activity that may be requested can begin in each cycle in which it is
+//! not under way, and one that is interrupted by a service that may be requested can be interrupted before
+//! each pass.
 
 use rustc_hash::FxHashMap;
 
@@ -239,8 +240,9 @@ impl Builder<'_> {
         }
     }
 
-    /// Where an activity is that may have failed. Any other may fail as well in some runs, so that there would be
-    /// a rest for each set of those that have. Instead it is as if it were paused, and need not be resumed.
+    /// Where an activity is that may have failed. Any other may fail as well in some runs, so that there
+    /// would be a rest for each set of those that have. Instead it is as if it were paused, and need not be
+    /// resumed.
     fn fades(&self, activity: usize, stops: Stops) -> Option<At> {
         if self.activities[activity].again {
             return None;
@@ -269,7 +271,8 @@ impl Builder<'_> {
         out
     }
 
-    /// What can follow in a pass. The permanent activity has the first slot; the slots of others are not known.
+    /// What can follow in a pass. The permanent activity has the first slot; the slots of others are not
+    /// known.
     fn go_on_in_pass(&mut self, at: &[At]) -> Vec<Then> {
         let next = (0..at.len()).filter(|&it| matches!(at[it], At::Next(..)));
         let mut next: Vec<usize> = next.collect();

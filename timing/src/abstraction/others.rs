@@ -1,7 +1,7 @@
 //! Who takes tickets beside the tasks that are followed: control tasks, and tasks without period.
 //!
-//! When they do is left open. Each of them has one ticket at a time, so a codel that has taken a ticket finds at
-//! most one codel of each of them before it: one that executes, or one that is ahead in the queue.
+//! When they do is left open. Each of them has one ticket at a time, so a codel that has taken a ticket finds
+//! at most one codel of each of them before it: one that executes, or one that is ahead in the queue.
 
 use crate::system::{CodelSet, FOREVER, TimedSystem};
 

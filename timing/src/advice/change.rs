@@ -5,7 +5,8 @@ use serde::Serialize;
 
 use crate::scn::ast::Policy;
 
-/// What to change, the rest as it is. Times are in the unit of the report, those without a place in JSON in seconds.
+/// What to change, the rest as it is. Times are in the unit of the report, those without a place in JSON in
+/// seconds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "change", rename_all = "kebab-case")]
 pub enum Change {
@@ -64,7 +65,8 @@ pub enum Change {
         codel: String,
         /// The other one.
         other: String,
-        /// What both use, in words. The copy separates the codel from all others with which it shares nothing else.
+        /// What both use, in words. The copy separates the codel from all others with which it shares nothing
+        /// else.
         through: Vec<String>,
     },
     /// The number of cores.
@@ -90,8 +92,8 @@ fn by_name<S: serde::Serializer>(policy: &Policy, to: S) -> Result<S::Ok, S::Err
 }
 
 impl Change {
-    /// How much it is: what leaves all work as it is goes first, then times by the part of them that changes, then what takes
-    /// another design of codels, last what takes another computer.
+    /// How much it is: what leaves all work as it is goes first, then times by the part of them that changes,
+    /// then what takes another design of codels, last what takes another computer.
     pub fn size(&self) -> (u8, f64) {
         let part = |now: f64, needed: f64| (needed - now).abs() / now.max(f64::MIN_POSITIVE);
         match self {

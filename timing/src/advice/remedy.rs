@@ -30,8 +30,9 @@ pub(super) fn limits(report: &Report, options: &Options) -> Limits {
     }
 }
 
-/// What makes a refuted check of a task hold, if something plain does and is found soon: of the codels that its job waits
-/// for, or is made of, the longest first, how short one has to be; else, where it waits for a core, how many are needed.
+/// What makes a refuted check of a task hold, if something plain does and is found soon: of the codels that
+/// its job waits for, or is made of, the longest first, how short one has to be; else, where it waits for a
+/// core, how many are needed.
 pub fn remedy(
     input: &SystemInput,
     scenario: &Scenario,

@@ -16,7 +16,8 @@ use crate::scn::names::Names;
 use crate::system::FOREVER;
 use crate::verify::{Cancel, Options, SystemInput, settings};
 
-/// Policies that are worth trying: with the others an order is left open, which proves nothing that these do not.
+/// Policies that are worth trying: with the others an order is left open, which proves nothing that these do
+/// not.
 const POLICIES: [Policy; 3] = [Policy::Priority, Policy::Edf, Policy::Fifo];
 
 /// What was found.
@@ -85,9 +86,9 @@ fn misses(it: &CheckReport) -> bool {
 /// Who is told: what is being tried, and each change when it is found.
 pub type Tell<'a, T = Change> = (&'a (dyn Fn(Trying) + Sync), &'a (dyn Fn(&T) + Sync));
 
-/// The single changes with which every check of a deadline or a limit holds, those that were given up apart: what is
-/// blamed by the runs that show what is missed is tried first. Each is told when it is found, and was verified
-/// itself. Nothing where nothing is missed.
+/// The single changes with which every check of a deadline or a limit holds, those that were given up apart:
+/// what is blamed by the runs that show what is missed is tried first. Each is told when it is found, and was
+/// verified itself. Nothing where nothing is missed.
 ///
 /// With a `patience` nothing more is tried after it.
 pub fn repairs(

@@ -99,7 +99,8 @@ impl<'t> Trial<'t> {
         let codel = system.codels.iter().find(|it| it.path == path)?;
         let (lower, upper) = (codel.lower, codel.upper);
         let fixed = self.settings.durations == Durations::Fixed;
-        // What takes no time is no codel any more, and below its least time it cannot be brought by a greatest one.
+        // What takes no time is no codel any more, and below its least time it cannot be brought by a
+        // greatest one.
         let least = if fixed { 1 } else { lower.max(1) };
         if upper == FOREVER || upper <= least {
             return None;
@@ -124,7 +125,8 @@ impl<'t> Trial<'t> {
         })
     }
 
-    /// A longer period of a task with which it holds, up to four times as long, next to one with which it does not.
+    /// A longer period of a task with which it holds, up to four times as long, next to one with which it
+    /// does not.
     pub(super) fn period(&self, task: usize) -> Option<Change> {
         let (c, declared) = self.declared(task)?;
         let path = self.built.system.task_path(task);
@@ -186,8 +188,8 @@ impl<'t> Trial<'t> {
         })
     }
 
-    /// Whether it holds when a codel works on a copy of what it shares with another one. A copy also separates it from
-    /// all others with which it shares nothing else.
+    /// Whether it holds when a codel works on a copy of what it shares with another one. A copy also
+    /// separates it from all others with which it shares nothing else.
     pub(super) fn apart(&self, codel: &str, other: &str) -> Option<Change> {
         let codels = &self.built.system.codels;
         let find = |path: &str| codels.iter().find(|it| it.path == path);

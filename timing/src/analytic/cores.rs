@@ -17,7 +17,8 @@ impl Analysis<'_> {
         }
         let others = (0..system.tasks.len()).filter(|&it| it != task && system.needs_core(it));
         let mut demand = Demand::default();
-        // Other tasks that keep a core for ever at worst, and those that do so even if they are given it only once.
+        // Other tasks that keep a core for ever at worst, and those that do so even if they are given it only
+        // once.
         let (mut kept, mut held_for_ever) = (0, 0);
         // Under FIFO every other task has at most one job that was released before.
         let mut ahead = 0u64;
@@ -49,8 +50,8 @@ impl Analysis<'_> {
         }
     }
 
-    /// Whether no job of a periodic task can be under way while a job of this one has its core: all other cores are
-    /// taken for ever before the first tick of any, and no codel goes on without a core.
+    /// Whether no job of a periodic task can be under way while a job of this one has its core: all other
+    /// cores are taken for ever before the first tick of any, and no codel goes on without a core.
     pub(super) fn alone(&self, task: usize) -> bool {
         let system = self.system;
         let Some(cores) = system.platform.cores else {

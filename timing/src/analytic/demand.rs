@@ -42,8 +42,8 @@ impl Jobs {
     /// What they do at most in a window, and how much of it they do at its end: 0 or 1.
     ///
     /// It begins when all the work of a job is still to do, which ends as late as it can: so the next is
-    /// released as early as possible. (An earlier window has less of the first job and as much more of the last one at
-    /// most.)
+    /// released as early as possible. (An earlier window has less of the first job and as much more of the
+    /// last one at most.)
     fn demand(&self, window: u64) -> (u64, u64) {
         match self.kind {
             Kind::First(tick) => (self.releases(window, tick).saturating_mul(self.work), 0),

@@ -12,7 +12,8 @@ const COMBINATIONS: usize = 32;
 
 /// Per task, sets of automata: those that have a turn in one job are among those of one set.
 ///
-/// Whoever has had a turn in a job keeps its slot until the job has ended, so all of them are in use at its end.
+/// Whoever has had a turn in a job keeps its slot until the job has ended, so all of them are in use at its
+/// end.
 pub(super) fn of_one_job(system: &TimedSystem) -> Vec<Vec<Vec<usize>>> {
     let live: Vec<Option<FxHashSet<Live>>> = system
         .clients
@@ -76,8 +77,8 @@ type Live = Vec<(usize, Vec<usize>)>;
 
 /// The instances there can be of the requests of a client, one list for each situation it can be in.
 ///
-/// Those nobody waits for stay for ever here. That they may end makes no other list longer: as many more as then find
-/// a slot are there already.
+/// Those nobody waits for stay for ever here. That they may end makes no other list longer: as many more as
+/// then find a slot are there already.
 fn situations(system: &TimedSystem, client: &Client) -> Option<FxHashSet<Live>> {
     let mut seen: FxHashSet<(usize, Live)> = FxHashSet::default();
     let mut stack: Vec<(usize, Live)> = client.first.iter().map(|&it| (it, Vec::new())).collect();

@@ -1,20 +1,23 @@
-//! Bounds under the semantics of the servers where cores are given and taken away (`policy priority` and `policy fair`).
+//! Bounds under the semantics of the servers where cores are given and taken away (`policy priority` and
+//! `policy fair`).
 //!
-//! At every moment of a job some thread holds it up: its own, or one of its component that is ahead in the lock queue. If that
-//! thread executes, it does a part of the work that the job needs or waits for, which is at most the length of a cycle with cores enough
-//! (see [`super::queue`]). If it does not, others have all cores: under `priority` only those whose priority is not lower than that of
-//! all threads that can hold the job up. So on *N* cores a job takes at most *S + W / N*, where *S* is the former
-//! and *W* what the others do meanwhile (the work-conserving argument of response-time analysis for global
-//! fixed priorities: M. Bertogna, M. Cirinei, RTSS 2007). Where tasks are tied to cores, others may idle: there it is *S + W*.
+//! At every moment of a job some thread holds it up: its own, or one of its component that is ahead in the
+//! lock queue. If that thread executes, it does a part of the work that the job needs or waits for, which is
+//! at most the length of a cycle with cores enough (see [`super::queue`]). If it does not, others have all
+//! cores: under `priority` only those whose priority is not lower than that of all threads that can hold the
+//! job up. So on *N* cores a job takes at most *S + W / N*, where *S* is the former and *W* what the others
+//! do meanwhile (the work-conserving argument of response-time analysis for global fixed priorities: M.
+//! Bertogna, M. Cirinei, RTSS 2007). Where tasks are tied to cores, others may idle: there it is *S + W*.
 //!
-//! What a periodic task does in a window of length *w*: a cycle for every tick in it, one that has begun before, and one
-//! for a tick that was kept (from its start-up as well); a cycle that is late was released up to its response time before, so that all
-//! ticks in *w + R* count. The bounds *R* are the least that follow from each other; no job can be the first to exceed its
-//! own. Of other threads it is not known how much they do: aperiodic tasks, and control tasks that are asked for
-//! ever. Each of them is taken to have a core of its own for ever.
+//! What a periodic task does in a window of length *w*: a cycle for every tick in it, one that has begun
+//! before, and one for a tick that was kept (from its start-up as well); a cycle that is late was released up
+//! to its response time before, so that all ticks in *w + R* count. The bounds *R* are the least that follow
+//! from each other; no job can be the first to exceed its own. Of other threads it is not known how much they
+//! do: aperiodic tasks, and control tasks that are asked for ever. Each of them is taken to have a core of
+//! its own for ever.
 //!
-//! Nothing here depends on when codels end: the bounds hold for any duration up to the longest, also where that is no whole
-//! number of units.
+//! Nothing here depends on when codels end: the bounds hold for any duration up to the longest, also where
+//! that is no whole number of units.
 
 use super::queue::{cycle, is_within_components, requests, work};
 use crate::system::{Policy, Ticks, TimedSystem};
@@ -75,9 +78,9 @@ pub(super) fn response_bounds(system: &TimedSystem) -> Vec<Option<Ticks>> {
     none()
 }
 
-/// How long after a tick the cycle that serves it ends at most; `None` if a tick may be kept again and again. A first cycle
-/// may begin between two ticks, except for the first task of a component; then the next cycle begins late, and ends
-/// before the tick after that.
+/// How long after a tick the cycle that serves it ends at most; `None` if a tick may be kept again and again.
+/// A first cycle may begin between two ticks, except for the first task of a component; then the next cycle
+/// begins late, and ends before the tick after that.
 fn after_tick(system: &TimedSystem, bounds: &[Option<u64>], task: usize) -> Option<u64> {
     let it = &system.tasks[task];
     let first = system.components[it.component].tasks.first() == Some(&task);

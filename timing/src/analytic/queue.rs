@@ -1,14 +1,16 @@
 //! Bounds under the semantics of the servers, where no core is waited for.
 //!
-//! A cycle is a sequence of codels, and before each of them its task takes a ticket. When it does, every other thread of the
-//! component is ahead of it with at most one codel, in the queue or executing; whatever they take a ticket for later comes
-//! behind. The head waits for codels that execute, the next one for the head to begin, and so on: until the task
-//! has its turn, at most one codel of each other thread has ended that somebody waited for. So a cycle takes at most the sum,
-//! over its codels, of their times and of the longest such codel of each other thread.
+//! A cycle is a sequence of codels, and before each of them its task takes a ticket. When it does, every
+//! other thread of the component is ahead of it with at most one codel, in the queue or executing; whatever
+//! they take a ticket for later comes behind. The head waits for codels that execute, the next one for the
+//! head to begin, and so on: until the task has its turn, at most one codel of each other thread has ended
+//! that somebody waited for. So a cycle takes at most the sum, over its codels, of their times and of the
+//! longest such codel of each other thread.
 //!
-//! If that is less than the period, no tick comes during a cycle, and every job that counts is one cycle from its tick on. The
-//! first cycle of a later task of a component may begin between two ticks, with one that was kept. Then a tick may come in
-//! it, and the next cycle begins late; it ends before the tick after that if twice the length is less than the period.
+//! If that is less than the period, no tick comes during a cycle, and every job that counts is one cycle from
+//! its tick on. The first cycle of a later task of a component may begin between two ticks, with one that was
+//! kept. Then a tick may come in it, and the next cycle begins late; it ends before the tick after that if
+//! twice the length is less than the period.
 
 use crate::system::loops::pauseless_cycles;
 use crate::system::{ClientAction, FOREVER, Machine, Ticks, TimedSystem, Yield};
@@ -122,7 +124,8 @@ fn longest_waited_for(system: &TimedSystem, codels: &[usize]) -> Option<Ticks> {
     (longest != FOREVER).then_some(longest)
 }
 
-/// The longest turn of a machine, from wherever it was resumed to a pause or its end, with so much blocking for each codel.
+/// The longest turn of a machine, from wherever it was resumed to a pause or its end, with so much blocking
+/// for each codel.
 fn turn(system: &TimedSystem, machine: &Machine, blocking: Ticks) -> Option<Ticks> {
     let time = |state: usize| {
         let upper = system.codels[machine.states[state].codel].upper;

@@ -1,23 +1,25 @@
-//! Bounds on the reaction of chains of data under the semantics of the servers (section 19), where no core is waited for.
+//! Bounds on the reaction of chains of data under the semantics of the servers (section 19), where no core is
+//! waited for.
 //!
-//! A chain leads through codels of permanent activities of periodic tasks. Where every cycle of the task executes the codel,
-//! whatever state it resumes, the one that begins next after some moment reads what was visible then. Cycles follow each other
-//! by a period at most, and each takes at most its length (see `queue`): so the codel has ended, and what it writes is
-//! visible, a period and a length after that moment. A later codel of the same cycle has ended by then too. A datum that depends on the
-//! first one keeps doing so whatever else is written, as the first one that arrives ends the measurement: so the times add up
-//! (the bound of A. Davare et al., *Period optimization for hard real-time distributed automotive systems*, DAC 2007), and
-//! any way of the data gives a bound.
+//! A chain leads through codels of permanent activities of periodic tasks. Where every cycle of the task
+//! executes the codel, whatever state it resumes, the one that begins next after some moment reads what was
+//! visible then. Cycles follow each other by a period at most, and each takes at most its length (see
+//! `queue`): so the codel has ended, and what it writes is visible, a period and a length after that moment.
+//! A later codel of the same cycle has ended by then too. A datum that depends on the first one keeps doing
+//! so whatever else is written, as the first one that arrives ends the measurement: so the times add up (the
+//! bound of A. Davare et al., *Period optimization for hard real-time distributed automotive systems*, DAC
+//! 2007), and any way of the data gives a bound.
 //!
-//! A moment before a task has begun waits for its start: tasks of a component are started one after the other, each when the
-//! first pass of the one before has ended, and begin with a tick.
+//! A moment before a task has begun waits for its start: tasks of a component are started one after the
+//! other, each when the first pass of the one before has ended, and begin with a tick.
 
 use super::queue;
 use crate::scn::semantics::Semantics;
 use crate::system::loops::pauseless_cycles;
 use crate::system::{Machine, Ticks, TimedSystem, Yield};
 
-/// A bound on the reaction of a chain whose data go by any of some ways, each the codels that carry them, in order; `None`
-/// where this method finds none.
+/// A bound on the reaction of a chain whose data go by any of some ways, each the codels that carry them, in
+/// order; `None` where this method finds none.
 pub fn reaction_bound(system: &TimedSystem, ways: &[Vec<usize>]) -> Option<Ticks> {
     let platform = &system.platform;
     let simple = platform.semantics == Semantics::SERVERS
@@ -49,7 +51,8 @@ struct Stage<'s> {
 }
 
 impl Tasks<'_> {
-    /// When the data of a moment 0 have gone all the way, at the latest. A later moment waits no longer: less is left of the start.
+    /// When the data of a moment 0 have gone all the way, at the latest. A later moment waits no longer: less
+    /// is left of the start.
     fn way(&self, way: &[usize]) -> Option<Ticks> {
         let mut stages: Vec<Stage> = Vec::new();
         for &codel in way {
@@ -96,7 +99,8 @@ impl Tasks<'_> {
         always.then_some((task, machine))
     }
 
-    /// A period and the length of a cycle: less than two periods, for a later task less than one and a half (see `queue`).
+    /// A period and the length of a cycle: less than two periods, for a later task less than one and a half
+    /// (see `queue`).
     fn round(&self, task: usize) -> Option<Ticks> {
         let period = self.system.tasks[task].period?;
         let length = self.length(task)?;
@@ -123,7 +127,8 @@ impl Tasks<'_> {
         let mut at: Ticks = 0;
         for &task in component.tasks.iter().take(self.place(stage.task)? + 1) {
             let it = &self.system.tasks[task];
-            // A tick that has come is kept; else the next one comes after a period, the first one perhaps later.
+            // A tick that has come is kept; else the next one comes after a period, the first one perhaps
+            // later.
             let tick = it.period?.checked_add(it.delay)?;
             at = at.checked_add(tick)?.checked_add(self.length(task)?)?;
         }

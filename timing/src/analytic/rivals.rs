@@ -26,8 +26,8 @@ pub(super) struct Rival {
     pub(super) job: Option<u64>,
 }
 
-/// The codels whose execution can keep each codel waiting. With locks in order of arrival it also waits for what those
-/// before it wait for.
+/// The codels whose execution can keep each codel waiting. With locks in order of arrival it also waits for
+/// what those before it wait for.
 pub(super) fn excluded(system: &TimedSystem) -> Vec<CodelSet> {
     let mut sets: Vec<CodelSet> = system
         .codels
@@ -53,8 +53,9 @@ pub(super) fn excluded(system: &TimedSystem) -> Vec<CodelSet> {
 }
 
 impl Analysis<'_> {
-    /// What certain tasks, and control tasks, can execute of some codels, while a codel of its `own` task is waited for. The job
-    /// of that is not in its own way, unless it leaves codels to others; its start-up may be.
+    /// What certain tasks, and control tasks, can execute of some codels, while a codel of its `own` task is
+    /// waited for. The job of that is not in its own way, unless it leaves codels to others; its start-up may
+    /// be.
     pub(super) fn rivals(
         &self,
         excluded: &CodelSet,

@@ -5,8 +5,8 @@ use rustc_hash::FxHashMap;
 use crate::system::loops::{Visited, beginning, followers};
 use crate::system::{Machine, Yield};
 
-/// Machines whose loop limits make more combinations of states and visits than this are given up: a quick bound must be
-/// quick.
+/// Machines whose loop limits make more combinations of states and visits than this are given up: a quick
+/// bound must be quick.
 const COMBINATIONS: usize = 2_000;
 
 /// States that a new turn of a machine can begin with, except the first one.
@@ -104,8 +104,8 @@ impl Ways {
         if let Some(often) = self.often {
             return sum?.checked_mul(u64::from(often?));
         }
-        // Longest ways, round by round: with n vertices they are stable after n rounds, unless there is a cycle that
-        // costs something.
+        // Longest ways, round by round: with n vertices they are stable after n rounds, unless there is a
+        // cycle that costs something.
         let mut longest = costs.clone();
         for _ in 0..=costs.len() {
             let mut changed = false;

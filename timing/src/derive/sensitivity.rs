@@ -80,10 +80,10 @@ pub enum Told<'a> {
     Period(&'a Extreme),
 }
 
-/// Every derived question about a scenario, the most useful first: the tasks that are nearest to their deadlines by the quick
-/// bounds, and their codels, the longest first. Codels that nothing executes are not asked about. Takes as long as some dozen
-/// verifications for each codel and task, of which as many are under way at the same time as there are threads. Answers are
-/// told in this order, each when it is there.
+/// Every derived question about a scenario, the most useful first: the tasks that are nearest to their
+/// deadlines by the quick bounds, and their codels, the longest first. Codels that nothing executes are not
+/// asked about. Takes as long as some dozen verifications for each codel and task, of which as many are under
+/// way at the same time as there are threads. Answers are told in this order, each when it is there.
 pub fn sensitivity(
     input: &SystemInput,
     scenario: &Scenario,
@@ -178,7 +178,8 @@ fn questions(system: &TimedSystem) -> Vec<Question> {
 }
 
 impl Sensitivity {
-    /// What breaks first, of what holds now and has a limit: the WCET or the period that can change by the smallest factor.
+    /// What breaks first, of what holds now and has a limit: the WCET or the period that can change by the
+    /// smallest factor.
     fn next_to_break(&self) -> Option<NextToBreak> {
         let factor = |it: &Extreme| match (it.now, it.extreme) {
             (Value::Time(now), Some(Value::Time(extreme))) if !it.fails_now && now > 0.0 => {

@@ -24,8 +24,8 @@ impl Timing {
         }
     }
 
-    /// How many obligations are as old as the one that is measured, itself included. When they become fewer, another may have
-    /// taken its place; they never become more.
+    /// How many obligations are as old as the one that is measured, itself included. When they become fewer,
+    /// another may have taken its place; they never become more.
     fn as_old(self, l: &Frame, s: &State) -> usize {
         let Timing::Within(observer) = self else {
             return 0;

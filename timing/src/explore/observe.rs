@@ -5,8 +5,8 @@ use super::state::State;
 use crate::property::Predicate;
 use crate::system::Ticks;
 
-/// Whenever `trigger` becomes true, the `responses` are awaited, one after the other. Each may hold at the moment at which the
-/// one before does.
+/// Whenever `trigger` becomes true, the `responses` are awaited, one after the other. Each may hold at the
+/// moment at which the one before does.
 #[derive(Debug, Clone)]
 pub(crate) struct Observer {
     pub(crate) trigger: Predicate,
@@ -39,8 +39,9 @@ pub(crate) fn observe<R: Rules>(
 
 /// The same. `met` is told the observer of each obligation that is met, and how long it was open.
 ///
-/// Of the obligations that await the same, the oldest is kept: what meets it meets the others. One that has come further is
-/// older than one that has not, as it has seen something that would have brought the other further as well.
+/// Of the obligations that await the same, the oldest is kept: what meets it meets the others. One that has
+/// come further is older than one that has not, as it has seen something that would have brought the other
+/// further as well.
 pub(crate) fn observe_telling<R: Rules>(
     rules: &R,
     observers: &[Observer],

@@ -1,12 +1,14 @@
 //! Reductions: what need not be followed, kept or told apart.
 //!
-//! Which reductions there are depends on the rules they were shown to be sound for ([`Rules::Reductions`]). Strategies ask
-//! at five places, whatever the rules: which of the enabled actions to follow ([`Reductions::persistent`],
-//! [`Reductions::follow`]), whose end can be put off ([`Reductions::waiters`], [`Reductions::closure`]), and which of the
-//! states that differ only by names to keep ([`Reductions::order`]).
+//! Which reductions there are depends on the rules they were shown to be sound for ([`Rules::Reductions`]).
+//! Strategies ask at five places, whatever the rules: which of the enabled actions to follow
+//! ([`Reductions::persistent`], [`Reductions::follow`]), whose end can be put off ([`Reductions::waiters`],
+//! [`Reductions::closure`]), and which of the states that differ only by names to keep
+//! ([`Reductions::order`]).
 //!
-//! Each reduction is one type behind the trait [`Reduction`]: it tells when it applies to a system, its rules and what is asked,
-//! and else the [`Reason`]. What it leaves out and why that is sound stands at its module; `docs/explorer.md` is the map.
+//! Each reduction is one type behind the trait [`Reduction`]: it tells when it applies to a system, its rules
+//! and what is asked, and else the [`Reason`]. What it leaves out and why that is sound stands at its module;
+//! `docs/explorer.md` is the map.
 
 mod ample;
 mod facts;
@@ -75,7 +77,8 @@ pub(crate) trait Reduction<R>: Sized {
     /// Which one it is.
     const KIND: Kind;
 
-    /// The reduction, examined for a system and what is asked of it, or the reason why it is not sound, or of no use, there.
+    /// The reduction, examined for a system and what is asked of it, or the reason why it is not sound, or of
+    /// no use, there.
     fn applies(setting: &Setting<R>) -> Result<Self, Reason>;
 
     /// The same, unless it is switched off; notes which of both.
@@ -92,7 +95,8 @@ pub(crate) trait Reduction<R>: Sized {
     }
 }
 
-/// All reductions that are known for a set of rules, as far as they apply to one system and what is asked of it.
+/// All reductions that are known for a set of rules, as far as they apply to one system and what is asked of
+/// it.
 pub(crate) trait Reductions<R: Rules>: Sized {
     /// Examines a system. Some are switched off.
     fn new(rules: &R, asked: &Asked, without: Kinds) -> Self;
@@ -100,11 +104,12 @@ pub(crate) trait Reductions<R: Rules>: Sized {
     /// Which are used, and why others are not.
     fn activities(&self) -> &[Activity];
 
-    /// Writes the actions to follow in a state, so that all calm states are still come to at this moment (a persistent set),
-    /// or all that are enabled.
+    /// Writes the actions to follow in a state, so that all calm states are still come to at this moment (a
+    /// persistent set), or all that are enabled.
     fn persistent(&self, rules: &R, s: &State, enabled: &Enabled, out: &mut Vec<Action>);
 
-    /// Writes the actions to follow in a state in which some are held back, with what they hold back. `first` is memory.
+    /// Writes the actions to follow in a state in which some are held back, with what they hold back. `first`
+    /// is memory.
     fn follow(
         &self,
         rules: &R,
@@ -120,8 +125,8 @@ pub(crate) trait Reductions<R: Rules>: Sized {
     /// Those whose ends can be put off in a calm state, if there are any.
     fn waiters(&self, rules: &R, s: &State) -> Option<Waiters>;
 
-    /// Calls `found` with calm states that a calm state can reach by ends that can be put off, so that they need not be
-    /// kept. Takes what it looked at off the budget.
+    /// Calls `found` with calm states that a calm state can reach by ends that can be put off, so that they
+    /// need not be kept. Takes what it looked at off the budget.
     fn closure(&self, rules: &R, s: &State, budget: &mut usize, found: impl FnMut(&Encoded));
 
     /// Puts what is alike in order. `None` if it is.
@@ -140,7 +145,8 @@ pub(crate) trait Reductions<R: Rules>: Sized {
     }
 }
 
-/// Tasks, control tasks and clients whose ends can be put off in one state: numbered as *members*, in this order.
+/// Tasks, control tasks and clients whose ends can be put off in one state: numbered as *members*, in this
+/// order.
 #[derive(Debug, Clone)]
 pub(crate) struct Waiters(pub(super) SmallVec<[bool; 24]>);
 

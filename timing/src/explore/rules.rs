@@ -1,49 +1,53 @@
 //! The rules: one step of the timed system, and nothing else.
 //!
-//! A set of rules is one type that implements [`Rules`]. Strategies (`search`), goals and the store of states are
-//! written against the trait, and are compiled once for each set. So far there is one, [`published`]: sections 3 to
-//! 9 of the timed semantics.
+//! A set of rules is one type that implements [`Rules`]. Strategies (`search`), goals and the store of states
+//! are written against the trait, and are compiled once for each set. So far there is one, [`published`]:
+//! sections 3 to 9 of the timed semantics.
 //!
 //! # The contract
 //!
 //! What is on the other side of this trait relies on the following; a set of rules must keep all of it.
 //!
 //! **States.** A state is two arrays of numbers ([`State`]). Rules choose the places with
-//! [`Places`](super::state::Places), and give a [`Frame`]. Equal numbers are equal states: what has no meaning any more
-//! is set to 0 (dead variables), as states are compared as they are.
+//! [`Places`](super::state::Places), and give a [`Frame`]. Equal numbers are equal states: what has no
+//! meaning any more is set to 0 (dead variables), as states are compared as they are.
 //!
 //! **Executors.** Only executors take time. While one executes, its phase has the bit
-//! [`phase::EXECUTING`](super::state::phase::EXECUTING), and its window tells when it may end: it may while the lower bound
-//! is 0, it must when the upper one is. Otherwise its window is `(0, 0)`. Windows are set when something begins to execute, to
-//! its least and greatest duration. Rules look at a window for nothing but "may it end" and "must it", so that a
-//! state with wider windows can do whatever one with narrower windows can (inclusion), and states with adjoining
-//! windows can be joined (union). What ends an execution is [`Action::Finish`] of this executor, always and only.
+//! [`phase::EXECUTING`](super::state::phase::EXECUTING), and its window tells when it may end: it may while
+//! the lower bound is 0, it must when the upper one is. Otherwise its window is `(0, 0)`. Windows are set
+//! when something begins to execute, to its least and greatest duration. Rules look at a window for nothing
+//! but "may it end" and "must it", so that a state with wider windows can do whatever one with narrower
+//! windows can (inclusion), and states with adjoining windows can be joined (union). What ends an execution
+//! is [`Action::Finish`] of this executor, always and only.
 //!
-//! **Actions.** [`Rules::enabled`] lists the actions of the best rank present. Ranks are the rules' own; those before the last
-//! are *committed*: parts of the step that made them possible, followed at once, which nothing may come between. Within
-//! a rank any order is possible and followed. [`Enabled::urgent`] is set if at least one action of the list must happen before
-//! time passes, whatever the windows; [`Enabled::forced`] if some window is at its end. Time passes only in *calm*
-//! states, which are neither. [`Rules::apply`] performs an action of the list; a free choice (a yield, whether a request is
-//! accepted) is several actions. Both depend on the state alone. Not even they look at clocks.
+//! **Actions.** [`Rules::enabled`] lists the actions of the best rank present. Ranks are the rules' own;
+//! those before the last are *committed*: parts of the step that made them possible, followed at once, which
+//! nothing may come between. Within a rank any order is possible and followed. [`Enabled::urgent`] is set if
+//! at least one action of the list must happen before time passes, whatever the windows; [`Enabled::forced`]
+//! if some window is at its end. Time passes only in *calm* states, which are neither. [`Rules::apply`]
+//! performs an action of the list; a free choice (a yield, whether a request is accepted) is several actions.
+//! Both depend on the state alone. Not even they look at clocks.
 //!
-//! **Time.** [`Rules::next_moment`] tells how long nothing can become possible that was not: until then no state needs to be
-//! looked at. [`Rules::elapse`] lets so much time pass or less, in one jump or in several with the same effect. It also
-//! advances the clocks of jobs ([`Frame::elapse`] does so for windows and for observers). Deadlines and timers that are read by
-//! `enabled` are times of the key.
+//! **Time.** [`Rules::next_moment`] tells how long nothing can become possible that was not: until then no
+//! state needs to be looked at. [`Rules::elapse`] lets so much time pass or less, in one jump or in several
+//! with the same effect. It also advances the clocks of jobs ([`Frame::elapse`] does so for windows and for
+//! observers). Deadlines and timers that are read by `enabled` are times of the key.
 //!
-//! **Jobs.** [`Rules::job`] tells whether a task has a job whose response time is being measured, and if so, whether it waits for
-//! a core. Its clock ([`Frame::response`]) is advanced while it has one, and set to 0 when it ends. The action by which a waiting job
-//! gets its core is [`Action::Grant`].
+//! **Jobs.** [`Rules::job`] tells whether a task has a job whose response time is being measured, and if so,
+//! whether it waits for a core. Its clock ([`Frame::response`]) is advanced while it has one, and set to 0
+//! when it ends. The action by which a waiting job gets its core is [`Action::Grant`].
 //!
 //! **Without periodic tasks** times of the key are always 0 (zones do not look at them).
 //!
 //! # Adding a set of rules
 //!
-//! 1. A folder beside `published`, with a type that implements [`Rules`]. Actions that it needs are variants of [`Action`], with
-//!    their lines in [`Action::renamed`](super::reductions::Renaming::action) and [`Rules::task_of`].
-//! 2. Its reductions: [`Rules::Reductions`]. To begin with, [`NoReductions`](super::reductions::NoReductions): everything is
-//!    followed, nothing is left out, and each of the known reductions is reported as off, because nobody has shown that
-//!    it is sound for these rules.
+//! 1. A folder beside `published`, with a type that implements [`Rules`]. Actions that it needs are variants
+//!    of [`Action`], with their lines in [`Action::renamed`](super::reductions::Renaming::action) and
+//!    [`Rules::task_of`].
+//! 2. Its reductions: [`Rules::Reductions`]. To begin with,
+//!    [`NoReductions`](super::reductions::NoReductions): everything is followed, nothing is left out, and
+//!    each of the known reductions is reported as off, because nobody has shown that it is sound for these
+//!    rules.
 //! 3. A line in `with_rules!`, which chooses the rules of a system.
 
 pub(crate) mod published;
@@ -117,7 +121,8 @@ pub enum Action {
         /// Who takes it.
         by: usize,
     },
-    /// Of threads that have become ready at the same moment, one counts as the next (servers, policy `priority`).
+    /// Of threads that have become ready at the same moment, one counts as the next (servers, policy
+    /// `priority`).
     Ready {
         /// The thread.
         executor: usize,
@@ -198,8 +203,8 @@ pub(crate) trait Rules: Sized {
     /// Performs an action that is enabled.
     fn apply(&self, s: &mut State, action: Action);
 
-    /// How long nothing needs to be looked at after a calm state: until the next moment at which something may happen, or,
-    /// for executors whose end `can_wait`, has to. `None`: for ever.
+    /// How long nothing needs to be looked at after a calm state: until the next moment at which something
+    /// may happen, or, for executors whose end `can_wait`, has to. `None`: for ever.
     fn next_moment(&self, s: &State, can_wait: &dyn Fn(usize) -> bool) -> Option<Ticks>;
 
     /// Lets time pass, at most until the next moment.
@@ -255,11 +260,12 @@ pub(crate) trait Rules: Sized {
     /// What an executor takes a ticket or waits for, or executes; `None` if that is nothing.
     fn work(&self, s: &State, executor: usize) -> Option<Work>;
 
-    /// The step a client is at; [`Client::done`](crate::system::Client::done) after the last, one more before the first.
+    /// The step a client is at; [`Client::done`](crate::system::Client::done) after the last, one more before
+    /// the first.
     fn position(&self, s: &State, client: usize) -> usize;
 
-    /// How many places for activities there are, those of permanent activities included. They are numbered as in
-    /// [`Work::State`].
+    /// How many places for activities there are, those of permanent activities included. They are numbered as
+    /// in [`Work::State`].
     fn places(&self) -> usize;
 
     /// The automaton of the activity that has a place: accepted, running, or ended and not yet reported.
@@ -271,7 +277,8 @@ pub(crate) trait Rules: Sized {
     /// The service whose request a control task is handling, and whether it is already refused.
     fn handling(&self, s: &State, component: usize) -> Option<(usize, bool)>;
 
-    /// The place of the activity whose request a control task is handling; `None` if it has none, or is given one later.
+    /// The place of the activity whose request a control task is handling; `None` if it has none, or is given
+    /// one later.
     fn requested_place(&self, _s: &State, _component: usize) -> Option<usize> {
         None
     }

@@ -76,8 +76,9 @@ impl Run {
     }
 
     /// Two moments of the last `recent` units of the run with the same state just before time passes,
-    /// observation clocks apart: what is between them can go on for ever. `age` tells how long what is measured has lasted in a
-    /// state, and how many are as old: one of the same age may take its place, but not for ever.
+    /// observation clocks apart: what is between them can go on for ever. `age` tells how long what is
+    /// measured has lasted in a state, and how many are as old: one of the same age may take its place, but
+    /// not for ever.
     pub(in crate::explore) fn repetition<R: Rules>(
         &self,
         rules: &R,
@@ -93,8 +94,8 @@ impl Run {
             if time < from {
                 return !(time.is_multiple_of(64) && cancel.is_abandoned());
             }
-            // What is measured may begin before the job that is measured: with a tick that is kept until the job before
-            // has ended. What repeats across that end does not last.
+            // What is measured may begin before the job that is measured: with a tick that is kept until the
+            // job before has ended. What repeats across that end does not last.
             let (now, as_old) = age(s);
             if now < std::mem::replace(&mut measured, now) {
                 seen.clear();

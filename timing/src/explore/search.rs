@@ -32,8 +32,8 @@ pub fn explore(system: &TimedSystem, watch: &Watch, limits: Limits, cancel: &Can
     explore_telling(system, watch, limits, cancel, &mut |_| {})
 }
 
-/// Explores all runs of a system, and tells of failures and of predicates that are reached as soon as they are seen.
-/// Findings that are told have nothing else in them; the same may be told again.
+/// Explores all runs of a system, and tells of failures and of predicates that are reached as soon as they
+/// are seen. Findings that are told have nothing else in them; the same may be told again.
 pub fn explore_telling(
     system: &TimedSystem,
     watch: &Watch,
@@ -427,8 +427,8 @@ impl<R: Rules> Search<'_, R> {
         self.stopped.is_some() || self.diverging.is_some()
     }
 
-    /// States kept, or looked at beside; where the exploration was broken off also those of the moment at which that
-    /// happened.
+    /// States kept, or looked at beside; where the exploration was broken off also those of the moment at
+    /// which that happened.
     fn states(&self) -> usize {
         let moment = match self.stopped {
             None | Some(Stop::Answered) => 0,

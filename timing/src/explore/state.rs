@@ -1,10 +1,10 @@
 //! States of a timed system as two flat arrays of small numbers, whatever the rules.
 //!
-//! The *discrete* part holds statuses, positions and queues. The *times* hold what the rules count (timers, for
-//! instance), for every executor the window of remaining time, and observation clocks. The discrete part and what
-//! the rules count are the *key* of a state; windows and clocks are its *box*. States with the same key are
-//! merged and compared by box (see [`super::store`]). What the numbers of the key mean is known to the rules alone
-//! (see [`super::rules`]); a [`Frame`] tells the rest where its parts are.
+//! The *discrete* part holds statuses, positions and queues. The *times* hold what the rules count (timers,
+//! for instance), for every executor the window of remaining time, and observation clocks. The discrete part
+//! and what the rules count are the *key* of a state; windows and clocks are its *box*. States with the same
+//! key are merged and compared by box (see [`super::store`]). What the numbers of the key mean is known to
+//! the rules alone (see [`super::rules`]); a [`Frame`] tells the rest where its parts are.
 //!
 //! An *executor* is whatever can spend time executing: an automaton, a control task, a client
 //! (its delays). The window `[a, b]` of an executor says that it ends after any number of units
@@ -302,8 +302,8 @@ impl Frame {
         (self.stages(observer)).any(|it| self.is_open_at(s, it))
     }
 
-    /// Clock of the oldest open obligation of an observer, if it has clocks. The further an obligation has come, the older
-    /// it is.
+    /// Clock of the oldest open obligation of an observer, if it has clocks. The further an obligation has
+    /// come, the older it is.
     #[inline]
     pub(crate) fn observer_clock(&self, s: &State, observer: usize) -> Option<usize> {
         let stages = self.stages(observer);
@@ -335,7 +335,8 @@ impl Frame {
         &mut s.t[self.clock_base..]
     }
 
-    /// Lets time pass in windows and in the clocks of open obligations. Response times are a matter of the rules.
+    /// Lets time pass in windows and in the clocks of open obligations. Response times are a matter of the
+    /// rules.
     #[inline]
     pub(crate) fn elapse(&self, s: &mut State, time: Ticks) {
         for executor in 0..self.executors {

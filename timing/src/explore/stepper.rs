@@ -202,14 +202,15 @@ impl<'s> Stepper<'s> {
         self.walk.executors()
     }
 
-    /// The least and the greatest time until what an executor executes may end, and must; `None` if it executes
-    /// nothing.
+    /// The least and the greatest time until what an executor executes may end, and must; `None` if it
+    /// executes nothing.
     pub fn window(&self, executor: usize) -> Option<(Ticks, Ticks)> {
         self.walk.window(executor)
     }
 
-    /// Decides anew when what an executor executes may end, and must: nothing of the system does that, but whoever
-    /// follows another run may have to. Within the [window](Self::window) it had the run stays one of the system.
+    /// Decides anew when what an executor executes may end, and must: nothing of the system does that, but
+    /// whoever follows another run may have to. Within the [window](Self::window) it had the run stays one of
+    /// the system.
     pub fn set_window(&mut self, executor: usize, window: (Ticks, Ticks)) {
         self.walk.set_window(executor, window);
     }

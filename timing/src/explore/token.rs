@@ -1,15 +1,16 @@
 //! Chains of data (section 19): one writing of the first datum is marked, and what depends on it is followed.
 //!
-//! [`Tracked`] are rules with a *token* beside the state of other rules: which places hold marked data, and which executors execute
-//! a codel that began with marked data. Which writing is marked is a free choice, offered after each ([`Action::Mark`]);
-//! one token at a time, so one clock measures it. Nothing is known here of components: a [`Chain`] tells what each codel
-//! reads and writes.
+//! [`Tracked`] are rules with a *token* beside the state of other rules: which places hold marked data, and
+//! which executors execute a codel that began with marked data. Which writing is marked is a free choice,
+//! offered after each ([`Action::Mark`]); one token at a time, so one clock measures it. Nothing is known
+//! here of components: a [`Chain`] tells what each codel reads and writes.
 //!
-//! *Reaction*: marks stay, as a later writing of a place is made of later data, and the first codel that began with marked data and
-//! writes the last datum ends the measurement. *Age*: an unmarked writing clears a place, and the time counts while the last
-//! datum is marked.
+//! *Reaction*: marks stay, as a later writing of a place is made of later data, and the first codel that
+//! began with marked data and writes the last datum ends the measurement. *Age*: an unmarked writing clears a
+//! place, and the time counts while the last datum is marked.
 //!
-//! Reductions leave out orders of what commutes in the system, but not in what the token sees; all of them are off.
+//! Reductions leave out orders of what commutes in the system, but not in what the token sees; all of them
+//! are off.
 
 use super::findings::{Bound, Findings, Measured};
 use super::reductions::NoReductions;
@@ -25,8 +26,8 @@ use crate::scn::ast::ChainKind;
 use crate::system::chain::{Chain, Place};
 use crate::system::{FOREVER, Ticks, TimedSystem};
 
-/// The supremum of a chain, by exploring all runs. `within` of the findings has it as its only entry; `None` there if nothing is
-/// ever marked.
+/// The supremum of a chain, by exploring all runs. `within` of the findings has it as its only entry; `None`
+/// there if nothing is ever marked.
 pub fn explore_chain(
     system: &TimedSystem,
     chain: &Chain,
@@ -53,7 +54,8 @@ pub fn explore_chain(
     found
 }
 
-/// Ages that are not visible are counted up to this only. Greater ones would be an age without bound, or nearly so.
+/// Ages that are not visible are counted up to this only. Greater ones would be an age without bound, or
+/// nearly so.
 pub(super) fn greatest_age(system: &TimedSystem) -> Ticks {
     let periods = system.tasks.iter().filter_map(|it| it.period);
     let uppers = (system.codels.iter()).map(|it| {
@@ -143,7 +145,8 @@ impl<'c, R: Rules> Tracked<'c, R> {
         s.d[self.token]
     }
 
-    /// Places of bits: executors that began in this step, executors with marked data, places with marked data.
+    /// Places of bits: executors that began in this step, executors with marked data, places with marked
+    /// data.
     fn fresh(&self, executor: usize) -> (usize, u16) {
         self.bit(0, executor)
     }
@@ -164,8 +167,8 @@ impl<'c, R: Rules> Tracked<'c, R> {
         (self.token + 1 + words + number / BITS, 1 << (number % BITS))
     }
 
-    /// The codel an executor is at, and the holder of the local variables that it sees: the place of an activity, also of one
-    /// whose request is handled, or the request itself.
+    /// The codel an executor is at, and the holder of the local variables that it sees: the place of an
+    /// activity, also of one whose request is handled, or the request itself.
     fn codel(&self, s: &State, executor: usize) -> Option<(usize, usize)> {
         match self.rules.work(s, executor)? {
             Work::State { codel, slot, .. } => Some((codel, slot)),
@@ -215,7 +218,8 @@ impl<'c, R: Rules> Tracked<'c, R> {
             let mut bits = reads.map(|&it| self.marked_place(it, holder));
             let marked = bits.any(|it| is_set(s, it)) && self.chain.carries[codel];
             set(s, self.marked_executor(executor), marked);
-            // What comes in just after somebody has looked waits longest for the next look; what is read was new just then.
+            // What comes in just after somebody has looked waits longest for the next look; what is read was
+            // new just then.
             offered |= self.chain.external && self.reads_first(codel);
         }
         self.forget_locals(s);
@@ -252,7 +256,8 @@ impl<'c, R: Rules> Tracked<'c, R> {
         chain.writes[codel].contains(&Place::Shared(chain.first))
     }
 
-    /// An activity that is given its place when its request is accepted begins with the variables of the request.
+    /// An activity that is given its place when its request is accepted begins with the variables of the
+    /// request.
     fn hand_over(&self, before: &State, s: &mut State) {
         if self.chain.locals == 0 {
             return;
@@ -360,7 +365,8 @@ impl<'c, R: Rules> Tracked<'c, R> {
     }
 }
 
-/// Who has local variables of its own: every place of an activity, and the request that each control task handles.
+/// Who has local variables of its own: every place of an activity, and the request that each control task
+/// handles.
 fn holders<R: Rules>(rules: &R) -> usize {
     rules.places() + rules.system().components.len()
 }

@@ -57,7 +57,8 @@ pub struct Limits {
     pub bytes: usize,
     /// Greatest number of actions followed in one exploration.
     pub steps: u64,
-    /// Greatest number of explorations at the same time, where there are several. What is found does not depend on it.
+    /// Greatest number of explorations at the same time, where there are several. What is found does not
+    /// depend on it.
     pub threads: usize,
     /// Reductions that are switched off, to see what they bring. What is found does not depend on it.
     pub without: Kinds,

@@ -295,7 +295,8 @@ pub type Bound = Option<(u64, Unit)>;
 /// What is asked of a chain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ChainKind {
-    /// The longest time from a writing of the first datum until the last is first written by a codel whose data depend on it.
+    /// The longest time from a writing of the first datum until the last is first written by a codel whose
+    /// data depend on it.
     Reaction,
     /// The longest time since the writing of the first datum that the last one, as it is visible, depends on.
     Age,

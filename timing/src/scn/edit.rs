@@ -10,8 +10,9 @@ use super::ast::{Item, Unit};
 use super::lexer::{Kind, Token, lex};
 use super::parse;
 
-/// The edit with which a setting of the scenario (`cores`, `policy`) has another value: of the last item with this word, which is
-/// the one that counts, else a new item behind the last `use`. None where the text has no such place.
+/// The edit with which a setting of the scenario (`cores`, `policy`) has another value: of the last item with
+/// this word, which is the one that counts, else a new item behind the last `use`. None where the text has no
+/// such place.
 pub fn setting(text: &str, word: &str, value: &str) -> Option<(Range<usize>, String)> {
     let tokens: Vec<Token> = lex(text)
         .into_iter()
@@ -47,8 +48,8 @@ pub fn setting(text: &str, word: &str, value: &str) -> Option<(Range<usize>, Str
     }
 }
 
-/// The edit with which a codel takes at most so long, where the scenario states a `duration` for its path: the last one counts.
-/// None for a time that no scenario can state, a part of a microsecond.
+/// The edit with which a codel takes at most so long, where the scenario states a `duration` for its path:
+/// the last one counts. None for a time that no scenario can state, a part of a microsecond.
 pub fn longest(text: &str, codel: &str, at_most: Seconds) -> Option<(Range<usize>, String)> {
     let items = parse(text).scenario.items.into_iter();
     let (path, interval, unit) = items.rev().find_map(|it| match it {

@@ -1,5 +1,5 @@
-//! The words for what the model follows: the servers that run on robots, or the published formal models, as a whole or
-//! point by point (section 21 of the timed semantics).
+//! The words for what the model follows: the servers that run on robots, or the published formal models, as a
+//! whole or point by point (section 21 of the timed semantics).
 
 /// Declares the rules of one point: what each is, and its word.
 macro_rules! point {
@@ -128,8 +128,8 @@ impl Semantics {
         }
     }
 
-    /// Whether all points are those of the published models, which have rules of their own, for either order of locks that
-    /// these know.
+    /// Whether all points are those of the published models, which have rules of their own, for either order
+    /// of locks that these know.
     pub fn is_published(self) -> bool {
         let locks = self.locks;
         locks != LockRule::Queue

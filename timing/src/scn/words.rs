@@ -63,7 +63,8 @@ const WORDS: &[Word] = &[
     word(
         "ticks",
         "ticks component;  ticks task;",
-        "Where ticks come from: one clock per component, from its start, or one timer per task, from the start of the task.",
+        "Where ticks come from: one clock per component, from its start, or one timer per task, from the \
+            start of the task.",
     ),
     word(
         "turns",
@@ -73,7 +74,8 @@ const WORDS: &[Word] = &[
     word(
         "ports",
         "ports copy;  ports lock;",
-        "Ports are copied and lock nothing between components, or an output is one lock for all codels that use it.",
+        "Ports are copied and lock nothing between components, or an output is one lock for all codels that \
+            use it.",
     ),
     word(
         "pause",
@@ -108,7 +110,8 @@ const WORDS: &[Word] = &[
     word(
         "idle",
         "idle keep component.task;",
-        "What becomes of a tick with nothing to do: `drop` (default) takes it and a core with it, `keep` leaves it.",
+        "What becomes of a tick with nothing to do: `drop` (default) takes it and a core with it, `keep` \
+            leaves it.",
     ),
     word(
         "locks",
@@ -157,7 +160,8 @@ const WORDS: &[Word] = &[
     word(
         "response",
         "check response TASK <= 5 ms;",
-        "The time from release to the end of the job, at most this long; without a bound the least one is computed.",
+        "The time from release to the end of the job, at most this long; without a bound the least one is \
+            computed.",
     ),
     word(
         "within",
@@ -168,12 +172,14 @@ const WORDS: &[Word] = &[
     word(
         "reaction",
         "check reaction component.port -> component.port [via PATH, …] <= 20 ms;",
-        "The longest time from a new first datum until the last one is first written by a codel whose data depend on it.",
+        "The longest time from a new first datum until the last one is first written by a codel whose data \
+            depend on it.",
     ),
     word(
         "age",
         "check age component.port -> component.port [via PATH, …] <= 20 ms;",
-        "The longest time since the first datum was written that the last one depends on, while that is visible.",
+        "The longest time since the first datum was written that the last one depends on, while that is \
+            visible.",
     ),
     word(
         "via",
@@ -211,7 +217,8 @@ const WORDS: &[Word] = &[
     word(
         "ok",
         "await ended ok component.activity;",
-        "The request has succeeded: it has ended without exception, and was not cut for want of a `stop` codel.",
+        "The request has succeeded: it has ended without exception, and was not cut for want of a `stop` \
+            codel.",
     ),
     word(
         "failed",

@@ -1,7 +1,8 @@
-//! How data flow from codel to codel: through ports, data of a component, and variables of a service (section 19).
+//! How data flow from codel to codel: through ports, data of a component, and variables of a service (section
+//! 19).
 //!
-//! A path into a value is a place of its own where some codel names it: who accesses a value accesses all of its parts that are
-//! named. Everything that a codel writes may depend on everything that it reads.
+//! A path into a value is a place of its own where some codel names it: who accesses a value accesses all of
+//! its parts that are named. Everything that a codel writes may depend on everything that it reads.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -313,8 +314,8 @@ impl Flow<'_> {
         out
     }
 
-    /// `via`: of a component of which codels are named only these carry data, and of one of which ports are named only these are
-    /// written.
+    /// `via`: of a component of which codels are named only these carry data, and of one of which ports are
+    /// named only these are written.
     fn restrict(&self, via: &[Path], uses: &mut [Use]) -> Result<(), Diagnostic> {
         let mut codels: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
         let mut ports: BTreeMap<usize, BTreeSet<u32>> = BTreeMap::new();

@@ -96,8 +96,8 @@ impl<'n> SharedPorts<'n> {
         }
     }
 
-    /// The connections that both codels (component, codel) use, as `sensor.scan → control.scan`: the output, then
-    /// the inputs by which they use it. None for an output that both name themselves.
+    /// The connections that both codels (component, codel) use, as `sensor.scan → control.scan`: the output,
+    /// then the inputs by which they use it. None for an output that both name themselves.
     pub fn of(&self, one: (usize, CodelRef), other: (usize, CodelRef)) -> Vec<String> {
         let path = |(c, p): Port| {
             let component = self.names.components[c].component;
@@ -222,8 +222,9 @@ fn exclude_data(names: &Names, c: usize, live: &[bool], out: &mut Built) {
     }
 }
 
-/// What each codel of a component waits for in the servers: the `mutex` lists of the front end, which are not symmetric,
-/// compared with the function that a task executes, wherever else the same task uses that function.
+/// What each codel of a component waits for in the servers: the `mutex` lists of the front end, which are not
+/// symmetric, compared with the function that a task executes, wherever else the same task uses that
+/// function.
 fn tickets(names: &Names, c: usize, out: &mut Built) {
     let member = names.components[c];
     let component = member.component;
@@ -343,8 +344,8 @@ pub(super) fn connections(
     out
 }
 
-/// The output ports that feed an input port: component (as in [`Names::components`]) and index. The same rule tells
-/// which locks using it takes.
+/// The output ports that feed an input port: component (as in [`Names::components`]) and index. The same rule
+/// tells which locks using it takes.
 pub fn sources(names: &Names, settings: &Settings, port: (usize, u32)) -> Vec<(usize, u32)> {
     let connections = connections(names, settings, &mut Vec::new());
     locks_of(names, &connections, port)

@@ -68,7 +68,8 @@ pub(crate) fn can_pause(machine: &Machine, state: usize) -> bool {
     false
 }
 
-/// The states that a machine can come to without being interrupted, if it can neither pause nor end in any of them.
+/// The states that a machine can come to without being interrupted, if it can neither pause nor end in any of
+/// them.
 pub(crate) fn runs_for_ever(machine: &Machine) -> Option<Vec<usize>> {
     let mut found = vec![machine.start];
     let mut at = 0;
@@ -95,9 +96,9 @@ pub fn loop_contradictions(machine: &Machine) -> Vec<usize> {
     limit.map_or(Vec::new(), |limit| stuck_states(machine, limit).0)
 }
 
-/// Whether `loop once` makes sense for the machine. If it does not, no limit does: the way on which a state used up
-/// its yields enters no state twice, so the part of it that begins with the first of these can be repeated as
-/// often as a limit allows.
+/// Whether `loop once` makes sense for the machine. If it does not, no limit does: the way on which a state
+/// used up its yields enters no state twice, so the part of it that begins with the first of these can be
+/// repeated as often as a limit allows.
 pub(crate) fn can_be_limited(machine: &Machine) -> bool {
     stuck_states(machine, 1).0.is_empty()
 }

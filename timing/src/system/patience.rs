@@ -1,7 +1,8 @@
 //! Clients that wait for ever sooner or later.
 //!
-//! A client that lets any time pass may let pass all of it. So a system whose clients do that at their *k*-th delay without
-//! upper bound has only runs that the system has as well: few requests, soon explored, and easy to read.
+//! A client that lets any time pass may let pass all of it. So a system whose clients do that at their *k*-th
+//! delay without upper bound has only runs that the system has as well: few requests, soon explored, and easy
+//! to read.
 
 use super::{Client, ClientAction, ClientStep, FOREVER, TimedSystem};
 
@@ -62,8 +63,8 @@ impl Client {
 }
 
 impl TimedSystem {
-    /// The system whose clients stay for ever at a delay without upper bound when they have passed `most` others. `None` if
-    /// no client has such a delay.
+    /// The system whose clients stay for ever at a delay without upper bound when they have passed `most`
+    /// others. `None` if no client has such a delay.
     pub(crate) fn staying_after(&self, most: usize) -> Option<TimedSystem> {
         let stays = |it: &Client| (0..it.steps.len()).any(|step| it.may_stay(step));
         self.clients.iter().any(stays).then(|| TimedSystem {

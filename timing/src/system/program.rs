@@ -151,7 +151,8 @@ impl Program<'_> {
                 .peekable();
             if requests.peek().is_none() {
                 let message = format!(
-                    "`{0}` is no label of a request of this client; write `abort COMPONENT.ACTIVITY;`, or `{0}:` before a `send`",
+                    "`{0}` is no label of a request of this client; write `abort COMPONENT.ACTIVITY;`, or \
+                        `{0}:` before a `send`",
                     name.value
                 );
                 return Err(Diagnostic::error("scn-abort", name.range.clone(), message));

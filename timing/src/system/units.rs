@@ -40,7 +40,8 @@ pub(crate) fn ticks(time: Seconds, unit: Seconds) -> Option<Ticks> {
     (count < FOREVER / 4).then_some(count)
 }
 
-/// A time as scenarios write it: a whole number of the greatest unit they have; none if it is finer than those.
+/// A time as scenarios write it: a whole number of the greatest unit they have; none if it is finer than
+/// those.
 pub(crate) fn as_written(time: Seconds) -> Option<String> {
     [Unit::Seconds, Unit::Milliseconds, Unit::Microseconds]
         .into_iter()

@@ -175,7 +175,8 @@ impl Group<'_> {
                 _ => String::new(),
             };
             out.note = Some(format!(
-                "by {by}: at most {bound_in_words}{reached}; ends between whole units of time were not explored"
+                "by {by}: at most {bound_in_words}{reached}; ends between whole units of time were not \
+                    explored"
             ));
             out.value = Some(self.time(bound));
             out.soundness = Soundness::UpperBound;

@@ -62,7 +62,8 @@ impl Group<'_> {
                     Soundness::Neither
                 }
                 (Durations::Interval | Durations::Open, _) if preempts => Soundness::WholeUnits,
-                // Rounding up adds runs where durations are intervals, and changes those where they are fixed.
+                // Rounding up adds runs where durations are intervals, and changes those where they are
+                // fixed.
                 (Durations::Interval, _) if rounded => Soundness::Safe,
                 (Durations::Fixed, _) if rounded => Soundness::Neither,
                 (Durations::Interval, _) => Soundness::Exact,

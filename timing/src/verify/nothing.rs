@@ -1,5 +1,5 @@
-//! Where there is nothing to verify: what holds of a system without times, or of a task of which no job is ever measured, says
-//! nothing about the robot.
+//! Where there is nothing to verify: what holds of a system without times, or of a task of which no job is
+//! ever measured, says nothing about the robot.
 
 use dotgen_analysis::model::{CodelKind, CodelRef, Owner};
 
@@ -12,8 +12,8 @@ use crate::system::{Builtin, loops};
 const NAMED: usize = 3;
 
 impl Group<'_> {
-    /// The answer to a check of a task that has nothing to verify: that nothing was verified, what is missing and how to
-    /// get it.
+    /// The answer to a check of a task that has nothing to verify: that nothing was verified, what is missing
+    /// and how to get it.
     pub(super) fn nothing(&self, check: &Single) -> Option<CheckReport> {
         self.without_times(check)
             .or_else(|| self.without_jobs(check))
@@ -28,7 +28,8 @@ impl Group<'_> {
         let machine = system.machine_of(task.permanent?);
         let states = loops::runs_for_ever(machine)?;
         let throws = |&it: &usize| system.codels[machine.states[it].codel].throws;
-        // Who kills a component leads it to `stop`. In the published models a task executes its activities all the same.
+        // Who kills a component leads it to `stop`. In the published models a task executes its activities
+        // all the same.
         let ends = states.iter().any(throws) || system.has_builtin(|it| it == Builtin::Kill);
         let published = system.platform.semantics.is_published();
         let measured = published && (task.period.is_none() || !task.slots.is_empty());
@@ -64,7 +65,8 @@ impl Group<'_> {
             let all = system.codels.iter();
             all.filter(|it| it.component == number && it.site.is_some())
         };
-        // Services that nobody requests execute nothing, but where only they have times, the others lack theirs.
+        // Services that nobody requests execute nothing, but where only they have times, the others lack
+        // theirs.
         let has_time = |it: CodelRef| component.codel(it).wcet.is_some();
         let timed = codels().any(|it| it.upper > 0 || it.site.is_some_and(|it| has_time(it.1)));
         if timed {

@@ -1,9 +1,10 @@
 //! What can be answered soon: with few requests, and in few states.
 //!
-//! Clients that may send anything at any time make most systems too large to be explored to the end. But what fails
-//! usually fails after no request, one or two, and small systems are explored at once. So both are tried
-//! before the whole system is explored for what is left. What was seen on the way is not lost: if that
-//! exploration has to be given up, failures with a longest time not known and longest times seen are still worth telling.
+//! Clients that may send anything at any time make most systems too large to be explored to the end. But what
+//! fails usually fails after no request, one or two, and small systems are explored at once. So both are
+//! tried before the whole system is explored for what is left. What was seen on the way is not lost: if that
+//! exploration has to be given up, failures with a longest time not known and longest times seen are still
+//! worth telling.
 
 use super::checks::Single;
 use super::{Analysed, Group};

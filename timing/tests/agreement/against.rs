@@ -117,7 +117,8 @@ fn compare_without(name: &str, texts: &Texts, without: Kinds) -> Option<Result<(
             wrong.push(format!("{check} is not answered"));
             continue;
         };
-        // Without execution times there is nothing to say; what was given up says nothing. Bounds were compared above.
+        // Without execution times there is nothing to say; what was given up says nothing. Bounds were
+        // compared above.
         let says_nothing = matches!(found.verdict, Verdict::Nothing | Verdict::Unknown);
         if says_nothing || found.soundness == Soundness::UpperBound {
             continue;
@@ -137,7 +138,8 @@ fn compare_without(name: &str, texts: &Texts, without: Kinds) -> Option<Result<(
     })
 }
 
-/// Says so where the middle tier has a bound that some run exceeds, or where a deadline is missed though it has bounds.
+/// Says so where the middle tier has a bound that some run exceeds, or where a deadline is missed though it
+/// has bounds.
 fn beyond_abstraction(system: &TimedSystem, expected: &[(String, Json)]) -> Vec<String> {
     let mut wrong = beyond_bounds(system, Budget::default(), expected);
     // With busy windows from the start.
@@ -431,8 +433,8 @@ fn agree_on(specification: &str, scenario: &str) {
     }
 }
 
-/// Nothing is inserted into a queue when a task has nothing to execute: a request may be handled before its wake-up is
-/// consumed, and so be served in the same cycle.
+/// Nothing is inserted into a queue when a task has nothing to execute: a request may be handled before its
+/// wake-up is consumed, and so be served in the same cycle.
 #[test]
 fn a_request_may_come_before_a_wake_up_is_consumed() {
     agree_on(
@@ -465,7 +467,8 @@ fn a_request_may_come_before_the_end_of_the_permanent_activity_is_handled() {
     );
 }
 
-/// Ticks that come while a task that is ready has no core are deadlines missed, although its cycle has not begun.
+/// Ticks that come while a task that is ready has no core are deadlines missed, although its cycle has not
+/// begun.
 #[test]
 fn a_tick_while_a_task_waits_for_its_first_core_is_a_miss() {
     agree_on(
@@ -493,7 +496,8 @@ fn tasks_tied_to_one_core_wait_for_each_other_whatever_the_number_of_cores() {
     );
 }
 
-/// A component whose permanent activity throws in its first pass takes no requests, also not after later ticks.
+/// A component whose permanent activity throws in its first pass takes no requests, also not after later
+/// ticks.
 #[test]
 fn a_component_does_not_start_when_a_permanent_activity_throws_in_its_first_pass() {
     agree_on(

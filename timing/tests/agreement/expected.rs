@@ -1,5 +1,5 @@
-//! The interpreter of the servers gives the answers that an explorer independent of this project computed for small
-//! systems, each about one point of the semantics. Skipped when they are not there.
+//! The interpreter of the servers gives the answers that an explorer independent of this project computed for
+//! small systems, each about one point of the semantics. Skipped when they are not there.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -22,8 +22,8 @@ use dotgen_timing::property::Predicate;
 use dotgen_timing::system::TimedSystem;
 use dotgen_timing::verify::Cancel;
 
-/// Bounds on explorations. Of every four systems one is explored with everything there is; of the others, random
-/// reductions are switched off.
+/// Bounds on explorations. Of every four systems one is explored with everything there is; of the others,
+/// random reductions are switched off.
 fn limits(seed: u64) -> Limits {
     let mut dice = systems::Dice::new(seed ^ 0x5eed);
     let off = |_: &Kind| !seed.is_multiple_of(4) && dice.in_ten(3);
@@ -52,8 +52,8 @@ fn withins(pairs: Vec<(Predicate, Predicate)>) -> Vec<Within> {
     pairs.into_iter().map(within).collect()
 }
 
-/// The same for a given system; only the response times of `measured` tasks are asked for. Limits differ from one
-/// to the next, unless `vary` is 0.
+/// The same for a given system; only the response times of `measured` tasks are asked for. Limits differ from
+/// one to the next, unless `vary` is 0.
 fn compare_system(
     seed: u64,
     system: &TimedSystem,
@@ -429,7 +429,8 @@ fn all_agree(
     );
 }
 
-/// Sometimes all tasks, sometimes only periodic ones: some reductions need that nobody asks how long an aperiodic job is.
+/// Sometimes all tasks, sometimes only periodic ones: some reductions need that nobody asks how long an
+/// aperiodic job is.
 fn measured(seed: u64, system: &TimedSystem) -> Vec<usize> {
     (0..system.tasks.len())
         .filter(|&t| seed.is_multiple_of(2) || system.tasks[t].period.is_some())

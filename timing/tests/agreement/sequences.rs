@@ -1,4 +1,5 @@
-//! Several responses, one after the other: the explorer agrees with brute force, which follows every obligation by itself.
+//! Several responses, one after the other: the explorer agrees with brute force, which follows every
+//! obligation by itself.
 
 use dotgen_timing::explore::{Watched, Within};
 use dotgen_timing::property::Predicate;

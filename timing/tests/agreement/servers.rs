@@ -1,7 +1,7 @@
-//! An independent interpreter of what the servers do (timed semantics, sections 8, 17, 18, 21 and 22), written from that
-//! description by the obvious method: states are plain structures, time passes unit by unit, every order of
-//! simultaneous atomic steps is followed, and nothing is merged. It shares neither the system tables nor the rules of
-//! the verifier: it reads specifications and scenarios by itself.
+//! An independent interpreter of what the servers do (timed semantics, sections 8, 17, 18, 21 and 22),
+//! written from that description by the obvious method: states are plain structures, time passes unit by
+//! unit, every order of simultaneous atomic steps is followed, and nothing is merged. It shares neither the
+//! system tables nor the rules of the verifier: it reads specifications and scenarios by itself.
 
 pub(crate) mod chains;
 mod control;
@@ -62,7 +62,8 @@ impl<'s> Interpreter<'s> {
         let tasks = system.components.iter().enumerate();
         let tasks = tasks.flat_map(|(c, it)| (0..it.tasks.len()).map(move |t| (c, t)));
         let needing = tasks.filter(|&(c, t)| system.needs_core(c, t)).count();
-        // Cores that are given and taken away are never "enough": with a task tied to one of them others do not help.
+        // Cores that are given and taken away are never "enough": with a task tied to one of them others do
+        // not help.
         let limits = |cores: &usize| system.preempts() || *cores < needing;
         Interpreter {
             system,
@@ -76,7 +77,8 @@ impl<'s> Interpreter<'s> {
         self.cores.is_some() && self.system.needs_core(c, t)
     }
 
-    /// Whether a task waits for a core before its cycles. With a timer of its own it needs none for the first.
+    /// Whether a task waits for a core before its cycles. With a timer of its own it needs none for the
+    /// first.
     fn asks_for_core(&self, s: &State, c: usize, t: usize) -> bool {
         let first = s.components[c].tasks[t].first != state::First::Over;
         let start_up = first && self.system.semantics.ticks == TickRule::Task;

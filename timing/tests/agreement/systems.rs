@@ -133,8 +133,8 @@ pub(crate) fn random(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate
     (system, within)
 }
 
-/// A system of any of the other kinds without periodic tasks, where things sometimes last longer, and predicates that may be
-/// reached in it.
+/// A system of any of the other kinds without periodic tasks, where things sometimes last longer, and
+/// predicates that may be reached in it.
 pub(crate) fn aperiodic(dice: &mut Dice) -> (TimedSystem, Vec<Predicate>) {
     let mut system = match dice.below(4) {
         0 => random(dice).0,
@@ -169,8 +169,8 @@ pub(crate) fn aperiodic(dice: &mut Dice) -> (TimedSystem, Vec<Predicate>) {
     (system, goals)
 }
 
-/// A system of two to four tasks that compete for locks and cores, without services and mostly without anything that
-/// would hinder reductions. There is one tick after the other, as periods are few.
+/// A system of two to four tasks that compete for locks and cores, without services and mostly without
+/// anything that would hinder reductions. There is one tick after the other, as periods are few.
 pub(crate) fn competing(dice: &mut Dice) -> TimedSystem {
     let mut system = empty(dice);
     system.platform.policy = dice.pick(&[Policy::Fifo, Policy::Fifo, Policy::Edf, Policy::Any]);
@@ -213,8 +213,8 @@ pub(crate) fn competing(dice: &mut Dice) -> TimedSystem {
     system
 }
 
-/// A system with a task that polls for ever, periodic tasks that share locks with it and each other, and durations
-/// from 0 on: what the reductions are made for.
+/// A system with a task that polls for ever, periodic tasks that share locks with it and each other, and
+/// durations from 0 on: what the reductions are made for.
 pub(crate) fn polling(dice: &mut Dice) -> TimedSystem {
     let mut system = empty(dice);
     system.platform.policy = dice.pick(&[Policy::Fifo, Policy::Fifo, Policy::Edf]);

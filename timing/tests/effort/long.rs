@@ -8,8 +8,8 @@ use dotgen_timing::verify::{Cancel, Options, SystemInput, verify};
 
 use crate::{counting, load};
 
-/// Tenants who keep out of each other's way by time alone: each looks whether the room is let, moves in at most `within` later,
-/// and uses it `wait` after that if nobody else has moved in meanwhile.
+/// Tenants who keep out of each other's way by time alone: each looks whether the room is let, moves in at
+/// most `within` later, and uses it `wait` after that if nobody else has moved in meanwhile.
 fn asked(within: u32, wait: u32) -> (String, String) {
     let (mut genom, mut scenario) = (String::new(), String::new());
     let lease = wait + 20 * wait / 10;

@@ -137,7 +137,8 @@ fn what_is_not_treated_is_refused_with_its_reason() {
 
 #[test]
 fn what_comes_at_any_time_is_counted_wherever_it_can_come() {
-    // `servo` waits for one codel of `plan`, and the control task holds `goal` for 0.3 ms before each of the two.
+    // `servo` waits for one codel of `plan`, and the control task holds `goal` for 0.3 ms before each of the
+    // two.
     let asked = ARM.replace(
         "  task servo {",
         "  function aim() { codel aim(out goal) wcet 0.3 ms; };\n  task servo {",

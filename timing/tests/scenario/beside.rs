@@ -4,8 +4,8 @@ use dotgen_timing::property::PropertyKind;
 
 use super::*;
 
-/// Processes that exclude each other by time alone, after Fischer's protocol, with a wait that is too short: who claims
-/// interrupts the claims of the others, but one that may still be made is not interrupted.
+/// Processes that exclude each other by time alone, after Fischer's protocol, with a wait that is too short:
+/// who claims interrupts the claims of the others, but one that may still be made is not interrupted.
 pub(crate) fn too_short_a_wait(processes: usize) -> (UnitResult, String) {
     let all = || 1..=processes;
     let of = |i: usize| {

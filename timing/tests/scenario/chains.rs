@@ -54,8 +54,8 @@ fn values(report: &Report) -> Vec<(Verdict, Option<Value>)> {
 
 #[test]
 fn reaction_and_age_are_those_worked_out_by_hand() {
-    // The sensor writes at 11, 21, 31, …; the filter reads at 20, 40, … and writes at 22, 42, …. What is written at 21 comes
-    // out at 42; what came out at 22 was written at 11, and is visible until 42.
+    // The sensor writes at 11, 21, 31, …; the filter reads at 20, 40, … and writes at 22, 42, …. What is
+    // written at 21 comes out at 42; what came out at 22 was written at 11, and is visible until 42.
     let report = two(
         Preset::Servers,
         "durations fixed; check reaction sensor.raw -> filter.clean; check age sensor.raw -> filter.clean;
@@ -98,13 +98,15 @@ fn an_input_that_nobody_writes_is_new_at_any_moment() {
 
 #[test]
 fn shorter_durations_make_older_data() {
-    // Written at 10 at the earliest and at 21 at the latest; read at 20, or at 40 and written at 42 at the latest.
+    // Written at 10 at the earliest and at 21 at the latest; read at 20, or at 40 and written at 42 at the
+    // latest.
     let report = two(
         Preset::Servers,
         "check reaction sensor.raw -> filter.clean; check age sensor.raw -> filter.clean;",
     );
     let time = |it| (Verdict::Proved, Some(Value::Time(it)));
-    // Written at 20 just after the filter has begun, until 42; or written at 10, come out at 20, visible until 42.
+    // Written at 20 just after the filter has begun, until 42; or written at 10, come out at 20, visible
+    // until 42.
     assert_eq!(values(&report), [time(22.0), time(32.0)]);
 }
 
@@ -188,7 +190,8 @@ fn runs_say_which_chains_they_do_not_follow() {
     assert_eq!(
         notes("age sensor.raw -> filter.clean <= 5 ms"),
         [
-            "not checked along runs: `age sensor.raw -> filter.clean`; runs follow no data, `dotgen verify` answers these checks"
+            "not checked along runs: `age sensor.raw -> filter.clean`; runs follow no data, `dotgen verify` \
+                answers these checks"
         ]
     );
     assert_eq!(notes("schedulable *"), [] as [&str; 0]);

@@ -1,5 +1,5 @@
-//! What is found besides the answers: codels that keep others waiting, requests that end each other, loops; and what an
-//! answer is worth under preemption.
+//! What is found besides the answers: codels that keep others waiting, requests that end each other, loops;
+//! and what an answer is worth under preemption.
 
 use dotgen_timing::remark::Remark;
 use dotgen_timing::report::{Report, Soundness, Value, Verdict};
@@ -66,8 +66,8 @@ fn a_request_that_can_only_be_refused_is_found() {
     assert!(remarks(&report(specification, off)).is_empty());
 }
 
-/// A permanent activity that goes round without a pause has a first cycle that never ends: "schedulable" would be true of
-/// nothing at all.
+/// A permanent activity that goes round without a pause has a first cycle that never ends: "schedulable"
+/// would be true of nothing at all.
 #[test]
 fn a_loop_without_pause_has_nothing_to_verify() {
     let specification = |yields: &str| {
@@ -207,7 +207,8 @@ fn an_unbounded_response_names_the_loop_and_what_limits_it() {
     let found = report(specification, "check response c.t;");
     assert_eq!(found.checks[0].value, Some(Value::Unbounded));
     let note = found.checks[0].note.as_deref().unwrap_or_default();
-    let loops = "c.t may go round start → x → start without a pause; `loop once c.t;` in a scenario limits its rounds";
+    let loops = "c.t may go round start → x → start without a pause; `loop once c.t;` in a scenario limits \
+        its rounds";
     assert_eq!(note, loops);
 }
 
@@ -224,7 +225,8 @@ component d {
 fn under_preemption_intervals_have_bounds_and_say_so() {
     let found = report(
         PRIORITIES,
-        "cores 1; policy priority; check schedulable *; check response *; check always c.hi.idle or c.hi.running;",
+        "cores 1; policy priority; check schedulable *; check response *; check always c.hi.idle or \
+            c.hi.running;",
     );
     let of = |name: &'static str| found.checks.iter().filter(move |it| it.of == name);
     for it in of("c.hi").chain(of("d.lo")) {
@@ -280,7 +282,8 @@ fn only_cores_that_are_taken_away_can_be_tied_to() {
     assert_eq!(
         messages,
         [
-            "policy fifo gives a task any core that is free; write `policy priority;` or `policy fair;` to tie `c.hi` to one"
+            "policy fifo gives a task any core that is free; write `policy priority;` or `policy fair;` to \
+                tie `c.hi` to one"
         ]
     );
 }

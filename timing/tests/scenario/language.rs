@@ -39,7 +39,8 @@ fn slots_are_some_and_not_too_many() {
         assert_eq!(parsed.scenario.items.len(), 2 + usize::from(allowed));
     }
     let told = &parse("scenario s { slots sensor.record 40; }").errors[0].message;
-    insta::assert_snapshot!(told, @"a task or an activity can have 1 to 32 slots, not 40: without one it never runs, and each one more multiplies what has to be explored");
+    insta::assert_snapshot!(told, @"a task or an activity can have 1 to 32 slots, not 40: without one it \
+        never runs, and each one more multiplies what has to be explored");
 }
 
 #[test]
@@ -91,7 +92,8 @@ fn names_lead_to_the_model() {
     let unit = load(ROBOT);
     let names = Names::new(&[&unit.spec]);
     let parsed = parse(
-        "scenario x { check response sensor.acquire; check always not sensor.acquire.read.exec; client k { send sensor.reset; } }",
+        "scenario x { check response sensor.acquire; check always not sensor.acquire.read.exec; client k { \
+            send sensor.reset; } }",
     );
     let found: Vec<Target> = names
         .references(&parsed.scenario)

@@ -399,7 +399,12 @@ fn what_fails_without_requests_is_found_whatever_clients_may_do() {
 #[test]
 fn what_fails_after_one_request_is_found_whatever_clients_may_do() {
     let many: String = (0..8)
-        .map(|i| format!("activity a{i}() {{ task t; codel <start> w{i}(inout b) yield pause::start, ether wcet 1 ms; }};"))
+        .map(|i| {
+            format!(
+                "activity a{i}() {{ task t; codel <start> w{i}(inout b) yield pause::start, ether \
+            wcet 1 ms; }};"
+            )
+        })
         .collect();
     let slow = "activity slow() { task t; codel <start> s() yield ether wcet 30 ms; };";
     let unit = load(&CALM.replace("activity work()", &format!("{many} {slow} activity work()")));
@@ -436,7 +441,12 @@ fn what_fails_after_one_request_is_found_whatever_clients_may_do() {
 #[test]
 fn a_task_that_takes_no_time_needs_no_exploration_to_the_end() {
     let services: String = (0..20)
-        .map(|i| format!("activity a{i}() {{ task t; codel <start> w{i}(inout b) yield pause::start, ether; }};"))
+        .map(|i| {
+            format!(
+                "activity a{i}() {{ task t; codel <start> w{i}(inout b) yield pause::start, ether; \
+            }};"
+            )
+        })
         .collect();
     let unit = load(&format!(
         "component idle {{ version \"1\"; lang \"c\"; ids {{ long b; }};
@@ -519,7 +529,8 @@ fn a_verification_tells_how_far_it_is() {
     let input = SystemInput {
         specs: vec![&unit.spec],
     };
-    let text = "scenario x { client k { send sensor.record; } check deadlock; check eventually sensor.record; }";
+    let text = "scenario x { client k { send sensor.record; } check deadlock; check eventually \
+        sensor.record; }";
     let cancel = Cancel::default();
     let report = verify(&input, &parse(text).scenario, &published(), &cancel);
     assert!(report.states > 0);

@@ -55,7 +55,8 @@ component pair {
 
 #[test]
 fn of_a_task_that_keeps_its_deadlines_the_rest_of_one_job_is_in_the_way() {
-    // Not two jobs of the filter: the next one comes too late for that. Nor its start-up, which is over by then.
+    // Not two jobs of the filter: the next one comes too late for that. Nor its start-up, which is over by
+    // then.
     insta::assert_snapshot!(bounds(PAIR, ""), @r"
     pair.io 8
     pair.filter 7
@@ -64,7 +65,8 @@ fn of_a_task_that_keeps_its_deadlines_the_rest_of_one_job_is_in_the_way() {
 
 #[test]
 fn a_task_that_may_be_late_can_have_a_second_job_at_once() {
-    // One carried in, one on a pending tick, and those released meanwhile; of `io`, which is late then, the same three.
+    // One carried in, one on a pending tick, and those released meanwhile; of `io`, which is late then, the
+    // same three.
     let late = PAIR.replace("wcet 6 ms", "wcet 9 ms");
     insta::assert_snapshot!(bounds(&late, ""), @r"
     pair.io 301
@@ -138,8 +140,8 @@ component bus {
 
 #[test]
 fn who_works_for_ever_is_in_the_way_until_the_next_break() {
-    // `fast` waits for one `read`, as the line is free for a millisecond then; but that can pass eight times while `slow` is at
-    // work.
+    // `fast` waits for one `read`, as the line is free for a millisecond then; but that can pass eight times
+    // while `slow` is at work.
     let scenario = "duration bus.comm.poll [1,*] ms; loop once bus.comm;";
     insta::assert_snapshot!(bounds(ENDLESS, scenario), @r"
     bus.comm -
@@ -156,7 +158,8 @@ fn who_works_for_ever_is_in_the_way_until_the_next_break() {
 
 #[test]
 fn jobs_on_the_same_core_do_not_wait_for_locks_of_each_other() {
-    // One core for all but `comm`: 3 of `fast`, with 2 of `comm` before, then 8 of `slow`; or the other way round.
+    // One core for all but `comm`: 3 of `fast`, with 2 of `comm` before, then 8 of `slow`; or the other way
+    // round.
     let scenario = "duration bus.comm.poll [1,*] ms; loop once bus.comm; cores 2;";
     insta::assert_snapshot!(bounds(ENDLESS, scenario), @r"
     bus.comm -

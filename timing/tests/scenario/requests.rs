@@ -134,8 +134,8 @@ fn what_is_cut_for_want_of_a_stop_codel_has_failed() {
 
 #[test]
 fn connecting_waits_at_the_head_of_the_queue_and_everybody_behind_it() {
-    // The first codel of `u` executes from 10 ms to 11 ms, as that of `t`; the request comes in between or before. Nothing is
-    // shared: without the request nobody waits.
+    // The first codel of `u` executes from 10 ms to 11 ms, as that of `t`; the request comes in between or
+    // before. Nothing is shared: without the request nobody waits.
     let waits = |request: &str| {
         let items = format!(
             "durations interval; duration r.t.start [5,5] ms;
@@ -157,7 +157,8 @@ fn the_published_models_have_none_of_it() {
     );
     for word in ["await ended ok", "abort", "kill", "connect"] {
         let told = format!(
-            "scn-semantics: the published models have no `{word}`; write `semantics servers;`, or leave this step out"
+            "scn-semantics: the published models have no `{word}`; write `semantics servers;`, or leave \
+                this step out"
         );
         assert!(found.contains(&told), "{word}: {found:?}");
     }

@@ -6,7 +6,8 @@ use dotgen_timing::verify::{Interrupt, verify_telling};
 
 use super::*;
 
-/// A robot, and a lamp that has nothing to do with it and is answered by analysis; the checks of the robot come first.
+/// A robot, and a lamp that has nothing to do with it and is answered by analysis; the checks of the robot
+/// come first.
 const LAMP: &str = r#"
 component lamp {
   version "1"; lang "c";

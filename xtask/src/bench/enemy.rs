@@ -1,7 +1,7 @@
 //! Texts that somebody would write to make dotgen slow: instructions of `dotgen check` as they grow.
 //!
-//! Twice the text may take twice the instructions, with a little more for tables that grow. What is beyond is told, and
-//! the command fails.
+//! Twice the text may take twice the instructions, with a little more for tables that grow. What is beyond is
+//! told, and the command fails.
 
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! Mutual exclusion by time alone, after Fischer's protocol: for dotgen, and by hand for TChecker.
 //!
-//! Specifications have no values to test, so the shared variable of the protocol is played by what services do to each
-//! other. Process *i* is a client that goes round like this:
+//! Specifications have no values to test, so the shared variable of the protocol is played by what services
+//! do to each other. Process *i* is a client that goes round like this:
 //!
 //! | protocol | here |
 //! | --- | --- |
@@ -13,8 +13,8 @@
 //! | critical section | `claim`*i*, codel `cs` |
 //! | set it to 0 | the end of `hold`*i*, after the longest critical section |
 //!
-//! Claims neither lock nor wait for each other: only the wait keeps them apart. As in the protocol, it must be longer than
-//! the time between test and write.
+//! Claims neither lock nor wait for each other: only the wait keeps them apart. As in the protocol, it must
+//! be longer than the time between test and write.
 
 use std::fmt::Write;
 
@@ -92,8 +92,8 @@ pub(crate) fn dotgen(n: usize, times: Times) -> (String, String) {
     (genom, scenario)
 }
 
-/// The same behaviour as a network of one automaton per process, with one clock each. The label `both` is reached when
-/// two are in their critical sections.
+/// The same behaviour as a network of one automaton per process, with one clock each. The label `both` is
+/// reached when two are in their critical sections.
 pub(crate) fn tchecker(n: usize, times: Times) -> String {
     let Times {
         within,

@@ -1,4 +1,5 @@
-//! A flight stack: 7 tasks of 4 components, periods of 1 to 5 ms, execution times from 0; see `flight/flight.gen`.
+//! A flight stack: 7 tasks of 4 components, periods of 1 to 5 ms, execution times from 0; see
+//! `flight/flight.gen`.
 
 use std::path::Path;
 

@@ -14,7 +14,8 @@ pub(crate) const LIMIT: u32 = 60;
 pub(crate) fn announce() -> Result<()> {
     tools::ensure(tools::TIME)?;
     run::step(&format!(
-        "Whole processes: processor time, median of alternating runs; peak memory; states. Given up after {LIMIT} s"
+        "Whole processes: processor time, median of alternating runs; peak memory; states. Given up after \
+            {LIMIT} s"
     ));
     Ok(())
 }
@@ -37,8 +38,8 @@ pub(crate) struct Taken {
     pub(crate) output: String,
 }
 
-/// Measures some jobs in alternation, so that what disturbs the machine disturbs all alike. `None`: ended by [`LIMIT`].
-/// Jobs of more than two seconds run three times at most, those of more than twenty once.
+/// Measures some jobs in alternation, so that what disturbs the machine disturbs all alike. `None`: ended by
+/// [`LIMIT`]. Jobs of more than two seconds run three times at most, those of more than twenty once.
 pub(crate) fn alternate(jobs: &[Job], runs: usize) -> Result<Vec<Option<Taken>>> {
     let mut all: Vec<Option<Vec<Taken>>> = jobs.iter().map(|_| Some(Vec::new())).collect();
     for run in 0..runs {

@@ -1,19 +1,21 @@
-//! Plain periodic tasks on one core, non-preemptive, earliest deadline first: the same set written for dotgen, for
-//! TChecker and for the schedule-abstraction tool.
+//! Plain periodic tasks on one core, non-preemptive, earliest deadline first: the same set written for
+//! dotgen, for TChecker and for the schedule-abstraction tool.
 //!
-//! Every task is a component of its own whose only codel takes from `bcet` to `wcet`; start-up takes no time, so the
-//! n-th release is at n periods. Where the semantics differ, the translation makes up for it:
+//! Every task is a component of its own whose only codel takes from `bcet` to `wcet`; start-up takes no time,
+//! so the n-th release is at n periods. Where the semantics differ, the translation makes up for it:
 //!
-//! * Ticks, ends and grants of one moment come in every order (the core may go to a task while a more urgent one is
-//!   about to tick). The schedule-abstraction tool grants the most urgent job of the moment. There a moment is
-//!   [`SCALE`] units and a release may be one unit late, which allows the same orders.
+//! * Ticks, ends and grants of one moment come in every order (the core may go to a task while a more urgent
+//!   one is about to tick). The schedule-abstraction tool grants the most urgent job of the moment. There a
+//!   moment is [`SCALE`] units and a release may be one unit late, which allows the same orders.
 //! * A job that ends at the next tick is late. There the deadline is one moment earlier.
 //! * Equal deadlines are served in order of release. Both translations have it in the priority.
-//! * That tool takes a finite list of jobs: all of two hyperperiods. Without a miss every hyperperiod ends with all jobs
-//!   done, and all but the first begin with a release of every task, so the second stands for the others.
+//! * That tool takes a finite list of jobs: all of two hyperperiods. Without a miss every hyperperiod ends
+//!   with all jobs done, and all but the first begin with a release of every task, so the second stands for
+//!   the others.
 //!
-//! For TChecker the deadlines are integers within the hyperperiod, as its abstractions do not allow differences of clocks;
-//! and all timers have one clock together, which makes it three times faster than with a clock each.
+//! For TChecker the deadlines are integers within the hyperperiod, as its abstractions do not allow
+//! differences of clocks; and all timers have one clock together, which makes it three times faster than with
+//! a clock each.
 
 use std::fmt::Write;
 
@@ -62,8 +64,8 @@ pub(crate) fn dotgen(tasks: &[Task], responses: bool) -> (String, String) {
     (genom, scenario)
 }
 
-/// A network of two timed automata, the timers and the core, with a clock each. The label `miss` is reached when a job is
-/// late.
+/// A network of two timed automata, the timers and the core, with a clock each. The label `miss` is reached
+/// when a job is late.
 pub(crate) fn tchecker(tasks: &[Task]) -> String {
     let mut out = format!(
         "system:periodic\nevent:tau\nclock:1:t\nclock:1:e\nint:1:0:{n}:0:due\nint:1:0:{n}:0:waiting\n",

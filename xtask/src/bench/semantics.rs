@@ -1,5 +1,5 @@
-//! What differs between the servers and the published models: every answer on 1 to 8 cores under both, and the point of the
-//! semantics that makes the difference.
+//! What differs between the servers and the published models: every answer on 1 to 8 cores under both, and
+//! the point of the semantics that makes the difference.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -225,7 +225,8 @@ struct Variant {
     published: Answers,
 }
 
-/// The points by which the servers have another answer than the published models, if some of these variants show it.
+/// The points by which the servers have another answer than the published models, if some of these variants
+/// show it.
 fn point(variants: &[Variant], check: &str, (one, other): (&str, &str)) -> Option<String> {
     let is = |answers: &Answers, wanted: &str| answers.get(check).is_some_and(|it| it == wanted);
     let makes = |it: &&Variant| is(&it.servers, one) || is(&it.published, other);

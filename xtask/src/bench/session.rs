@@ -1,5 +1,5 @@
-//! A recorded editing session, driven over the protocol as an editor does it: open, type 500 characters, and ask
-//! after each what an editor asks.
+//! A recorded editing session, driven over the protocol as an editor does it: open, type 500 characters, and
+//! ask after each what an editor asks.
 
 #[path = "../../../analysis/benches/components.rs"]
 mod components;

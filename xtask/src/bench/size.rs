@@ -88,7 +88,8 @@ fn check(dotgen: &Path, folder: &Path, runs: usize) -> Result<Figures> {
     ])
 }
 
-/// An editor in the workspace: the first file, typing, changes that concern all, a rename, and what memory that takes.
+/// An editor in the workspace: the first file, typing, changes that concern all, a rename, and what memory
+/// that takes.
 fn serve(dotgen: &Path, folder: &Path, count: usize) -> Result<Figures> {
     let mut figures = Figures::new();
     let started = Instant::now();
@@ -199,14 +200,15 @@ impl Session {
         self.editor.request("textDocument/diagnostic", params)
     }
 
-    /// Like [`Session::everything`], of a client that has no results yet: it is answered also when nothing is new.
+    /// Like [`Session::everything`], of a client that has no results yet: it is answered also when nothing is
+    /// new.
     pub(super) fn everything_anew(&mut self) -> Result<Duration> {
         self.known.clear();
         self.everything()
     }
 
-    /// Asks for the diagnostics of the workspace until all files have answered: there must be news, for which the
-    /// server waits. Returns how long it took.
+    /// Asks for the diagnostics of the workspace until all files have answered: there must be news, for which
+    /// the server waits. Returns how long it took.
     pub(super) fn everything(&mut self) -> Result<Duration> {
         let method = "workspace/diagnostic";
         self.token += 1;
@@ -241,7 +243,8 @@ impl Session {
         }
     }
 
-    /// Types a comment, a character at a time, and asks for diagnostics after each. The 95th percentile, in seconds.
+    /// Types a comment, a character at a time, and asks for diagnostics after each. The 95th percentile, in
+    /// seconds.
     fn type_in(&mut self, document: &mut Document, line: usize) -> Result<f64> {
         self.editor.edit(document, line, [0, 0], "// \n")?;
         self.pull(document)?;

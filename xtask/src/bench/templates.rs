@@ -27,8 +27,8 @@ const CALLS: [(&str, &[&str]); 4] = [
     ("skeleton", &["-f", "-l", "c++", "-C", OUTPUT]),
 ];
 
-/// Where files go. They are there from the first call on, so that the others write nothing: what is compared is how they
-/// are made.
+/// Where files go. They are there from the first call on, so that the others write nothing: what is compared
+/// is how they are made.
 const OUTPUT: &str = "target/bench-templates/output";
 
 /// How much faster a run without Tcl has to be.

@@ -8,8 +8,8 @@ use super::Cx;
 use crate::diagnostic::FileEdit;
 use crate::ide::FileView;
 
-/// The edit that gives the codel around a place the execution time `time` (`4 ms`), if it states one in a clause of its
-/// own: one that comes from a macro or a pragma is left to its author.
+/// The edit that gives the codel around a place the execution time `time` (`4 ms`), if it states one in a
+/// clause of its own: one that comes from a macro or a pragma is left to its author.
 pub(crate) fn execution_time(
     view: &FileView<'_>,
     range: &Range<usize>,
@@ -34,8 +34,8 @@ pub enum TaskTime {
     Delay,
 }
 
-/// The edit that gives the task around a place another period, or another delay: what stands there is replaced, a delay that is
-/// missing comes behind the period. What comes from a macro is left to its author.
+/// The edit that gives the task around a place another period, or another delay: what stands there is
+/// replaced, a delay that is missing comes behind the period. What comes from a macro is left to its author.
 pub(crate) fn task_time(
     view: &FileView<'_>,
     range: &Range<usize>,

@@ -193,7 +193,8 @@ fn states(
     }
 }
 
-/// The state that a new codel of the machine is most likely for: one that something leads to, else `start` or `stop`.
+/// The state that a new codel of the machine is most likely for: one that something leads to, else `start` or
+/// `stop`.
 pub(super) fn next_state(names: &Names<'_, '_>, context: &Context) -> Option<String> {
     let machine = Machine::around(names, context);
     let free = |it: &&str| !machine.implemented.iter().any(|other| other == *it);

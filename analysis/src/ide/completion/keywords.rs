@@ -1,7 +1,8 @@
 //! What begins a statement, by body, with snippets for whole clauses.
 //!
-//! A clause is filled in with what there is, so that it is right as it stands: `@task` is a task of the component,
-//! `@main` a name like `main` that is free. A clause for which there is nothing yet is not offered.
+//! A clause is filled in with what there is, so that it is right as it stands: `@task` is a task of the
+//! component, `@main` a name like `main` that is free. A clause for which there is nothing yet is not
+//! offered.
 
 use super::{
     Completions, codel,

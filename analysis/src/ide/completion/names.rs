@@ -27,8 +27,8 @@ pub(in crate::ide) struct Names<'a, 'db> {
     /// The component around the cursor: index into the spec.
     component: Option<u32>,
     at: usize,
-    /// Where the statement begins in which the cursor is, with the types around it: what is declared from here on is
-    /// not known yet at the cursor.
+    /// Where the statement begins in which the cursor is, with the types around it: what is declared from
+    /// here on is not known yet at the cursor.
     begins: usize,
     /// Definitions that live in scopes, by full path.
     paths: FxHashMap<Vec<SmolStr>, DefId>,
@@ -129,7 +129,8 @@ impl<'a, 'db> Names<'a, 'db> {
         self.spec().components.get(self.component? as usize)
     }
 
-    /// Tasks and services of the component around the cursor, with the body that each has, its name and its codels.
+    /// Tasks and services of the component around the cursor, with the body that each has, its name and its
+    /// codels.
     pub(super) fn owners(&self) -> impl Iterator<Item = (BodyKind, &'a Name, &'a [Codel])> {
         let component = self.component().into_iter();
         component.flat_map(|it| {

@@ -133,7 +133,8 @@ struct Source {
     ty: TypeId,
     kind: SymbolKind,
     definition: Option<u32>,
-    /// Something else of the component has the name, so that the source has to be said: also where that cannot be meant.
+    /// Something else of the component has the name, so that the source has to be said: also where that
+    /// cannot be meant.
     ambiguous: bool,
 }
 

@@ -8,11 +8,12 @@ use crate::{
     model::{CodelKind, Component},
 };
 
-/// A pattern: `{c}` is the component, `{o}` the task or service, `{s}` the state; in capitals where these are written
-/// in camel case.
+/// A pattern: `{c}` is the component, `{o}` the task or service, `{s}` the state; in capitals where these are
+/// written in camel case.
 type Pattern = String;
 
-/// A name for a codel of the task or service around the cursor, for a state if it is a machine's; free in the component.
+/// A name for a codel of the task or service around the cursor, for a state if it is a machine's; free in the
+/// component.
 pub(super) fn codel_name(names: &Names<'_, '_>, context: &Context, state: Option<&str>) -> String {
     let (_, frame) = context.body();
     let owner = context.name_of(frame).unwrap_or_default();

@@ -12,7 +12,8 @@ const MOST: usize = 4_000;
 /// See the module.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(crate) struct After {
-    /// The rest of the statement, brackets included, up to its `;`, to the end of the innermost body, or to a `{`.
+    /// The rest of the statement, brackets included, up to its `;`, to the end of the innermost body, or to a
+    /// `{`.
     pub(crate) rest: Vec<Word>,
     /// Whether the first of these stands on the line of the cursor.
     pub(crate) same_line: bool,
@@ -57,7 +58,8 @@ impl After {
             }
             use SyntaxKind::*;
             match kind {
-                // A bracket that is closed here was opened before the cursor, but for braces it ends a list only.
+                // A bracket that is closed here was opened before the cursor, but for braces it ends a list
+                // only.
                 R_CURLY if depth == 0 => break,
                 R_CURLY => depth -= 1,
                 L_CURLY => {
@@ -94,7 +96,8 @@ impl After {
         self.rest.first().filter(|_| self.same_line)
     }
 
-    /// The rest of the list around the cursor: up to the bracket that closes it, or to the end of the statement.
+    /// The rest of the list around the cursor: up to the bracket that closes it, or to the end of the
+    /// statement.
     pub(crate) fn list(&self) -> &[Word] {
         let mut depth = 0_i32;
         let end = self.rest.iter().position(|it| {

@@ -64,8 +64,8 @@ fn list(lines: &[Fact]) -> Option<String> {
     (!lines.is_empty()).then(|| lines.join("\n"))
 }
 
-/// The component or interface that something belongs to. A codel is a function: it belongs to whichever component has
-/// it there.
+/// The component or interface that something belongs to. A codel is a function: it belongs to whichever
+/// component has it there.
 pub(super) fn component_of<'e>(
     elaborated: &'e Elaborated,
     it: &Definition,

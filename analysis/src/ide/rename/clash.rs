@@ -27,7 +27,8 @@ pub(super) fn taken(
         _ => "",
     };
     Some(format!(
-        "{what} has that name already ({file}, line {line}){why}; choose another name, or rename that one first"
+        "{what} has that name already ({file}, line {line}){why}; choose another name, or rename that one \
+            first"
     ))
 }
 

@@ -42,9 +42,10 @@ impl<'a> Fresh<'a> {
 
     /// Whether the unit of a root is the same afterwards but for one name.
     ///
-    /// The language compares names and asks for nothing else in them. So a unit means the same when one identifier is
-    /// replaced by another one wherever it stands (alpha-conversion), if nothing in the unit has the new one: neither
-    /// as it is, nor in another case, nor as a part of a name that is put together (`COMPONENT_state`, `a ## b`).
+    /// The language compares names and asks for nothing else in them. So a unit means the same when one
+    /// identifier is replaced by another one wherever it stands (alpha-conversion), if nothing in the unit
+    /// has the new one: neither as it is, nor in another case, nor as a part of a name that is put together
+    /// (`COMPONENT_state`, `a ## b`).
     pub(super) fn in_unit_of(&self, db: &dyn Db, root: SourceFile) -> bool {
         files(db, unit_of_root(db, root))
             .into_iter()

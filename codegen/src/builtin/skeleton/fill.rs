@@ -80,8 +80,8 @@ impl<'a> Facts<'a> {
 
 /// A file of the template: its texts, in order, with what is put between them.
 ///
-/// A text lies between two markers. Which text comes next is known by counting, since the contents of the folder are
-/// known; so no text of the template needs to be here.
+/// A text lies between two markers. Which text comes next is known by counting, since the contents of the
+/// folder are known; so no text of the template needs to be here.
 pub(super) struct Walk {
     texts: Vec<String>,
     at: usize,

@@ -267,7 +267,8 @@ impl Flow<'_> {
         drift
     }
 
-    /// The pause before a state, with its yield where that is not there, if without one the machine would be in a cycle that does not pause.
+    /// The pause before a state, with its yield where that is not there, if without one the machine would be
+    /// in a cycle that does not pause.
     fn paused_yield(&self, at: CodelRef, state: &str, event: &str) -> Option<Repair> {
         let component = self.expected().component();
         let machine = Machine::new(component.codels_of(at.owner));
@@ -289,8 +290,8 @@ impl Flow<'_> {
         })
     }
 
-    /// Events that the function may return instead of one: the nearest by name first. Those that it returns nowhere
-    /// yet go alone, if there are some.
+    /// Events that the function may return instead of one: the nearest by name first. Those that it returns
+    /// nowhere yet go alone, if there are some.
     fn returnable(&self, event: &str) -> Vec<SmolStr> {
         let expected = self.expected();
         let component = expected.component();
@@ -395,8 +396,8 @@ impl Flow<'_> {
         }
     }
 
-    /// Whether an exception may be in a list that is not known in full. What the component declares itself, an
-    /// interface that is not here cannot know.
+    /// Whether an exception may be in a list that is not known in full. What the component declares itself,
+    /// an interface that is not here cannot know.
     fn may_throw(&self, exception: TypeId) -> bool {
         let check = self.check;
         let trust = &check.options.trust;
@@ -471,8 +472,8 @@ impl Flow<'_> {
         drift
     }
 
-    /// Declared exceptions that can be raised instead of one with the same arguments: those without details, as others
-    /// have types of their own.
+    /// Declared exceptions that can be raised instead of one with the same arguments: those without details,
+    /// as others have types of their own.
     fn raisable(&self, name: &str, exception: Option<TypeId>) -> Vec<SmolStr> {
         let expected = self.expected();
         let is_plain = |it: TypeId| match &expected.spec.ty(it).kind {

@@ -45,8 +45,8 @@ pub(super) fn find<'a>(
     out
 }
 
-/// Whether it can be said that no specification names a function. Codels that are declared in what is not here would
-/// all be orphans.
+/// Whether it can be said that no specification names a function. Codels that are declared in what is not
+/// here would all be orphans.
 pub(super) fn are_certain(all: &[Expected<'_>], options: &DriftOptions) -> bool {
     let elsewhere = |it: &Expected<'_>| it.spec.lacks_declarations(it.component);
     !options.trust.is_cut && !all.iter().any(elsewhere)

@@ -78,8 +78,9 @@ impl Glue<'_, '_> {
         Ok(out)
     }
 
-    /// The numbers of codels: in the order of [`Component::all_codels`](dotgen_analysis::model::Component::all_codels),
-    /// then one for the copies of each attribute.
+    /// The numbers of codels: in the order of
+    /// [`Component::all_codels`](dotgen_analysis::model::Component::all_codels), then one for the copies of
+    /// each attribute.
     pub(super) fn codels(&self) -> LangResult {
         let component = self.expected.component();
         let mut out = self.outcomes()?;

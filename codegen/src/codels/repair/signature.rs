@@ -39,8 +39,8 @@ pub struct ByHand {
 pub enum Unfollowed {
     /// A use of a parameter that the function has lost.
     Parameter(SmolStr),
-    /// A call of which some argument is not known, or that would lose a comment, or that is inside of another one or
-    /// of the function itself.
+    /// A call of which some argument is not known, or that would lose a comment, or that is inside of another
+    /// one or of the function itself.
     Call,
 }
 
@@ -323,9 +323,9 @@ fn change(from: &CType, to: &CType) -> Change {
     }
 }
 
-/// The prototype as the function has it, with what changes in it: its head, parameters that stay, and what stands between
-/// them. A new parameter follows as the others do. `None` when comments would lose their parameter, or when the head
-/// changes.
+/// The prototype as the function has it, with what changes in it: its head, parameters that stay, and what
+/// stands between them. A new parameter follows as the others do. `None` when comments would lose their
+/// parameter, or when the head changes.
 fn laid_out(
     file: &IndexedFile,
     function: &Function,
@@ -588,8 +588,9 @@ fn respelled(node: Node<'_>, name: &str, change: Change, text: &str) -> (Range<u
     }
 }
 
-/// What changes in the arguments of a call: each where it stands, or the whole list when their order or number changes.
-/// `None` when a new parameter has no argument that could be known, or a comment would lose its place.
+/// What changes in the arguments of a call: each where it stands, or the whole list when their order or
+/// number changes. `None` when a new parameter has no argument that could be known, or a comment would lose
+/// its place.
 fn arguments(
     file: &IndexedFile,
     list: Node<'_>,

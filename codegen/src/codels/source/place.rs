@@ -90,8 +90,8 @@ pub(crate) fn is_declared(node: Node<'_>) -> bool {
     false
 }
 
-/// The places of a parameter in a function: where it is declared and used. Empty when the function declares another
-/// variable of its name, or has the new name for something else.
+/// The places of a parameter in a function: where it is declared and used. Empty when the function declares
+/// another variable of its name, or has the new name for something else.
 pub(crate) fn renamable(
     text: &str,
     grammar: Grammar,

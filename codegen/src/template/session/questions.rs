@@ -293,7 +293,8 @@ impl Session<'_> {
         Ok(Answer::pure(text))
     }
 
-    /// A confined template reads the specifications it was given, those of the folders it may write to, and its own.
+    /// A confined template reads the specifications it was given, those of the folders it may write to, and
+    /// its own.
     fn check_input(&self, file: &str) -> Result<(), Failure> {
         let path = self.run.base.join(file);
         let results = self.run.confined.map(|it| it.results.as_slice());

@@ -22,7 +22,8 @@ struct Document<E> {
     version: u32,
     /// Everything that was found.
     diagnostics: Vec<E>,
-    /// Of `dotgen codels check`: how much of the codels of each component was compared, and what the others wait for.
+    /// Of `dotgen codels check`: how much of the codels of each component was compared, and what the others
+    /// wait for.
     #[serde(skip_serializing_if = "<[_]>::is_empty", default)]
     #[schemars(with = "Vec<Compared>")]
     codels: Vec<serde_json::Value>,

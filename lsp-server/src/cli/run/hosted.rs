@@ -101,7 +101,8 @@ pub(super) fn build<'s>(
                 let mut missing: Vec<&str> = part.missing.iter().map(|it| it.as_str()).collect();
                 missing.sort_unstable();
                 out.notes.push(format!(
-                    "simulated codels of `{name}`, which have no function (`dotgen codels stub` writes them): {}",
+                    "simulated codels of `{name}`, which have no function (`dotgen codels stub` writes \
+                        them): {}",
                     missing.join(", ")
                 ));
             }
@@ -151,8 +152,8 @@ impl<'s> Hosted<'s> {
     }
 }
 
-/// A system with room for what codels do; on the real clock also for how long they take, and for who is outside.
-/// The factor by which its times have grown, and the first client from outside.
+/// A system with room for what codels do; on the real clock also for how long they take, and for who is
+/// outside. The factor by which its times have grown, and the first client from outside.
 pub(super) fn opened(
     prepared: &Prepared,
     parts: &Parts<'_>,

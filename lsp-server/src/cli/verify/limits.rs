@@ -1,4 +1,5 @@
-//! `--sensitivity`: what repairs a system, and how far it is from missing deadlines. Answers are printed as they come.
+//! `--sensitivity`: what repairs a system, and how far it is from missing deadlines. Answers are printed as
+//! they come.
 
 use std::io::{IsTerminal, Write};
 

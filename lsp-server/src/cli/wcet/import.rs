@@ -316,7 +316,8 @@ fn answer(
         };
         ensure!(
             edits.windows(2).all(apart),
-            "two specifications want different times at one place of `{}`; import the logs for one of them at a time",
+            "two specifications want different times at one place of `{}`; import the logs for one of them \
+                at a time",
             display(&first.path)
         );
         let old = text(&first.path).unwrap_or_default();
@@ -328,8 +329,8 @@ fn answer(
     Ok(answer)
 }
 
-/// A declaration that several specifications include, such as that of an interface, gets the greatest time of all of
-/// them; so does a function that is used there, as a pragma is about functions.
+/// A declaration that several specifications include, such as that of an interface, gets the greatest time of
+/// all of them; so does a function that is used there, as a pragma is about functions.
 fn agree(units: &[UnitResult], wanted: &mut [Vec<Wanted>]) {
     let place = |unit: &UnitResult, it: &Wanted| {
         let codel = (unit.spec.components.get(it.component as usize)?).codel(it.codel);

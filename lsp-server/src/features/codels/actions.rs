@@ -235,8 +235,8 @@ impl Work<'_> {
         Ok(())
     }
 
-    /// The action with its edit; where it writes the function of a codel, the client then shows the body of that.
-    /// `None` when there is nothing to do, or when a file that is there would have to be replaced.
+    /// The action with its edit; where it writes the function of a codel, the client then shows the body of
+    /// that. `None` when there is nothing to do, or when a file that is there would have to be replaced.
     fn action(
         &self,
         action: CodeAction,

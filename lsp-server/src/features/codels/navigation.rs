@@ -177,7 +177,8 @@ pub(crate) fn rename(
                 if !out.edit.merge(one.edit) {
                     let folder = &folder.sources.folder;
                     return Ok(Err(format!(
-                        "The sources in {folder} serve several specifications, which want different names there"
+                        "The sources in {folder} serve several specifications, which want different names \
+                            there"
                     )));
                 }
                 out.left.extend(one.left);

@@ -38,7 +38,8 @@ fn line_end_of(
 fn fitted(line_end: LineEnd, text: &str, path: &Utf8Path) -> std::result::Result<String, String> {
     if text.contains(char::REPLACEMENT_CHARACTER) {
         return Err(format!(
-            "the text for {path} has characters that could not be read where they come from: save that file as UTF-8"
+            "the text for {path} has characters that could not be read where they come from: save that file \
+                as UTF-8"
         ));
     }
     Ok(line_end.fit(text).into_owned())
@@ -72,8 +73,8 @@ pub(crate) fn text_edits(
 pub(crate) enum Review<'a> {
     /// It is what was asked for, and is made at once.
     None,
-    /// It reaches further than what is on the screen: where several files change, they are shown first, under this
-    /// label, by clients that can.
+    /// It reaches further than what is on the screen: where several files change, they are shown first, under
+    /// this label, by clients that can.
     SeveralFiles(&'a str),
     /// It leaves something that may be meant too: it is shown first, under this label, with what it leaves.
     Leaves {

@@ -17,8 +17,8 @@ use crate::workspace::snapshot::{Snapshot, Subject};
 /// Files are generated from a component.
 pub(crate) const GENERATE: CodeActionKind = CodeActionKind::new("source.generate");
 
-/// Everything that has a fix gets it, guesses and placeholders included. Not below `source.fixAll`, which editors run
-/// unasked when a file is saved.
+/// Everything that has a fix gets it, guesses and placeholders included. Not below `source.fixAll`, which
+/// editors run unasked when a file is saved.
 pub(crate) const FIX_FINDINGS: CodeActionKind = CodeActionKind::new("source.fixFindings");
 
 pub(crate) fn handle(

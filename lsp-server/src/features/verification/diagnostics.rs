@@ -80,8 +80,8 @@ pub(crate) fn in_specification(
     Ok(out)
 }
 
-/// Why a specification cannot be verified without a scenario. What is merely remarked about it is said by analysis;
-/// and what is wrong with a scenario is said there.
+/// Why a specification cannot be verified without a scenario. What is merely remarked about it is said by
+/// analysis; and what is wrong with a scenario is said there.
 fn of_model(entry: &Entry, path: &Utf8Path) -> Vec<Diagnostic> {
     let answer = entry.known().filter(|_| !entry.problem.is_written());
     let found = answer.iter().flat_map(|it| &it.report.diagnostics);

@@ -1,5 +1,5 @@
-//! Lenses: one per task of a specification, one per check of a scenario. They say what was computed, the verdict first;
-//! the rest is in their hover and in that of the task.
+//! Lenses: one per task of a specification, one per check of a scenario. They say what was computed, the
+//! verdict first; the rest is in their hover and in that of the task.
 
 use std::ops::Range;
 
@@ -24,8 +24,8 @@ use crate::workspace::snapshot::{Snapshot, Subject};
 /// Of what has no answer yet.
 const VERIFYING: &str = "verifying …";
 
-/// `✓ 8 of 10 ms` over every task that something is known of, with the place of its name. Where several scenarios speak
-/// of a task, the one that is worst for it counts.
+/// `✓ 8 of 10 ms` over every task that something is known of, with the place of its name. Where several
+/// scenarios speak of a task, the one that is worst for it counts.
 pub(crate) fn lenses(
     snapshot: &Snapshot,
     subject: &Subject,
@@ -189,7 +189,8 @@ fn whole(entry: &Entry) -> String {
     }
 }
 
-/// Of a whole without failures: where something has no limit and exceeds the period of its task, that is no proof.
+/// Of a whole without failures: where something has no limit and exceeds the period of its task, that is no
+/// proof.
 fn proved(entry: &Entry) -> &'static str {
     let exceeds = |it: &CheckView| it.outcome == Outcome::Exceeds;
     let answer = entry.known();
@@ -219,7 +220,8 @@ impl Mark {
     }
 }
 
-/// The verdict on a task in a few words; `None` if nothing was to be verified, or nothing can be before errors are mended.
+/// The verdict on a task in a few words; `None` if nothing was to be verified, or nothing can be before
+/// errors are mended.
 fn verdict(entry: &Entry, task: TaskId) -> Option<(Mark, String)> {
     let say = |mark: Mark, text: &str| Some((mark, format!("{} {text}", mark.sign())));
     if entry.status == Status::Blocked {

@@ -1,5 +1,5 @@
-//! `dotgen/sensitivity`: how far a system is from missing deadlines, or from meeting them. Takes its time, tells how
-//! far it is, and ends when the request is cancelled. `docs/protocol.md` describes it for clients.
+//! `dotgen/sensitivity`: how far a system is from missing deadlines, or from meeting them. Takes its time,
+//! tells how far it is, and ends when the request is cancelled. `docs/protocol.md` describes it for clients.
 
 use std::sync::Arc;
 

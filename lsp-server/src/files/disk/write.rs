@@ -1,9 +1,10 @@
 //! Writing files of users: each is whole at any moment, and of several all are changed or none.
 //!
 //! New content goes into temporary files beside the old ones; when all of it is on the disk, they are renamed
-//! over the old ones. What was changed is put back when a rename fails in the middle. Of several files the helper
-//! of this process knows the renames, and does those that a kill has kept this process from. A temporary file is
-//! locked as long as its writer lives, so the next writer knows which are left over from one that was killed.
+//! over the old ones. What was changed is put back when a rename fails in the middle. Of several files the
+//! helper of this process knows the renames, and does those that a kill has kept this process from. A
+//! temporary file is locked as long as its writer lives, so the next writer knows which are left over from
+//! one that was killed.
 
 #[cfg(test)]
 mod tests;

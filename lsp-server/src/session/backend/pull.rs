@@ -1,5 +1,5 @@
-//! `workspace/diagnostic`, file by file: the open ones first, a part at a time, so that changes and other requests have
-//! their turn in between.
+//! `workspace/diagnostic`, file by file: the open ones first, a part at a time, so that changes and other
+//! requests have their turn in between.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -17,8 +17,8 @@ use crate::protocol::types::*;
 const BATCH: usize = 32;
 
 impl Backend {
-    /// Answers `workspace/diagnostic`. A client that wants parts gets them as they come, and once more what a change
-    /// has overtaken; any other gets everything in the end.
+    /// Answers `workspace/diagnostic`. A client that wants parts gets them as they come, and once more what a
+    /// change has overtaken; any other gets everything in the end.
     pub(in crate::session) async fn diagnose(
         &self,
         params: WorkspaceDiagnosticParams,
@@ -70,8 +70,8 @@ impl Backend {
                 }
                 if revisions.has_changed().unwrap_or(false) {
                     revisions.mark_unchanged();
-                    // What was done may be wrong now. It comes last, but for open files: the rest is to be done some
-                    // day, however fast somebody types.
+                    // What was done may be wrong now. It comes last, but for open files: the rest is to be
+                    // done some day, however fast somebody types.
                     let left: FxHashSet<Utf8PathBuf> = queue.drain(..).collect();
                     let Listing { open, rest } = self.listing().await?;
                     let (left, done): (Vec<_>, Vec<_>) =

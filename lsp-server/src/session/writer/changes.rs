@@ -123,7 +123,8 @@ impl State {
                 self.pending.files.insert(file);
             }
             Mutation::Scanned(number, files) => {
-                // A listing that began before the folders changed has files of folders that are gone, and lacks others.
+                // A listing that began before the folders changed has files of folders that are gone, and
+                // lacks others.
                 if number == self.last_listing {
                     let configured = self.workspace.set_files(files);
                     self.pending.roots = true;

@@ -81,8 +81,8 @@ impl State {
         }
     }
 
-    /// The next part of a computation of diagnostics, unless a change has overtaken it: that has scheduled the
-    /// next one.
+    /// The next part of a computation of diagnostics, unless a change has overtaken it: that has scheduled
+    /// the next one.
     pub(super) fn go_on(&mut self, run: Run) {
         self.rest();
         if run.revision() != self.revision || run.is_done() {

@@ -1,4 +1,5 @@
-//! The editor's settings and configuration files: asked for, put together, and what is wrong with them reported.
+//! The editor's settings and configuration files: asked for, put together, and what is wrong with them
+//! reported.
 
 use std::sync::Arc;
 

@@ -205,7 +205,8 @@ async fn comments_that_allow_nothing_are_told_on_both_sides() {
     assert_eq!(
         messages(&shown),
         [
-            "lint/unused-suppression: nothing here is reported as `codel/missing-definition`: remove it from the comment",
+            "lint/unused-suppression: nothing here is reported as `codel/missing-definition`: remove it \
+                from the comment",
             "lint/unused-suppression: `codel/mising-definition` is no code of a diagnostic",
         ]
     );

@@ -64,7 +64,8 @@ fn is_of(event: &Event, task: &str) -> bool {
     name.is_some_and(|it| task.strip_prefix(&*event.component) == Some(&format!(".{it}")))
 }
 
-/// The unit in which all times of a trace are, and how many of it there are in that of a report (`ms`, `10 us`).
+/// The unit in which all times of a trace are, and how many of it there are in that of a report (`ms`, `10
+/// us`).
 fn drawn_in(unit: &str, events: &[Event]) -> (&'static str, f64) {
     let (count, unit) = match unit.split_once(' ') {
         Some((count, unit)) => (count.parse().unwrap_or(1.0), unit),
@@ -441,7 +442,8 @@ impl<'s> Holds<'s> {
 
     /// Those during a wait, in order: who had it when the wait began, and whoever took it after that.
     fn during(&self, wait: &Span, holder: impl Fn(&Span) -> Option<Holder>) -> Vec<Holder> {
-        // None began earlier than the longest lasts: long runs are not searched from their beginning each time.
+        // None began earlier than the longest lasts: long runs are not searched from their beginning each
+        // time.
         let first = (self.all).partition_point(|it| it.from < wait.from - self.longest);
         let after = self.all[first..].iter();
         let candidates = after.take_while(|it| it.from < wait.to);

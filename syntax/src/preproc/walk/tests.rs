@@ -356,7 +356,8 @@ fn an_include_cycle_ends_at_the_limit_of_the_host() {
     assert_eq!(
         files.errors,
         [
-            "main.gen:1: error pp-include-depth: including the file `main.gen` would open more than 100 files at once: does it include itself?"
+            "main.gen:1: error pp-include-depth: including the file `main.gen` would open more than 100 \
+                files at once: does it include itself?"
         ]
     );
 }

@@ -15,11 +15,11 @@
 //!
 //! * **A tick** of a task that is idle, if it gets a core whatever happens before (no limit, or more
 //!   free cores than tasks that can ask at this moment).
-//! * **All ticks** that are due, under FIFO, if no other task can ask for a core at this moment. The
-//!   order of ticks matters, so all of them are in the set; giving a core back commutes with a tick:
-//!   the queue is the same, and its head is granted, whichever comes first. A task that has nothing to do
-//!   delays nobody, so it is enough that its own tick comes last, which makes it wait longest. (Unless its response
-//!   time is measured: after a miss the next job would be measured from a later moment.)
+//! * **All ticks** that are due, under FIFO, if no other task can ask for a core at this moment. The order of
+//!   ticks matters, so all of them are in the set; giving a core back commutes with a tick: the queue is the
+//!   same, and its head is granted, whichever comes first. A task that has nothing to do delays nobody, so it
+//!   is enough that its own tick comes last, which makes it wait longest. (Unless its response time is
+//!   measured: after a miss the next job would be measured from a later moment.)
 //! * **The end** of a codel whose window is over. It only gives locks back, which nobody else can do,
 //!   and begins to wait for the next ones. If it can end the cycle, no tick of the same task may be
 //!   due (the order of those two is what `schedulable` is about). If somebody can be waiting for the
@@ -247,7 +247,8 @@ impl Moment<'_, '_> {
         !out.is_empty()
     }
 
-    /// Whether the jobs of a plain task end as soon as they get a core, and nobody measures how long that takes.
+    /// Whether the jobs of a plain task end as soon as they get a core, and nobody measures how long that
+    /// takes.
     fn has_nothing_to_do(&self, task: usize) -> bool {
         let permanent = self.system().tasks[task].permanent;
         !self.facts.measured[task]
@@ -337,7 +338,8 @@ impl Moment<'_, '_> {
         automaton.is_some_and(|it| it.task == task)
     }
 
-    /// Whether an acquisition by this executor changes nothing that is observed, and cannot be repeated for ever in no time.
+    /// Whether an acquisition by this executor changes nothing that is observed, and cannot be repeated for
+    /// ever in no time.
     fn may_acquire_alone(&self, executor: usize) -> bool {
         match self.system().automata.get(executor) {
             Some(it) if it.service.is_none() => {

@@ -1,4 +1,5 @@
-//! What is known beforehand about the tasks of a system, and about what is asked: several reductions build on it.
+//! What is known beforehand about the tasks of a system, and about what is asked: several reductions build on
+//! it.
 
 use super::Asked;
 use crate::property::Atom;
@@ -191,8 +192,8 @@ pub(super) enum Owner {
     Nobody,
 }
 
-/// Whether a turn can go round without time passing, in codels that take none. The turns of an aperiodic task follow
-/// each other at once.
+/// Whether a turn can go round without time passing, in codels that take none. The turns of an aperiodic task
+/// follow each other at once.
 pub(super) fn loops_in_no_time(system: &TimedSystem, machine: &Machine, aperiodic: bool) -> bool {
     if machine.loop_limit.is_some() && !machine.rounds && !aperiodic {
         return false;

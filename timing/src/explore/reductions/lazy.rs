@@ -6,19 +6,18 @@
 //! begun later have wider windows. So such an end is followed only where something urgent is about to
 //! happen, and a state that differs from another one only by such ends need not be kept.
 //!
-//! This holds for *lazy groups*. A group is a set of tasks, control tasks and clients connected by codels that
-//! exclude each other, by activities and by requests; it is lazy if all its codels and delays have lower bound 0 and
-//! its periodic tasks do not keep ticks. An aperiodic task can belong to one if it
-//! asks for a core at most once, or never (else waiting changes its place in the queue), and if its
-//! response time is not measured (which would begin later). It can have a resting place, see
-//! [`rest`]; while it is elsewhere its group is not lazy. Groups meet only at cores: while a task of
-//! another group waits for a core no end can wait. (A lazy task that waits loses nothing by a later
-//! grant: its release is past, and its codels have wider windows.) Start-up is lazy only where no
-//! timer starts at its end, and with clients (what overtakes what, see [`super::overtake`], is not known of it). Nothing
-//! is lazy while a lazy task has a pending tick: its next job is released, and measured,
-//! from the end of this one. The order of steps of different groups is not preserved; groups with
-//! something that a predicate is about are therefore not lazy. And there has to be a next hard moment: some task
-//! is periodic.
+//! This holds for *lazy groups*. A group is a set of tasks, control tasks and clients connected by codels
+//! that exclude each other, by activities and by requests; it is lazy if all its codels and delays have lower
+//! bound 0 and its periodic tasks do not keep ticks. An aperiodic task can belong to one if it asks for a
+//! core at most once, or never (else waiting changes its place in the queue), and if its response time is not
+//! measured (which would begin later). It can have a resting place, see [`rest`]; while it is elsewhere its
+//! group is not lazy. Groups meet only at cores: while a task of another group waits for a core no end can
+//! wait. (A lazy task that waits loses nothing by a later grant: its release is past, and its codels have
+//! wider windows.) Start-up is lazy only where no timer starts at its end, and with clients (what overtakes
+//! what, see [`super::overtake`], is not known of it). Nothing is lazy while a lazy task has a pending tick:
+//! its next job is released, and measured, from the end of this one. The order of steps of different groups
+//! is not preserved; groups with something that a predicate is about are therefore not lazy. And there has to
+//! be a next hard moment: some task is periodic.
 
 pub(super) mod rest;
 
@@ -33,7 +32,8 @@ use crate::explore::state::{State, phase};
 use crate::explore::store::{Encoded, encode};
 use crate::system::{ClientAction, TimedSystem};
 
-/// Which tasks, control tasks and clients belong to lazy groups. They are numbered as *members*, in this order.
+/// Which tasks, control tasks and clients belong to lazy groups. They are numbered as *members*, in this
+/// order.
 #[derive(Debug)]
 pub(crate) struct Lazy {
     members: Vec<bool>,
@@ -168,7 +168,8 @@ impl Lazy {
         let not_lazy: Vec<usize> = (0..n).filter(|&it| !lazy[it]).map(|it| group[it]).collect();
         let members: Vec<bool> = (0..n).map(|it| !not_lazy.contains(&group[it])).collect();
         rest.retain(|&(a, _)| members[system.automata[a].task]);
-        // The end of start-up lets the control task begin, so its group has to be lazy as well, wherever it is.
+        // The end of start-up lets the control task begin, so its group has to be lazy as well, wherever it
+        // is.
         let can_start = |task: usize| {
             let control = control(system.tasks[task].component);
             let mut resting = rest.iter().map(|&(a, _)| group[system.automata[a].task]);
@@ -221,8 +222,8 @@ impl Lazy {
         all.then_some(Waiters(out))
     }
 
-    /// Calls `found` with every calm state that a calm state can reach by ends that can wait, unless there are
-    /// too many. Takes what it looked at off the budget.
+    /// Calls `found` with every calm state that a calm state can reach by ends that can wait, unless there
+    /// are too many. Takes what it looked at off the budget.
     pub(crate) fn closure(
         &self,
         rules: &Published,

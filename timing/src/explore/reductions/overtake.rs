@@ -1,26 +1,26 @@
 //! Ends before a moment is calm: the partial-order reduction for waiting locks and cores.
 //!
-//! Whatever is *due* at a moment (a lock that can be taken, a tick, the end of a window) happens before
-//! time passes. A codel that may end, but need not yet, can as well end once nothing is due any more, unless that
-//! end makes a difference to what is due: somebody takes the lock first, or the job ends before its
-//! next tick. So in a state in which something is due, ends that are not are followed only in order
-//! that **everything** due now is *overtaken*; until then what is due is *held back*. Where
-//! something is due that nobody can overtake at this moment, they are not followed at all.
+//! Whatever is *due* at a moment (a lock that can be taken, a tick, the end of a window) happens before time
+//! passes. A codel that may end, but need not yet, can as well end once nothing is due any more, unless that
+//! end makes a difference to what is due: somebody takes the lock first, or the job ends before its next
+//! tick. So in a state in which something is due, ends that are not are followed only in order that
+//! **everything** due now is *overtaken*; until then what is due is *held back*. Where something is due that
+//! nobody can overtake at this moment, they are not followed at all.
 //!
 //! Why this is enough. Take the steps of one moment that lead to a calm state, as a partial order of
-//! dependent steps, and the smallest initial part of it that leads to a calm state; the rest can follow
-//! from there. Perform what is due and belongs to that part first, as long as there is any. When
-//! only ends that are not due are left, something else is due (else the part would not be the smallest), and none
-//! of it can come before a step it depends on. That is what the rule follows. (Held-back steps are
-//! sleep sets: P. Godefroid, *Partial-Order Methods for the Verification of Concurrent Systems*, 1996.)
+//! dependent steps, and the smallest initial part of it that leads to a calm state; the rest can follow from
+//! there. Perform what is due and belongs to that part first, as long as there is any. When only ends that
+//! are not due are left, something else is due (else the part would not be the smallest), and none of it can
+//! come before a step it depends on. That is what the rule follows. (Held-back steps are sleep sets: P.
+//! Godefroid, *Partial-Order Methods for the Verification of Concurrent Systems*, 1996.)
 //!
 //! What depends on what, among *plain* tasks (see [`super::facts`]; the rule is not used when there are
 //! others, or predicates):
 //!
 //! * taking locks, on taking others that exclude these;
 //! * a tick, on the end of the current job, or of the start-up, of its task; and, with fewer cores than
-//!   tasks, on whoever else can join the queue, also by a tick that its own start-up has to come before; except under FIFO also
-//!   on whoever can give back a core;
+//!   tasks, on whoever else can join the queue, also by a tick that its own start-up has to come before;
+//!   except under FIFO also on whoever can give back a core;
 //! * the end of a cycle after which the task joins the queue again, on others of the kind.
 
 use super::facts::Facts;
@@ -104,8 +104,8 @@ impl Overtake {
         }
     }
 
-    /// Writes the actions to follow in a state, with what they hold back. `first` is an ample set, or everything
-    /// that is enabled.
+    /// Writes the actions to follow in a state, with what they hold back. `first` is an ample set, or
+    /// everything that is enabled.
     pub(crate) fn select(
         &self,
         now: Now,
@@ -169,7 +169,8 @@ impl Overtake {
     }
 }
 
-/// Whether the job or the start-up of a task goes on, so that its end and the next tick are not the same in both orders.
+/// Whether the job or the start-up of a task goes on, so that its end and the next tick are not the same in
+/// both orders.
 fn contested(rules: &Published, s: &State, task: usize) -> bool {
     rules.layout.status(s, task) != TaskStatus::Idle || !settled(rules, s, task)
 }
@@ -210,8 +211,8 @@ impl<'m, 's> std::ops::Deref for Moment<'m, 's> {
 }
 
 impl Moment<'_, '_> {
-    /// Whether the order of more than what the rule knows may matter: a job that waits for a core has something to do or
-    /// not, depending on its start-up.
+    /// Whether the order of more than what the rule knows may matter: a job that waits for a core has
+    /// something to do or not, depending on its start-up.
     fn undecided(&self) -> bool {
         (0..self.rules.layout.tasks).any(|task| {
             self.rules.layout.status(self.s, task) == TaskStatus::Waiting
@@ -298,8 +299,9 @@ impl Moment<'_, '_> {
         set(&|q| q != own && self.can_come_to(q, conflicts))
     }
 
-    /// Whether a task can join the queue at this moment, other than by a tick that nothing has to come before. One that
-    /// comes during the start-up finds nothing to do; one that was held back until that has ended makes the task join.
+    /// Whether a task can join the queue at this moment, other than by a tick that nothing has to come
+    /// before. One that comes during the start-up finds nothing to do; one that was held back until that has
+    /// ended makes the task join.
     fn may_join(&self, task: usize) -> bool {
         let system = self.rules.system;
         if !system.needs_core(task) {

@@ -1,22 +1,24 @@
 //! What is known to be sound under the rules of the servers.
 //!
-//! *Independent components.* Where ports are copied, components meet only through clients and at cores. At one moment it
-//! is enough to follow all actions of one *group* of components that has to act before time passes: nothing that others do
-//! first can prevent, enable or delay them (a persistent set). Components are of one group if a client that is not done
-//! addresses both, or if what is asked is about both. On cores that are given without preemption actions that end a
-//! cycle, or begin one, are followed in every order, as the order of the queue depends on it; so are those of a group
-//! of which a task waits for a core.
+//! *Independent components.* Where ports are copied, components meet only through clients and at cores. At
+//! one moment it is enough to follow all actions of one *group* of components that has to act before time
+//! passes: nothing that others do first can prevent, enable or delay them (a persistent set). Components are
+//! of one group if a client that is not done addresses both, or if what is asked is about both. On cores that
+//! are given without preemption actions that end a cycle, or begin one, are followed in every order, as the
+//! order of the queue depends on it; so are those of a group of which a task waits for a core.
 //!
 //! *Ends that can wait.* As for the published rules (see [`super::lazy`]): with durations from 0 on, an end
-//! that nobody sees gains nothing before the next tick or end of a window, as everything that follows it can follow
-//! there, in the same order and in no time: tickets are taken in that order, so that the queue is the same, and codels begun later have wider
-//! windows. A group is *lazy* if all its codels and delays have lower bound 0, no predicate is about it, and the response
-//! time of none of its aperiodic tasks is measured. Nothing waits while a first cycle has a tick that is kept: the next job
-//! is measured from the end of that cycle. Because of the queue for cores either all groups are lazy or, with limited cores,
-//! none is. A polling loop may rest, as for the published rules, where no other aperiodic task of its component could be
+//! that nobody sees gains nothing before the next tick or end of a window, as everything that follows it can
+//! follow there, in the same order and in no time: tickets are taken in that order, so that the queue is the
+//! same, and codels begun later have wider windows. A group is *lazy* if all its codels and delays have lower
+//! bound 0, no predicate is about it, and the response time of none of its aperiodic tasks is measured.
+//! Nothing waits while a first cycle has a tick that is kept: the next job is measured from the end of that
+//! cycle. Because of the queue for cores either all groups are lazy or, with limited cores, none is. A
+//! polling loop may rest, as for the published rules, where no other aperiodic task of its component could be
 //! woken by its rounds.
 //!
-//! Both are off under preemption, which lets threads wait for each other across components, and with locks on ports.
+//! Both are off under preemption, which lets threads wait for each other across components, and with locks on
+//! ports.
 
 use rustc_hash::FxHashSet;
 use smallvec::SmallVec;
@@ -92,8 +94,8 @@ impl OfServers {
             return false;
         }
         let groups = self.groups(rules, s);
-        // A step of a client alone, such as the end of a delay, makes a request possible in the same moment: it is one
-        // of the group that the client addresses.
+        // A step of a client alone, such as the end of a delay, makes a request possible in the same moment:
+        // it is one of the group that the client addresses.
         let component = |it: Action| {
             let own = rules.component_of_action(s, it);
             own.or_else(|| self.addressed[rules.client_of_action(it)?].first().copied())

@@ -1,13 +1,13 @@
 //! Symmetry: parts of a system that are alike are not told apart.
 //!
-//! *Units* are components, clients or tasks with everything that belongs to them. Two units are alike if exchanging them, with
-//! everything else where it is, changes neither the system nor what is asked (see [`alike`]). Then a state and the one
-//! with the two exchanged have the same future, exchanged as well, and keeping one of both is enough: the one whose units are
-//! in ascending order of what is going on in them. (A quotient by automorphisms: C. Ip and D. Dill, *Better verification
-//! through symmetry*, 1996.)
+//! *Units* are components, clients or tasks with everything that belongs to them. Two units are alike if
+//! exchanging them, with everything else where it is, changes neither the system nor what is asked (see
+//! [`alike`]). Then a state and the one with the two exchanged have the same future, exchanged as well, and
+//! keeping one of both is enough: the one whose units are in ascending order of what is going on in them. (A
+//! quotient by automorphisms: C. Ip and D. Dill, *Better verification through symmetry*, 1996.)
 //!
-//! Runs are found again without any of this, see `explore::search::trace`: where a state was put in order on the way,
-//! the rest of the run is about the units as they were before.
+//! Runs are found again without any of this, see `explore::search::trace`: where a state was put in order on
+//! the way, the rest of the run is about the units as they were before.
 
 mod alike;
 
@@ -187,7 +187,8 @@ impl Symmetry {
         Some(renaming)
     }
 
-    /// Compares what goes on in two units, and calls them equal only if exchanging them leaves the state as it is.
+    /// Compares what goes on in two units, and calls them equal only if exchanging them leaves the state as
+    /// it is.
     fn compare(&self, l: &Layout, s: &State, one: &Unit, other: &Unit) -> Ordering {
         let place = |list: &[u16], it: usize| list.iter().position(|&other| other as usize == it);
         let waiting = |unit: &Unit| -> SmallVec<[Option<usize>; 16]> {
@@ -221,7 +222,8 @@ impl Symmetry {
         unit.automata.iter().copied().chain(controls).chain(clients)
     }
 
-    /// Who is busy with what of a unit: components that handle requests, with places of client and service in it.
+    /// Who is busy with what of a unit: components that handle requests, with places of client and service in
+    /// it.
     fn handled<'u>(
         &self,
         l: &'u Layout,

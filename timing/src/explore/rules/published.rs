@@ -1,4 +1,5 @@
-//! The rules of the published formal models: which actions a state allows, what each does, and how time passes.
+//! The rules of the published formal models: which actions a state allows, what each does, and how time
+//! passes.
 //!
 //! One function per rule of sections 3 to 9. Actions come in four ranks, and only those of the
 //! best rank present may happen: clients moving on (part of the step that lets them), tasks asking

@@ -1,10 +1,10 @@
 //! The rules of the servers that run on robots (section 21 of the timed semantics).
 //!
-//! Every *atomic step* of that section is one action: a tick for one task; the beginning of a pass up to its first
-//! codel; taking a ticket; leaving the queue; the end of a codel; waking the other tasks; taking a request; the end of a
-//! control codel; the rest of the handling. Between them anything else may happen. Executors are the threads: tasks,
-//! control tasks, and clients, in this order. Ranks are those of the published rules: clients that move on, tasks that ask for
-//! a core, granting cores, and everything else.
+//! Every *atomic step* of that section is one action: a tick for one task; the beginning of a pass up to its
+//! first codel; taking a ticket; leaving the queue; the end of a codel; waking the other tasks; taking a
+//! request; the end of a control codel; the rest of the handling. Between them anything else may happen.
+//! Executors are the threads: tasks, control tasks, and clients, in this order. Ranks are those of the
+//! published rules: clients that move on, tasks that ask for a core, granting cores, and everything else.
 //!
 //! Single points of the semantics can be those of the published models; where they differ is said at each.
 
@@ -84,7 +84,8 @@ impl<'s> Servers<'s> {
         Some(self.system.machine_of(automaton as usize))
     }
 
-    /// The state of its machine that a slot is in; `None` where nothing is executed: the default `start` and `stop`.
+    /// The state of its machine that a slot is in; `None` where nothing is executed: the default `start` and
+    /// `stop`.
     fn machine_state(&self, s: &State, slot: usize) -> Option<&'s MachineState> {
         (self.machine(s, slot)?.states).get(self.layout.at(s, slot) as usize)
     }

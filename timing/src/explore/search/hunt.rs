@@ -1,13 +1,14 @@
 //! Hunts: what a single state shows is also looked for depth first.
 //!
-//! In order of time the runs found are short, but whatever can happen earlier is looked at before: what goes wrong late, or
-//! at a moment at which very much can happen, is found late. So beside a search in order of time, and with a small part of its
-//! effort, others go straight on (see [`chase`]): many short ones, in different orders, as one that has begun wrongly hardly
-//! ever recovers. They prove nothing; what they catch is a run like any other.
+//! In order of time the runs found are short, but whatever can happen earlier is looked at before: what goes
+//! wrong late, or at a moment at which very much can happen, is found late. So beside a search in order of
+//! time, and with a small part of its effort, others go straight on (see [`chase`]): many short ones, in
+//! different orders, as one that has begun wrongly hardly ever recovers. They prove nothing; what they catch
+//! is a run like any other.
 //!
-//! Such runs are longer than they have to be. So before they are told, the search in order of time goes on, and ones that end
-//! earlier are chased: both for as long as everything has taken so far, if that is not very long. What was told is final. In a
-//! search that takes long it is told on the way.
+//! Such runs are longer than they have to be. So before they are told, the search in order of time goes on,
+//! and ones that end earlier are chased: both for as long as everything has taken so far, if that is not very
+//! long. What was told is final. In a search that takes long it is told on the way.
 
 mod chase;
 mod endless;
@@ -121,14 +122,16 @@ impl Hunt {
         SHORT * luby(self.chases / Order::KINDS + 1)
     }
 
-    /// Whether there should be one more beside a search that has taken so many steps, at `crowded` moments or not.
+    /// Whether there should be one more beside a search that has taken so many steps, at `crowded` moments or
+    /// not.
     fn is_due(&self, steps: u64, crowded: bool) -> bool {
         let more = if crowded { steps / 4 } else { steps / 128 };
         let share = SHORT + (steps / 4).min(SHORT) + more;
         steps >= SMALL && !self.over && !self.full && self.steps + self.length() <= share
     }
 
-    /// Notes what a chase for some of the watched things has caught, if it is new or ends earlier. Whether any of it does.
+    /// Notes what a chase for some of the watched things has caught, if it is new or ends earlier. Whether
+    /// any of it does.
     fn note(&mut self, goals: &Lists<usize>, caught: Lists<Option<Run>>) -> bool {
         let lists = [
             (&mut self.caught.missed, &goals.missed, caught.missed),
@@ -197,8 +200,8 @@ pub(super) fn suits(watch: &Watch, limits: Limits) -> Result<(), Reason> {
 }
 
 impl<R: Rules> Search<'_, R> {
-    /// What is watched, shown by a single state, and not seen yet: by number, as far as it is `wanted`, given what was
-    /// caught of it.
+    /// What is watched, shown by a single state, and not seen yet: by number, as far as it is `wanted`, given
+    /// what was caught of it.
     fn unseen(&self, wanted: &dyn Fn(Option<&Run>) -> bool) -> Lists<usize> {
         let [missed, overdue, reached] = self.lists().map(|list| {
             let all = 0..list.seen.len();
@@ -352,8 +355,8 @@ impl<R: Rules> Search<'_, R> {
         }
     }
 
-    /// For so many steps, looks for runs that end earlier than those that were caught: soon after the moment up to which
-    /// everything is known, then up to moments that are further and further away.
+    /// For so many steps, looks for runs that end earlier than those that were caught: soon after the moment
+    /// up to which everything is known, then up to moments that are further and further away.
     pub(super) fn chase_earlier(&mut self, further: u64) {
         let goals = self.unseen(&|caught| caught.is_some());
         let watch = self.watch_for(&goals);
@@ -461,7 +464,8 @@ impl<R: Rules> Search<'_, R> {
     }
 }
 
-/// Only chases a system: what the states of one chase of this number show, of those a [`Watch`] can be answered by.
+/// Only chases a system: what the states of one chase of this number show, of those a [`Watch`] can be
+/// answered by.
 pub fn chase(
     system: &TimedSystem,
     watch: &Watch,
@@ -499,8 +503,8 @@ fn chase_by<R: Rules>(
     }
 }
 
-/// 1 1 2 1 1 2 4 1 1 2 1 1 2 4 8 …: how often to begin anew where luck decides how long something takes (M. Luby, A.
-/// Sinclair and D. Zuckerman, *Optimal speedup of Las Vegas algorithms*, 1993).
+/// 1 1 2 1 1 2 4 1 1 2 1 1 2 4 8 …: how often to begin anew where luck decides how long something takes (M.
+/// Luby, A. Sinclair and D. Zuckerman, *Optimal speedup of Las Vegas algorithms*, 1993).
 fn luby(i: u64) -> u64 {
     let power = (i + 1).next_power_of_two();
     match power == i + 1 {

@@ -82,8 +82,8 @@ impl<R: Rules> Search<'_, R> {
         self.keep_crowd();
     }
 
-    /// Where very much happens at each moment, most of it happens again at later ones: whatever states of this one lead to
-    /// is known then.
+    /// Where very much happens at each moment, most of it happens again at later ones: whatever states of
+    /// this one lead to is known then.
     fn keep_crowd(&mut self) {
         if !self.is_crowded() || self.limits.without.contains(Kind::MomentCovering) {
             return;
@@ -105,8 +105,8 @@ impl<R: Rules> Search<'_, R> {
         self.layer = layer;
     }
 
-    /// Performs committed steps without a choice, which need not be kept, and puts the state in order. `at` tells where a step
-    /// leads to. Whether the state was not in order.
+    /// Performs committed steps without a choice, which need not be kept, and puts the state in order. `at`
+    /// tells where a step leads to. Whether the state was not in order.
     pub(super) fn settle(
         &mut self,
         s: &mut State,

@@ -27,7 +27,8 @@ impl<'a> News<'a> {
 }
 
 impl<R: Rules> Search<'_, R> {
-    /// Tells what is new: what fails, is reached, or never is. What comes later does not change that, nor the run that shows it.
+    /// Tells what is new: what fails, is reached, or never is. What comes later does not change that, nor the
+    /// run that shows it.
     pub(super) fn tell_news(&mut self) {
         let Some(mut news) = self.news.take() else {
             return;

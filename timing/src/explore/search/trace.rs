@@ -50,8 +50,8 @@ struct Hit {
 type Point = Vec<Option<Ticks>>;
 
 impl<R: Rules> Search<'_, R> {
-    /// A run to what was seen, without steps if it is too late for that: segments from node to node, found backwards with the remaining times
-    /// that the later part of the run needs.
+    /// A run to what was seen, without steps if it is too late for that: segments from node to node, found
+    /// backwards with the remaining times that the later part of the run needs.
     pub(super) fn trace(&self, at: Sight, goal: &Goal) -> Run {
         let Some(kind) = goal.kind() else {
             return self.traced_back(at, goal);
@@ -155,7 +155,8 @@ impl<R: Rules> Search<'_, R> {
             .collect()
     }
 
-    /// A way from one of the parents of a node to the given point of it, and how the state there is put in order.
+    /// A way from one of the parents of a node to the given point of it, and how the state there is put in
+    /// order.
     fn segment_to(&self, node: u32, point: &Point) -> Option<(u32, Vec<Action>, Option<Renaming>)> {
         let record = &self.nodes[node as usize];
         let mut s = self.node_state(node);

@@ -24,8 +24,8 @@ impl<R: Rules> Search<'_, R> {
             && self.all_caught()
     }
 
-    /// Whether to go on for a while when everything is answered: what was only caught may be seen earlier, and requests may
-    /// turn out to be refused.
+    /// Whether to go on for a while when everything is answered: what was only caught may be seen earlier,
+    /// and requests may turn out to be refused.
     pub(super) fn goes_on(&mut self) -> bool {
         let refusals = self.rules.system().may_refuse() && !self.is_proved();
         let until = match self.until {
@@ -104,7 +104,8 @@ impl<R: Rules> Search<'_, R> {
         }
     }
 
-    /// An age is seen when what has it becomes visible, which may be for no time at all; its clock has run before.
+    /// An age is seen when what has it becomes visible, which may be for no time at all; its clock has run
+    /// before.
     fn opened_late(&mut self, gauge: usize, s: &State, at: Sight) {
         if !matches!(self.gauges[gauge].of, Timing::Within(_)) {
             return;
@@ -121,7 +122,8 @@ impl<R: Rules> Search<'_, R> {
         }
     }
 
-    /// Whether what a time is measured from has just happened, and what it is measured to holds: no time at all.
+    /// Whether what a time is measured from has just happened, and what it is measured to holds: no time at
+    /// all.
     pub(super) fn is_answered_at_once(
         &self,
         before: Option<&State>,
@@ -233,8 +235,8 @@ impl<R: Rules> Search<'_, R> {
         Some(self.trace(self.excess[gauge]?, &Goal::Lasts(of, limit? + 1)))
     }
 
-    /// Looks at tasks that an action makes wait for a core: where a job counts from a tick that was kept, it may be overdue
-    /// from the first moment on.
+    /// Looks at tasks that an action makes wait for a core: where a job counts from a tick that was kept, it
+    /// may be overdue from the first moment on.
     pub(super) fn overdue_at_once(&mut self, s: &State, action: Action, at: Sight) {
         for (i, &task) in self.watch.overdue.iter().enumerate() {
             let begins = self.rules.may_begin_to_wait(action, task);
@@ -354,8 +356,8 @@ impl<R: Rules> Search<'_, R> {
             .collect()
     }
 
-    /// What was seen of what a single state shows: the lists of a watch of ticks that come too early, tasks that wait too
-    /// long, and predicates, numbered in this order.
+    /// What was seen of what a single state shows: the lists of a watch of ticks that come too early, tasks
+    /// that wait too long, and predicates, numbered in this order.
     pub(super) fn sights(&self) -> [&[Option<Sight>]; 3] {
         [&self.missed, &self.overdue, &self.reached]
     }

@@ -1,10 +1,11 @@
 //! Zones: what can never be reached is also looked for in dense time.
 //!
-//! Where nothing is periodic, what matters is in which order codels and delays end. In whole numbers of time there are the more
-//! states the longer they last; *zones*, sets of remaining times (see [`Zone`]), depend on their order alone. So
-//! beside a search moment by moment, and with most of the effort, another one gives states zones instead of windows. Rules,
-//! ample sets and symmetry are the same; a window is then the shortest and longest time in the zone. What no state with a zone
-//! shows is proved. What one does show is left to the other search, which comes to it with a run.
+//! Where nothing is periodic, what matters is in which order codels and delays end. In whole numbers of time
+//! there are the more states the longer they last; *zones*, sets of remaining times (see [`Zone`]), depend on
+//! their order alone. So beside a search moment by moment, and with most of the effort, another one gives
+//! states zones instead of windows. Rules, ample sets and symmetry are the same; a window is then the
+//! shortest and longest time in the zone. What no state with a zone shows is proved. What one does show is
+//! left to the other search, which comes to it with a run.
 
 mod zone;
 
@@ -38,7 +39,8 @@ const LOOKS: u64 = 128;
 /// Bytes for a key besides what it says, with room to grow.
 const KEY: usize = 2 * size_of::<(Box<[u16]>, Vec<(u32, Zone)>)>();
 
-/// Committed steps that are taken at once. There is a bound because a client may go round in circles without taking time.
+/// Committed steps that are taken at once. There is a bound because a client may go round in circles without
+/// taking time.
 const AT_ONCE: usize = 16;
 
 /// A search in zones for predicates, and for states in which nothing will ever happen again.
@@ -144,7 +146,8 @@ impl<'a, R: Rules> Zones<'a, R> {
         }
     }
 
-    /// Keeps a state to look at later, after the committed steps that follow without a choice, and any time if it can pass.
+    /// Keeps a state to look at later, after the committed steps that follow without a choice, and any time
+    /// if it can pass.
     fn keep(&mut self, mut s: State, mut zone: Zone) {
         let mut enabled = Enabled::default();
         self.rules.enabled(&s, &mut enabled);
@@ -192,8 +195,8 @@ impl<'a, R: Rules> Zones<'a, R> {
     }
 }
 
-/// Whether there are zones of a system, and fewer of them than states with whole numbers of time: nothing is periodic, something
-/// lasts long, and not everything takes as long each time.
+/// Whether there are zones of a system, and fewer of them than states with whole numbers of time: nothing is
+/// periodic, something lasts long, and not everything takes as long each time.
 pub(super) fn suit(system: &TimedSystem, watch: &Watch, limits: Limits) -> Result<(), Reason> {
     if limits.without.contains(Kind::Zones) {
         return Err(Reason::SwitchedOff);
@@ -268,8 +271,8 @@ impl<R: Rules> Zones<'_, R> {
     }
 }
 
-/// Looks in zones for predicates, in a system without periodic tasks. `None` if it takes more than so many steps.
-/// Some reductions are switched off.
+/// Looks in zones for predicates, in a system without periodic tasks. `None` if it takes more than so many
+/// steps. Some reductions are switched off.
 pub fn in_zones(
     system: &TimedSystem,
     goals: &[Predicate],

@@ -195,7 +195,8 @@ impl Parser<'_> {
                 let count = self.number()?;
                 let Some(count) = u32::try_from(count).ok().filter(|it| SLOTS.contains(it)) else {
                     let message = format!(
-                        "a task or an activity can have {} to {} slots, not {count}: without one it never runs, and each one more multiplies what has to be explored",
+                        "a task or an activity can have {} to {} slots, not {count}: without one it never \
+                            runs, and each one more multiplies what has to be explored",
                         SLOTS.start(),
                         SLOTS.end()
                     );

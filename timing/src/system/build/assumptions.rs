@@ -12,10 +12,12 @@ impl Builder<'_> {
         say(format!("semantics: {}", settings.semantics().text()));
         match settings.durations {
             Durations::Interval => say(
-                "durations: every codel takes any time from 0, or its stated lower bound, to its upper bound".to_owned(),
+                "durations: every codel takes any time from 0, or its stated lower bound, to its upper \
+                    bound".to_owned(),
             ),
             Durations::Fixed => say(
-                "durations: every codel takes exactly its worst case; codels that end earlier can make other tasks later".to_owned(),
+                "durations: every codel takes exactly its worst case; codels that end earlier can make \
+                    other tasks later".to_owned(),
             ),
             Durations::Open => say(
                 "durations: explored from 0 on instead of from just above 0; a failure may be a false alarm".to_owned(),
@@ -25,17 +27,20 @@ impl Builder<'_> {
             None => say("cores: no limit".to_owned()),
             Some(cores) => say(match settings.policy() {
                 ast::Policy::Priority => format!(
-                    "cores: {cores}, at each moment for the ready tasks of highest priority, control tasks included{}",
+                    "cores: {cores}, at each moment for the ready tasks of highest priority, control tasks \
+                        included{}",
                     match self.out.system.tasks.iter().any(|it| it.priority.is_some()) {
                         true => "",
                         false => "; no task has a `priority`: the shorter period goes first",
                     }
                 ),
                 ast::Policy::Fair => format!(
-                    "cores: {cores}, at each moment for any ready tasks, control tasks included, as long as no core idles"
+                    "cores: {cores}, at each moment for any ready tasks, control tasks included, as long as \
+                        no core idles"
                 ),
                 ast::Policy::Fifo | ast::Policy::Edf | ast::Policy::Any => format!(
-                    "cores: {cores}, granted {}, held from the grant to the end of the cycle, also while waiting for a lock",
+                    "cores: {cores}, granted {}, held from the grant to the end of the cycle, also while \
+                        waiting for a lock",
                     match settings.policy() {
                         ast::Policy::Fifo => "in order of release",
                         ast::Policy::Edf => "by earliest deadline",

@@ -1,4 +1,5 @@
-//! Codels that keep a task of another component, or one that shares nothing with them, waiting for a whole period.
+//! Codels that keep a task of another component, or one that shares nothing with them, waiting for a whole
+//! period.
 
 use num_rational::Ratio;
 

@@ -158,7 +158,8 @@ impl Builder<'_> {
         self.only_refused();
     }
 
-    /// Reports requests that can only be refused (section 18): those of services of which the ones before cannot succeed.
+    /// Reports requests that can only be refused (section 18): those of services of which the ones before
+    /// cannot succeed.
     fn only_refused(&mut self) {
         let system = &self.out.system;
         let requested = system.requested();
@@ -238,8 +239,8 @@ impl program::Resolve for Builder<'_> {
     }
 }
 
-/// Calls `each` with the path of every request that all components understand; with that of the requests that a label
-/// stands for.
+/// Calls `each` with the path of every request that all components understand; with that of the requests that
+/// a label stands for.
 fn builtins<'s>(
     client: &'s ast::Client,
     steps: &'s [ast::Step],

@@ -16,14 +16,16 @@ impl Builder<'_> {
         let preempts = matches!(self.settings.policy(), Policy::Priority | Policy::Fair);
         if preempts && semantics.is_published() {
             let message = format!(
-                "`semantics {}` with `policy {}` go not together; write `semantics servers;`, or another policy",
+                "`semantics {}` with `policy {}` go not together; write `semantics servers;`, or another \
+                    policy",
                 semantics.text(),
                 self.settings.policy().name()
             );
             self.report(Diagnostic::error("scn-semantics", 0..0, message));
         }
         if self.settings.order() && semantics.is_published() {
-            let message = "the published models know no order of services; write `semantics servers;`, or leave `order on;` out";
+            let message = "the published models know no order of services; write `semantics servers;`, or \
+                leave `order on;` out";
             self.report(Diagnostic::error("scn-semantics", 0..0, message.to_owned()));
         }
     }
@@ -109,7 +111,8 @@ impl Builder<'_> {
         for (path, core) in &self.settings.affinity {
             if self.settings.cores.is_some() && !preempts {
                 let message = format!(
-                    "policy {} gives a task any core that is free; write `policy priority;` or `policy fair;` to tie `{}` to one",
+                    "policy {} gives a task any core that is free; write `policy priority;` or `policy \
+                        fair;` to tie `{}` to one",
                     self.settings.policy().name(),
                     path.text()
                 );
@@ -126,7 +129,8 @@ impl Builder<'_> {
                             Diagnostic::error("scn-affinity", path.range(), message)
                         }
                         None => {
-                            let message = "with `cores free` no task is tied to a core; give a number of cores";
+                            let message = "with `cores free` no task is tied to a core; give a number of \
+                                cores";
                             Diagnostic::error("scn-affinity", path.range(), message.to_owned())
                         }
                     }
@@ -151,7 +155,8 @@ impl Builder<'_> {
                 }
                 Ok(_) => {
                     let message = format!(
-                        "`{}` is neither a task nor an activity, and nothing else has slots; name one, or remove this line",
+                        "`{}` is neither a task nor an activity, and nothing else has slots; name one, or \
+                            remove this line",
                         path.text()
                     );
                     Diagnostic::error("scn-wrong-kind", path.range(), message)

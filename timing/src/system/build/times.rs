@@ -34,7 +34,8 @@ impl Builder<'_> {
                 }
                 Ok(_) => {
                     let message = format!(
-                        "`{}` is no codel; write component.task.state, component.service.state, or component.service.codel",
+                        "`{}` is no codel; write component.task.state, component.service.state, or \
+                            component.service.codel",
                         path.text()
                     );
                     self.report(Diagnostic::error("scn-not-a-codel", path.range(), message));

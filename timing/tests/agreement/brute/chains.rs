@@ -1,5 +1,5 @@
-//! Chains of data, from section 19 by the obvious method: at any writing of the first datum (at any moment, if nobody writes it)
-//! a measurement may begin, and what depends on that datum is followed step by step.
+//! Chains of data, from section 19 by the obvious method: at any writing of the first datum (at any moment,
+//! if nobody writes it) a measurement may begin, and what depends on that datum is followed step by step.
 
 use std::collections::{BTreeSet, HashSet};
 
@@ -25,7 +25,8 @@ struct Followed {
 type Node = (State, Option<Followed>);
 
 impl Brute<'_> {
-    /// The greatest time, `Some(CAP)`: unbounded; `None` if no datum is ever followed. Nothing above `limit` states.
+    /// The greatest time, `Some(CAP)`: unbounded; `None` if no datum is ever followed. Nothing above `limit`
+    /// states.
     pub(crate) fn chain(&self, chain: &Chain, limit: usize) -> Option<Option<u32>> {
         let mut greatest = None;
         let mut seen: HashSet<Node> = HashSet::new();

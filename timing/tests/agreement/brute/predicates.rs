@@ -6,7 +6,8 @@ use super::Brute;
 use super::state::{Doing, Mode, State, Status};
 
 impl Brute<'_> {
-    /// Every time the trigger becomes true begins an obligation of its own, which goes from response to response.
+    /// Every time the trigger becomes true begins an obligation of its own, which goes from response to
+    /// response.
     pub(super) fn watch(&self, before: Option<&State>, now: &mut State) {
         for (i, it) in self.within.iter().enumerate() {
             let value = |it: &Predicate| self.predicate(before, now, it);

@@ -1,4 +1,5 @@
-//! What is interpreted: specifications and a scenario as plain tables, read without the verifier's own builder.
+//! What is interpreted: specifications and a scenario as plain tables, read without the verifier's own
+//! builder.
 //!
 //! Times are whole milliseconds.
 

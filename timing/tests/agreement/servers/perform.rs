@@ -127,7 +127,8 @@ impl Interpreter<'_> {
             let nowhere = usize::MAX;
             let marked = std::mem::take(&mut it.mark);
             match it.status {
-                // A permanent activity is marked when its component is killed, and executes `stop` in any case.
+                // A permanent activity is marked when its component is killed, and executes `stop` in any
+                // case.
                 Status::Init(_) if marked && it.service.is_none() => {
                     it.status = Status::Stop;
                     it.at = machine.stop.unwrap_or(nowhere);
@@ -176,7 +177,8 @@ impl Interpreter<'_> {
             }
             *at += 1;
             (task.event, task.ended) = (true, true);
-            // The default `start` and `stop` of a permanent activity do nothing; an activity without `stop` is interrupted.
+            // The default `start` and `stop` of a permanent activity do nothing; an activity without `stop`
+            // is interrupted.
             let permanent = task.slots[slot]
                 .as_ref()
                 .is_some_and(|it| it.service.is_none());
@@ -229,7 +231,8 @@ impl Interpreter<'_> {
         let mut running = task.slots.iter().flatten();
         let continues =
             running.any(|it| matches!(it.status, Status::Run | Status::Stop) && !it.paused);
-        // Whoever has its first pass behind it lets the next one begin; not if its permanent activity has failed in it.
+        // Whoever has its first pass behind it lets the next one begin; not if its permanent activity has
+        // failed in it.
         match component.tasks.get(t + 1) {
             _ if failed => {}
             Some(next) if next.first == First::NotStarted => self.start(s, c, t + 1),

@@ -82,8 +82,8 @@ impl Interpreter<'_> {
             {
                 out.push(Step::Begin(c, t));
             } else if self.wants(s, c, t) && !self.could_run(s, c, t) {
-                // Consuming a wake-up inserts nothing into the queue: it is a step like any other, and a request may be
-                // handled before it.
+                // Consuming a wake-up inserts nothing into the queue: it is a step like any other, and a
+                // request may be handled before it.
                 out.push(Step::Ask(c, t));
             }
         }

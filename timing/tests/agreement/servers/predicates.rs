@@ -142,7 +142,8 @@ fn fact(system: &System, path: &Path) -> (Fact, bool) {
         let all = (0..model.control.len()).collect();
         return (Fact::Control(c, s, all, at(word(2))), true);
     };
-    // `stop` and the like are states where the machine has them and a status follows, or as the last name a status.
+    // `stop` and the like are states where the machine has them and a status follows, or as the last name a
+    // status.
     let status = match word(2) {
         "waiting" => Some(ActivityIs::Waiting),
         "run" | "running" => Some(ActivityIs::Run),
@@ -159,7 +160,8 @@ fn fact(system: &System, path: &Path) -> (Fact, bool) {
 }
 
 impl Interpreter<'_> {
-    /// Every time the trigger becomes true begins an obligation of its own, which goes from response to response.
+    /// Every time the trigger becomes true begins an obligation of its own, which goes from response to
+    /// response.
     pub(super) fn watch(&self, before: Option<&State>, now: &mut State) {
         for (i, (trigger, responses)) in self.within.iter().enumerate() {
             let value = |it: &Predicate| self.holds(before, now, it);

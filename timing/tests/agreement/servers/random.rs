@@ -34,12 +34,14 @@ struct Known {
     ports: &'static [&'static str],
 }
 
-/// A system of one or two components with one to three tasks each and all that the semantics of the servers has rules for.
+/// A system of one or two components with one to three tasks each and all that the semantics of the servers
+/// has rules for.
 pub(crate) fn texts(dice: &mut Dice) -> Texts {
     draw(dice, Known::default())
 }
 
-/// The same with single points of the semantics, cores that are taken away, ports, and permanent activities that throw.
+/// The same with single points of the semantics, cores that are taken away, ports, and permanent activities
+/// that throw.
 pub(crate) fn varied(dice: &mut Dice) -> Texts {
     let varied = Known {
         varied: true,
@@ -59,7 +61,8 @@ pub(crate) fn requests(dice: &mut Dice) -> Texts {
     draw(dice, requests)
 }
 
-/// The same with data that flow through ports, members of `ids` and variables of activities, and chains that are asked for.
+/// The same with data that flow through ports, members of `ids` and variables of activities, and chains that
+/// are asked for.
 pub(crate) fn chained(dice: &mut Dice) -> Texts {
     let chains = Known {
         chains: true,
@@ -483,7 +486,8 @@ fn outcome(dice: &mut Dice, known: &Known, sent: &str, out: &mut String) {
         ),
         _ => writeln!(
             out,
-            "  choice {{ await ended failed {of}; send {other}; }} or {{ await ended ok {of}; }} or {{ delay 4 ms; }}"
+            "  choice {{ await ended failed {of}; send {other}; }} or {{ await ended ok {of}; }} or {{ \
+                delay 4 ms; }}"
         ),
     };
 }

@@ -8,8 +8,8 @@ use dotgen_timing::system::{
 
 use super::{Dice, automaton, client, empty, machine, predicate, service};
 
-/// Two or three copies of a component, or of what is in a component, with questions about them; sometimes something is not
-/// the same everywhere.
+/// Two or three copies of a component, or of what is in a component, with questions about them; sometimes
+/// something is not the same everywhere.
 pub(crate) fn alike(dice: &mut Dice) -> (TimedSystem, Vec<(Predicate, Predicate)>) {
     let one = part(dice);
     let copies = 2 + usize::from(dice.in_ten(4));

@@ -6,8 +6,8 @@ use dotgen_timing::system::{
 
 use super::{Dice, automaton, empty, machine, service};
 
-/// A component or two with one or two tasks altogether, one to three services, and one or two clients that let any time pass
-/// before each request. Durations are mostly from 0 on.
+/// A component or two with one or two tasks altogether, one to three services, and one or two clients that
+/// let any time pass before each request. Durations are mostly from 0 on.
 pub(crate) fn requests(dice: &mut Dice) -> TimedSystem {
     let mut system = empty(dice);
     system.platform.policy = dice.pick(&[Policy::Fifo, Policy::Edf, Policy::Any]);

@@ -3,7 +3,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::*;
 
-/// A folder with two files, a link to the second, and what is to be written: both, and a new one in a new folder.
+/// A folder with two files, a link to the second, and what is to be written: both, and a new one in a new
+/// folder.
 struct Fixture {
     directory: tempfile::TempDir,
     files: Vec<NewContent>,
@@ -280,8 +281,8 @@ fn kill_9_at_any_step() {
     }
 }
 
-/// The next write removes what was left over. A process that another test starts has our locks until it runs its own
-/// program, so it may take more than one.
+/// The next write removes what was left over. A process that another test starts has our locks until it runs
+/// its own program, so it may take more than one.
 fn cleaned_up(fixture: &Fixture, step: usize) {
     let leftovers = || contents(fixture.directory.path()).1;
     for _ in 0..200 {

@@ -1,17 +1,21 @@
 //! Ample sets of what clients and activities do, see [`super`].
 //!
-//! * **A request** that is handled in no time and whose activity, if it is one, runs at once on a task that is idle. Whoever could make
-//!   a difference must not send a request at this moment: for a service that interrupts this one or is interrupted by it, or on the
-//!   same task, or one that keeps the control task busy.
-//! * **The report of ended activities**, if nobody waits for their end in a slot. What ends later at this moment is reported
-//!   later at this moment: no other order leads anywhere else.
-//! * **The end** of an activity's codel whose window is over, if the turn goes on, or if the activity ends and nothing else is to be
-//!   done by its task; again without requests at this moment that would make a difference. (After a pause the turn of an
-//!   aperiodic task may begin at once, and shows whether the activity has been interrupted.)
-//! * **The end of a codel of a control task** whose time is over, if the message has no other effect than such a request.
+//! * **A request** that is handled in no time and whose activity, if it is one, runs at once on a task that
+//!   is idle. Whoever could make a difference must not send a request at this moment: for a service that
+//!   interrupts this one or is interrupted by it, or on the same task, or one that keeps the control task
+//!   busy.
+//! * **The report of ended activities**, if nobody waits for their end in a slot. What ends later at this
+//!   moment is reported later at this moment: no other order leads anywhere else.
+//! * **The end** of an activity's codel whose window is over, if the turn goes on, or if the activity ends
+//!   and nothing else is to be done by its task; again without requests at this moment that would make a
+//!   difference. (After a pause the turn of an aperiodic task may begin at once, and shows whether the
+//!   activity has been interrupted.)
+//! * **The end of a codel of a control task** whose time is over, if the message has no other effect than
+//!   such a request.
 //! * **The end of a client's delay** whose time is over.
 //!
-//! They cannot follow each other for ever in no time if every round of a client has a delay that may take time.
+//! They cannot follow each other for ever in no time if every round of a client has a delay that may take
+//! time.
 
 use super::Moment;
 use crate::explore::reductions::facts::{Parts, loops_in_no_time};
@@ -33,13 +37,15 @@ pub(super) struct Requests {
     pub(super) off: Option<Reason>,
     /// Per client and step, what can be requested in no time once it is done.
     after: Vec<Vec<Services>>,
-    /// Per service those that make a difference to it: they interrupt it, are interrupted by it or run on the same task.
+    /// Per service those that make a difference to it: they interrupt it, are interrupted by it or run on the
+    /// same task.
     related: Vec<Services>,
     /// Those handled in no time.
     instant: Services,
     /// Those of each component.
     of_component: Vec<Services>,
-    /// Automata of activities whose turns take time sooner or later, of tasks that execute everything themselves.
+    /// Automata of activities whose turns take time sooner or later, of tasks that execute everything
+    /// themselves.
     ordinary: Vec<bool>,
     /// Predicates say something about what goes on in these.
     visible: Parts,
@@ -183,8 +189,8 @@ impl Moment<'_, '_> {
             && self.accepted_alone(service)
     }
 
-    /// Whether it makes no difference what else comes before the acceptance of a request: it interrupts nothing that is there,
-    /// keeps nothing waiting, and an activity runs at once, on a task that is idle.
+    /// Whether it makes no difference what else comes before the acceptance of a request: it interrupts
+    /// nothing that is there, keeps nothing waiting, and an activity runs at once, on a task that is idle.
     fn accepted_alone(&self, service: usize) -> bool {
         let known = &self.ample.requests;
         let l = self.layout();
@@ -207,8 +213,8 @@ impl Moment<'_, '_> {
             })
     }
 
-    /// Whether nothing of a task can happen at this moment before something is requested of it, and nobody else has to
-    /// wait for a core.
+    /// Whether nothing of a task can happen at this moment before something is requested of it, and nobody
+    /// else has to wait for a core.
     fn is_free(&self, task: usize) -> bool {
         let l = self.layout();
         let it = &self.system().tasks[task];
@@ -330,8 +336,8 @@ impl Moment<'_, '_> {
             && requested & !known.instant == 0
     }
 
-    /// Whether a slot of the task of an activity stays as it is, as far as the task sees it, until that activity has ended,
-    /// if nobody requests anything related.
+    /// Whether a slot of the task of an activity stays as it is, as far as the task sees it, until that
+    /// activity has ended, if nobody requests anything related.
     fn cannot_change(&self, slot: usize, activity: usize) -> bool {
         let system = self.system();
         let automaton = &system.automata[slot];
@@ -389,8 +395,8 @@ impl Moment<'_, '_> {
         })
     }
 
-    /// Whether an acquisition by an activity or a control task changes nothing that is observed, and cannot be repeated for
-    /// ever in no time.
+    /// Whether an acquisition by an activity or a control task changes nothing that is observed, and cannot
+    /// be repeated for ever in no time.
     pub(super) fn may_acquire_for_request(&self, executor: usize) -> bool {
         let known = &self.ample.requests;
         if !known.enabled {

@@ -1,7 +1,7 @@
 //! Which units are alike: exchanges that change neither the system nor what is asked.
 //!
-//! An exchange is found by following what belongs to two components, clients or tasks, in step. It is believed only after
-//! the whole system has been compared with itself under it.
+//! An exchange is found by following what belongs to two components, clients or tasks, in step. It is
+//! believed only after the whole system has been compared with itself under it.
 
 use super::Unit;
 use crate::explore::reductions::Asked;

@@ -139,8 +139,8 @@ impl Layout {
         }
     }
 
-    /// Where a state says what goes on in some parts of a system: numbers of the discrete part, then of the times. What
-    /// names other parts (queues, trackers, requests being handled) is not among them.
+    /// Where a state says what goes on in some parts of a system: numbers of the discrete part, then of the
+    /// times. What names other parts (queues, trackers, requests being handled) is not among them.
     pub(crate) fn places(
         &self,
         tasks: &[usize],

@@ -1,4 +1,5 @@
-//! What is possible in a state: clients that go on, tasks that ask for a core, grants, and the rest, in this order.
+//! What is possible in a state: clients that go on, tasks that ask for a core, grants, and the rest, in this
+//! order.
 
 use super::Published;
 use super::layout::{control, tracker};

@@ -98,7 +98,8 @@ impl Servers<'_> {
         self.layout.set_control(s, component, control::REST);
     }
 
-    /// The rest of the handling: a function interrupts and has succeeded; the reply; then all activities are looked at.
+    /// The rest of the handling: a function interrupts and has succeeded; the reply; then all activities are
+    /// looked at.
     pub(super) fn reply(&self, s: &mut State, component: usize) {
         let l = &self.layout;
         let service = l.handled(s, component) as usize;

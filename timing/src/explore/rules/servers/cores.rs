@@ -1,11 +1,12 @@
 //! Cores as an operating system gives them (section 22): preemptive policies.
 //!
-//! A thread is *ready* if it can do something: it is neither idle nor waits in the lock queue for somebody else. The ready
-//! threads are listed in the state, in the order in which they became ready; those that do not fit on the cores neither act
-//! nor execute, and what remains of their codels stays. A codel that has come to its end ends, whoever comes at that moment.
+//! A thread is *ready* if it can do something: it is neither idle nor waits in the lock queue for somebody
+//! else. The ready threads are listed in the state, in the order in which they became ready; those that do
+//! not fit on the cores neither act nor execute, and what remains of their codels stays. A codel that has
+//! come to its end ends, whoever comes at that moment.
 //!
-//! * `priority`: at each moment the ready threads of highest priority have the cores; ties in order of the list. A control
-//!   task has the highest priority of its component.
+//! * `priority`: at each moment the ready threads of highest priority have the cores; ties in order of the
+//!   list. A control task has the highest priority of its component.
 //! * `fair`: any of them, as long as no core idles. The list begins with those that have a core; a swap with
 //!   another one is an action, which is possible at any moment. ([`Action::Preempt`])
 
@@ -82,8 +83,8 @@ impl Servers<'_> {
         out
     }
 
-    /// Whether a task has a tick to serve, but no core to begin its cycle on. (Under the other policies tasks ask for a core
-    /// as they clear their flag.)
+    /// Whether a task has a tick to serve, but no core to begin its cycle on. (Under the other policies tasks
+    /// ask for a core as they clear their flag.)
     pub(super) fn waits_to_begin(&self, s: &State, task: usize) -> bool {
         let l = &self.layout;
         self.preempts()

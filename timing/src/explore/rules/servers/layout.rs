@@ -42,7 +42,8 @@ pub(super) mod flag {
     pub(in super::super) const ENDED: u16 = 32;
     /// In this pass there was an event.
     pub(in super::super) const EVENT: u16 = 64;
-    /// A tick has come while another one waited for a core: its deadline is missed, although no cycle has begun.
+    /// A tick has come while another one waited for a core: its deadline is missed, although no cycle has
+    /// begun.
     pub(in super::super) const LATE: u16 = 128;
     /// What a pass leaves behind.
     pub(in super::super) const OF_PASS: u16 = GOES_ON | ENDED | EVENT;
@@ -328,7 +329,8 @@ fn follows(client: &Client) -> bool {
     })
 }
 
-/// How many activities a task can have at the same time: as many as it has places, and no more than are requested.
+/// How many activities a task can have at the same time: as many as it has places, and no more than are
+/// requested.
 fn most_slots(system: &TimedSystem, task: usize) -> usize {
     let places = system.tasks[task].places as usize;
     let of_task = |service: usize| {
@@ -424,7 +426,7 @@ fields! {
     signal set_signal (self, component) self.component_base + OF_COMPONENT * component + 7;
     /// Step of a client; one past the end: before the first.
     position set_position (self, client) self.client_base[client];
-    /// Whether a client has a request that was not answered: 0, or, where it matters by which step it was sent, the number
-    /// of the step plus one.
+    /// Whether a client has a request that was not answered: 0, or, where it matters by which step it was
+    /// sent, the number of the step plus one.
     outstanding set_outstanding (self, client) self.client_base[client] + 1;
 }

@@ -1,4 +1,5 @@
-//! Passes: in each, every automaton that runs and is not paused executes one codel, in the order of the slots.
+//! Passes: in each, every automaton that runs and is not paused executes one codel, in the order of the
+//! slots.
 
 use super::Servers;
 use super::layout::{flag, slot, thread};
@@ -7,8 +8,8 @@ use crate::scn::semantics::{PauseRule, TurnRule};
 use crate::system::{Machine, Yield};
 
 impl Servers<'_> {
-    /// Begins a pass, up to its first codel. `first`: of its cycle. Only that of a periodic task begins activities and resumes
-    /// paused automata.
+    /// Begins a pass, up to its first codel. `first`: of its cycle. Only that of a periodic task begins
+    /// activities and resumes paused automata.
     pub(super) fn begin_pass(&self, s: &mut State, task: usize, first: bool) {
         let l = &self.layout;
         let runnable = match self.is_periodic(task) {
@@ -75,8 +76,8 @@ impl Servers<'_> {
                 l.set_thread(s, task, thread::TICKET);
                 return;
             }
-            // The default `start` and `stop` take no time and no ticket. An activity without `stop` ends with the
-            // exception "interrupted".
+            // The default `start` and `stop` take no time and no ticket. An activity without `stop` ends with
+            // the exception "interrupted".
             self.end_activity(s, task, it, mode & slot::PERMANENT != 0);
         }
         self.end_pass(s, task);
@@ -153,7 +154,8 @@ impl Servers<'_> {
         let tasks = &self.system.components[component].tasks;
         let first = l.mode(s, l.slots(task).start);
         let begun = first & slot::STATUS != slot::INIT || first & slot::PERMANENT == 0;
-        // Nobody handles the end of a permanent activity that fails in its first pass: its component never starts.
+        // Nobody handles the end of a permanent activity that fails in its first pass: its component never
+        // starts.
         let ended = slot::ETHER | slot::PERMANENT;
         let failed = first & (slot::STATUS | slot::PERMANENT | slot::SUCCESS) == ended;
         if tasks.get(starting) == Some(&task) && begun && !failed {

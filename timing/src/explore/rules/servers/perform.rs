@@ -93,7 +93,8 @@ impl Servers<'_> {
         l.core_queue_push(s, task, sorted);
     }
 
-    /// Paused automata of an aperiodic task are to be resumed. (To those of a periodic one only ticks do that.)
+    /// Paused automata of an aperiodic task are to be resumed. (To those of a periodic one only ticks do
+    /// that.)
     pub(super) fn make_runnable(&self, s: &mut State, task: usize) {
         if !self.is_periodic(task) {
             self.layout.raise(s, task, flag::RUNNABLE);

@@ -369,7 +369,8 @@ impl Servers<'_> {
         }
     }
 
-    /// Whether an exception makes a difference: not where the activity may end as well and nobody asks how it ended.
+    /// Whether an exception makes a difference: not where the activity may end as well and nobody asks how it
+    /// ended.
     fn tells_throwing(&self, s: &State, slot: usize, yields: &[Yield]) -> bool {
         let outcomes = || self.layout.outcomes.iter().flatten().any(|it| *it);
         match self.service(s, slot) {

@@ -98,8 +98,8 @@ impl Servers<'_> {
         (0..self.layout.tasks).any(|task| of(task) && both(task))
     }
 
-    /// Whether the permanent activity of a task executes the codel of a state, or has ended (by an exception), and its component
-    /// is up.
+    /// Whether the permanent activity of a task executes the codel of a state, or has ended (by an
+    /// exception), and its component is up.
     pub(crate) fn rests(&self, s: &State, task: usize, state: usize) -> bool {
         let l = &self.layout;
         let first = l.slots(task).start;

@@ -1,8 +1,9 @@
 //! Requests that every component understands (section 18): `abort`, and what `kill` sets going.
 //!
-//! A component that is shut down is at a *stage*: first its tasks in order of declaration, while their activities are
-//! interrupted; then in reverse order, while their permanent activities stop; then in order again, as they end; and at last
-//! its control task. The thread that does this needs no core and takes no time, and each of its steps is an action.
+//! A component that is shut down is at a *stage*: first its tasks in order of declaration, while their
+//! activities are interrupted; then in reverse order, while their permanent activities stop; then in order
+//! again, as they end; and at last its control task. The thread that does this needs no core and takes no
+//! time, and each of its steps is an action.
 
 use super::Servers;
 use super::layout::{control, flag, slot, thread, tracker};

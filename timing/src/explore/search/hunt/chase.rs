@@ -1,7 +1,8 @@
-//! One search depth first. All rules and reductions are those of the search in order of time; only the order differs, and
-//! states of all moments are compared with each other.
+//! One search depth first. All rules and reductions are those of the search in order of time; only the order
+//! differs, and states of all moments are compared with each other.
 //!
-//! Every state is followed as it was come to, and never joined with others: so the steps that led to it are a run.
+//! Every state is followed as it was come to, and never joined with others: so the steps that led to it are a
+//! run.
 
 use std::hash::BuildHasher;
 
@@ -28,8 +29,8 @@ const FAR: u64 = 4;
 pub(super) struct Order {
     /// Time passes before anything that can wait.
     patient: bool,
-    /// Codels that have an upper bound take as long as they can: what goes wrong mostly does so then. Not everything that
-    /// can happen is looked at.
+    /// Codels that have an upper bound take as long as they can: what goes wrong mostly does so then. Not
+    /// everything that can happen is looked at.
     pub(super) late: bool,
     /// Chooses among actions; `None`: the last of them first.
     dice: Option<u64>,
@@ -60,7 +61,8 @@ impl Order {
         }
     }
 
-    /// Puts actions in this order, the one to follow first last. What a task does that is to be `kept` from ending comes last.
+    /// Puts actions in this order, the one to follow first last. What a task does that is to be `kept` from
+    /// ending comes last.
     fn arrange(&mut self, list: &mut [(Action, Held)], kept: impl Fn(Action) -> bool) {
         if self.steady {
             let dice = self.dice;
@@ -120,8 +122,8 @@ impl<'a, R: Rules> Chase<'a, R> {
         }
     }
 
-    /// Begins anew, and goes on for so many steps, never beyond the moment `end`. `beside` are states and bytes that are in use
-    /// already. `false` if a limit ended it.
+    /// Begins anew, and goes on for so many steps, never beyond the moment `end`. `beside` are states and
+    /// bytes that are in use already. `false` if a limit ended it.
     pub(super) fn run(
         &mut self,
         mut order: Order,
@@ -332,8 +334,8 @@ impl<'a, R: Rules> Chase<'a, R> {
         }
     }
 
-    /// The run that ends with a step, and is about a task if something is shown of one: its steps are taken again, and called
-    /// as they were before anything was put in order.
+    /// The run that ends with a step, and is about a task if something is shown of one: its steps are taken
+    /// again, and called as they were before anything was put in order.
     fn run_to(&mut self, at: Sight, about: Option<(usize, Shown<R>)>) -> Run {
         let mut steps = Vec::new();
         let mut last = at.parent;

@@ -1,8 +1,9 @@
 //! Hunts for times that have no bound.
 //!
-//! A search in order of time comes to the proof that a job can take for ever only after everything that can happen until then. Going straight
-//! on, mostly with codels that take as long as they can, a job that is kept from ending soon takes longer than any
-//! plausible one; if the run repeats itself meanwhile, it can go on like that.
+//! A search in order of time comes to the proof that a job can take for ever only after everything that can
+//! happen until then. Going straight on, mostly with codels that take as long as they can, a job that is kept
+//! from ending soon takes longer than any plausible one; if the run repeats itself meanwhile, it can go on
+//! like that.
 
 use super::Order;
 use super::chase::Chase;
@@ -91,7 +92,8 @@ impl<R: Rules> Search<'_, R> {
     }
 }
 
-/// Of a run at whose end something has lasted so long, and repeats itself: one in which it has just lasted longer than a limit.
+/// Of a run at whose end something has lasted so long, and repeats itself: one in which it has just lasted
+/// longer than a limit.
 fn exceeding(run: &Run, value: Ticks, limit: Ticks, cycle: (u64, u64)) -> Option<Run> {
     let Some(more) = limit.checked_sub(value) else {
         let end = run.end - u64::from(value - limit - 1);

@@ -1,9 +1,10 @@
 //! Sets of remaining times.
 //!
-//! A *zone* is the set of all values, not negative, for the remaining times of some executors that satisfy upper bounds on
-//! each and on their differences: a difference bound matrix (D. Dill, *Timing assumptions and verification of
-//! finite-state concurrent systems*, 1989). What usual zones say about the time since something began, these say about the time
-//! until it ends. Time passing only takes away from it, down to 0, so that nothing has to be extrapolated: there are finitely many.
+//! A *zone* is the set of all values, not negative, for the remaining times of some executors that satisfy
+//! upper bounds on each and on their differences: a difference bound matrix (D. Dill, *Timing assumptions and
+//! verification of finite-state concurrent systems*, 1989). What usual zones say about the time since
+//! something began, these say about the time until it ends. Time passing only takes away from it, down to 0,
+//! so that nothing has to be extrapolated: there are finitely many.
 
 use smallvec::SmallVec;
 
@@ -20,7 +21,8 @@ const NONE: i32 = i32::MAX;
 pub(super) struct Zone {
     /// Whose times they are, ascending.
     executors: SmallVec<[u16; 12]>,
-    /// Row by row, upper bounds of differences: of 0 and the executors, less 0 and the executors. As tight as they can be.
+    /// Row by row, upper bounds of differences: of 0 and the executors, less 0 and the executors. As tight as
+    /// they can be.
     bounds: Vec<i32>,
 }
 
@@ -87,7 +89,8 @@ impl Zone {
         self.set_executors(&rest, |_| unreachable!("all of them were there"));
     }
 
-    /// Makes it about these executors, ascending. Of those it knows nothing of, any time in the `window` is left.
+    /// Makes it about these executors, ascending. Of those it knows nothing of, any time in the `window` is
+    /// left.
     pub(super) fn set_executors(
         &mut self,
         executors: &[usize],
