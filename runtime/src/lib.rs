@@ -9,6 +9,7 @@
 //! Where components have codels, [`live`] has them executed: by [`hosts`], which this crate knows as a trait
 //! only. On the real clock ([`paced`]) the rules are the same, with times as they really are ([`refine`]).
 
+pub mod counted;
 pub mod decide;
 pub mod engine;
 pub mod hosts;

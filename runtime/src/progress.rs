@@ -8,7 +8,7 @@ use dotgen_timing::system::{Ticks, TimedSystem, Yield};
 use dotgen_timing::verify::Prepared;
 use serde::Serialize;
 
-use crate::report::{OfMachine, OfTask, machines, tasks};
+use crate::counted::{OfMachine, OfTask, machines, tasks};
 use crate::tally::Tally;
 
 /// Whoever looks on.

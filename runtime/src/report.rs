@@ -2,15 +2,15 @@
 
 use dotgen_timing::property::PropertyKind;
 use dotgen_timing::report::Value;
-use dotgen_timing::system::{Ticks, Yield};
+use dotgen_timing::system::Ticks;
 use dotgen_timing::verify::Prepared;
 use serde::Serialize;
 
+use crate::counted::{OfMachine, OfTask, machines, tasks};
 use crate::decide::Durations;
 use crate::engine::End;
 use crate::judge::{Moment, Verdict, Violation};
 use crate::simulation::{Outcome, Plan};
-use crate::tally::{Tally, Times};
 use crate::watch::Broken;
 
 /// Version of the JSON form: raised when a field changes its meaning or goes.
@@ -58,32 +58,6 @@ pub struct Report {
     pub notes: Vec<String>,
 }
 
-/// A task.
-#[derive(Debug, Clone, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub struct OfTask {
-    /// `component.task`
-    pub task: String,
-    /// Jobs that have ended.
-    pub jobs: u64,
-    /// The greatest response time, that of a job that has not ended included.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub greatest: Option<Value>,
-    /// Of those that have ended.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub mean: Option<Value>,
-    /// The proved bound on it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub bound: Option<Value>,
-    /// Its period.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub period: Option<Value>,
-    /// Ticks before the job of the one before had ended.
-    pub missed: u64,
-    /// Share of the time in which a codel of its activities had its locks: it executed, or waited for a core.
-    pub load: f64,
-}
-
 /// A service.
 #[derive(Debug, Clone, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -110,28 +84,6 @@ pub struct OfCodel {
     pub greatest: Value,
     /// The greatest time it waited for its locks.
     pub waited: Value,
-}
-
-/// A state machine.
-#[derive(Debug, Clone, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub struct OfMachine {
-    /// `component.owner`
-    pub machine: String,
-    /// Transitions.
-    pub transitions: Vec<Transition>,
-}
-
-/// A transition.
-#[derive(Debug, Clone, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub struct Transition {
-    /// A state.
-    pub from: String,
-    /// What its codel yields: a state, with `pause::` before it, or `ether`.
-    pub to: String,
-    /// How often.
-    pub taken: u64,
 }
 
 /// A check.
@@ -293,61 +245,6 @@ impl Report {
     pub fn violated(&self) -> bool {
         self.violation_count > 0
     }
-}
-
-/// Tasks, after a time in base units.
-pub(crate) fn tasks(
-    prepared: &Prepared,
-    tally: &Tally,
-    bounds: &[Option<Ticks>],
-    time: u64,
-) -> Vec<OfTask> {
-    let system = &prepared.built.system;
-    let value = |ticks: Ticks| Value::Time(prepared.time(u64::from(ticks)));
-    let mean = |times: &Times| {
-        let all = prepared.time(times.total);
-        (times.count > 0).then(|| Value::Time(all / times.count as f64))
-    };
-    let tasks = system.tasks.iter().zip(&tally.tasks).enumerate();
-    let tasks = tasks.map(|(task, (it, counted))| OfTask {
-        task: system.task_path(task),
-        jobs: counted.jobs.count,
-        greatest: counted.greatest.map(value),
-        mean: mean(&counted.jobs),
-        bound: bounds.get(task).copied().flatten().map(value),
-        period: it.period.map(value),
-        missed: counted.missed,
-        load: counted.executed as f64 / time.max(1) as f64,
-    });
-    tasks.collect()
-}
-
-/// State machines, with their transitions.
-pub(crate) fn machines(prepared: &Prepared, tally: &Tally) -> Vec<OfMachine> {
-    let machines = prepared.built.system.machines.iter();
-    let machines = machines.zip(&tally.transitions);
-    let machines = machines.map(|(machine, counts)| {
-        let mut transitions = Vec::new();
-        for (state, counts) in machine.states.iter().zip(counts) {
-            for (outcome, &taken) in counts.iter().enumerate() {
-                let name = |it: usize| machine.states[it].name.clone();
-                let to = match state.yields.get(outcome) {
-                    Some(&Yield::Next(to)) => name(to),
-                    Some(&Yield::Pause(to)) => format!("pause::{}", name(to)),
-                    Some(Yield::End) => "ether".to_owned(),
-                    None if taken == 0 => continue,
-                    None => "exception".to_owned(),
-                };
-                let from = state.name.clone();
-                transitions.push(Transition { from, to, taken });
-            }
-        }
-        OfMachine {
-            machine: machine.name.clone(),
-            transitions,
-        }
-    });
-    machines.collect()
 }
 
 struct Maker<'r> {

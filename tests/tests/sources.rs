@@ -93,8 +93,8 @@ fn nothing_below_the_server_reaches_the_system() {
 /// Columns of a line of prose.
 const COLUMNS: usize = 110;
 
-/// Comments in Rust and paragraphs in Markdown are read beside other text. Tables, examples and pictures are as wide as
-/// they are; pages of diagnostics are made from texts.
+/// Comments in Rust and paragraphs in Markdown are read beside other text. Tables, examples and pictures are
+/// as wide as they are; pages of diagnostics are made from texts.
 #[test]
 fn lines_of_prose_have_at_most_110_columns() {
     let mut wide = Vec::new();

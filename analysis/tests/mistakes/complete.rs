@@ -88,6 +88,8 @@ struct Place {
     typed: usize,
     /// Where the right text goes on.
     rest: usize,
+    /// The word that was there, if one is replaced.
+    word: String,
     /// In an interface: a component has to do what it says.
     in_interface: bool,
 }
@@ -181,12 +183,16 @@ fn goes_on(
 ) -> bool {
     let right = bench.component.text.clone();
     rest.iter().any(|&end| {
-        ["", ";", ",", " zz", " zz;", " yield"].iter().any(|glue| {
-            let errors = bench.errors(&format!("{text}{glue}{}", &right[end..]));
-            errors.iter().all(|(code, count)| {
-                *count <= allowed.get(code).copied().unwrap_or_default() || is_beside(code, place)
+        let same = format!(" {}", place.word);
+        ["", ";", ",", " zz", " zz;", " yield", &same]
+            .iter()
+            .any(|glue| {
+                let errors = bench.errors(&format!("{text}{glue}{}", &right[end..]));
+                errors.iter().all(|(code, count)| {
+                    *count <= allowed.get(code).copied().unwrap_or_default()
+                        || is_beside(code, place)
+                })
             })
-        })
     })
 }
 
@@ -240,6 +246,7 @@ fn places(text: &str, tokens: &[(std::ops::Range<usize>, String)]) -> Vec<Place>
             before: format!("{} ", text[..range.start].trim_end_matches(' ')),
             typed: 0,
             rest: range.start,
+            word: String::new(),
             in_interface,
         });
         let is_word = word.starts_with(|it: char| it.is_ascii_alphabetic());
@@ -249,6 +256,7 @@ fn places(text: &str, tokens: &[(std::ops::Range<usize>, String)]) -> Vec<Place>
                     before: text[..range.start + typed].to_owned(),
                     typed,
                     rest: range.end,
+                    word: word.clone(),
                     in_interface,
                 });
             }

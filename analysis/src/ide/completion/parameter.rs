@@ -16,7 +16,7 @@ use crate::{
         context::{BodyKind, Context, FrameKind, Word},
         render,
     },
-    model::{Codel, ParamDir, PortDir, Service, TypeId},
+    model::{Codel, Owner, ParamDir, ParamSource, PortDir, Service, TypeId},
 };
 
 const DIRECTIONS: &[&str] = &["in", "out", "inout"];
@@ -359,7 +359,8 @@ fn attribute_param(
         initializer::value(names, &words[eq + 1..], expected, out);
         return;
     }
-    let used = used_names(context);
+    let mut used = used_names(context);
+    used.extend(members_of_codels(names, context));
     let all = ids.map(|it| names.carried(it)).unwrap_or_default();
     let member = |label: String, name: &SmolStr, ty: TypeId, rank: u8, out: &mut Completions| {
         if used.contains(name) {
@@ -472,6 +473,22 @@ fn used_names(context: &Context) -> Vec<SmolStr> {
         .chain(joined.flatten())
         .chain(context.elements_behind());
     params.filter_map(parameter_name).collect()
+}
+
+/// What the codels of an attribute take from the ids without saying so: a parameter of that name would be
+/// meant as well.
+fn members_of_codels(names: &Names<'_, '_>, context: &Context) -> Vec<SmolStr> {
+    let (Some(component), [.., name]) = (names.component(), context.head(context.top())) else {
+        return Vec::new();
+    };
+    let mut services = (0..).zip(&component.services);
+    let Some((service, _)) = services.find(|(_, it)| it.name == name.text) else {
+        return Vec::new();
+    };
+    let codels = component.codels_of(Owner::Service(service));
+    let params = codels.iter().flat_map(|it| &it.params);
+    let of_ids = params.filter(|it| it.source == ParamSource::Ids);
+    of_ids.map(|it| it.name.clone()).collect()
 }
 
 /// The name of a parameter: what it is renamed to, or the last member of its path.

@@ -117,6 +117,13 @@ fn a_member_with_the_name_of_a_port_says_what_it_is_of() {
 }
 
 #[test]
+fn an_attribute_has_no_parameter_that_its_codels_would_mix_up() {
+    let text = "component c { ids { long a; struct s { long x, y; } b; };\n\
+                attribute set($0) { validate v(local in x, inout b); }; };";
+    has(text, "in a | !in b");
+}
+
+#[test]
 fn a_case_is_a_value_of_what_the_union_switches_on() {
     let text = "enum mode { IDLE, BUSY };\nconst long N = 3;\nunion u switch (mode) { $0 };";
     takes(
