@@ -193,6 +193,17 @@ fn comments_side_by_side_stay_there() {
     );
 }
 
+/// Found by fuzzing: the backslash went with the line end.
+#[test]
+fn a_line_end_with_a_joined_line_in_it_stays() {
+    for text in [
+        "\r\\\n\nstruct s { long x; };\n",
+        "typedef long a;\n \r\\\r\n\ntypedef long b;\r\n",
+    ] {
+        assert!(formatted(text).contains('\\'), "{text:?}");
+    }
+}
+
 /// The line end that a file should have would become part of the comment.
 #[test]
 fn a_comment_that_is_continued_by_nothing() {

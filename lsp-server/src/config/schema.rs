@@ -86,7 +86,7 @@ mod tests {
                 "the extension lacks dotgen.{name}"
             );
         }
-        let own = ["server.", "trace.", "files."];
+        let own = ["server.", "trace.", "files.", "run."];
         let names = offered.keys().filter_map(|it| it.strip_prefix("dotgen."));
         let unknown = names.filter(|it| !own.iter().any(|own| it.starts_with(own)));
         let unknown: Vec<&str> = unknown

@@ -212,6 +212,10 @@ impl Cutter<'_> {
             return;
         }
         match token.kind() {
+            // A carriage return and a line feed are one line end also when a joined line stands between them.
+            WHITESPACE | NEWLINE if token.text().contains('\\') => {
+                self.push(ChunkKind::Opaque, range, false);
+            }
             WHITESPACE | NEWLINE => {
                 self.newlines += token
                     .text()

@@ -36,11 +36,18 @@ export function checks(wb) {
   const problems = page.locator('.markers-panel .monaco-list-row');
   const text = (name) => readFileSync(join(wb.folder, name), 'utf8');
   const codels = () => text(`codels/${SOURCE}`);
-  /** Saves what an applied edit has changed. */
+  /** Saves what an applied edit has changed. Its files become dirty one after the other: what comes late is saved again. */
   async function saveAll() {
-    await page.locator('.tab.dirty').first().waitFor();
-    await wb.command('File: Save All Files');
-    await page.locator('.tab.dirty').first().waitFor({ state: 'detached' });
+    const dirty = page.locator('.tab.dirty').first();
+    await dirty.waitFor();
+    for (let rest = 5; ; rest -= 1) {
+      await wb.command('File: Save All Files');
+      try {
+        return await dirty.waitFor({ state: 'detached', timeout: 5000 });
+      } catch (error) {
+        if (rest === 0) throw error;
+      }
+    }
   }
 
   const lens = (what) => page.locator('.contentWidgets .codelens-decoration a', { hasText: what }).first();
