@@ -60,6 +60,8 @@ impl TextFix {
 /// A finding at its place, with the places related to it in the same file.
 pub(crate) struct Place<'a> {
     pub(crate) root: &'a SyntaxNode,
+    /// The text has syntax errors: what is declared nowhere may stand in what was not parsed.
+    pub(crate) broken: bool,
     pub(crate) range: TextRange,
     pub(crate) related: &'a [TextRange],
 }
@@ -98,7 +100,8 @@ impl Place<'_> {
             let codel: ast::CodelProperty = self.node(self.range)?;
             let owner = self.owner_name(codel.syntax())?;
             let indent = indent_of(codel.syntax());
-            let text = format!("\n{indent}codel<{state}> {owner}_{state}() yield ether;");
+            let codel_name = self.free_codel(&format!("{owner}_{state}"));
+            let text = format!("\n{indent}codel<{state}> {codel_name}() yield ether;");
             Some(TextFix {
                 plain: false,
                 title: format!("Declare a codel for the state `{state}`"),
@@ -129,6 +132,17 @@ impl Place<'_> {
             Some(fix)
         };
         found().into_iter().collect()
+    }
+
+    /// The name, or with a number behind it if the text has a codel of that name: it is another function.
+    fn free_codel(&self, name: &str) -> String {
+        let taken = |name: &str| {
+            let mut codels = self.root.descendants().filter_map(ast::Codel::cast);
+            codels.any(|it| it.name().is_some_and(|it| it.syntax().text() == name))
+        };
+        let numbered = (2..).map(|number| format!("{name}_{number}"));
+        let mut all = std::iter::once(name.to_owned()).chain(numbered);
+        all.find(|it| !taken(it)).unwrap_or_default()
     }
 
     /// Name of the task or service around a node.
@@ -203,11 +217,12 @@ impl Place<'_> {
             return Vec::new();
         };
         let name = self.text(self.range);
-        let property = format!("codel<stop> {name}_stop() yield ether;");
+        let codel = self.free_codel(&format!("{name}_stop"));
+        let property = format!("codel<stop> {codel}() yield ether;");
         add_property(
             service.syntax(),
             &property,
-            format!("Add the codel `{name}_stop`"),
+            format!("Add the codel `{codel}`"),
         )
         .into_iter()
         .collect()

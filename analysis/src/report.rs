@@ -310,9 +310,11 @@ pub(crate) fn fixes_at<'db>(
     if macro_call_at(db, key, range).is_some() {
         return Vec::new();
     }
-    let root = parsed(db, key).syntax();
+    let parse = parsed(db, key);
+    let root = parse.syntax();
     let here = Place {
         root: &root,
+        broken: !parse.errors.is_empty(),
         range,
         related,
     };

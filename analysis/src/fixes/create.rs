@@ -28,23 +28,40 @@ impl Place<'_> {
         })
     }
 
-    /// `Declare port …`, in the direction in which it is used. The type is a guess.
+    /// `Declare port …`, in the direction in which it is used, with a type of its own in front of the
+    /// component: the type of a port must have a name. What it stands for is a guess.
     pub(crate) fn declare_port(&self, name: &str) -> Option<TextFix> {
         let param: ast::PathParam = self.node(self.range)?;
-        // A word of the language is a slip.
-        if is_word(name) {
+        let codel = param.syntax().ancestors().find_map(ast::Codel::cast)?;
+        // Codels without states have no ports, and a word of the language is a slip.
+        if codel.triggers().is_none() || is_word(name) {
             return None;
         }
-        let direction = match param.in_token().is_some() {
-            true => "in",
-            false => "out",
+        let component = param.syntax().ancestors().find_map(ast::Component::cast)?;
+        // A codel that only reads it may read an output as well.
+        let same = |it: &ast::PathParam| {
+            let first = it.path().and_then(|it| it.syntax().first_token());
+            first.is_some_and(|it| it.text() == name)
         };
-        self.declare(name, SyntaxKind::PORT, |name| {
+        let mut uses = component
+            .syntax()
+            .descendants()
+            .filter_map(ast::PathParam::cast);
+        let direction = match uses.any(|it| it.in_token().is_none() && same(&it)) {
+            true => "out",
+            false => "in",
+        };
+        let at = before_comments(component.syntax())?;
+        let indent = indent_of(component.syntax());
+        let mut fix = self.declare(name, SyntaxKind::PORT, |name| {
             (
-                format!("port {direction} long {name};"),
+                format!("port {direction} {name}_data {name};"),
                 format!("Declare the {direction}put port `{name}`"),
             )
-        })
+        })?;
+        let ty = format!("typedef long {name}_data;\n\n{indent}");
+        fix.edits.insert(0, (TextRange::empty(at), ty));
+        Some(fix)
     }
 
     /// `Declare activity …`, in the last task before it, or `Declare function …`, where there is no task.
@@ -71,7 +88,15 @@ impl Place<'_> {
     /// Their types are a guess.
     pub(crate) fn declare_type(&self, name: &str) -> Option<TextFix> {
         let token = self.token_at(self.range)?;
-        if !is_name(name) || is_word(name) {
+        if self.broken || !is_name(name) || is_word(name) {
+            return None;
+        }
+        // A default value that is a number is none of a struct.
+        let param = self.node::<ast::TypedParam>(self.range);
+        if param
+            .and_then(|it| it.initializer())
+            .is_some_and(|it| it.initializer_list().is_none())
+        {
             return None;
         }
         // Half a path leads elsewhere.
@@ -107,7 +132,7 @@ impl Place<'_> {
     /// `Add … to the ids`: the last ones before the use. The type is a guess.
     pub(crate) fn declare_ids_member(&self, name: &str) -> Option<TextFix> {
         let item = self.item_of_component()?;
-        if !is_name(name) {
+        if self.broken || !is_name(name) {
             return None;
         }
         let mut before = std::iter::successors(item.prev_sibling(), SyntaxNode::prev_sibling);
@@ -129,7 +154,7 @@ impl Place<'_> {
     ) -> Option<TextFix> {
         let item = self.item_of_component()?;
         // A path has to be declared where it leads, and that is not here.
-        if !is_name(name) {
+        if self.broken || !is_name(name) {
             return None;
         }
         let (text, title) = text(name);

@@ -95,8 +95,9 @@ impl Place<'_> {
     pub(crate) fn add_start(&self) -> Option<TextFix> {
         let service = self.node::<ast::Service>(self.range)?;
         let name = self.text(self.range);
-        let property = format!("codel<start> {name}_start() yield ether;");
-        let title = format!("Add the codel `{name}_start`");
+        let codel = self.free_codel(&format!("{name}_start"));
+        let property = format!("codel<start> {codel}() yield ether;");
+        let title = format!("Add the codel `{codel}`");
         add_property(service.syntax(), &property, title)
     }
 

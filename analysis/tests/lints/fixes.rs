@@ -349,9 +349,11 @@ fn fixes_remove_what_they_mend() {
           task t { codel<start> f(in sped) yield ether; };
         };
         --- Declare the input port `sped`
+        typedef long sped_data;
+
         component c {
           ids { long speed; };
-          port in long sped;
+          port in sped_data sped;
 
           task t { codel<start> f(in sped) yield ether; };
         };
@@ -472,9 +474,9 @@ fn what_is_used_and_declared_nowhere_can_be_declared() {
         ),
         (
             "param-unknown-port",
-            "component c {\n  port in long a;\n\n  function f() {\n    codel g(port in b);\n  };\n};\n",
-            "--- Declare the input port `b`\ncomponent c {\n  port in long a;\n  port in long b;\n\n  function f() {\n    \
-             codel g(port in b);\n  };\n};\n",
+            "typedef long a_data;\ncomponent c {\n  port in a_data a;\n\n  task t {\n    codel<start> g(port in b) yield ether;\n  };\n};\n",
+            "--- Declare the input port `b`\ntypedef long a_data;\ntypedef long b_data;\n\ncomponent c {\n  port in a_data a;\n  \
+             port in b_data b;\n\n  task t {\n    codel<start> g(port in b) yield ether;\n  };\n};\n",
         ),
         // In the task that there is.
         (
