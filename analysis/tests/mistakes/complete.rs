@@ -5,9 +5,12 @@
 //! follows, without the next tokens, without the rest of the element or statement, or with one more item
 //! behind it where the item is only the beginning of something (`port`, `in`, `pause::`).
 //!
-//! `COMPLETIONS=400` tries so many places with all their items, `COMPLETIONS=all` every place.
+//! `COMPLETIONS=400` tries so many places, `COMPLETIONS=all` every place.
 
-use std::collections::BTreeMap;
+use std::{
+    collections::BTreeMap,
+    sync::atomic::{AtomicUsize, Ordering},
+};
 
 use dotgen_analysis::{
     host::{Analysis, Change, Config},
@@ -16,9 +19,8 @@ use dotgen_analysis::{
 
 use super::{mutate::Random, *};
 
-/// Places tried in the suite, and items of each.
-const PLACES: usize = 260;
-const ITEMS: usize = 3;
+/// Places tried in the suite, each with all its items.
+const PLACES: usize = 2_000;
 
 /// How many errors of each code.
 type Errors = BTreeMap<String, usize>;
@@ -275,13 +277,57 @@ fn tokens(text: &str) -> Vec<(std::ops::Range<usize>, String)> {
     ranges.map(|it| (it.clone(), text[it].to_owned())).collect()
 }
 
+/// What a component's completions are like: places, items, and of the illegal ones how many and an example.
+#[derive(Default)]
+struct Tried {
+    places: usize,
+    items: usize,
+    illegal: BTreeMap<String, (usize, String)>,
+}
+
+/// Tries the items at `count` places of a component, all of them where it has fewer.
+fn tried(component: &Component, count: usize, random: &mut Random) -> Tried {
+    let mut bench = Bench::new(component);
+    let text = &component.text;
+    let tokens = tokens(text);
+    let all = places(text, &tokens);
+    let chosen: Vec<usize> = match count >= all.len() {
+        true => (0..all.len()).collect(),
+        false => (0..count).map(|_| random.below(all.len())).collect(),
+    };
+    let mut tried = Tried::default();
+    for place in chosen.into_iter().map(|it| &all[it]) {
+        tried.places += 1;
+        let now = format!("{}{}", place.before, &text[place.rest..]);
+        let typed = place.before[place.before.len() - place.typed..].to_lowercase();
+        let mut offered = bench.items(&now, place.before.len());
+        offered.retain(|it| it.label.to_lowercase().starts_with(&typed));
+        for item in offered {
+            tried.items += 1;
+            if is_legal(&mut bench, place, &item, &tokens) {
+                continue;
+            }
+            let before = now[..place.before.len()].rsplit('\n').next();
+            let after = now[place.before.len()..].lines().next();
+            let (before, after) = (before.unwrap_or_default(), after.unwrap_or_default());
+            let name = component.path.file_name().unwrap_or_default();
+            let taken = taken(&place.before, &item) + &text[place.rest..];
+            let errors: Vec<String> = bench.errors(&taken).into_keys().collect();
+            let example = format!("{name}: {} | {after} {errors:?}", before.trim_start());
+            let what = format!("{:?}: `{}`", item.kind, item.label);
+            tried.illegal.entry(what).or_insert((0, example)).0 += 1;
+        }
+    }
+    tried
+}
+
 #[test]
 fn what_is_offered_is_legal() {
     let wanted = std::env::var("COMPLETIONS").ok();
-    let (count, items) = match wanted.as_deref() {
-        Some("all") => (usize::MAX, usize::MAX),
-        Some(it) => (it.parse().unwrap_or(PLACES), usize::MAX),
-        None => (PLACES, ITEMS),
+    let count = match wanted.as_deref() {
+        Some("all") => usize::MAX,
+        Some(it) => it.parse().unwrap_or(PLACES),
+        None => PLACES,
     };
     let mut components = examples();
     components.extend(super::components(
@@ -289,56 +335,38 @@ fn what_is_offered_is_legal() {
         &[],
     ));
     components.extend(published());
-    let mut random = Random(0x2545_f491_4f6c_dd1d);
-    let (mut tried, mut visited) = (0, 0);
-    let mut bad: BTreeMap<String, (usize, String)> = BTreeMap::new();
-    for component in &components {
-        let mut bench = Bench::new(component);
-        let text = &component.text;
-        let tokens = tokens(text);
-        let all = places(text, &tokens);
-        let share = (count / components.len()).max(1);
-        let chosen: Vec<usize> = match share >= all.len() {
-            true => (0..all.len()).collect(),
-            false => (0..share).map(|_| random.below(all.len())).collect(),
-        };
-        for place in chosen.into_iter().map(|it| &all[it]) {
-            visited += 1;
-            let now = format!("{}{}", place.before, &text[place.rest..]);
-            let typed = place.before[place.before.len() - place.typed..].to_lowercase();
-            let mut offered = bench.items(&now, place.before.len());
-            offered.retain(|it| it.label.to_lowercase().starts_with(&typed));
-            while offered.len() > items {
-                offered.swap_remove(random.below(offered.len()));
-            }
-            for item in offered {
-                tried += 1;
-                if !is_legal(&mut bench, place, &item, &tokens) {
-                    let line = now[..place.before.len()]
-                        .rsplit('\n')
-                        .next()
-                        .unwrap_or_default();
-                    let after = now[place.before.len()..].lines().next().unwrap_or_default();
-                    let name = component.path.file_name().unwrap_or_default();
-                    let what = format!("{:?}: `{}`", item.kind, item.label);
-                    let taken = taken(&place.before, &item) + &text[place.rest..];
-                    let errors: Vec<String> = bench.errors(&taken).into_keys().collect();
-                    let example = format!("{name}: {} | {after} {errors:?}", line.trim_start());
-                    bad.entry(what).or_insert((0, example)).0 += 1;
-                }
-            }
+    let share = (count / components.len()).max(1);
+    // Each component is tried by itself: its own analysis, its own random numbers. So all cores help.
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut all = Vec::new();
+        loop {
+            let at = next.fetch_add(1, Ordering::Relaxed);
+            let Some(component) = components.get(at) else {
+                return all;
+            };
+            let mut random = Random(0x2545_f491_4f6c_dd1d + at as u64);
+            all.push(tried(component, share, &mut random));
         }
-    }
-    println!("{tried} items at {visited} places");
-    let lines = bad
-        .iter()
-        .map(|(what, (times, example))| format!("{times} x {what} in {example}"));
-    let lines: Vec<String> = lines.collect();
+    };
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let all: Vec<Tried> = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..cores).map(|_| scope.spawn(work)).collect();
+        let results = workers.into_iter().flat_map(|it| it.join().unwrap());
+        results.collect()
+    });
+    let places: usize = all.iter().map(|it| it.places).sum();
+    let items: usize = all.iter().map(|it| it.items).sum();
+    println!("{items} items at {places} places");
+    let illegal = all.iter().flat_map(|it| &it.illegal);
+    let lines: Vec<String> = illegal
+        .map(|(what, (times, example))| format!("{times} x {what} in {example}"))
+        .collect();
     assert!(
         lines.is_empty(),
-        "{} of {tried} items:\n{}",
+        "{} of {items} items:\n{}",
         lines.len(),
         lines.join("\n")
     );
-    assert!(tried > PLACES, "only {tried} items");
+    assert!(items > places, "only {items} items at {places} places");
 }

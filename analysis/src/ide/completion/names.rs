@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     elab::types::has_native,
-    elab::{DefId, DefKind, Definition, Elaborated, Entity},
+    elab::{DefId, DefKind, Definition, Elaborated, Entity, Reference},
     ide::{
         FileView, SymbolKind,
         context::{BodyKind, Context, FrameKind, Word},
@@ -162,6 +162,48 @@ impl<'a, 'db> Names<'a, 'db> {
             Some((file, range)) if file == self.view.file => usize::from(range.start()) < self.at,
             _ => true,
         })
+    }
+
+    /// Whether what comes from an interface is there at the cursor: a `provides`, `uses` or `extends` above it
+    /// names the interface, or one that has it. Own parts are, and what a pragma or another file imports.
+    pub(super) fn is_imported_above(&self, from: Option<u32>) -> bool {
+        let Some(from) = from else { return true };
+        let components = &self.spec().components;
+        let leads_to_it = |interface: u32| {
+            let mut seen = vec![interface];
+            let mut next = 0;
+            while let Some(&it) = seen.get(next) {
+                next += 1;
+                let Some(it) = components.get(it as usize) else {
+                    continue;
+                };
+                for it in it.provides.iter().chain(&it.uses).chain(&it.extends) {
+                    if !seen.contains(it) {
+                        seen.push(*it);
+                    }
+                }
+            }
+            seen.contains(&from)
+        };
+        let own = |it: &&Reference| it.component == self.component;
+        let names = self.elaborated.references.iter().filter(own);
+        let names = names.filter(|it| match self.elaborated.definition(it.target).entity {
+            Some(Entity::Component(it)) => leads_to_it(it),
+            _ => false,
+        });
+        let mut below = false;
+        for it in names {
+            match self.view.place(it.at) {
+                Some((file, range)) if file == self.view.file => {
+                    if usize::from(range.start()) < self.at {
+                        return true;
+                    }
+                    below = true;
+                }
+                _ => return true,
+            }
+        }
+        !below
     }
 
     /// Whether the component has several bodies: what is given once may be in another one.

@@ -179,6 +179,9 @@ fn sources(names: &Names<'_, '_>, context: &Context, simple: bool) -> Vec<Source
         });
     }
     for (i, port) in component.ports.iter().enumerate() {
+        if !names.is_imported_above(port.imported_from) {
+            continue;
+        }
         out.push(Source {
             name: port.name.clone(),
             source: "port",

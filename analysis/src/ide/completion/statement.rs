@@ -279,7 +279,7 @@ pub(super) fn tasks(names: &Names<'_, '_>, out: &mut Completions) {
     };
     for (i, task) in component.tasks.iter().enumerate() {
         let definition = names.part(|c| Entity::Task(c, i as u32));
-        if !names.is_above(definition) {
+        if !names.is_above(definition) || !names.is_imported_above(task.imported_from) {
             continue;
         }
         let item = out.add(

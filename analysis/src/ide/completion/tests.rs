@@ -71,6 +71,23 @@ fn in_arm(here: &str) -> String {
 }
 
 #[test]
+fn what_an_interface_brings_is_there_from_the_clause_on() {
+    let interface = "struct s { long x; };
+interface eye { port in s seen; task scan { period 1 ms; }; };
+interface face { extends eye; };
+";
+    let above = "component c { provides face; activity a() { task $0";
+    check(&format!("{interface}{above}"), "scan");
+    let below = "component c { activity a() { task $0 }; provides face; };";
+    check(&format!("{interface}{below}"), "");
+    let codel = "task t { codel<start> f($0) yield ether; };";
+    let above = format!("{interface}component c {{ provides face; {codel} }};");
+    has(&above, "port in seen");
+    let below = format!("{interface}component c {{ {codel} provides face; }};");
+    has(&below, "!port in seen");
+}
+
+#[test]
 fn statements_fit_their_body() {
     check("$0", "component | interface | module | const | …");
     has(
