@@ -22,6 +22,7 @@ use crate::{
     diagnostic::{FileEdit, Fix},
     lists::appended,
     source_map::bytes,
+    spelling::as_in,
 };
 
 /// A fix within one file: its title, and replacements of ranges.
@@ -102,6 +103,7 @@ impl Place<'_> {
             let indent = indent_of(codel.syntax());
             let codel_name = self.free_codel(&format!("{owner}_{state}"));
             let text = format!("\n{indent}codel<{state}> {codel_name}() yield ether;");
+            let text = as_written(self.root, &text);
             Some(TextFix {
                 plain: false,
                 title: format!("Declare a codel for the state `{state}`"),
@@ -127,7 +129,7 @@ impl Place<'_> {
                 .find(|it| ast::Task::can_cast(it.kind()) || ast::Service::can_cast(it.kind()))?;
             let written = path.strip_prefix("::").unwrap_or(path);
             let title = format!("Throw `{written}` instead of yielding it");
-            let mut fix = add_property(&owner, &format!("throw {path};"), title)?;
+            let mut fix = add_to_list(&owner, ["throw", "throws"], path, title)?;
             fix.edits.push(left_out);
             Some(fix)
         };
@@ -233,9 +235,8 @@ impl Place<'_> {
             return Vec::new();
         };
         let name = self.text(self.range);
-        let property = format!("interrupts {name};");
         let title = format!("Let `{name}` interrupt itself");
-        add_property(service.syntax(), &property, title)
+        add_to_list(service.syntax(), ["interrupts", "interrupt"], &name, title)
             .into_iter()
             .collect()
     }
@@ -403,8 +404,48 @@ fn add_yield(codel: &SyntaxNode, state: &str) -> Option<TextFix> {
     })
 }
 
+/// A piece of specification in the spelling of the file that a tree is of.
+fn as_written(node: &SyntaxNode, piece: &str) -> String {
+    let root = node.ancestors().last();
+    as_in(
+        &root.map_or_else(String::new, |it| it.text().to_string()),
+        piece,
+    )
+}
+
+/// Adds an item to the last list of a kind in a body, and such a list where there is none. `words`: the
+/// spellings of the property.
+fn add_to_list(node: &SyntaxNode, words: [&str; 2], item: &str, title: String) -> Option<TextFix> {
+    let body = node.children().find_map(ast::Body::cast);
+    let last = body.into_iter().flat_map(|it| it.syntax().children());
+    let last = last.filter(|it| {
+        let mut tokens = it.children_with_tokens().filter_map(|it| it.into_token());
+        let first = tokens.find(|it| !it.kind().is_trivia());
+        first.is_some_and(|it| words.contains(&it.text()))
+    });
+    let Some(list) = last.last() else {
+        return add_property(node, &format!("{} {item};", words[0]), title);
+    };
+    let base = list.text_range().start();
+    let items = list.children().map(|it| {
+        let end = end_of(&it);
+        bytes(TextRange::new(it.text_range().start(), end) - base)
+    });
+    let edits = appended(&list.text().to_string(), &items.collect::<Vec<_>>(), item);
+    let edits = edits.into_iter().filter_map(|(range, text)| {
+        let at = TextSize::try_from(range.start).ok()?;
+        Some((TextRange::empty(base + at), text))
+    });
+    Some(TextFix {
+        plain: false,
+        title,
+        edits: edits.collect(),
+    })
+}
+
 /// Adds a property at the end of the body of a declaration, making the body when there is none.
 fn add_property(node: &SyntaxNode, property: &str, title: String) -> Option<TextFix> {
+    let property = as_written(node, property);
     let outer = indent_of(node);
     let edit = match node.children().find_map(ast::Body::cast) {
         Some(body) => {

@@ -23,6 +23,7 @@ mod queries;
 pub mod release;
 mod report;
 pub mod source_map;
+pub mod spelling;
 mod suppress;
 pub mod terminal;
 #[cfg(test)]

@@ -26,6 +26,74 @@ fn fixed(source: &str, code: &str) -> String {
     out
 }
 
+/// Lists that are there get longer, and what is new has the words and blanks of the file.
+#[test]
+fn fixes_write_as_the_author_does() {
+    let mut all = String::new();
+    for (code, source) in [
+        (
+            "throw/undeclared-use",
+            "module m { exception far, near; };\ncomponent c {\n  task t {\n    throws m::near;\n    \
+             period 5 ms;\n    codel <start> f() yields ether, far;\n  };\n};\n",
+        ),
+        (
+            "service/concurrent-instances",
+            "component c {\n  ids { long x; };\n  task t { period 5 ms; };\n  function stop() { };\n  \
+             activity go() {\n    task t;\n    interrupt stop, // it rests\n              end;\n    \
+             codel<start> f(out x) yield pause::start, ether;\n  };\n  function end() { };\n};\n",
+        ),
+        (
+            "fsm/missing-stop",
+            "component c {\n  ids { long x; };\n  task t { period 5 ms; };\n  activity go() {\n    \
+             task t;\n    interrupts go;\n    codel <start> f(out x)\n      yields pause::start, ether;\n  \
+             };\n};\n",
+        ),
+    ] {
+        all += &format!("=== {code}\n{}", fixed(source, code));
+    }
+    expect![[r#"
+        === throw/undeclared-use
+        --- Throw `m::far` instead of yielding it
+        module m { exception far, near; };
+        component c {
+          task t {
+            throws m::near, ::m::far;
+            period 5 ms;
+            codel <start> f() yields ether;
+          };
+        };
+        === service/concurrent-instances
+        --- Let `go` interrupt itself
+        component c {
+          ids { long x; };
+          task t { period 5 ms; };
+          function stop() { };
+          activity go() {
+            task t;
+            interrupt stop, // it rests
+                      end,
+                      go;
+            codel<start> f(out x) yield pause::start, ether;
+          };
+          function end() { };
+        };
+        === fsm/missing-stop
+        --- Add the codel `go_stop`
+        component c {
+          ids { long x; };
+          task t { period 5 ms; };
+          activity go() {
+            task t;
+            interrupts go;
+            codel <start> f(out x)
+              yields pause::start, ether;
+            codel <stop> go_stop() yields ether;
+          };
+        };
+    "#]]
+    .assert_eq(&all);
+}
+
 #[test]
 fn slips_have_a_fix() {
     let mut all = String::new();
