@@ -359,14 +359,36 @@ impl Reader<'_> {
                 self.end_statement(i + 1);
             }
             COMMA => {
-                let top = self.top();
-                top.commas += 1;
-                if !matches!(top.kind, FrameKind::Body(_)) {
-                    top.start = i + 1;
+                let body = matches!(self.top().kind, FrameKind::Body(_));
+                // Between a type and its bound the element goes on.
+                if body || !self.is_in_type(i) {
+                    let top = self.top();
+                    top.commas += 1;
+                    if !body {
+                        top.start = i + 1;
+                    }
                 }
             }
             _ => {}
         }
+    }
+
+    /// Whether a token stands between the angle brackets of a type.
+    fn is_in_type(&mut self, i: usize) -> bool {
+        let start = self.top().start.min(i);
+        let mut depth = 0_i32;
+        for it in start..i {
+            let opens = it > 0 && self.tokens[it - 1].is_any(&["sequence", "optional", "string"]);
+            match self.tokens[it].text.as_str() {
+                "<" if opens => depth += 1,
+                ">" if depth > 0 => depth -= 1,
+                ">>" => depth = (depth - 2).max(0),
+                // A direction begins a parameter: the bracket was forgotten.
+                "in" | "out" | "inout" => depth = 0,
+                _ => {}
+            }
+        }
+        depth > 0
     }
 
     /// Closes what the author forgot to close.

@@ -124,9 +124,10 @@ fn ends(tokens: &[(std::ops::Range<usize>, String)], from: usize) -> Vec<usize> 
         if depth <= 0 && (text == "," || text == ";") {
             out.push(range.start);
         }
-        // A type with its brackets goes as a whole.
+        // A type with its brackets goes as a whole, and so does a path.
         let closes = depth == 0 && matches!(text.as_str(), ")" | "}" | "]" | ">");
-        if i < 4 || closes || depth == 0 && text == ";" {
+        let in_path = i > 0 && after[i - 1].1 == "::";
+        if i < 4 || closes || in_path || depth == 0 && text == ";" {
             out.push(range.end);
         }
         if depth <= 0 && text == ";" {
@@ -175,35 +176,42 @@ fn is_beside(code: &str, place: &Place) -> bool {
     }
 }
 
-/// Whether a text goes on without a new error.
+/// The new errors of the best continuation of a text: none if it goes on without one.
 fn goes_on(
     bench: &mut Bench<'_>,
     place: &Place,
     text: &str,
     rest: &[usize],
     allowed: &Errors,
-) -> bool {
+) -> Vec<String> {
     let right = bench.component.text.clone();
-    rest.iter().any(|&end| {
-        let same = format!(" {}", place.word);
-        ["", ";", ",", " zz", " zz;", " yield", &same]
-            .iter()
-            .any(|glue| {
-                let errors = bench.errors(&format!("{text}{glue}{}", &right[end..]));
-                errors.iter().all(|(code, count)| {
-                    *count <= allowed.get(code).copied().unwrap_or_default()
-                        || is_beside(code, place)
-                })
-            })
-    })
+    let same = format!(" {}", place.word);
+    let mut best: Option<Vec<String>> = None;
+    for &end in rest {
+        for glue in ["", ";", ",", " zz", " zz;", " yield", &same] {
+            let errors = bench.errors(&format!("{text}{glue}{}", &right[end..]));
+            let new = errors.into_iter().filter(|(code, count)| {
+                *count > allowed.get(code).copied().unwrap_or_default() && !is_beside(code, place)
+            });
+            let new: Vec<String> = new.map(|it| it.0).collect();
+            if new.is_empty() {
+                return new;
+            }
+            if best.as_ref().is_none_or(|it| new.len() < it.len()) {
+                best = Some(new);
+            }
+        }
+    }
+    best.unwrap_or_default()
 }
 
-fn is_legal(
+/// What is wrong with an item at a place, however the text goes on: nothing if it is legal.
+fn faults(
     bench: &mut Bench<'_>,
     place: &Place,
     item: &CompletionItem,
     tokens: &[(std::ops::Range<usize>, String)],
-) -> bool {
+) -> Vec<String> {
     let right = bench.component.text.clone();
     // What is wrong anyway while somebody is typing here.
     let hole = format!(
@@ -218,20 +226,21 @@ fn is_legal(
     }
     let rest = ends(tokens, place.rest);
     let text = taken(&place.before, item);
-    if goes_on(bench, place, &text, &rest, &allowed) {
-        return true;
+    let faults = goes_on(bench, place, &text, &rest, &allowed);
+    if faults.is_empty() {
+        return faults;
     }
     // The beginning of something: one of what is offered next has to be legal.
     for joint in [" ", "::", ""] {
         let begun = format!("{text}{joint}");
         let next = bench.items(&format!("{begun}{}", &right[place.rest..]), begun.len());
         for it in next.iter().take(8) {
-            if goes_on(bench, place, &taken(&begun, it), &rest, &allowed) {
-                return true;
+            if goes_on(bench, place, &taken(&begun, it), &rest, &allowed).is_empty() {
+                return Vec::new();
             }
         }
     }
-    false
+    faults
 }
 
 /// The places of a text.
@@ -304,16 +313,15 @@ fn tried(component: &Component, count: usize, random: &mut Random) -> Tried {
         offered.retain(|it| it.label.to_lowercase().starts_with(&typed));
         for item in offered {
             tried.items += 1;
-            if is_legal(&mut bench, place, &item, &tokens) {
+            let faults = faults(&mut bench, place, &item, &tokens);
+            if faults.is_empty() {
                 continue;
             }
             let before = now[..place.before.len()].rsplit('\n').next();
             let after = now[place.before.len()..].lines().next();
             let (before, after) = (before.unwrap_or_default(), after.unwrap_or_default());
             let name = component.path.file_name().unwrap_or_default();
-            let taken = taken(&place.before, &item) + &text[place.rest..];
-            let errors: Vec<String> = bench.errors(&taken).into_keys().collect();
-            let example = format!("{name}: {} | {after} {errors:?}", before.trim_start());
+            let example = format!("{name}: {} | {after} {faults:?}", before.trim_start());
             let what = format!("{:?}: `{}`", item.kind, item.label);
             tried.illegal.entry(what).or_insert((0, example)).0 += 1;
         }

@@ -155,6 +155,20 @@ const CASES: &[Statement] = &[
     ("default", "default: ${1:long} ${2:@member_name};$0"),
 ];
 
+/// What begins with a word of these is a statement of its own.
+const ALL: &[&[Statement]] = &[
+    SPECIFICATION,
+    IDL,
+    COMPONENT,
+    IMPLEMENTED,
+    TASK,
+    SERVICE,
+    MACHINE,
+    LOCAL,
+    THROW,
+    CASES,
+];
+
 /// Given once only, within one pair of braces (language reference, section 9).
 const ONCE: &[&str] = &[
     "version",
@@ -221,7 +235,7 @@ pub(super) fn statements(
     let in_component = matches!(body, Component | Interface);
     // The statement is there but for its first word: only that is inserted.
     let first_words = |word: &str| {
-        let mut all = tables.iter().flat_map(|it| it.0.iter());
+        let mut all = ALL.iter().flat_map(|it| it.iter());
         all.any(|it| it.0.split(' ').next() == Some(word))
     };
     let goes_on = context

@@ -16,7 +16,7 @@ use crate::{
         context::{BodyKind, Context, FrameKind, Word},
         render,
     },
-    model::{Codel, Owner, ParamDir, ParamSource, PortDir, Service, TypeId},
+    model::{Codel, Owner, ParamDir, ParamSource, PathElement, PortDir, Service, TypeId},
 };
 
 const DIRECTIONS: &[&str] = &["in", "out", "inout"];
@@ -228,7 +228,7 @@ fn codel_param(
     out: &mut Completions,
 ) {
     let mut all = sources(names, context, simple);
-    let used = used_names(context);
+    let used = used_names(names, context);
     let whole_ids = all.iter().any(|it| it.source == "ids") && !used.iter().any(|it| it == "ids");
     let shared = Shared::around(names, context);
     all.retain(|it| !used.contains(&it.name) && !shared.forbids(it.source, &it.name));
@@ -259,6 +259,12 @@ fn codel_param(
         }
         if goes_on(context) {
             out.keywords(DIRECTIONS, 0);
+            return;
+        }
+        // Between a source and its direction nothing is missing.
+        let next = context.after.next();
+        let complete = source.is_some() && next.is_some_and(|it| it.is_any(DIRECTIONS));
+        if complete && context.word.is_empty() {
             return;
         }
         for it in all.iter().filter(matching) {
@@ -362,7 +368,7 @@ fn attribute_param(
         initializer::value(names, &words[eq + 1..], expected, out);
         return;
     }
-    let mut used = used_names(context);
+    let mut used = used_names(names, context);
     used.extend(members_of_codels(names, context));
     let all = ids.map(|it| names.carried(it)).unwrap_or_default();
     let member = |label: String, name: &SmolStr, ty: TypeId, rank: u8, out: &mut Completions| {
@@ -424,7 +430,8 @@ fn service_param(names: &Names<'_, '_>, context: &Context, words: &[Word], out: 
                 let typed = matches!(follows.as_slice(), [a, b, ..]
                     if a.kind == dotgen_syntax::SyntaxKind::IDENT
                         && (b.kind == dotgen_syntax::SyntaxKind::IDENT || b.is_any(&["::", "<"])));
-                if !typed || !context.word.is_empty() {
+                let in_path = follows.first().is_some_and(|it| it.is("::"));
+                if !in_path && (!typed || !context.word.is_empty()) {
                     names.base_types(Wanted::Types, 0, out);
                 }
             }
@@ -464,7 +471,7 @@ fn walk(names: &Names<'_, '_>, mut ty: TypeId, steps: &[Word]) -> Option<TypeId>
 }
 
 /// Names of the other parameters of the list that the cursor is in.
-fn used_names(context: &Context) -> Vec<SmolStr> {
+fn used_names(names: &Names<'_, '_>, context: &Context) -> Vec<SmolStr> {
     let frame = context.top();
     let before = &context.tokens[frame.open + 1..frame.start];
     // A parameter right behind the cursor, to which a comma is missing.
@@ -475,7 +482,13 @@ fn used_names(context: &Context) -> Vec<SmolStr> {
         .split(|it| it.is(","))
         .chain(joined.flatten())
         .chain(context.elements_behind());
-    params.filter_map(parameter_name).collect()
+    let service = service_around(names, context).map(|it| it.1);
+    let is_local = |name: &str| {
+        let mut params = service.into_iter().flat_map(|it| &it.params);
+        params.any(|it| it.name == name)
+    };
+    let name = |param| parameter_name(param, &is_local);
+    params.filter_map(name).collect()
 }
 
 /// What the codels of an attribute take from the ids without saying so: a parameter of that name would be
@@ -491,11 +504,19 @@ fn members_of_codels(names: &Names<'_, '_>, context: &Context) -> Vec<SmolStr> {
     let codels = component.codels_of(Owner::Service(service));
     let params = codels.iter().flat_map(|it| &it.params);
     let of_ids = params.filter(|it| it.source == ParamSource::Ids);
-    of_ids.map(|it| it.name.clone()).collect()
+    let named = of_ids.flat_map(|it| {
+        let member = it.path.first().and_then(|it| match it {
+            PathElement::Member(it) => Some(it.clone()),
+            PathElement::Index(_) => None,
+        });
+        member.into_iter().chain([it.name.clone()])
+    });
+    named.collect()
 }
 
-/// The name of a parameter: what it is renamed to, or the last member of its path.
-fn parameter_name(param: &[Word]) -> Option<SmolStr> {
+/// The name of a parameter: what it is renamed to, or the last member of its path; of a parameter or local
+/// variable of the service the first (language reference, section 12).
+fn parameter_name(param: &[Word], is_local: &dyn Fn(&str) -> bool) -> Option<SmolStr> {
     let dir = param.iter().position(|it| it.is_any(DIRECTIONS))?;
     let path = param.get(dir + 1..)?;
     let end = path.iter().position(|it| it.is("=")).unwrap_or(path.len());
@@ -508,7 +529,16 @@ fn parameter_name(param: &[Word]) -> Option<SmolStr> {
         }
         depth == 0 && it.kind == dotgen_syntax::SyntaxKind::IDENT
     });
-    names.last().map(|it| it.text.clone())
+    let mut names = names;
+    let first = names.next()?;
+    let is_renamed = path[..end].iter().skip(1).any(|it| it.is("::"));
+    let local = param[..dir].iter().any(|it| it.is("local"));
+    let other = param[..dir].iter().any(|it| it.is_any(SOURCES)) && !local;
+    let name = match !is_renamed && !other && (local || is_local(&first.text)) {
+        true => first,
+        false => names.last().unwrap_or(first),
+    };
+    Some(name.text.clone())
 }
 
 /// The type of the parameter whose first words are given, in the parameter list of a service.

@@ -149,8 +149,12 @@ fn in_list(context: &Context, out: &mut Completions) {
         .after
         .next()
         .is_some_and(|it| it.kind == dotgen_syntax::SyntaxKind::IDENT);
+    let in_path = context.current().last().is_some_and(|it| it.is("::"));
     if follows && context.word.is_empty() {
-        out.with_comma();
+        // Behind a qualifier what follows is no name of its own.
+        if !in_path {
+            out.with_comma();
+        }
     } else if follows {
         out.items.clear();
     }
@@ -197,6 +201,10 @@ pub(super) fn type_or_nothing(
         }
     } else if typed {
         out.items.truncate(known);
+    }
+    // In front of a path, what opens a scope.
+    if context.after.same_line && next.is("::") {
+        out.items.retain(|it| it.kind != CompletionKind::BaseType);
     }
     // What has angle brackets, in front of some.
     if context.after.same_line && next.is("<") {

@@ -88,6 +88,42 @@ interface face { extends eye; };
 }
 
 #[test]
+fn what_stands_behind_the_cursor_is_not_torn_apart() {
+    // A bound, a source and its direction, the rest of a path, a member of a parameter.
+    has(
+        "const long N = 6;\ncomponent c { activity a(in sequence<float, $0> x) { task t; };",
+        "N | !in | !out",
+    );
+    check(
+        "component c { ids { long x, y; }; function f() { codel g(ids $0 out x); };",
+        "",
+    );
+    has(
+        "struct s { long x; };\ncomponent c { activity a(in $0 ::s x) { task t; }; };",
+        "!long | !unsigned short",
+    );
+    takes(
+        "interface i { exception e; };\ncomponent c { task t { throw i::$0 e; }; };",
+        "e",
+        "interface i { exception e; };\ncomponent c { task t { throw i::e e; }; };",
+    );
+    has(
+        "struct s { long x; };\ncomponent c { task t; activity a(in s p, in long q) { task t; codel<start> \
+         f($0 in p.x) yield ether; }; };",
+        "in q | !in p",
+    );
+    has(
+        "interface i { $0 attribute get(out x); };",
+        "function | version",
+    );
+    takes(
+        "interface i { $0 attribute get(out x); };",
+        "version",
+        "interface i { version \"1.0\"; attribute get(out x); };",
+    );
+}
+
+#[test]
 fn statements_fit_their_body() {
     check("$0", "component | interface | module | const | …");
     has(
@@ -138,6 +174,8 @@ fn an_attribute_has_no_parameter_that_its_codels_would_mix_up() {
     let text = "component c { ids { long a; struct s { long x, y; } b; };\n\
                 attribute set($0) { validate v(local in x, inout b); }; };";
     has(text, "in a | !in b");
+    let text = text.replace("inout b", "in b.x");
+    has(&text, "in a | !in b");
 }
 
 #[test]
