@@ -22,7 +22,7 @@ use crate::{
     diagnostic::{FileEdit, Fix},
     lists::appended,
     source_map::bytes,
-    spelling::as_in,
+    spelling::Spelling,
 };
 
 /// A fix within one file: its title, and replacements of ranges.
@@ -65,9 +65,92 @@ pub(crate) struct Place<'a> {
     pub(crate) broken: bool,
     pub(crate) range: TextRange,
     pub(crate) related: &'a [TextRange],
+    /// How the author of the file writes.
+    pub(crate) spelling: &'a dyn Fn() -> Spelling,
 }
 
 impl Place<'_> {
+    /// Adds an item to the last list of a kind in a body, and such a list where there is none. `words`: the
+    /// spellings of the property.
+    fn add_to_list(
+        &self,
+        node: &SyntaxNode,
+        words: [&str; 2],
+        item: &str,
+        title: String,
+    ) -> Option<TextFix> {
+        let body = node.children().find_map(ast::Body::cast);
+        let last = body.into_iter().flat_map(|it| it.syntax().children());
+        let last = last.filter(|it| {
+            let mut tokens = it.children_with_tokens().filter_map(|it| it.into_token());
+            let first = tokens.find(|it| !it.kind().is_trivia());
+            first.is_some_and(|it| words.contains(&it.text()))
+        });
+        let Some(list) = last.last() else {
+            return self.add_property(node, &format!("{} {item};", words[0]), title);
+        };
+        let base = list.text_range().start();
+        let items = list.children().map(|it| {
+            let end = end_of(&it);
+            bytes(TextRange::new(it.text_range().start(), end) - base)
+        });
+        let edits = appended(&list.text().to_string(), &items.collect::<Vec<_>>(), item);
+        let edits = edits.into_iter().filter_map(|(range, text)| {
+            let at = TextSize::try_from(range.start).ok()?;
+            Some((TextRange::empty(base + at), text))
+        });
+        Some(TextFix {
+            plain: false,
+            title,
+            edits: edits.collect(),
+        })
+    }
+
+    /// Adds a property at the end of the body of a declaration, making the body when there is none.
+    fn add_property(&self, node: &SyntaxNode, property: &str, title: String) -> Option<TextFix> {
+        let property = self.as_written(property);
+        let outer = indent_of(node);
+        let edit = match node.children().find_map(ast::Body::cast) {
+            Some(body) => {
+                let last = body.syntax().children().last();
+                match last {
+                    // A body on one line stays on it.
+                    Some(last) if !starts_line(&last) => {
+                        (TextRange::empty(end_of(&last)), format!(" {property}"))
+                    }
+                    Some(last) => {
+                        let indent = indent_of(&last);
+                        (
+                            TextRange::empty(end_of(&last)),
+                            format!("\n{indent}{property}"),
+                        )
+                    }
+                    None => {
+                        let open = body.syntax().first_token()?;
+                        (
+                            TextRange::empty(open.text_range().end()),
+                            format!("\n{outer}  {property}\n{outer}"),
+                        )
+                    }
+                }
+            }
+            None => {
+                let end = node
+                    .last_token()
+                    .filter(|it| it.kind() == SyntaxKind::SEMICOLON)?;
+                (
+                    TextRange::empty(end.text_range().start()),
+                    format!(" {{\n{outer}  {property}\n{outer}}}"),
+                )
+            }
+        };
+        Some(TextFix {
+            plain: false,
+            title,
+            edits: vec![edit],
+        })
+    }
+
     fn token_at(&self, range: TextRange) -> Option<SyntaxToken> {
         if range.start() > self.root.text_range().end() {
             return None;
@@ -103,7 +186,7 @@ impl Place<'_> {
             let indent = indent_of(codel.syntax());
             let codel_name = self.free_codel(&format!("{owner}_{state}"));
             let text = format!("\n{indent}codel<{state}> {codel_name}() yield ether;");
-            let text = as_written(self.root, &text);
+            let text = self.as_written(&text);
             Some(TextFix {
                 plain: false,
                 title: format!("Declare a codel for the state `{state}`"),
@@ -129,11 +212,16 @@ impl Place<'_> {
                 .find(|it| ast::Task::can_cast(it.kind()) || ast::Service::can_cast(it.kind()))?;
             let written = path.strip_prefix("::").unwrap_or(path);
             let title = format!("Throw `{written}` instead of yielding it");
-            let mut fix = add_to_list(&owner, ["throw", "throws"], path, title)?;
+            let mut fix = self.add_to_list(&owner, ["throw", "throws"], path, title)?;
             fix.edits.push(left_out);
             Some(fix)
         };
         found().into_iter().collect()
+    }
+
+    /// A piece of specification in the spelling of the file.
+    fn as_written(&self, piece: &str) -> String {
+        (self.spelling)().apply(piece)
     }
 
     /// The name, or with a number behind it if the text has a codel of that name: it is another function.
@@ -221,7 +309,7 @@ impl Place<'_> {
         let name = self.text(self.range);
         let codel = self.free_codel(&format!("{name}_stop"));
         let property = format!("codel<stop> {codel}() yield ether;");
-        add_property(
+        self.add_property(
             service.syntax(),
             &property,
             format!("Add the codel `{codel}`"),
@@ -236,7 +324,7 @@ impl Place<'_> {
         };
         let name = self.text(self.range);
         let title = format!("Let `{name}` interrupt itself");
-        add_to_list(service.syntax(), ["interrupts", "interrupt"], &name, title)
+        self.add_to_list(service.syntax(), ["interrupts", "interrupt"], &name, title)
             .into_iter()
             .collect()
     }
@@ -401,90 +489,6 @@ fn add_yield(codel: &SyntaxNode, state: &str) -> Option<TextFix> {
         plain: false,
         title: format!("Let `{}` yield `{state}`", name.syntax().text()),
         edits: edits.collect(),
-    })
-}
-
-/// A piece of specification in the spelling of the file that a tree is of.
-fn as_written(node: &SyntaxNode, piece: &str) -> String {
-    let root = node.ancestors().last();
-    as_in(
-        &root.map_or_else(String::new, |it| it.text().to_string()),
-        piece,
-    )
-}
-
-/// Adds an item to the last list of a kind in a body, and such a list where there is none. `words`: the
-/// spellings of the property.
-fn add_to_list(node: &SyntaxNode, words: [&str; 2], item: &str, title: String) -> Option<TextFix> {
-    let body = node.children().find_map(ast::Body::cast);
-    let last = body.into_iter().flat_map(|it| it.syntax().children());
-    let last = last.filter(|it| {
-        let mut tokens = it.children_with_tokens().filter_map(|it| it.into_token());
-        let first = tokens.find(|it| !it.kind().is_trivia());
-        first.is_some_and(|it| words.contains(&it.text()))
-    });
-    let Some(list) = last.last() else {
-        return add_property(node, &format!("{} {item};", words[0]), title);
-    };
-    let base = list.text_range().start();
-    let items = list.children().map(|it| {
-        let end = end_of(&it);
-        bytes(TextRange::new(it.text_range().start(), end) - base)
-    });
-    let edits = appended(&list.text().to_string(), &items.collect::<Vec<_>>(), item);
-    let edits = edits.into_iter().filter_map(|(range, text)| {
-        let at = TextSize::try_from(range.start).ok()?;
-        Some((TextRange::empty(base + at), text))
-    });
-    Some(TextFix {
-        plain: false,
-        title,
-        edits: edits.collect(),
-    })
-}
-
-/// Adds a property at the end of the body of a declaration, making the body when there is none.
-fn add_property(node: &SyntaxNode, property: &str, title: String) -> Option<TextFix> {
-    let property = as_written(node, property);
-    let outer = indent_of(node);
-    let edit = match node.children().find_map(ast::Body::cast) {
-        Some(body) => {
-            let last = body.syntax().children().last();
-            match last {
-                // A body on one line stays on it.
-                Some(last) if !starts_line(&last) => {
-                    (TextRange::empty(end_of(&last)), format!(" {property}"))
-                }
-                Some(last) => {
-                    let indent = indent_of(&last);
-                    (
-                        TextRange::empty(end_of(&last)),
-                        format!("\n{indent}{property}"),
-                    )
-                }
-                None => {
-                    let open = body.syntax().first_token()?;
-                    (
-                        TextRange::empty(open.text_range().end()),
-                        format!("\n{outer}  {property}\n{outer}"),
-                    )
-                }
-            }
-        }
-        None => {
-            let end = node
-                .last_token()
-                .filter(|it| it.kind() == SyntaxKind::SEMICOLON)?;
-            (
-                TextRange::empty(end.text_range().start()),
-                format!(" {{\n{outer}  {property}\n{outer}}}"),
-            )
-        }
-    };
-    Some(TextFix {
-        plain: false,
-        title,
-        edits: vec![edit],
     })
 }
 

@@ -24,6 +24,7 @@ use crate::{
     model::Src,
     queries::{WRAPPER, body_count, check_body, elab_findings, lint_body, lint_unused},
     source_map::{bytes, ptr},
+    spelling::Spelling,
     suppress::suppressions,
     unit::{self, FileKey, UnitKey, Visits, parsed, preprocessed, roots_of, unit_of_root, visits},
 };
@@ -298,6 +299,12 @@ pub(crate) fn shown(
     }
 }
 
+/// How the author of a file writes what has two ways.
+#[salsa::tracked(returns(copy))]
+fn spelling(db: &dyn Db, file: SourceFile) -> Spelling {
+    Spelling::of(file.text(db))
+}
+
 /// The fixes of a finding that are made from the text around it.
 pub(crate) fn fixes_at<'db>(
     db: &'db dyn Db,
@@ -317,6 +324,7 @@ pub(crate) fn fixes_at<'db>(
         broken: !parse.errors.is_empty(),
         range,
         related,
+        spelling: &|| spelling(db, key.file(db)),
     };
     let path = key.file(db).path(db);
     let fixes = kind.fixes(&here).into_iter();

@@ -1,57 +1,93 @@
 //! Words and blanks with two ways, in inserted text as the author of the file has them.
 
-use dotgen_syntax::lexer::lex;
+use std::cmp::Ordering;
 
-/// Words of the language that mean the same (language reference, 2.3), the usual one first.
-const PAIRS: [[&str; 2]; 7] = [
+use dotgen_syntax::{SyntaxKind, lexer::lex};
+
+/// Words of the language that mean the same (language reference, 2.3) and that edits write.
+const PAIRS: [[&str; 2]; 3] = [
     ["yield", "yields"],
     ["throw", "throws"],
     ["interrupt", "interrupts"],
-    ["provides", "provide"],
-    ["uses", "use"],
-    ["extends", "extend"],
-    ["require", "requires"],
 ];
 
-/// A piece of specification as the author of `text` would have written it: of two words that mean the same
-/// the one that the text has more often, and blanks between `codel` and its states if it has them mostly.
-/// Strings and comments of the piece stay.
-pub fn as_in(text: &str, piece: &str) -> String {
-    let tokens = lex(text);
-    let words: Vec<&str> = (0..tokens.len()).map(|it| tokens.text(text, it)).collect();
-    let count = |word: &str| words.iter().filter(|it| **it == word).count();
-    let mut gaps = (0, 0);
-    for it in words.windows(2).filter(|it| it[0] == "codel") {
-        match it[1] {
-            "<" => gaps.0 += 1,
-            // A codel without states has a blank as well.
-            blank if blank.trim().is_empty() => gaps.1 += 1,
-            _ => {}
+/// How the author of a text writes what has two ways.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Spelling {
+    /// Of each pair, which word the text has more often.
+    chosen: [Option<usize>; PAIRS.len()],
+    /// Whether most codels have blanks in front of their states.
+    spaced: bool,
+}
+
+impl Spelling {
+    /// That of a text. Strings and comments do not count.
+    pub fn of(text: &str) -> Spelling {
+        let tokens = lex(text);
+        let mut counts = [[0_usize; 2]; PAIRS.len()];
+        let (mut glued, mut spaced) = (0_usize, 0_usize);
+        for at in 0..tokens.len() {
+            if tokens.kind(at) != SyntaxKind::IDENT {
+                continue;
+            }
+            let word = tokens.text(text, at);
+            if word == "codel" {
+                match (tokens.text(text, at + 1), tokens.text(text, at + 2)) {
+                    ("<", _) => glued += 1,
+                    (_, "<") => spaced += 1,
+                    _ => {}
+                }
+            } else if let Some((pair, which)) = place(word) {
+                counts[pair][which] += 1;
+            }
+        }
+        Spelling {
+            chosen: counts.map(|it| match it[0].cmp(&it[1]) {
+                Ordering::Greater => Some(0),
+                Ordering::Equal => None,
+                Ordering::Less => Some(1),
+            }),
+            spaced: spaced > glued,
         }
     }
-    let bare = words.windows(3);
-    let bare = bare.filter(|it| it[0] == "codel" && it[1].trim().is_empty() && it[2] != "<");
-    let spaced = gaps.1 - bare.count() > gaps.0;
-    let tokens = lex(piece);
-    let mut out = String::with_capacity(piece.len());
-    for at in 0..tokens.len() {
-        let word = tokens.text(piece, at);
-        let pair = PAIRS.iter().find(|it| it.contains(&word));
-        let other = pair.and_then(|it| it.iter().find(|it| **it != word));
-        match other.filter(|it| count(it) > count(word)) {
-            Some(other) => out.push_str(other),
-            None => out.push_str(word),
+
+    /// A piece of specification as that author would have written it. Strings and comments of it stay, and
+    /// so does what the author has in both ways, or not at all.
+    pub fn apply(self, piece: &str) -> String {
+        let tokens = lex(piece);
+        let mut out = String::with_capacity(piece.len() + 8);
+        for at in 0..tokens.len() {
+            let word = tokens.text(piece, at);
+            let chosen = place(word).and_then(|(pair, _)| Some(PAIRS[pair][self.chosen[pair]?]));
+            out.push_str(chosen.unwrap_or(word));
+            if self.spaced && word == "codel" && tokens.text(piece, at + 1) == "<" {
+                out.push(' ');
+            }
         }
-        if spaced && word == "codel" && tokens.text(piece, at + 1) == "<" {
-            out.push(' ');
-        }
+        out
     }
-    out
+}
+
+/// The pair of a word, and which of the two it is.
+fn place(word: &str) -> Option<(usize, usize)> {
+    Some(match word {
+        "yield" => (0, 0),
+        "yields" => (0, 1),
+        "throw" => (1, 0),
+        "throws" => (1, 1),
+        "interrupt" => (2, 0),
+        "interrupts" => (2, 1),
+        _ => return None,
+    })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::as_in;
+    use super::Spelling;
+
+    fn as_in(text: &str, piece: &str) -> String {
+        Spelling::of(text).apply(piece)
+    }
 
     #[test]
     fn of_two_words_the_one_that_is_there() {

@@ -9,6 +9,7 @@
 
 pub mod allow;
 pub mod build;
+pub mod cdr;
 pub mod codes;
 pub mod command;
 pub mod coverage;

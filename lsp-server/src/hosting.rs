@@ -9,6 +9,7 @@
 //! | [`board`] | the data of a port, in memory that engine and hosts share |
 //! | [`server`] | requests from outside, as JSON over a socket |
 //! | [`known`] | what is known of the components of a run |
+//! | `network` | ports between machines, by Zenoh; with the feature `zenoh` |
 //! | [`stream`] | a connection with a client |
 //! | [`places`] | where the sockets of this user are |
 //! | [`realtime`] | what the system grants to who has to be in time |
@@ -18,6 +19,8 @@ pub(crate) mod children;
 pub(crate) mod host;
 pub(crate) mod known;
 mod library;
+#[cfg(feature = "zenoh")]
+pub(crate) mod network;
 pub(crate) mod places;
 pub(crate) mod realtime;
 pub(crate) mod server;

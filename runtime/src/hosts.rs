@@ -159,6 +159,17 @@ pub enum Message {
     },
     /// Somebody outside connects ports, instead of what they were connected with.
     Connect(Connection),
+    /// An input port has new data from another machine.
+    Fed {
+        /// The component.
+        component: usize,
+        /// The port.
+        port: u32,
+        /// The name by which it finds the source; empty for a port that is not `multiple`.
+        name: String,
+        /// The data.
+        data: Vec<u8>,
+    },
 }
 
 /// Runs codels, and knows the time. A component that is lost takes everything and does nothing.
@@ -180,6 +191,9 @@ pub trait Hosts {
 
     /// New data of an output port, for those who read it.
     fn share(&mut self, from: Source<'_>, readers: &[Reader<'_>], data: &[u8]);
+
+    /// New data of another machine for an input port.
+    fn feed(&mut self, reader: Reader<'_>, data: &[u8]);
 
     /// Waits for what happens next, at most until a time in nanoseconds since the start; `None` when the time
     /// has come, or earlier when the run is to end.

@@ -303,6 +303,21 @@ impl<'p> Live<'p> {
                 self.connected.retain(other);
                 self.connected.push(it);
             }
+            Message::Fed {
+                component,
+                port,
+                name,
+                data,
+            } => {
+                let reader = Reader {
+                    component,
+                    port,
+                    name: &name,
+                };
+                if self.is_alive(component) {
+                    self.hosts.feed(reader, &data);
+                }
+            }
         }
     }
 

@@ -21,6 +21,9 @@ pub(crate) fn directory() -> PathBuf {
     crate::root().join("vscode-extension")
 }
 
+/// What is released, and tested, has all of these.
+pub(crate) const FEATURES: &str = "dotgen-lsp-server/zenoh";
+
 /// Compiles the server; returns the program.
 pub(crate) fn build_server(profile: Profile) -> Result<PathBuf> {
     let mut arguments = vec![
@@ -30,6 +33,8 @@ pub(crate) fn build_server(profile: Profile) -> Result<PathBuf> {
         "dotgen-lsp-server",
         "--bin",
         "dotgen",
+        "--features",
+        FEATURES,
     ];
     if profile == Profile::Dist {
         arguments.push("--profile=dist");

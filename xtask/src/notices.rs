@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use cargo_metadata::{DependencyKind, Metadata, MetadataCommand, PackageId};
+use cargo_metadata::{CargoOpt, DependencyKind, Metadata, MetadataCommand, PackageId};
 use clap::Args;
 use serde_json::Value;
 use spdx::{Expression, LicenseItem};
@@ -35,7 +35,8 @@ const PROGRAM: &str = "dotgen-lsp-server";
 const BUNDLED: &[&str] = &["vscode-languageclient"];
 
 /// SPDX identifiers. They ask for their text and for the names of the authors, and for nothing else of a
-/// program that is passed on unchanged.
+/// program that is passed on unchanged; MPL-2.0 (of a crate that Zenoh reads settings with) also asks that
+/// whoever gets it can find the source, so the notices name where each crate is from.
 const ACCEPTED: &[&str] = &[
     "0BSD",
     "Apache-2.0",
@@ -47,6 +48,7 @@ const ACCEPTED: &[&str] = &[
     "ISC",
     "MIT",
     "MIT-0",
+    "MPL-2.0",
     "OFL-1.1",
     "Ubuntu-font-1.0",
     "Unicode-3.0",
@@ -106,6 +108,7 @@ fn crates() -> Result<Vec<Part>> {
     let metadata = MetadataCommand::new()
         .manifest_path(crate::root().join("Cargo.toml"))
         .other_options(["--locked".to_owned()])
+        .features(CargoOpt::SomeFeatures(vec![extension::FEATURES.to_owned()]))
         .exec()?;
     let program = metadata
         .workspace_packages()

@@ -175,6 +175,8 @@ fn clippy() -> Result<Outcome> {
         "--locked",
         "--workspace",
         "--all-targets",
+        "--features",
+        extension::FEATURES,
         "--quiet",
         "--",
         "--deny",
@@ -191,7 +193,9 @@ fn rust() -> Result<Outcome> {
     // Without it the tests of templates are skipped, loudly.
     tools::ensure(tools::TCL)?;
     let mut outcome = Outcome::default();
-    let mut cargo = run::cargo(&["test", "--locked", "--workspace", "--no-fail-fast"]);
+    let arguments = ["test", "--locked", "--workspace", "--no-fail-fast"];
+    let mut cargo = run::cargo(&arguments);
+    cargo.args(["--features", extension::FEATURES]);
     // A snapshot that is not there yet is a failure here, never a new file.
     cargo.env("INSTA_UPDATE", "no");
     let succeeded = run::watch(cargo, |line| {

@@ -5,7 +5,7 @@ use dotgen_syntax::{
     ast::{self, AstNode},
 };
 
-use super::{Place, TextFix, add_property, as_written, end_of, indent_of, starts_line};
+use super::{Place, TextFix, end_of, indent_of, starts_line};
 
 impl Place<'_> {
     /// `Declare exception …`, which says nothing of members.
@@ -137,7 +137,7 @@ impl Place<'_> {
         }
         let mut before = std::iter::successors(item.prev_sibling(), SyntaxNode::prev_sibling);
         let ids = before.find(|it| ast::Ids::can_cast(it.kind()))?;
-        add_property(
+        self.add_property(
             &ids,
             &format!("long {name};"),
             format!("Add `long {name}` to the ids"),
@@ -158,7 +158,7 @@ impl Place<'_> {
             return None;
         }
         let (text, title) = text(name);
-        let text = as_written(&item, &text);
+        let text = self.as_written(&text);
         let mut before = std::iter::successors(item.prev_sibling(), SyntaxNode::prev_sibling);
         let edit = match before.find(|it| it.kind() == kind && starts_line(it)) {
             Some(last) => {

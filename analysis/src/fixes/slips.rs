@@ -2,7 +2,7 @@
 
 use dotgen_syntax::{SyntaxNode, TextRange, TextSize, ast, ast::AstNode, parser::Repair};
 
-use super::{Place, TextFix, add_property, braces::token_before, end_of, with_comma};
+use super::{Place, TextFix, braces::token_before, end_of, with_comma};
 
 impl Place<'_> {
     /// What the grammar knows to make the text fit.
@@ -88,7 +88,7 @@ impl Place<'_> {
     pub(crate) fn add_task(&self, task: &str) -> Option<TextFix> {
         let service = self.node::<ast::Service>(self.range)?;
         let property = format!("task {task};");
-        add_property(service.syntax(), &property, format!("Add `{property}`"))
+        self.add_property(service.syntax(), &property, format!("Add `{property}`"))
     }
 
     /// Gives an activity the codel with which it begins.
@@ -98,7 +98,7 @@ impl Place<'_> {
         let codel = self.free_codel(&format!("{name}_start"));
         let property = format!("codel<start> {codel}() yield ether;");
         let title = format!("Add the codel `{codel}`");
-        add_property(service.syntax(), &property, title)
+        self.add_property(service.syntax(), &property, title)
     }
 
     /// The outermost node that is just what a range covers.

@@ -18,7 +18,7 @@ use dotgen_analysis::model::{
 use serde_json::{Map, Value};
 
 /// Levels of types within types before a value is refused.
-const DEPTH: usize = 64;
+pub(super) const DEPTH: usize = 64;
 
 /// What is wrong with a value.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -40,7 +40,7 @@ impl std::fmt::Display for Wrong {
 
 impl std::error::Error for Wrong {}
 
-fn wrong<T>(at: &str, wanted: impl Into<String>) -> Result<T, Wrong> {
+pub(super) fn wrong<T>(at: &str, wanted: impl Into<String>) -> Result<T, Wrong> {
     Err(Wrong {
         at: at.to_owned(),
         wanted: wanted.into(),
@@ -231,7 +231,7 @@ impl<'s> Values<'s> {
         }
     }
 
-    fn kind(&self, ty: TypeId) -> &'s TypeKind {
+    pub(super) fn kind(&self, ty: TypeId) -> &'s TypeKind {
         &self.spec.ty(self.spec.resolve_alias(ty)).kind
     }
 
@@ -241,7 +241,7 @@ impl<'s> Values<'s> {
     }
 
     /// The member of a union that a discriminator chooses.
-    fn chosen(&self, members: &[TypeId], number: i64) -> Option<TypeId> {
+    pub(super) fn chosen(&self, members: &[TypeId], number: i64) -> Option<TypeId> {
         let labels = |it: &TypeId| match &self.spec.ty(*it).kind {
             TypeKind::UnionMember { labels, .. } => labels.as_slice(),
             _ => &[],
@@ -530,12 +530,13 @@ fn object<'v>(value: &'v Value, at: &str) -> Result<Option<&'v Map<String, Value
     }
 }
 
-struct Reader<'b> {
-    bytes: &'b [u8],
+/// Bytes of the glue that are read.
+pub(super) struct Reader<'b> {
+    pub(super) bytes: &'b [u8],
 }
 
 impl<'b> Reader<'b> {
-    fn some(&mut self, count: usize) -> Result<&'b [u8], Wrong> {
+    pub(super) fn some(&mut self, count: usize) -> Result<&'b [u8], Wrong> {
         match self.bytes.split_at_checked(count) {
             Some((taken, rest)) => {
                 self.bytes = rest;
@@ -545,7 +546,7 @@ impl<'b> Reader<'b> {
         }
     }
 
-    fn take<const N: usize>(&mut self) -> Result<[u8; N], Wrong> {
+    pub(super) fn take<const N: usize>(&mut self) -> Result<[u8; N], Wrong> {
         let bytes = self.some(N)?;
         bytes.try_into().or_else(|_| wrong("", "a value"))
     }

@@ -76,6 +76,20 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "PORT")]
     listen: Option<u16>,
 
+    /// Exchange data of ports with other machines, with --clock real: be reached by Zenoh at this endpoint, for
+    /// example tcp/0.0.0.0:7447
+    #[arg(long, value_name = "ENDPOINT", action = clap::ArgAction::Append)]
+    zenoh_listen: Vec<String>,
+
+    /// Likewise: reach others, or a Zenoh router, at this endpoint, for example tcp/robot2:7447
+    #[arg(long, value_name = "ENDPOINT", action = clap::ArgAction::Append)]
+    zenoh_connect: Vec<String>,
+
+    /// What an input port reads of other machines: pump.goal=planner/goal [default: an output port of the same
+    /// name]
+    #[arg(long = "zenoh-read", value_name = "PORT=KEY", action = clap::ArgAction::Append)]
+    zenoh_reads: Vec<String>,
+
     /// Run so many times from the start; each run has the next seed
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     runs: u64,
@@ -270,6 +284,17 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
             "`--listen` is for `--clock real`: on the virtual clock nobody can ask in time"
         );
     }
+    if arguments.has_network() && arguments.clock == Clock::Virtual {
+        anyhow::bail!(
+            "`--zenoh-listen` and `--zenoh-connect` are for `--clock real`: other machines have another \
+             virtual clock"
+        );
+    }
+    if !arguments.zenoh_reads.is_empty() && !arguments.has_network() {
+        anyhow::bail!(
+            "`--zenoh-read` needs other machines: add `--zenoh-listen` or `--zenoh-connect`"
+        );
+    }
     let output = |path, endings| Output { path, endings };
     let log = arguments.profile.iter().map(|it| output(it, &[]));
     let trace = arguments.trace.iter();
@@ -392,6 +417,11 @@ pub(super) fn run(arguments: &Arguments) -> anyhow::Result<Outcome> {
 }
 
 impl Arguments {
+    /// Whether ports are exchanged with other machines.
+    fn has_network(&self) -> bool {
+        !self.zenoh_listen.is_empty() || !self.zenoh_connect.is_empty()
+    }
+
     fn plan(&self, prepared: &Prepared) -> Plan {
         let ten_seconds = Ratio::from_integer(10);
         Plan {

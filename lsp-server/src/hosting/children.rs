@@ -6,6 +6,8 @@ use std::io::{self, BufReader, Write as _};
 use std::path::PathBuf;
 use std::process::{ChildStdin, ExitStatus};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+#[cfg(feature = "zenoh")]
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use camino::Utf8PathBuf;
@@ -38,12 +40,43 @@ enum Arrival {
     /// Its output has ended.
     Closed(usize, u64),
     Outside(Message),
+    /// An input port has data from another machine.
+    #[cfg(feature = "zenoh")]
+    Fed(Arc<Newest>),
+}
+
+/// The newest data of another machine for an input port, until the engine takes it: what comes faster than
+/// that replaces what was there.
+#[cfg(feature = "zenoh")]
+pub(crate) struct Newest {
+    component: usize,
+    port: u32,
+    name: String,
+    data: Mutex<Option<Vec<u8>>>,
+}
+
+#[cfg(feature = "zenoh")]
+impl Newest {
+    /// For a port of a component, which knows the source by a name.
+    pub(crate) fn new(component: usize, port: u32, name: String) -> Newest {
+        Newest {
+            component,
+            port,
+            name,
+            data: Mutex::default(),
+        }
+    }
+
+    fn swap(&self, data: Option<Vec<u8>>) -> Option<Vec<u8>> {
+        let mut held = self.data.lock().unwrap_or_else(|it| it.into_inner());
+        std::mem::replace(&mut held, data)
+    }
 }
 
 /// Whoever is outside and wants to know.
 pub(crate) trait Outside {
     /// What became of a request.
-    fn answer(&mut self, id: u64, answer: Answer);
+    fn answer(&mut self, id: u64, answer: &Answer);
     /// A component is gone, and how it ended.
     fn gone(&mut self, component: usize, why: &str);
     /// An output port has new data.
@@ -58,6 +91,15 @@ impl Door {
     /// Whether there is still somebody to hear it.
     pub(crate) fn bring(&self, message: Message) -> bool {
         self.0.send(Arrival::Outside(message)).is_ok()
+    }
+
+    /// Brings data for an input port.
+    #[cfg(feature = "zenoh")]
+    pub(crate) fn feed(&self, newest: &Arc<Newest>, data: Vec<u8>) {
+        if newest.swap(Some(data)).is_none() {
+            // Where nobody hears it any more, the run has ended.
+            let _ = self.0.send(Arrival::Fed(newest.clone()));
+        }
     }
 }
 
@@ -82,18 +124,27 @@ pub(crate) struct Children {
     sender: Sender<Arrival>,
     /// What came while something else was awaited.
     early: VecDeque<Message>,
-    outside: Option<Box<dyn Outside>>,
+    outside: Vec<Box<dyn Outside>>,
     boards: Boards,
     denied: BTreeSet<String>,
     /// When it was last looked who has ended.
     looked: Instant,
 }
 
-/// The data of output ports that are read.
+/// Where data of ports comes from.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+enum Origin {
+    /// Component, output port and instance.
+    Output(usize, u32, String),
+    /// Another machine; with the component, the input port and the name of the source.
+    Elsewhere(usize, u32, String),
+}
+
+/// The data of ports that is read.
 #[derive(Default)]
 struct Boards {
-    /// By component, port and instance, with the number of each.
-    of: HashMap<(usize, u32, String), (u64, Board)>,
+    /// With the number of each.
+    of: HashMap<Origin, (u64, Board)>,
     /// To which one an input port is led, by component, port and name of the source.
     shown: HashMap<(usize, u32, String), u64>,
     made: u64,
@@ -124,7 +175,7 @@ impl Children {
             started: 0,
             begin: Instant::now(),
             early: VecDeque::new(),
-            outside: None,
+            outside: Vec::new(),
             boards: Boards::default(),
             denied: BTreeSet::new(),
             looked: Instant::now(),
@@ -145,7 +196,7 @@ impl Children {
 
     /// Tells somebody outside.
     pub(crate) fn tell(&mut self, outside: Box<dyn Outside>) {
-        self.outside = Some(outside);
+        self.outside.push(outside);
     }
 
     fn spawn(&mut self, component: usize) -> Result<(), String> {
@@ -192,6 +243,45 @@ impl Children {
         self.children[component].process = Some(process);
         self.children[component].parted = None;
         Ok(())
+    }
+
+    /// Puts new data where readers are led to.
+    fn show(&mut self, origin: Origin, readers: &[Reader<'_>], data: &[u8]) {
+        let fits = self
+            .boards
+            .of
+            .get(&origin)
+            .is_some_and(|it| it.1.holds(data.len()));
+        if !fits {
+            let Ok(board) = Board::new(data.len()) else {
+                // There is no memory left: readers keep what they have.
+                self.denied
+                    .insert("memory for the data of ports".to_owned());
+                return;
+            };
+            self.boards.made += 1;
+            let small = self
+                .boards
+                .of
+                .insert(origin.clone(), (self.boards.made, board));
+            self.boards.small.extend(small.map(|it| it.1));
+        }
+        let Some((number, board)) = self.boards.of.get_mut(&origin) else {
+            return;
+        };
+        board.write(data);
+        let (number, path) = (*number, board.path());
+        for reader in readers {
+            let place = (reader.component, reader.port, reader.name.to_owned());
+            if self.boards.shown.insert(place, number) != Some(number) {
+                let order = Order::Share {
+                    port: reader.port,
+                    id: reader.name.to_owned(),
+                    path: path.clone(),
+                };
+                self.order(reader.component, &order);
+            }
+        }
     }
 
     fn order(&mut self, component: usize, order: &Order) {
@@ -317,6 +407,13 @@ impl Children {
                 Some(Message::Lost { component, why })
             }
             Arrival::Outside(message) => Some(message),
+            #[cfg(feature = "zenoh")]
+            Arrival::Fed(newest) => Some(Message::Fed {
+                component: newest.component,
+                port: newest.port,
+                name: newest.name.clone(),
+                data: newest.swap(None)?,
+            }),
         }
     }
 }
@@ -458,42 +555,13 @@ impl Hosts for Children {
     }
 
     fn share(&mut self, from: Source<'_>, readers: &[Reader<'_>], data: &[u8]) {
-        let key = (from.component, from.port, from.id.to_owned());
-        let fits = self
-            .boards
-            .of
-            .get(&key)
-            .is_some_and(|it| it.1.holds(data.len()));
-        if !fits {
-            let Ok(board) = Board::new(data.len()) else {
-                // There is no memory left: readers keep what they have.
-                self.denied
-                    .insert("memory for the data of ports".to_owned());
-                return;
-            };
-            self.boards.made += 1;
-            let small = self
-                .boards
-                .of
-                .insert(key.clone(), (self.boards.made, board));
-            self.boards.small.extend(small.map(|it| it.1));
-        }
-        let Some((number, board)) = self.boards.of.get_mut(&key) else {
-            return;
-        };
-        board.write(data);
-        let (number, path) = (*number, board.path());
-        for reader in readers {
-            let place = (reader.component, reader.port, reader.name.to_owned());
-            if self.boards.shown.insert(place, number) != Some(number) {
-                let order = Order::Share {
-                    port: reader.port,
-                    id: reader.name.to_owned(),
-                    path: path.clone(),
-                };
-                self.order(reader.component, &order);
-            }
-        }
+        let origin = Origin::Output(from.component, from.port, from.id.to_owned());
+        self.show(origin, readers, data);
+    }
+
+    fn feed(&mut self, reader: Reader<'_>, data: &[u8]) {
+        let origin = Origin::Elsewhere(reader.component, reader.port, reader.name.to_owned());
+        self.show(origin, &[reader], data);
     }
 
     fn wait(&mut self, until: u64) -> Option<Message> {
@@ -538,19 +606,19 @@ impl Hosts for Children {
     }
 
     fn answer(&mut self, id: u64, answer: Answer) {
-        if let Some(it) = &mut self.outside {
-            it.answer(id, answer);
+        for it in &mut self.outside {
+            it.answer(id, &answer);
         }
     }
 
     fn gone(&mut self, component: usize, why: &str) {
-        if let Some(it) = &mut self.outside {
+        for it in &mut self.outside {
             it.gone(component, why);
         }
     }
 
     fn published(&mut self, component: usize, port: u32, id: &str, data: &[u8]) {
-        if let Some(it) = &mut self.outside {
+        for it in &mut self.outside {
             it.published(component, port, id, data);
         }
     }

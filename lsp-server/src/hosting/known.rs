@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 pub(super) const CONNECT: &str = "connect_port";
 
 /// A component that can be asked for something.
+#[derive(Clone)]
 pub(crate) struct Known {
     pub(crate) spec: Arc<Spec>,
     /// Index among those of the specification.
@@ -21,7 +22,7 @@ pub(crate) struct Known {
 
 impl Known {
     /// The component.
-    pub(super) fn component(&self) -> &Component {
+    pub(crate) fn component(&self) -> &Component {
         &self.spec.components[self.component as usize]
     }
 }

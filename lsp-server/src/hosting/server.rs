@@ -533,7 +533,7 @@ struct Teller {
 }
 
 impl Outside for Teller {
-    fn answer(&mut self, id: u64, answer: Answer) {
+    fn answer(&mut self, id: u64, answer: &Answer) {
         let mut state = self.shared.state();
         let Some(asked) = state.requests.get(&id) else {
             return;
@@ -544,11 +544,11 @@ impl Outside for Teller {
         let (told, last) = match answer {
             Answer::Accepted => (json!({"event": "accepted"}), false),
             Answer::Done(bytes) => {
-                let output = values.outputs(service, &bytes).unwrap_or(Value::Null);
+                let output = values.outputs(service, bytes).unwrap_or(Value::Null);
                 (json!({"event": "done", "output": output}), true)
             }
             Answer::Failed { exception, detail } => {
-                let detail = detail_of(&known.spec, &exception, &detail);
+                let detail = detail_of(&known.spec, exception, detail);
                 let told = json!({"event": "failed", "exception": exception, "detail": detail});
                 (told, true)
             }

@@ -7,7 +7,7 @@ use std::{ops::Range, sync::Arc};
 
 use camino::Utf8PathBuf;
 use dotgen_analysis::model::{CodelRef, Owner, Src, State, TypeId};
-use dotgen_analysis::{lists::appended, spelling::as_in};
+use dotgen_analysis::{lists::appended, spelling::Spelling};
 
 use super::Repairs;
 use crate::codels::{edit::Edit, expected::state_text};
@@ -126,7 +126,7 @@ impl Repairs<'_> {
 
     /// Adds a property as the last one of a body.
     pub(super) fn add_property(&self, at: &At, body: Range<usize>, text: &str, edit: &mut Edit) {
-        let text = as_in(&at.text, text);
+        let text = Spelling::of(&at.text).apply(text);
         let content = at.text.get(body.clone()).unwrap_or_default();
         let last = content.trim_end();
         let here = body.start + last.len();

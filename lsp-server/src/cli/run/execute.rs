@@ -202,23 +202,23 @@ impl Context<'_, '_> {
                     .to_owned(),
             );
         }
-        let server = match real {
+        let serving = match real {
             true => Some(super::serve::start(
                 arguments,
                 self.problem,
                 self.names,
                 &opened,
+                &parts,
                 &mut children,
             )?),
             false => None,
         };
+        let server = serving.as_ref().map(|it| &it.server);
         let plan = arguments.plan(&opened);
         let grown = |it: &Option<Ticks>| it.map(|it| it.saturating_mul(factor));
         let bounds: Vec<_> = self.bounds.iter().map(grown).collect();
-        let followers = server
-            .as_ref()
-            .map(|it| Box::new(it.followers()) as Box<dyn Write>);
-        let mut lookers = server.as_ref().map(Server::lookers);
+        let followers = server.map(|it| Box::new(it.followers()) as Box<dyn Write>);
+        let mut lookers = server.map(Server::lookers);
         let mut profile = self.profile(&opened, stream, followers);
         let interrupted = || self.interrupt.is_raised();
         let stops_activities = arguments.on_violation == super::OnViolation::StopActivity;

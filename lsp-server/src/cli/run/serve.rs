@@ -1,8 +1,11 @@
-//! A run that listens: the socket, and what is known of the components there.
+//! A run that listens: the socket, other machines, and what is known of the components there.
 
 use std::collections::BTreeMap;
 
 use anyhow::Context;
+#[cfg(feature = "zenoh")]
+use dotgen_analysis::model::PortDir;
+use dotgen_runtime::live::Parts;
 use dotgen_timing::scn::names::Names;
 use dotgen_timing::verify::Prepared;
 use std::os::unix::fs::DirBuilderExt as _;
@@ -11,9 +14,18 @@ use super::Arguments;
 use crate::cli::report;
 use crate::hosting::children::Children;
 use crate::hosting::known::Known;
+#[cfg(feature = "zenoh")]
+use crate::hosting::network::Network;
 use crate::hosting::places;
 use crate::hosting::server::{Server, listen};
 use crate::verification::Problem;
+
+/// Who listens; nobody does any more when it is dropped.
+pub(super) struct Serving {
+    pub(super) server: Server,
+    #[cfg(feature = "zenoh")]
+    _network: Option<Network>,
+}
 
 /// Listens for whoever wants something of a run.
 pub(super) fn start(
@@ -21,8 +33,9 @@ pub(super) fn start(
     problem: &Problem,
     names: &Names<'_>,
     prepared: &Prepared,
+    parts: &Parts<'_>,
     children: &mut Children,
-) -> anyhow::Result<Server> {
+) -> anyhow::Result<Serving> {
     let path = match &arguments.socket {
         Some(path) => {
             let folder = path.parent().filter(|it| !it.as_str().is_empty());
@@ -57,6 +70,15 @@ pub(super) fn start(
         };
         known.insert(at, known_here);
     }
+    #[cfg(feature = "zenoh")]
+    let _network = join(arguments, &known, parts, children)?;
+    #[cfg(not(feature = "zenoh"))]
+    if arguments.has_network() {
+        let _ = parts;
+        anyhow::bail!(
+            "this build of dotgen has no Zenoh: take a released one, or build with `--features zenoh`"
+        );
+    }
     let (server, outside) = listen(&path, known, children.door()).map_err(anyhow::Error::msg)?;
     children.tell(outside);
     if let Some(port) = arguments.listen {
@@ -66,5 +88,66 @@ pub(super) fn start(
         report::note(&format!("for all users of this machine at {address}"));
     }
     report::note(&format!("listening at `{}`", path.display()));
-    Ok(server)
+    Ok(Serving {
+        server,
+        #[cfg(feature = "zenoh")]
+        _network,
+    })
+}
+
+/// Joins other machines, if they are named.
+#[cfg(feature = "zenoh")]
+fn join(
+    arguments: &Arguments,
+    known: &BTreeMap<usize, Known>,
+    parts: &Parts<'_>,
+    children: &mut Children,
+) -> anyhow::Result<Option<Network>> {
+    use crate::hosting::network::{self, Wanted};
+
+    if !arguments.has_network() {
+        return Ok(None);
+    }
+    let mut reads = Vec::new();
+    for it in &arguments.zenoh_reads {
+        reads.push(read(it, known)?);
+    }
+    let wanted = Wanted {
+        listen: &arguments.zenoh_listen,
+        connect: &arguments.zenoh_connect,
+        reads: &reads,
+    };
+    let is_fed = |component, port| {
+        let mut feeds = parts.feeds.iter();
+        feeds.any(|it| it.to == (component, port))
+    };
+    let tell: network::Tell = std::sync::Arc::new(|what: &str| report::note(what));
+    let joined = network::join(wanted, known, &is_fed, &children.door(), &tell);
+    let (network, outside) = joined.map_err(anyhow::Error::msg)?;
+    children.tell(outside);
+    Ok(Some(network))
+}
+
+/// `pump.goal=planner/goal`
+#[cfg(feature = "zenoh")]
+fn read(text: &str, known: &BTreeMap<usize, Known>) -> anyhow::Result<(usize, u32, String)> {
+    let split = text.split_once('=').and_then(|(port, key)| {
+        let (component, port) = port.split_once('.')?;
+        Some((component, port, key))
+    });
+    let Some((component, port, key)) = split else {
+        anyhow::bail!(
+            "`--zenoh-read {text}`: write COMPONENT.PORT=KEY, for example pump.goal=planner/goal"
+        );
+    };
+    let mut all = known.iter();
+    let Some((&at, it)) = all.find(|it| it.1.component().name == component) else {
+        anyhow::bail!("`--zenoh-read {text}`: no component `{component}` runs");
+    };
+    let mut ports = (0u32..).zip(&it.component().ports);
+    let found = ports.find(|it| it.1.name == port && it.1.dir == PortDir::In);
+    match found {
+        Some((index, _)) => Ok((at, index, key.to_owned())),
+        None => anyhow::bail!("`--zenoh-read {text}`: `{component}` has no input port `{port}`"),
+    }
 }

@@ -1,0 +1,384 @@
+//! Values in the Common Data Representation (CDR), as robots exchange them: ROS 2, DDS, MCAP.
+//!
+//! Numbers are aligned to their size, counted from behind the four bytes that say which representation it
+//! is (OMG, DDS-XTypes 1.3, 7.4 and 7.6.3.1.2). Written is the plain one of version 1, little-endian; read are
+//! the plain ones of both versions, in either order of bytes. An `optional` is a sequence of at most one, since
+//! ROS 2 has none.
+
+use dotgen_analysis::model::{TypeId, TypeKind};
+
+use super::value::{DEPTH, Reader, Values, Wrong, wrong};
+
+/// Plain CDR of version 1, little-endian.
+const HEADER: [u8; 4] = [0, 1, 0, 0];
+
+/// From the bytes of the [glue](super::glue) to CDR.
+///
+/// # Errors
+/// The bytes are no value of the type.
+pub fn to_cdr(values: Values<'_>, ty: TypeId, bytes: &[u8]) -> Result<Vec<u8>, Wrong> {
+    let mut to = Aligned(HEADER.to_vec());
+    recode(values, ty, &mut Reader { bytes }, &mut to, DEPTH)?;
+    Ok(to.0)
+}
+
+/// From CDR to the bytes of the [glue](super::glue). What stands behind the value (padding) is left out.
+///
+/// # Errors
+/// The bytes are no value of the type, or in a representation that is not read.
+pub fn from_cdr(values: Values<'_>, ty: TypeId, bytes: &[u8]) -> Result<Vec<u8>, Wrong> {
+    let (big, widest) = match bytes {
+        [0, 0, _, _, ..] => (true, 8),
+        [0, 1, _, _, ..] => (false, 8),
+        [0, 6, _, _, ..] => (true, 4),
+        [0, 7, _, _, ..] => (false, 4),
+        _ => return wrong("", "plain CDR"),
+    };
+    let mut from = Ordered {
+        bytes: &bytes[4..],
+        at: 0,
+        big,
+        widest,
+    };
+    let mut to = Packed(Vec::new());
+    recode(values, ty, &mut from, &mut to, DEPTH)?;
+    Ok(to.0)
+}
+
+/// Where a value comes from.
+trait Take {
+    fn number<const N: usize>(&mut self) -> Result<[u8; N], Wrong>;
+    /// A string, without what ends it.
+    fn text(&mut self) -> Result<&[u8], Wrong>;
+    /// Whether an optional has a value.
+    fn presence(&mut self) -> Result<bool, Wrong>;
+    /// The bytes that are left.
+    fn left(&self) -> usize;
+}
+
+/// Where a value goes to.
+trait Put {
+    fn number<const N: usize>(&mut self, bytes: [u8; N]);
+    fn text(&mut self, text: &[u8]);
+    fn presence(&mut self, is_there: bool);
+}
+
+impl Take for Reader<'_> {
+    fn number<const N: usize>(&mut self) -> Result<[u8; N], Wrong> {
+        self.take()
+    }
+
+    fn text(&mut self) -> Result<&[u8], Wrong> {
+        let length = u32::from_ne_bytes(self.take()?);
+        self.some(length as usize)
+    }
+
+    fn presence(&mut self) -> Result<bool, Wrong> {
+        Ok(self.take::<1>()?[0] != 0)
+    }
+
+    fn left(&self) -> usize {
+        self.bytes.len()
+    }
+}
+
+/// Bytes of the glue that are written: in the order of this machine, one behind the other.
+struct Packed(Vec<u8>);
+
+impl Put for Packed {
+    fn number<const N: usize>(&mut self, bytes: [u8; N]) {
+        self.0.extend(bytes);
+    }
+
+    fn text(&mut self, text: &[u8]) {
+        // A length that was read from 32 bits.
+        self.number(u32::try_from(text.len()).unwrap_or(u32::MAX).to_ne_bytes());
+        self.0.extend(text);
+    }
+
+    fn presence(&mut self, is_there: bool) {
+        self.0.push(u8::from(is_there));
+    }
+}
+
+/// CDR that is written, with its header.
+struct Aligned(Vec<u8>);
+
+impl Put for Aligned {
+    fn number<const N: usize>(&mut self, mut bytes: [u8; N]) {
+        let length = self.0.len() - HEADER.len();
+        self.0.resize(HEADER.len() + length.next_multiple_of(N), 0);
+        if cfg!(target_endian = "big") {
+            bytes.reverse();
+        }
+        self.0.extend(bytes);
+    }
+
+    fn text(&mut self, text: &[u8]) {
+        let length = u32::try_from(text.len() + 1).unwrap_or(u32::MAX);
+        self.number(length.to_ne_bytes());
+        self.0.extend(text);
+        self.0.push(0);
+    }
+
+    fn presence(&mut self, is_there: bool) {
+        self.number(u32::from(is_there).to_ne_bytes());
+    }
+}
+
+/// CDR that is read, behind its header.
+struct Ordered<'b> {
+    bytes: &'b [u8],
+    at: usize,
+    big: bool,
+    /// Numbers are aligned to at most so much.
+    widest: usize,
+}
+
+impl Ordered<'_> {
+    fn some(&mut self, count: usize) -> Result<&[u8], Wrong> {
+        let end = self.at.checked_add(count);
+        let Some(found) = end.and_then(|end| self.bytes.get(self.at..end)) else {
+            return wrong("", "a value that does not break off");
+        };
+        self.at += count;
+        Ok(found)
+    }
+}
+
+impl Take for Ordered<'_> {
+    fn number<const N: usize>(&mut self) -> Result<[u8; N], Wrong> {
+        self.at = self.at.next_multiple_of(N.min(self.widest));
+        let foreign = self.big != cfg!(target_endian = "big");
+        let mut number = [0; N];
+        number.copy_from_slice(self.some(N)?);
+        if foreign {
+            number.reverse();
+        }
+        Ok(number)
+    }
+
+    fn text(&mut self) -> Result<&[u8], Wrong> {
+        let length = u32::from_ne_bytes(self.number()?);
+        let text = self.some(length as usize)?;
+        match text.split_last() {
+            // Some write an empty string without its end.
+            None => Ok(text),
+            Some((0, text)) if !text.contains(&0) => Ok(text),
+            _ => wrong("", "a string that ends with its zero"),
+        }
+    }
+
+    fn presence(&mut self) -> Result<bool, Wrong> {
+        match u32::from_ne_bytes(self.number()?) {
+            0 => Ok(false),
+            1 => Ok(true),
+            _ => wrong("", "a list of at most one"),
+        }
+    }
+
+    fn left(&self) -> usize {
+        self.bytes.len().saturating_sub(self.at)
+    }
+}
+
+fn copy<const N: usize>(from: &mut impl Take, to: &mut impl Put) -> Result<[u8; N], Wrong> {
+    let number = from.number::<N>()?;
+    to.number(number);
+    Ok(number)
+}
+
+/// Copies a value; of a number that a union may switch on, which it is.
+fn recode(
+    values: Values<'_>,
+    ty: TypeId,
+    from: &mut impl Take,
+    to: &mut impl Put,
+    depth: usize,
+) -> Result<Option<i64>, Wrong> {
+    let Some(depth) = depth.checked_sub(1) else {
+        return wrong("", "a value that is less deep");
+    };
+    let number = match values.kind(ty) {
+        TypeKind::Boolean => {
+            let it = u8::from(from.number::<1>()? != [0]);
+            to.number([it]);
+            i64::from(it)
+        }
+        TypeKind::Octet => i64::from(u8::from_ne_bytes(copy(from, to)?)),
+        TypeKind::Char => i64::from(i8::from_ne_bytes(copy(from, to)?)),
+        TypeKind::Short => i64::from(i16::from_ne_bytes(copy(from, to)?)),
+        TypeKind::UnsignedShort => i64::from(u16::from_ne_bytes(copy(from, to)?)),
+        TypeKind::Long => i64::from(i32::from_ne_bytes(copy(from, to)?)),
+        TypeKind::UnsignedLong => i64::from(u32::from_ne_bytes(copy(from, to)?)),
+        TypeKind::LongLong => i64::from_ne_bytes(copy(from, to)?),
+        TypeKind::UnsignedLongLong => {
+            i64::try_from(u64::from_ne_bytes(copy(from, to)?)).unwrap_or(i64::MAX)
+        }
+        TypeKind::Enum { enumerators } => {
+            let it = u32::from_ne_bytes(copy(from, to)?);
+            if it as usize >= enumerators.len() {
+                return wrong("", "one of the enumerators");
+            }
+            i64::from(it)
+        }
+        TypeKind::Float => {
+            copy::<4>(from, to)?;
+            return Ok(None);
+        }
+        TypeKind::Double => {
+            copy::<8>(from, to)?;
+            return Ok(None);
+        }
+        TypeKind::String { bound } => {
+            let text = from.text()?;
+            if bound.is_some_and(|bound| text.len() as u64 > bound) {
+                return wrong("", "a string that fits its bound");
+            }
+            to.text(text);
+            return Ok(None);
+        }
+        TypeKind::Array { element, length } => {
+            for _ in 0..*length {
+                recode(values, *element, from, to, depth)?;
+            }
+            return Ok(None);
+        }
+        TypeKind::Sequence { element, bound } => {
+            let count = u32::from_ne_bytes(copy(from, to)?);
+            // Each element takes a byte at least: whoever promises more is not believed.
+            if bound.is_some_and(|bound| u64::from(count) > bound) || count as usize > from.left() {
+                return wrong("", "a list that fits its bound");
+            }
+            for _ in 0..count {
+                recode(values, *element, from, to, depth)?;
+            }
+            return Ok(None);
+        }
+        TypeKind::Optional { element } => {
+            let is_there = from.presence()?;
+            to.presence(is_there);
+            if is_there {
+                recode(values, *element, from, to, depth)?;
+            }
+            return Ok(None);
+        }
+        TypeKind::Struct { members } | TypeKind::Exception { members } => {
+            for &member in members {
+                recode(values, member, from, to, depth)?;
+            }
+            return Ok(None);
+        }
+        TypeKind::Union { switch, members } => {
+            let number = recode(values, *switch, from, to, depth)?.unwrap_or(0);
+            if let Some(member) = values.chosen(members, number) {
+                recode(values, member, from, to, depth)?;
+            }
+            return Ok(None);
+        }
+        _ => {
+            copy::<1>(from, to)?;
+            return Ok(None);
+        }
+    };
+    Ok(Some(number))
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::{Value, json};
+
+    use super::*;
+
+    const TYPES: &str = "
+        enum mode { OFF, ON, AUTO };
+        union either switch (mode) { case ON: double d; default: octet o; };
+        struct inner { octet a; double b; };
+        struct all {
+            boolean flag; long n; string text; sequence<short> list; double many[2];
+            mode m; either e; optional<long long> maybe; inner i; char c; string<4> brief;
+        };";
+
+    fn with(check: impl Fn(Values<'_>, TypeId)) {
+        let unit = dotgen_loaders::unit(TYPES).expect("it is right");
+        let spec = &unit.spec;
+        let all = (0..spec.types.len() as u32).map(TypeId);
+        let mut named = all.filter(|&it| spec.ty(it).name.as_deref() == Some("all"));
+        check(Values::new(spec), named.next().expect("it is declared"));
+    }
+
+    fn value() -> Value {
+        json!({
+            "flag": true, "n": -2, "text": "hi", "list": [1, 2, 3], "many": [0.5, -1.0], "m": "AUTO",
+            "e": {"_d": "ON", "d": 2.0}, "maybe": 7, "i": {"a": 9, "b": 4.0}, "c": 65, "brief": "",
+        })
+    }
+
+    #[test]
+    fn bytes_are_those_of_the_standard() {
+        with(|values, ty| {
+            let packed = values.encode(ty, &value()).expect("it is a value");
+            let cdr = to_cdr(values, ty, &packed).expect("it is a value");
+            let mut expected = HEADER.to_vec();
+            expected.extend([1, 0, 0, 0]);
+            expected.extend((-2i32).to_le_bytes());
+            expected.extend([3, 0, 0, 0, b'h', b'i', 0, 0]);
+            expected.extend([3, 0, 0, 0, 1, 0, 2, 0, 3, 0]);
+            // To a multiple of eight.
+            expected.extend([0; 6]);
+            expected.extend(0.5f64.to_le_bytes());
+            expected.extend((-1f64).to_le_bytes());
+            expected.extend([2, 0, 0, 0, 1, 0, 0, 0]);
+            expected.extend(2f64.to_le_bytes());
+            expected.extend([1, 0, 0, 0, 0, 0, 0, 0]);
+            expected.extend(7i64.to_le_bytes());
+            expected.extend([9, 0, 0, 0, 0, 0, 0, 0]);
+            expected.extend(4f64.to_le_bytes());
+            expected.extend([65, 0, 0, 0, 1, 0, 0, 0, 0]);
+            assert_eq!(cdr, expected);
+            assert_eq!(from_cdr(values, ty, &cdr).as_ref(), Ok(&packed));
+        });
+    }
+
+    #[test]
+    fn other_orders_and_alignments_are_read() {
+        let unit = dotgen_loaders::unit("struct two { long a; double b; };").expect("it is right");
+        let spec = &unit.spec;
+        let all = (0..spec.types.len() as u32).map(TypeId);
+        let mut named = all.filter(|&it| spec.ty(it).name.as_deref() == Some("two"));
+        let ty = named.next().expect("it is declared");
+        let values = Values::new(spec);
+        let wanted = values.encode(ty, &json!({"a": 3, "b": 0.25})).ok();
+        let (a, b) = (3i32.to_be_bytes(), 0.25f64.to_be_bytes());
+        let big = [&[0, 0, 0, 0], &a[..], &[0; 4], &b].concat();
+        assert_eq!(from_cdr(values, ty, &big).ok(), wanted);
+        let (a, b) = (3i32.to_le_bytes(), 0.25f64.to_le_bytes());
+        let second = [&[0, 7, 0, 0], &a[..], &b].concat();
+        assert_eq!(from_cdr(values, ty, &second).ok(), wanted);
+        let padded = [&[0, 1, 0, 0], &a[..], &[0; 4], &b, &[0; 3]].concat();
+        assert_eq!(from_cdr(values, ty, &padded).ok(), wanted);
+    }
+
+    #[test]
+    fn whatever_comes_is_read_or_refused() {
+        with(|values, ty| {
+            let packed = values.encode(ty, &value()).expect("it is a value");
+            let cdr = to_cdr(values, ty, &packed).expect("it is a value");
+            for end in 0..cdr.len() {
+                assert!(from_cdr(values, ty, &cdr[..end]).is_err(), "{end} bytes");
+            }
+            let mut random = fastrand::Rng::with_seed(1);
+            for _ in 0..20_000 {
+                let mut other = cdr.clone();
+                for _ in 0..random.usize(1..4) {
+                    let at = random.usize(0..other.len());
+                    other[at] = random.u8(..);
+                }
+                if let Ok(read) = from_cdr(values, ty, &other) {
+                    let again = to_cdr(values, ty, &read).expect("what was read is a value");
+                    assert_eq!(from_cdr(values, ty, &again), Ok(read));
+                }
+            }
+        });
+    }
+}
