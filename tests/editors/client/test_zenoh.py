@@ -1,7 +1,6 @@
 """Ports of a run, reached by the Python package of Zenoh."""
 
 import os
-import pathlib
 import socket
 import struct
 import subprocess
@@ -10,8 +9,8 @@ import threading
 import pytest
 import zenoh
 
-ROOT = pathlib.Path(__file__).resolve().parents[3]
-HOSTED = ROOT / "lsp-server/tests/hosted"
+from hosted import lay_out
+
 LITTLE_ENDIAN = bytes([0, 1, 0, 0])
 
 
@@ -23,17 +22,11 @@ def free_endpoint() -> str:
 
 @pytest.fixture
 def joined(tmp_path):
-    """A session of Zenoh next to a run of the two components, each in its folder."""
-    for name in ["echo", "reader"]:
-        folder = tmp_path / name
-        (folder / "codels").mkdir(parents=True)
-        specification = (HOSTED / f"{name}.gen").read_text().replace("LANG", "c")
-        (folder / f"{name}.gen").write_text(specification)
-        (folder / "types.idl").write_text((HOSTED / "types.idl").read_text())
-        (folder / f"codels/{name}.c").write_text((HOSTED / f"{name}.c").read_text())
+    """A session of Zenoh next to a run of a component."""
     sessions = []
 
     def join(name: str) -> zenoh.Session:
+        lay_out(tmp_path, name)
         endpoint = free_endpoint()
         command = [os.environ["DOTGEN"], "run", f"{name}/{name}.gen", "--clock", "real"]
         command += ["--bounds", "none", "--until", "60s", "--socket", f"{name}.sock"]
