@@ -65,6 +65,8 @@ pub(crate) struct Place<'a> {
     pub(crate) broken: bool,
     pub(crate) range: TextRange,
     pub(crate) related: &'a [TextRange],
+    /// The text of the file.
+    pub(crate) source: &'a str,
     /// How the author of the file writes.
     pub(crate) spelling: &'a dyn Fn() -> Spelling,
 }
@@ -224,11 +226,19 @@ impl Place<'_> {
         (self.spelling)().apply(piece)
     }
 
-    /// The name, or with a number behind it if the text has a codel of that name: it is another function.
+    /// The name, or with a number behind it if the file has the word: a codel of that name would be another
+    /// function.
     fn free_codel(&self, name: &str) -> String {
+        // Asked for many findings of a file, so the tree is not walked.
         let taken = |name: &str| {
-            let mut codels = self.root.descendants().filter_map(ast::Codel::cast);
-            codels.any(|it| it.name().is_some_and(|it| it.syntax().text() == name))
+            self.source.match_indices(name).any(|(at, _)| {
+                let around = [
+                    self.source[..at].chars().next_back(),
+                    self.source[at + name.len()..].chars().next(),
+                ];
+                let goes_on = |it: char| it.is_alphanumeric() || it == '_';
+                !around.into_iter().flatten().any(goes_on)
+            })
         };
         let numbered = (2..).map(|number| format!("{name}_{number}"));
         let mut all = std::iter::once(name.to_owned()).chain(numbered);

@@ -324,6 +324,7 @@ pub(crate) fn fixes_at<'db>(
         broken: !parse.errors.is_empty(),
         range,
         related,
+        source: key.file(db).text(db),
         spelling: &|| spelling(db, key.file(db)),
     };
     let path = key.file(db).path(db);
